@@ -1,0 +1,70 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/vertex_rings.h"
+
+namespace radiafit {
+
+enum class ViewLookup { bilinear, nearest };
+enum class Mode { paper, modern };
+
+/// What a light field map fit is made of (Section 4.1), and the weights of its objective (Eq. 11).
+struct LfmOptions {
+    int terms = 1;         ///< K >= 1
+    int surface_side = 8;  ///< n: n(n+1)/2 texels per surface map
+    int view_side = 8;     ///< m: m x m texels per view map, m >= 2
+    ViewLookup lookup = ViewLookup::bilinear;
+    Mode mode = Mode::modern;      ///< of the bounds penalty
+    float lambda_surface = 1e-3f;  ///< weight of E_r on surface maps
+    float lambda_view = 1e-3f;     ///< on view maps, before its scaling to the problem
+    float mu = 1;                  ///< weight of E_b, first term only
+    float lower = 0, upper = 16;   ///< bounds of the first term's maps
+};
+/// Throws UserError unless terms in [1, 16], sides in [2, 64], weights finite and >= 0, lower < upper.
+void check_options(const LfmOptions& options);
+
+/// Parameters order: problem after problem, p = [p_v1 ... p_vQ] (Section 4.1). The block of vertex v holds
+///     surface maps  [ring position][tile texel][term][4]     ring position as in VertexRings::ring(v)
+///     view map      [view texel][term][4]
+/// with channels r, g, b and one zero of padding, so that four lanes carry three channels.
+class LfmLayout {
+public:
+    LfmLayout(const VertexRings& rings, int tile_texels, int view_side, int terms);
+
+    size_t problem_count() const { return offsets_.size() - 1; }  ///< vertices; each is three problems, one per channel
+    size_t size() const { return offsets_.back(); }                ///< floats, padding included
+    size_t offset(size_t v) const { return offsets_[v]; }
+    size_t view_offset(size_t v) const { return offsets_[v + 1] - size_t(view_texels_) * stride(); }
+    size_t block_size(size_t v) const { return offsets_[v + 1] - offsets_[v]; }
+    size_t tile_size() const { return size_t(tile_texels_) * stride(); }  ///< floats of one surface map
+    size_t stride() const { return size_t(4) * terms_; }                   ///< floats per texel, all terms
+    int terms() const { return terms_; }
+    int tile_texels() const { return tile_texels_; }
+    int view_texels() const { return view_texels_; }
+    int view_side() const { return view_side_; }
+    /// N as the paper counts it: scalar parameters without padding.
+    uint64_t parameter_count() const { return uint64_t(size()) / 4 * 3; }
+    /// Where the surface map of (triangle, corner) begins; no_map for a degenerate triangle.
+    static constexpr size_t no_map = ~size_t(0);
+    size_t map_offset(uint32_t triangle, uint32_t corner) const { return map_offsets_[3 * size_t(triangle) + corner]; }
+
+private:
+    int tile_texels_, view_side_, view_texels_, terms_;
+    std::vector<size_t> offsets_;
+    std::vector<size_t> map_offsets_;
+};
+
+/// A problem's view look-up for one image: the footprint of the bilinear (or nearest) look-up.
+struct ViewFootprint {
+    uint16_t texel = 0;  ///< lower-left of four; the others are +1, +m, +m+1
+    float weight[4] = {0, 0, 0, 0};
+};
+/// From a camera centre (world) to the footprint of vertex `position` with frame `frame`.
+ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side, ViewLookup lookup);
+
+std::string to_string(ViewLookup lookup);
+std::string to_string(Mode mode);
+
+}  // namespace radiafit

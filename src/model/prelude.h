@@ -1,0 +1,40 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+/// The C++ side of the dialect that model and optimizer texts under shaders/ are written in. A text is included inside
+/// `template <class real> struct NAME : shared_text::Types<real> { ... }`; see shaders/model/prelude.glsl.
+/// `real` may be float, double, a SIMD pack or a ceres::Jet.
+namespace radiafit::shared_text {
+
+template <class real>
+struct real2_t {
+    real x, y;
+};
+
+template <class real>
+struct real3_t {
+    real x, y, z;
+    friend real3_t operator+(const real3_t& a, const real3_t& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend real3_t operator-(const real3_t& a, const real3_t& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend real3_t operator*(const real3_t& a, const real3_t& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+    friend real3_t operator*(const real3_t& a, const real& b) { return {a.x * b, a.y * b, a.z * b}; }
+    friend real3_t operator*(const real& a, const real3_t& b) { return b * a; }
+};
+
+template <class real>
+struct real4_t {
+    real x, y, z, w;
+};
+
+template <class real>
+real select(bool c, const real& a, const real& b) {
+    return c ? a : b;
+}
+
+}  // namespace radiafit::shared_text
+
+// The texts are macros' only users; each inclusion site undefines nothing, so keep the names out of public headers.
+#define INOUT(T) T&
+#define SELECT(c, a, b) (::radiafit::shared_text::select<real>((c), (a), (b)))
+#define SHARED_FN static inline
