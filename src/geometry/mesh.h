@@ -10,8 +10,8 @@ namespace radiafit {
 
 /// An indexed triangle mesh in world space; counter-clockwise triangles face outward.
 struct Mesh {
-    std::vector<Vec3f> positions;                   ///< [V]
-    std::vector<std::array<uint32_t, 3>> triangles; ///< [F] indices into positions
+    std::vector<Vec3f> positions;                    ///< [V]
+    std::vector<std::array<uint32_t, 3>> triangles;  ///< [F] indices into positions
 
     size_t vertex_count() const { return positions.size(); }
     size_t triangle_count() const { return triangles.size(); }
@@ -23,6 +23,8 @@ struct MeshDefects {
     std::vector<uint32_t> unreferenced_vertices;  ///< no non-degenerate triangle uses them: problems without samples
 };
 MeshDefects find_defects(const Mesh& mesh);
+/// The one test of degeneracy: a vertex twice, or twice the area not above 1e-12 of the longest edge squared.
+bool is_degenerate(const Mesh& mesh, size_t triangle);
 
 /// Throws UserError, prefixed by `name`, for an empty mesh, an index out of range or a position that is not finite.
 void check_mesh(const Mesh& mesh, const std::string& name);
