@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "base/linear.h"
+#include "geometry/mesh.h"
 #include "geometry/vertex_rings.h"
 
 namespace radiafit {
@@ -34,12 +36,12 @@ public:
     LfmLayout(const VertexRings& rings, int tile_texels, int view_side, int terms);
 
     size_t problem_count() const { return offsets_.size() - 1; }  ///< vertices; each is three problems, one per channel
-    size_t size() const { return offsets_.back(); }                ///< floats, padding included
+    size_t size() const { return offsets_.back(); }               ///< floats, padding included
     size_t offset(size_t v) const { return offsets_[v]; }
     size_t view_offset(size_t v) const { return offsets_[v + 1] - size_t(view_texels_) * stride(); }
     size_t block_size(size_t v) const { return offsets_[v + 1] - offsets_[v]; }
     size_t tile_size() const { return size_t(tile_texels_) * stride(); }  ///< floats of one surface map
-    size_t stride() const { return size_t(4) * terms_; }                   ///< floats per texel, all terms
+    size_t stride() const { return size_t(4) * terms_; }                  ///< floats per texel, all terms
     int terms() const { return terms_; }
     int tile_texels() const { return tile_texels_; }
     int view_texels() const { return view_texels_; }
@@ -48,7 +50,10 @@ public:
     uint64_t parameter_count() const { return uint64_t(size()) / 4 * 3; }
     /// Where the surface map of (triangle, corner) begins; no_map for a degenerate triangle.
     static constexpr size_t no_map = ~size_t(0);
-    size_t map_offset(uint32_t triangle, uint32_t corner) const { return map_offsets_[3 * size_t(triangle) + corner]; }
+    size_t map_offset(uint32_t triangle, uint32_t corner) const {
+        const size_t i = 3 * size_t(triangle) + corner;
+        return i < map_offsets_.size() ? map_offsets_[i] : no_map;
+    }
 
 private:
     int tile_texels_, view_side_, view_texels_, terms_;
@@ -58,11 +63,12 @@ private:
 
 /// A problem's view look-up for one image: the footprint of the bilinear (or nearest) look-up.
 struct ViewFootprint {
-    uint16_t texel = 0;  ///< lower-left of four; the others are +1, +m, +m+1
-    float weight[4] = {0, 0, 0, 0};
+    uint16_t texel = 0;              ///< lower-left of four; the others are +1, +m, +m+1
+    float weight[4] = {0, 0, 0, 0};  ///< of (x0, y0), (x0+1, y0), (x0, y0+1), (x0+1, y0+1)
 };
 /// From a camera centre (world) to the footprint of vertex `position` with frame `frame`.
-ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side, ViewLookup lookup);
+ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side,
+                             ViewLookup lookup);
 
 std::string to_string(ViewLookup lookup);
 std::string to_string(Mode mode);

@@ -1,0 +1,76 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "base/lanes.h"
+#include "dataset/dataset.h"
+#include "geometry/atlas.h"
+#include "model/lfm.h"
+#include "model/penalty.h"
+#include "optim/engine.h"
+#include "samples/sample_list.h"
+
+namespace radiafit {
+
+/// Sums along d of one vertex, a lane per channel; see LineSums in shaders/optimize/problem_state.glsl.
+struct LineLanes {
+    Lanes<double> gauss_newton{}, curvature{}, third{}, fourth{};
+};
+
+/// Light field mapping, one vertex at a time over a sample list: errors, gradients and curvatures of the vertex's
+/// three problems (one per channel, in lanes). Samples are read by (triangle, image, texel), so view weights hoist out
+/// of the inner loop and a vertex's working set stays in L2. real = double makes it the oracle of the other engines.
+/// Blocks are a vertex's part of LfmLayout's order, four lanes at a time.
+template <class real>
+class LfmProblem {
+public:
+    using V = Lanes<real>;
+    /// All arguments but options must outlive the problem.
+    LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const SampleList& samples,
+               const LfmOptions& options);
+
+    size_t vertex_count() const { return rings_->vertex_count(); }
+    const LfmLayout& layout() const { return layout_; }
+    const LfmOptions& options() const { return options_; }
+    size_t ring_texels(size_t v) const { return rings_->ring(v).size() * size_t(layout_.tile_texels()); }
+
+    /// Samples and mean target per vertex; fixes S-bar and lambda_view. Call before the passes.
+    ProblemStatistics count();
+
+    /// At p (the vertex's block): E_t [3] and its gradient (the block g). fresh_p, if not null: diag(J'J)/S-bar + 20
+    /// lambda, floored at 1e-4 of its largest entry per channel. A non-finite value is kept, never masked.
+    void direction(size_t v, const V* p, V* g, V* fresh_p, double error[3]) const;
+    /// At p along d.
+    void line(size_t v, const V* p, const V* d, LineLanes& sums) const;
+    /// Raw E without S-bar and penalties.
+    void raw_error(size_t v, const V* p, double error[3]) const;
+
+private:
+    struct Footprint {
+        uint32_t texel;
+        real weight[4];
+    };
+    template <int K, bool Diagonal>
+    void accumulate_direction(size_t v, const V* p, V* g, V* diagonal, Lanes<double>& error) const;
+    template <int K>
+    void accumulate_line(size_t v, const V* p, const V* d, LineLanes& sums) const;
+    const Footprint& footprint(size_t v, uint32_t image) const {
+        return footprints_[v * samples_->image_count() + image];
+    }
+    void precondition(size_t v, V* diagonal) const;
+
+    const VertexRings* rings_;
+    const SampleList* samples_;
+    LfmOptions options_;
+    LfmLayout layout_;
+    MapNeighbours tile_neighbours_, view_neighbours_;
+    std::vector<V> target_weight_[3];    ///< per corner [tile texels]: Lambda at the centre, times the samples' scale
+    std::vector<Footprint> footprints_;  ///< [vertices][images]
+    std::vector<real> inverse_density_;  ///< [vertices] 1 / S-bar
+    std::vector<V> lambda_view_;         ///< [vertices]
+};
+
+extern template class LfmProblem<float>;
+extern template class LfmProblem<double>;
+
+}  // namespace radiafit

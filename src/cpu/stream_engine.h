@@ -1,0 +1,68 @@
+#pragma once
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "base/parallel.h"
+#include "cpu/lfm_problem.h"
+#include "optim/engine.h"
+
+namespace radiafit {
+
+/// The CPU's Engine: every pass runs over the samples in memory, all cores, one vertex (three problems, in lanes) at a
+/// time. Vertices are independent, so results don't depend on the number of threads. Vertices whose three problems
+/// have stopped are skipped.
+template <class real>
+class StreamEngine {
+public:
+    using V = Lanes<real>;
+    /// The problem must outlive the engine.
+    explicit StreamEngine(LfmProblem<real>& problem);
+
+    size_t problem_count() const { return 3 * problem_->vertex_count(); }
+    ProblemStatistics count();
+    void reset(std::span<const float> start);
+    void direction_pass(bool diagonal);
+    void project(Rule rule, bool fresh);
+    void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop);
+    void update_direction(Rule rule, bool fresh);
+    void line_pass();
+    void after_line(Rule rule, ProblemText<float>::StopRules stop);
+    void advance();
+    EngineSummary summary() const;
+    void outcomes(std::span<ProblemOutcome> out) const;
+    void read_errors(std::span<float> out) const;
+    void read_parameters(std::span<float> out) const;
+
+    uint64_t bytes() const;  ///< of the vectors and states
+
+private:
+    using Text = ProblemText<real>;
+    struct Channel {
+        typename Text::ProblemState state;
+        real alpha, trial_error, trial_norm, cross, conjugate;
+        typename Text::LineSums sums;
+    };
+    struct Vertex {
+        Channel channel[3];
+        bool active() const {
+            for (const Channel& c : channel)
+                if (c.state.status == real(0)) return true;
+            return false;
+        }
+    };
+    /// body(v, begin, end): a vertex and its range of lanes in the vectors; vertices that had stopped are left out.
+    template <class Body>
+    void for_active(const Body& body);
+
+    LfmProblem<real>* problem_;
+    std::vector<uint32_t> samples_;
+    std::vector<Vertex> vertices_;
+    std::vector<V> p_, trial_, d_, g_, trial_g_, precondition_, fresh_;
+};
+
+extern template class StreamEngine<float>;
+extern template class StreamEngine<double>;
+static_assert(Engine<StreamEngine<float>> && Engine<StreamEngine<double>>);
+
+}  // namespace radiafit

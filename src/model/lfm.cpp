@@ -1,0 +1,65 @@
+#include "model/lfm.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "model/lfm_text.h"
+
+namespace radiafit {
+
+void check_options(const LfmOptions& o) {
+    const auto require = [](bool holds, const std::string& what) {
+        if (!holds) throw UserError(what);
+    };
+    require(o.terms >= 1 && o.terms <= 16,
+            "terms = " + std::to_string(o.terms) + ": a light field map has 1 to 16 terms");
+    require(o.surface_side >= 2 && o.surface_side <= 64,
+            "surface side = " + std::to_string(o.surface_side) + ": choose 2 to 64 texels");
+    require(o.view_side >= 2 && o.view_side <= 64,
+            "view side = " + std::to_string(o.view_side) + ": choose 2 to 64 texels");
+    const auto weight = [&](float w, const char* name) {
+        require(std::isfinite(w) && w >= 0,
+                std::string(name) + " = " + std::to_string(w) + ": weights are finite and not negative");
+    };
+    weight(o.lambda_surface, "lambda-surface");
+    weight(o.lambda_view, "lambda-view");
+    weight(o.mu, "mu");
+    require(std::isfinite(o.lower) && std::isfinite(o.upper) && o.lower < o.upper,
+            "bounds: the lower must be below the upper");
+}
+
+LfmLayout::LfmLayout(const VertexRings& rings, int tile_texels, int view_side, int terms)
+    : tile_texels_(tile_texels), view_side_(view_side), view_texels_(view_side * view_side), terms_(terms) {
+    offsets_.reserve(rings.vertex_count() + 1);
+    offsets_.push_back(0);
+    uint32_t triangles = 0;
+    for (const Corner& c : rings.corners()) triangles = std::max(triangles, c.triangle + 1);
+    map_offsets_.assign(3 * size_t(triangles), no_map);
+    for (size_t v = 0; v < rings.vertex_count(); ++v) {
+        size_t at = offsets_.back();
+        for (const Corner& c : rings.ring(v)) {
+            map_offsets_[3 * size_t(c.triangle) + c.corner] = at;
+            at += tile_size();
+        }
+        offsets_.push_back(at + size_t(view_texels_) * stride());
+    }
+}
+
+ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side,
+                             ViewLookup lookup) {
+    using Text = LfmText<double>;
+    const Vec3d d = (camera_center - position.cast<double>()).normalized();
+    const auto along = [&](const Vec3f& axis) { return axis.cast<double>().dot(d); };
+    const auto coordinate =
+        Text::lfm_view_coordinate({along(frame.tangent), along(frame.bitangent), along(frame.normal)});
+    const auto footprint = lookup == ViewLookup::bilinear ? Text::lfm_view_bilinear(coordinate, view_side)
+                                                          : Text::lfm_view_nearest(coordinate, view_side);
+    const auto w = Text::lfm_view_weights(footprint);
+    return {static_cast<uint16_t>(footprint.y * view_side + footprint.x),
+            {float(w.x), float(w.y), float(w.z), float(w.w)}};
+}
+
+std::string to_string(ViewLookup lookup) { return lookup == ViewLookup::bilinear ? "bilinear" : "nearest"; }
+std::string to_string(Mode mode) { return mode == Mode::paper ? "paper" : "modern"; }
+
+}  // namespace radiafit

@@ -1,0 +1,96 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/lanes.h"
+#include "model/lfm.h"
+
+/// E_r (Eq. 9) and E_b (Section 3.1), on maps stored [texel][term] of lanes.
+namespace radiafit {
+
+/// The four-neighbourhood inside one map; what lies outside is left out and the centre weight is the number kept, so
+/// L is symmetric and its rows sum to zero.
+class MapNeighbours {
+public:
+    static MapNeighbours triangle(int side);  ///< tile of n(n+1)/2 texels, TriangleAtlas's local order
+    static MapNeighbours square(int side);    ///< m x m, row by row
+    size_t texel_count() const { return first_.size() - 1; }
+
+    /// y = L x for term k of a map of `terms` terms. x [texel][term], y [texel].
+    template <class real>
+    void apply(const Lanes<real>* x, int terms, int k, Lanes<real>* y) const {
+        for (size_t i = 0; i < texel_count(); ++i) {
+            Lanes<real> sum = x[i * terms + k] * real(first_[i + 1] - first_[i]);
+            for (uint32_t e = first_[i]; e < first_[i + 1]; ++e) sum -= x[size_t(neighbour_[e]) * terms + k];
+            y[i] = sum;
+        }
+    }
+
+private:
+    template <class Inside>
+    static MapNeighbours make(int side, const Inside& local_of);
+    std::vector<uint32_t> first_;  ///< [texels + 1]
+    std::vector<uint16_t> neighbour_;
+};
+
+/// lambda E_r: adds lambda/2 |L x|^2 to error and lambda L'L x to g. scratch [2 * texels].
+template <class real>
+void add_smoothness(const MapNeighbours& map, int terms, Lanes<real> lambda, const Lanes<real>* x, Lanes<real>* g,
+                    Lanes<double>& error, Lanes<real>* scratch) {
+    const size_t n = map.texel_count();
+    Lanes<real>* once = scratch;
+    Lanes<real>* twice = scratch + n;
+    for (int k = 0; k < terms; ++k) {
+        map.apply<real>(x, terms, k, once);
+        map.apply<real>(once, 1, 0, twice);
+        Lanes<real> sum{};
+        for (size_t i = 0; i < n; ++i) {
+            sum += once[i] * once[i];
+            g[i * terms + k] += lambda * twice[i];
+        }
+        error += 0.5 * widen<real>(lambda * sum);
+    }
+}
+
+/// The second derivative of lambda E_r along d: lambda |L d|^2. scratch [texels].
+template <class real>
+Lanes<real> smoothness_curvature(const MapNeighbours& map, int terms, Lanes<real> lambda, const Lanes<real>* d,
+                                 Lanes<real>* scratch) {
+    Lanes<real> sum{};
+    for (int k = 0; k < terms; ++k) {
+        map.apply<real>(d, terms, k, scratch);
+        for (size_t i = 0; i < map.texel_count(); ++i) sum += scratch[i] * scratch[i];
+    }
+    return lambda * sum;
+}
+
+/// mu E_b on the first term: (x-a)(x-b) outside [a, b] (paper; its gradient jumps at the bound), or half the squared
+/// distance to [a, b] (modern).
+template <class real>
+void add_bounds(const LfmOptions& o, size_t texels, const Lanes<real>* x, Lanes<real>* g, Lanes<double>& error) {
+    const real a = o.lower, b = o.upper, mu = o.mu;
+    for (size_t i = 0; i < texels; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const real value = x[i * o.terms][c];
+            if (value >= a && value <= b) continue;
+            const real beyond = value < a ? value - a : value - b;
+            error[c] += o.mode == Mode::paper ? mu * (value - a) * (value - b) : mu * beyond * beyond / 2;
+            g[i * o.terms][c] += o.mode == Mode::paper ? mu * (2 * value - a - b) : mu * beyond;
+        }
+}
+
+/// The second derivative of mu E_b along d, at x.
+template <class real>
+Lanes<real> bounds_curvature(const LfmOptions& o, size_t texels, const Lanes<real>* x, const Lanes<real>* d) {
+    Lanes<real> sum{};
+    const real factor = o.mu * (o.mode == Mode::paper ? 2 : 1);
+    for (size_t i = 0; i < texels; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const real value = x[i * o.terms][c];
+            if (!(value >= o.lower && value <= o.upper)) sum[c] += factor * d[i * o.terms][c] * d[i * o.terms][c];
+        }
+    return sum;
+}
+
+}  // namespace radiafit

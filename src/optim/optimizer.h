@@ -1,0 +1,54 @@
+#pragma once
+#include <functional>
+
+#include "base/clock.h"
+#include "optim/engine.h"
+#include "optim/trace.h"
+
+namespace radiafit {
+
+struct OptimizerOptions {
+    Rule rule = Rule::cg_modern;
+    int iterations = 25;           ///< Section 5.3.2 rule 3
+    float stop_residual = 0;       ///< rule 1: root mean square residual, units of the targets; 0 = off
+    float stop_output_change = 0;  ///< rule 2: root mean square change of the model's output; 0 = off
+    int refresh_every = 10;        ///< iterations between fresh preconditioners (cg_modern)
+};
+
+/// Steepest descent and conjugate gradients with an explicit d'Hd (Section 3), for all problems of an engine at once.
+/// Each problem accepts, restarts, halves and stops by itself; the loop ends when none is active.
+/// Row k of the trace holds the state after k trials, row 0 the start. Call engine.count() and engine.reset() before.
+/// `each_iteration`, if given, is called after every row, outside the trace's clock.
+template <Engine E>
+Trace optimize(E& engine, const OptimizerOptions& options,
+               const std::function<void(int iteration)>& each_iteration = {}) {
+    const ProblemText<float>::StopRules stop{options.stop_residual, options.stop_output_change};
+    const bool modern = options.rule == Rule::cg_modern;
+    const bool descent = options.rule == Rule::steepest_descent;
+    Trace trace;
+    Stopwatch clock;
+    double paused = 0;
+    for (int k = 0;; ++k) {
+        const bool fresh = modern && k % options.refresh_every == 0;
+        engine.direction_pass(fresh);
+        engine.project(options.rule, fresh);
+        engine.after_direction(options.rule, fresh, stop);
+        engine.update_direction(options.rule, fresh);
+        const EngineSummary now = engine.summary();
+        trace.rows.push_back({k, clock.wall_s() - paused, now.error, now.accepted, now.active});
+        if (each_iteration) {
+            const double before = clock.wall_s();
+            each_iteration(k);
+            paused += clock.wall_s() - before;
+        }
+        if (k >= options.iterations || now.active == 0) break;
+        if (!descent || k == 0) {  // steepest descent keeps its first step, halved when the error rises
+            engine.line_pass();
+            engine.after_line(options.rule, stop);
+        }
+        engine.advance();
+    }
+    return trace;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,25 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace radiafit {
+
+/// One row per iteration, the same for every solver; row 0 is the start.
+struct TraceRow {
+    int iteration = 0;
+    double time_s = 0;      ///< wall time since the solver started
+    double error = 0;       ///< sum of E_t over the problems
+    uint64_t accepted = 0;  ///< problems whose trial was accepted
+    uint64_t active = 0;    ///< problems still running
+};
+
+struct Trace {
+    std::vector<TraceRow> rows;
+};
+
+/// CSV with columns solver,engine,iteration,time_s,error,accepted,active.
+std::string trace_csv(const Trace& trace, const std::string& solver, const std::string& engine);
+
+}  // namespace radiafit
