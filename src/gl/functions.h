@@ -1,0 +1,83 @@
+#pragma once
+#ifndef GL_GLEXT_PROTOTYPES
+#define GL_GLEXT_PROTOTYPES  // declarations only, for their types: no entry point is ever linked
+#endif
+#include <GL/glcorearb.h>
+
+#include <string>
+
+/// Every OpenGL entry point this project calls, loaded through the library that made the context: one table per
+/// context, so that an EGL and an OSMesa context live side by side in one process.
+namespace radiafit {
+
+// clang-format off
+#define RADIAFIT_GL_FUNCTIONS(X) \
+    /* state */ \
+    X(BlendEquation) X(BlendFunc) X(ClipControl) X(ColorMask) X(CullFace) X(DepthFunc) X(DepthMask) X(Disable) \
+    X(Disablei) X(Enable) X(Enablei) X(Finish) X(Flush) X(FrontFace) X(GetError) X(GetIntegerv) X(GetInteger64v) \
+    X(GetString) X(GetStringi) X(MemoryBarrier) X(PixelStorei) X(Scissor) X(TextureBarrier) X(Viewport) \
+    /* textures */ \
+    X(BindImageTexture) X(BindTextureUnit) X(ClearTexImage) X(CopyImageSubData) X(CreateTextures) X(DeleteTextures) \
+    X(GetTextureImage) X(GetTextureSubImage) X(TextureBuffer) X(TextureParameteri) X(TextureStorage2D) \
+    X(TextureStorage3D) X(TextureSubImage2D) X(TextureSubImage3D) \
+    /* framebuffers */ \
+    X(BindFramebuffer) X(CheckNamedFramebufferStatus) X(ClearBufferfv) X(ClearBufferuiv) X(ClearNamedFramebufferfv) \
+    X(ClearNamedFramebufferuiv) X(CreateFramebuffers) X(DeleteFramebuffers) X(NamedFramebufferDrawBuffers) \
+    X(NamedFramebufferReadBuffer) X(NamedFramebufferTexture) X(NamedFramebufferTextureLayer) X(ReadPixels) \
+    /* buffers and vertex arrays */ \
+    X(BindBuffer) X(BindBufferBase) X(BindBufferRange) X(BindVertexArray) X(ClearNamedBufferData) \
+    X(CopyNamedBufferSubData) X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
+    X(EnableVertexArrayAttrib) X(GetNamedBufferSubData) X(MapNamedBufferRange) X(NamedBufferStorage) \
+    X(NamedBufferSubData) X(UnmapNamedBuffer) X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) \
+    X(VertexArrayAttribIFormat) X(VertexArrayBindingDivisor) X(VertexArrayVertexBuffer) \
+    /* programs */ \
+    X(AttachShader) X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteProgram) X(DeleteShader) X(DetachShader) \
+    X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(LinkProgram) X(ProgramUniform1f) \
+    X(ProgramUniform1i) X(ProgramUniform1ui) X(ProgramUniform2f) X(ProgramUniform2i) X(ProgramUniform3f) \
+    X(ProgramUniform4f) X(ProgramUniform4fv) X(ProgramUniform4i) X(ShaderSource) X(UseProgram) \
+    /* drawing */ \
+    X(DispatchCompute) X(DrawArrays) X(DrawArraysInstanced) X(DrawArraysInstancedBaseInstance) X(DrawElements) \
+    /* queries, synchronization, debugging */ \
+    X(BeginQuery) X(ClientWaitSync) X(DebugMessageCallback) X(DebugMessageControl) X(DeleteQueries) X(DeleteSync) \
+    X(EndQuery) X(FenceSync) X(GenQueries) X(GetQueryObjectui64v) X(QueryCounter)
+// clang-format on
+
+namespace detail {
+extern thread_local bool check_gl_calls;  ///< set while a debugging context is current
+void after_gl_call(const char* name);     ///< throws SystemError that quotes the call if it failed
+}  // namespace detail
+
+/// One entry point. While a debugging context is current, a failing call throws a SystemError that quotes it.
+template <class Pointer>
+struct GlEntry;
+template <class Result, class... Args>
+struct GlEntry<Result (*)(Args...)> {
+    Result (*pointer)(Args...) = nullptr;
+    const char* name = "";
+
+    Result operator()(Args... args) const {
+        if (!detail::check_gl_calls) return pointer(args...);
+        if constexpr (std::is_void_v<Result>) {
+            pointer(args...);
+            detail::after_gl_call(name);
+        } else {
+            Result result = pointer(args...);
+            detail::after_gl_call(name);
+            return result;
+        }
+    }
+};
+
+struct GlFunctions {
+#define RADIAFIT_GL_MEMBER(name) GlEntry<decltype(&::gl##name)> name;
+    RADIAFIT_GL_FUNCTIONS(RADIAFIT_GL_MEMBER)
+#undef RADIAFIT_GL_MEMBER
+
+    /// Resolves every name. Throws SystemError that names the first one `library` doesn't have.
+    void load(void* (*resolve)(const char* name), const std::string& library);
+};
+
+/// The table of the context that is current on this thread. Throws SystemError if there is none.
+const GlFunctions& gl();
+
+}  // namespace radiafit

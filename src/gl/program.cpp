@@ -1,0 +1,136 @@
+#include "gl/program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace radiafit {
+namespace {
+
+std::string read_shader(const std::string& file) {
+    const std::string path = shader_folder() + "/" + file;
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream)
+        throw UserError(
+            fmt::format("{}: cannot be read; set RADIAFIT_SHADERS to the shaders folder of the sources", path));
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+// Appends `file` line by line. A file is included once.
+void append(const std::string& file, const Defines* defines, ShaderText& out) {
+    const size_t index = out.files.size();
+    out.files.push_back(file);
+    std::istringstream stream(read_shader(file));
+    std::string line;
+    int number = 0;
+    if (!defines) out.text += fmt::format("#line 1 {}\n", index);
+    while (std::getline(stream, line)) {
+        ++number;
+        if (defines && number == 1) {
+            out.text += line + "\n";
+            for (const auto& [name, value] : *defines) out.text += fmt::format("#define {} {}\n", name, value);
+            out.text += fmt::format("#line 2 {}\n", index);
+            continue;
+        }
+        const size_t begin = line.find_first_not_of(" \t");
+        if (begin != std::string::npos && line.compare(begin, 8, "#include") == 0) {
+            const size_t open = line.find('"'), close = line.rfind('"');
+            if (open == std::string::npos || close <= open)
+                throw UserError(fmt::format("{}:{}: #include needs a file in quotes", file, number));
+            const std::string name = line.substr(open + 1, close - open - 1);
+            if (std::find(out.files.begin(), out.files.end(), name) == out.files.end()) append(name, nullptr, out);
+            out.text += fmt::format("#line {} {}\n", number + 1, index);
+            continue;
+        }
+        out.text += line + "\n";
+    }
+}
+
+// "2:17(5): error" (Mesa) and "2(17) : error" (NVIDIA) get the file's name in place of its number.
+std::string name_files(const std::string& log, const std::vector<std::string>& files) {
+    static const std::regex place("^([0-9]+)([:(][0-9]+)");
+    std::istringstream stream(log);
+    std::string line, result;
+    while (std::getline(stream, line)) {
+        std::smatch match;
+        if (std::regex_search(line, match, place) && std::stoul(match[1]) < files.size())
+            line = files[std::stoul(match[1])] + match[2].str() + match.suffix().str();
+        result += "\n  " + line;
+    }
+    return result;
+}
+
+GLuint compile(GLenum stage, const std::string& file, const Defines& defines) {
+    const ShaderText shader_text = expand_shader(file, defines);
+    const GLuint shader = gl().CreateShader(stage);
+    const char* text = shader_text.text.c_str();
+    gl().ShaderSource(shader, 1, &text, nullptr);
+    gl().CompileShader(shader);
+    int compiled = 0, length = 0;
+    gl().GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled) return shader;
+    gl().GetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+    std::string log(static_cast<size_t>(std::max(length, 1)), 0);
+    gl().GetShaderInfoLog(shader, length, nullptr, log.data());
+    gl().DeleteShader(shader);
+    throw SystemError("glCompileShader failed:" + name_files(log.c_str(), shader_text.files));
+}
+
+GLuint link(std::initializer_list<GLuint> shaders, const std::string& what) {
+    const GLuint program = gl().CreateProgram();
+    for (GLuint shader : shaders) gl().AttachShader(program, shader);
+    gl().LinkProgram(program);
+    for (GLuint shader : shaders) {
+        gl().DetachShader(program, shader);
+        gl().DeleteShader(shader);
+    }
+    int linked = 0, length = 0;
+    gl().GetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked) return program;
+    gl().GetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
+    std::string log(static_cast<size_t>(std::max(length, 1)), 0);
+    gl().GetProgramInfoLog(program, length, nullptr, log.data());
+    gl().DeleteProgram(program);
+    throw SystemError(fmt::format("glLinkProgram failed for {}: {}", what, log.c_str()));
+}
+
+}  // namespace
+
+std::string shader_folder() {
+    const char* folder = std::getenv("RADIAFIT_SHADERS");
+    return folder && *folder ? folder : RADIAFIT_SHADER_FOLDER;
+}
+
+ShaderText expand_shader(const std::string& file, const Defines& defines) {
+    ShaderText result;
+    append(file, &defines, result);
+    return result;
+}
+
+Program Program::draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines) {
+    Program program;
+    const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_file, defines);
+    const GLuint fragment = compile(GL_FRAGMENT_SHADER, fragment_file, defines);
+    program.name_ = link({vertex, fragment}, vertex_file + " and " + fragment_file);
+    return program;
+}
+
+Program Program::compute(const std::string& file, const Defines& defines) {
+    Program program;
+    program.name_ = link({compile(GL_COMPUTE_SHADER, file, defines)}, file);
+    return program;
+}
+
+Program::~Program() {
+    if (name_) gl().DeleteProgram(name_);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,188 @@
+#include "gl/texture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "gl/context.h"
+
+namespace radiafit {
+namespace {
+
+int bytes_per_texel(GLenum format) {
+    switch (format) {
+        case GL_R8:
+        case GL_R8UI:
+            return 1;
+        case GL_R16UI:
+        case GL_R16F:
+            return 2;
+        case GL_R32UI:
+        case GL_R32F:
+        case GL_RGBA8:
+        case GL_RGBA8UI:
+        case GL_RG16F:
+        case GL_DEPTH_COMPONENT32F:
+            return 4;
+        case GL_RGBA16UI:
+        case GL_RGBA16F:
+        case GL_RG32UI:
+        case GL_RG32F:
+            return 8;
+        case GL_RGBA32UI:
+        case GL_RGBA32F:
+            return 16;
+        default:
+            throw SystemError(fmt::format("texture format 0x{:04x} has no size in bytes_per_texel", format));
+    }
+}
+
+}  // namespace
+
+Texture::Texture(GLenum format, int width, int height, int layers)
+    : format_(format), width_(width), height_(height), layers_(layers) {
+    const int limit = Context::current().limits().texture_size;
+    if (width > limit || height > limit)
+        throw UserError(
+            fmt::format("a texture of {} x {} texels is beyond this device's limit of {}: use a smaller "
+                        "--surface-side or --view-side, or a smaller mesh",
+                        width, height, limit));
+    gl().CreateTextures(layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &name_);
+    if (layers)
+        gl().TextureStorage3D(name_, 1, format, width, height, layers);
+    else
+        gl().TextureStorage2D(name_, 1, format, width, height);
+    for (GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        gl().TextureParameteri(name_, filter, GL_NEAREST);
+    for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) gl().TextureParameteri(name_, wrap, GL_CLAMP_TO_EDGE);
+    bytes_ = int64_t(bytes_per_texel(format)) * width * height * std::max(layers, 1);
+    Context::current().count_allocation(bytes_);
+    if (format != GL_DEPTH_COMPONENT32F) clear();
+}
+
+Texture Texture::of_buffer(GLenum format, const Buffer& buffer) {
+    const auto texels = int64_t(buffer.bytes() / static_cast<size_t>(bytes_per_texel(format)));
+    if (texels > Context::current().limits().texture_buffer_texels)
+        throw UserError(
+            fmt::format("a buffer texture of {} texels is beyond this device's limit of {}: use a smaller mesh", texels,
+                        Context::current().limits().texture_buffer_texels));
+    Texture texture;
+    gl().CreateTextures(GL_TEXTURE_BUFFER, 1, &texture.name_);
+    gl().TextureBuffer(texture.name_, format, buffer.name());
+    texture.format_ = format;
+    return texture;
+}
+
+Texture::~Texture() {
+    if (!name_) return;
+    gl().DeleteTextures(1, &name_);
+    Context::current().count_allocation(-bytes_);
+}
+
+void Texture::upload(GLenum format, GLenum type, const void* data, int layer) {
+    if (layers_)
+        gl().TextureSubImage3D(name_, 0, 0, 0, layer, width_, height_, 1, format, type, data);
+    else
+        gl().TextureSubImage2D(name_, 0, 0, 0, width_, height_, format, type, data);
+}
+
+void Texture::upload_part(int width, int height, GLenum format, GLenum type, const void* data) {
+    gl().TextureSubImage2D(name_, 0, 0, 0, width, height, format, type, data);
+}
+
+void Texture::download(GLenum format, GLenum type, void* data, size_t bytes, int layer) const {
+    gl().GetTextureSubImage(name_, 0, 0, 0, layer, width_, height_, 1, format, type, static_cast<GLsizei>(bytes), data);
+}
+
+void Texture::clear() {
+    const bool integer = format_ == GL_R8UI || format_ == GL_R16UI || format_ == GL_R32UI || format_ == GL_RGBA8UI ||
+                         format_ == GL_RGBA16UI || format_ == GL_RG32UI || format_ == GL_RGBA32UI;
+    gl().ClearTexImage(name_, 0, integer ? GL_RGBA_INTEGER : GL_RGBA, integer ? GL_UNSIGNED_INT : GL_FLOAT, nullptr);
+}
+
+Framebuffer::Framebuffer(const std::vector<Target>& colours, const Texture* depth)
+    : colours_(static_cast<int>(colours.size())) {
+    gl().CreateFramebuffers(1, &name_);
+    std::vector<GLenum> buffers;
+    for (const Target& target : colours) {
+        const GLenum attachment = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(buffers.size());
+        if (target.texture->layers())
+            gl().NamedFramebufferTextureLayer(name_, attachment, target.texture->name(), 0, target.layer);
+        else
+            gl().NamedFramebufferTexture(name_, attachment, target.texture->name(), 0);
+        buffers.push_back(attachment);
+        width_ = target.texture->width();
+        height_ = target.texture->height();
+    }
+    if (depth) gl().NamedFramebufferTexture(name_, GL_DEPTH_ATTACHMENT, depth->name(), 0);
+    gl().NamedFramebufferDrawBuffers(name_, static_cast<GLsizei>(buffers.size()), buffers.data());
+    const GLenum status = gl().CheckNamedFramebufferStatus(name_, GL_DRAW_FRAMEBUFFER);
+    if (status != GL_FRAMEBUFFER_COMPLETE)
+        throw SystemError(fmt::format("glCheckNamedFramebufferStatus gives 0x{:04x} for {} targets of {} x {}", status,
+                                      colours.size(), width_, height_));
+}
+
+Framebuffer::~Framebuffer() {
+    if (name_) gl().DeleteFramebuffers(1, &name_);
+}
+
+void Framebuffer::bind() const { bind(width_, height_); }
+
+void Framebuffer::bind(int width, int height) const {
+    gl().BindFramebuffer(GL_DRAW_FRAMEBUFFER, name_);
+    gl().Viewport(0, 0, width, height);
+}
+
+void Framebuffer::clear() const {
+    const float zero[4] = {0, 0, 0, 0};
+    for (int i = 0; i < colours_; ++i) gl().ClearNamedFramebufferfv(name_, GL_COLOR, i, zero);
+}
+
+Buffer::Buffer(size_t bytes, const void* data, bool dynamic) : bytes_(bytes) {
+    gl().CreateBuffers(1, &name_);
+    // GL has no empty buffers; a mesh without, say, rings still gets a name to bind.
+    static const uint64_t nothing = 0;
+    gl().NamedBufferStorage(name_, static_cast<GLsizeiptr>(bytes ? bytes : sizeof nothing), bytes ? data : &nothing,
+                            dynamic ? GL_DYNAMIC_STORAGE_BIT : 0);
+    Context::current().count_allocation(static_cast<int64_t>(bytes_));
+}
+
+Buffer::~Buffer() {
+    if (!name_) return;
+    gl().DeleteBuffers(1, &name_);
+    Context::current().count_allocation(-static_cast<int64_t>(bytes_));
+}
+
+void Buffer::write(size_t offset, size_t bytes, const void* data) {
+    gl().NamedBufferSubData(name_, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
+}
+
+void Buffer::read(size_t offset, size_t bytes, void* data) const {
+    gl().GetNamedBufferSubData(name_, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
+}
+
+VertexArray::VertexArray() { gl().CreateVertexArrays(1, &name_); }
+
+VertexArray::~VertexArray() {
+    if (name_) gl().DeleteVertexArrays(1, &name_);
+}
+
+void VertexArray::floats(unsigned location, int components, const Buffer& buffer, unsigned divisor) {
+    gl().VertexArrayVertexBuffer(name_, location, buffer.name(), 0, components * static_cast<GLsizei>(sizeof(float)));
+    gl().VertexArrayAttribFormat(name_, location, components, GL_FLOAT, GL_FALSE, 0);
+    gl().VertexArrayAttribBinding(name_, location, location);
+    gl().VertexArrayBindingDivisor(name_, location, divisor);
+    gl().EnableVertexArrayAttrib(name_, location);
+}
+
+void VertexArray::integers(unsigned location, int components, const Buffer& buffer, unsigned divisor) {
+    gl().VertexArrayVertexBuffer(name_, location, buffer.name(), 0,
+                                 components * static_cast<GLsizei>(sizeof(uint32_t)));
+    gl().VertexArrayAttribIFormat(name_, location, components, GL_UNSIGNED_INT, 0);
+    gl().VertexArrayAttribBinding(name_, location, location);
+    gl().VertexArrayBindingDivisor(name_, location, divisor);
+    gl().EnableVertexArrayAttrib(name_, location);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,157 @@
+// Contexts without a window system, the objects made in them, and how they fail.
+#include "gl/context.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "base/error.h"
+#include "gl/program.h"
+#include "gl/texture.h"
+
+namespace radiafit {
+namespace {
+
+std::unique_ptr<Context> make(ContextKind kind, bool debug = false) {
+    ContextOptions options;
+    options.kind = kind;
+    options.debug = debug;
+    return Context::create(options);
+}
+
+std::string user_error(const ContextOptions& options) {
+    try {
+        Context::create(options);
+    } catch (const UserError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+class EveryContext : public testing::TestWithParam<ContextKind> {};
+
+TEST_P(EveryContext, OffersCore45AndSaysWhatItIs) {
+    const auto context = make(GetParam());
+    EXPECT_FALSE(context->renderer().empty());
+    EXPECT_FALSE(context->vendor().empty());
+    EXPECT_GE(context->limits().texture_size, 16384);
+    EXPECT_GE(context->limits().draw_buffers, 8);
+    int profile = 0;
+    gl().GetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
+    EXPECT_TRUE(profile & GL_CONTEXT_CORE_PROFILE_BIT);
+}
+
+TEST_P(EveryContext, VersionBelowTheMinimumIsAUsersError) {
+    ContextOptions options;
+    options.kind = GetParam();
+    options.minimum_version = 99;
+    const std::string message = user_error(options);
+    EXPECT_NE(message.find("9.9 core is needed"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST_P(EveryContext, DeviceOutOfRangeIsAUsersError) {
+    ContextOptions options;
+    options.kind = GetParam();
+    options.device = 63;
+    const std::string message = user_error(options);
+    EXPECT_NE(message.find("out of range"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST_P(EveryContext, DebuggingQuotesTheFailingCall) {
+    const auto context = make(GetParam(), true);
+    try {
+        gl().Enable(GL_TEXTURE_SWIZZLE_RGBA);  // no capability of that name
+        FAIL() << "an invalid enum went unnoticed";
+    } catch (const SystemError& e) {
+        EXPECT_NE(std::string(e.what()).find("glEnable failed"), std::string::npos) << e.what();
+    }
+    gl().Disable(GL_BLEND);  // the next call starts afresh
+}
+
+TEST_P(EveryContext, TexturesKeepWhatTheyAreGivenAndCountTheirBytes) {
+    const auto context = make(GetParam(), true);
+    ASSERT_EQ(context->allocated_bytes(), 0);
+    {
+        Texture plain(GL_RGBA32F, 3, 2), array(GL_R32UI, 5, 4, 3);
+        EXPECT_EQ(context->allocated_bytes(), 3 * 2 * 16 + 5 * 4 * 3 * 4);
+        std::vector<float> in(24), out(24, -1.0f);
+        plain.download(GL_RGBA, GL_FLOAT, out.data(), 24 * sizeof(float));
+        for (float x : out) EXPECT_EQ(x, 0.0f);
+        for (size_t i = 0; i < in.size(); ++i) in[i] = 0.1f * float(i) - 1;
+        plain.upload(GL_RGBA, GL_FLOAT, in.data());
+        plain.download(GL_RGBA, GL_FLOAT, out.data(), 24 * sizeof(float));
+        EXPECT_EQ(in, out);
+        std::vector<uint32_t> items(20, 0xffffffffu), none(20), back(20);
+        array.upload(GL_RED_INTEGER, GL_UNSIGNED_INT, items.data(), 1);
+        array.download(GL_RED_INTEGER, GL_UNSIGNED_INT, back.data(), 80, 1);
+        EXPECT_EQ(back, items);
+        array.download(GL_RED_INTEGER, GL_UNSIGNED_INT, back.data(), 80, 2);
+        EXPECT_EQ(back, none);
+    }
+    EXPECT_EQ(context->allocated_bytes(), 0);
+    EXPECT_EQ(context->peak_bytes(), 3 * 2 * 16 + 5 * 4 * 3 * 4);
+}
+
+std::string name_of(const testing::TestParamInfo<ContextKind>& info) { return to_string(info.param); }
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryContext, testing::Values(ContextKind::egl, ContextKind::osmesa), name_of);
+
+TEST(Context, BothKindsLiveSideBySide) {
+    const auto egl = make(ContextKind::egl);
+    Texture of_egl(GL_R32F, 1, 1);
+    const float one = 1, two = 2;
+    of_egl.upload(GL_RED, GL_FLOAT, &one);
+    {
+        const auto osmesa = make(ContextKind::osmesa);
+        Texture of_osmesa(GL_R32F, 1, 1);
+        of_osmesa.upload(GL_RED, GL_FLOAT, &two);
+        for (int turn = 0; turn < 3; ++turn) {
+            float x = 0;
+            egl->make_current();
+            of_egl.download(GL_RED, GL_FLOAT, &x, sizeof x);
+            EXPECT_EQ(x, 1.0f);
+            osmesa->make_current();
+            of_osmesa.download(GL_RED, GL_FLOAT, &x, sizeof x);
+            EXPECT_EQ(x, 2.0f);
+        }
+    }
+    EXPECT_THROW(gl(), SystemError);
+    egl->make_current();
+    float x = 0;
+    of_egl.download(GL_RED, GL_FLOAT, &x, sizeof x);
+    EXPECT_EQ(x, 1.0f);
+}
+
+TEST(Context, ListsDevicesThatCanBeOpened) {
+    const auto devices = list_devices();
+    ASSERT_FALSE(devices.empty());
+    for (const DeviceInfo& device : devices) {
+        EXPECT_FALSE(device.description.empty());
+        if (!device.software) continue;  // a GPU may be listed and still lack a driver that this process can use
+        ContextOptions options;
+        options.kind = device.kind;
+        options.device = device.device;
+        EXPECT_NO_THROW(Context::create(options)) << device.description;
+    }
+}
+
+TEST(Context, NamesAreChecked) {
+    EXPECT_EQ(context_kind_from("osmesa"), ContextKind::osmesa);
+    EXPECT_THROW(context_kind_from("glx"), UserError);
+}
+
+TEST(Program, ErrorsNameTheFile) {
+    const auto context = make(ContextKind::osmesa);
+    // Lacks the definitions that the text asks for: the message must name the included file, not a number.
+    try {
+        Program::draw("common/whole.vert", "model/lfm.glsl");
+        FAIL() << "a text that is no shader compiled";
+    } catch (const SystemError& e) {
+        EXPECT_NE(std::string(e.what()).find("model/lfm.glsl"), std::string::npos) << e.what();
+    }
+    EXPECT_THROW(expand_shader("no/such.frag"), UserError);
+}
+
+}  // namespace
+}  // namespace radiafit
