@@ -17,6 +17,8 @@ struct RasterPixel {
 
 /// The one CPU rasterizer: nearest front-facing triangle at every pixel centre, row 0 on top.
 /// Degenerate triangles and triangles with a vertex at camera depth <= 1e-6 are dropped. Ties in depth: lower index.
+/// Vertices are rounded to 2^-14 of a pixel, so that edge tests are exact (images up to 8192 pixels wide) and, by the
+/// top-left rule, a pixel centre on a shared edge belongs to exactly one of its triangles.
 /// Scratch space is kept between calls, so one Rasterizer serves one thread.
 class Rasterizer {
 public:
@@ -28,7 +30,7 @@ public:
 private:
     std::vector<RasterPixel> pixels_;
     std::vector<float> inverse_depth_;
-    std::vector<Eigen::Vector3d> projected_;  ///< per vertex: pixel x, pixel y, 1/z
+    std::vector<Vec3d> projected_;  ///< [V] pixel x and y from the image's middle, 1/z; 1/z = 0: not in front
 };
 
 }  // namespace radiafit
