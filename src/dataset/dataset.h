@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,17 +15,21 @@
 namespace radiafit {
 
 enum class Encoding { u8_srgb, u8_linear, u16_linear, f16_linear };
-std::string to_string(Encoding encoding);
+std::string to_string(Encoding encoding);  ///< as in dataset.json: "u8-srgb"
 int bytes_per_channel(Encoding encoding);
 
 /// One posed photograph.
 struct View {
     std::string name;
-    Camera camera;            ///< of the stored (cropped) rectangle
-    bool held_out = false;    ///< never fitted, only judged
-    double gain = 1;          ///< linear: fitted values are encode(gain * decode(stored)); 1 where exposure was fixed
+    Camera camera;              ///< of the stored (cropped) rectangle
+    bool held_out = false;      ///< never fitted, only judged
+    double gain = 1;            ///< linear: fitted values are encode(gain * decode(stored)); 1 where exposure was fixed
     uint64_t pixel_offset = 0;  ///< byte offset in images.bin of [height][width][3], row 0 on top; multiple of 4096
-    std::optional<uint64_t> mask_offset;  ///< of [height][ceil(width / 8)] bytes, most significant bit first, 1 = object
+    /// Byte offset of [height][ceil(width / 8)] bytes, most significant bit first, 1 = object.
+    std::optional<uint64_t> mask_offset;
+    float peak = 1;                           ///< largest stored value, for f16_linear; 1 for every other encoding
+    std::array<int, 2> crop_origin = {0, 0};  ///< column and row of the rectangle in the photograph: information only
+    std::array<int, 2> full_size = {0, 0};    ///< width and height of the photograph; 0, 0: not cropped
 };
 
 struct Dataset {
@@ -43,8 +49,8 @@ struct Dataset {
 Dataset open_dataset(const std::filesystem::path& folder);
 
 /// Writes a packed dataset under a temporary name beside `folder`; nothing is visible there before finish().
-/// An unfinished writer removes its temporary folder. An existing dataset is replaced whole; anything else that
-/// stands at `folder` is a UserError, raised by the constructor.
+/// An unfinished writer removes its temporary folder. An existing dataset (even a damaged one) is replaced whole, an
+/// empty folder too; anything else that stands at `folder` is a UserError, raised by the constructor.
 class DatasetWriter {
 public:
     explicit DatasetWriter(std::filesystem::path folder);
@@ -53,19 +59,23 @@ public:
     DatasetWriter& operator=(const DatasetWriter&) = delete;
 
     /// pixels: [height][width][3] in `header.encoding`; mask: [height][width], non-zero = object, or empty.
-    /// view's offsets are filled in here.
+    /// view's offsets and peak are filled in here. UserError for a bad camera or gain, or half values that are not
+    /// finite.
     void add(View view, const void* pixels, const std::vector<uint8_t>& mask);
-    /// Everything but the images: folder and views of `header` are ignored.
+    /// Everything but the images: folder, encoding and views of `header` are ignored.
     void finish(const Dataset& header);
     void set_encoding(Encoding encoding);  ///< before the first add; u8_srgb unless set
 
 private:
     struct State;
-    State* state_;
+    std::unique_ptr<State> state_;
 };
 
-/// sRGB transfer functions (IEC 61966-2-1) on [0, 1], extended linearly in sign.
-float srgb_decode(float stored);
-float srgb_encode(float linear);
+/// sRGB transfer functions (IEC 61966-2-1); the same curve goes on above 1, and f(-x) = -f(x).
+double srgb_decode(double stored);
+double srgb_encode(double linear);
+/// Linear light of a stored value in [0, 1] or above, and back.
+double decode(Encoding encoding, double stored);
+double encode(Encoding encoding, double linear);
 
 }  // namespace radiafit

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "dataset/dataset.h"
@@ -23,10 +24,10 @@ enum class TargetSpace {
 /// value = channel * scale; alpha is 0 outside the mask, else the channel type's maximum.
 struct TargetImage {
     int width = 0, height = 0;
-    int bits = 8;                   ///< 8: rgba8 is filled; 16: rgba16
-    float scale = 1.0f / 255.0f;    ///< target per unit of channel
-    std::vector<uint8_t> rgba8;     ///< [height][width][4]
-    std::vector<uint16_t> rgba16;   ///< [height][width][4]
+    int bits = 8;                  ///< 8: rgba8 is filled; 16: rgba16
+    float scale = 1.0f / 255.0f;   ///< target per unit of channel
+    std::vector<uint8_t> rgba8;    ///< [height][width][4]
+    std::vector<uint16_t> rgba16;  ///< [height][width][4]
 
     /// Target values of a pixel, widened to 16 bits: value = channel16 * scale16().
     std::array<uint16_t, 4> channel16(size_t pixel) const {
@@ -42,25 +43,29 @@ struct TargetImage {
 };
 
 /// Streams a dataset's images. 8 bits where the stored bytes are the targets (u8, no gain, stored space); else 16 bits,
-/// rounded to nearest, with one scale for the whole dataset (largest representable target / 65535).
-/// Not thread-safe: one stream per thread.
+/// rounded to nearest, with one scale for the whole dataset (largest representable target / 65535). Targets below 0
+/// (halves) are 0. If no view has a mask, alpha is the maximum everywhere.
+/// Not thread-safe: one stream per thread. Cameras, gains and offsets are copied from the dataset at construction.
 class ImageStream {
 public:
     ImageStream(const Dataset& dataset, StreamSource source, TargetSpace space = TargetSpace::stored);
     ~ImageStream();
     ImageStream(ImageStream&&) noexcept;
+    /// The same images for another thread; StreamSource::memory shares the bytes it keeps.
+    ImageStream another() const;
 
     /// Fills `image`, reusing its storage. Throws SystemError when the file cannot be read whole.
     void load(uint32_t view, TargetImage& image);
 
     int bits() const { return bits_; }
-    float scale() const { return scale_; }  ///< TargetImage::scale of every image
-    double seconds() const { return seconds_; }      ///< wall time spent in load() so far
+    float scale() const { return scale_; }       ///< TargetImage::scale of every image
+    double seconds() const { return seconds_; }  ///< wall time spent in load() so far
     uint64_t bytes_read() const { return bytes_read_; }
 
 private:
     struct State;
-    State* state_ = nullptr;
+    explicit ImageStream(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
     int bits_ = 8;
     float scale_ = 1;
     double seconds_ = 0;

@@ -1,0 +1,236 @@
+#include "dataset/dataset_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* format_name = "radiafit-dataset";
+constexpr int format_version = 1;
+constexpr int max_side = 1 << 16;  // pixels; keeps every product of sizes far from overflow
+
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json view_to_json(const View& view) {
+    const Camera& c = view.camera;
+    Json rotation = Json::array();
+    for (int row = 0; row < 3; ++row) {
+        const Vec3d r = c.cam_from_world_rotation.row(row);
+        rotation.push_back({r.x(), r.y(), r.z()});
+    }
+    const Vec3d& t = c.cam_from_world_translation;
+    Json json = {{"name", view.name},
+                 {"held_out", view.held_out},
+                 {"camera",
+                  {{"width", c.width},
+                   {"height", c.height},
+                   {"fx", c.fx},
+                   {"fy", c.fy},
+                   {"cx", c.cx},
+                   {"cy", c.cy},
+                   {"cam_from_world_rotation", rotation},
+                   {"cam_from_world_translation", {t.x(), t.y(), t.z()}}}},
+                 {"gain", view.gain},
+                 {"pixel_offset", view.pixel_offset},
+                 {"mask_offset", view.mask_offset ? Json(*view.mask_offset) : Json(nullptr)},
+                 {"peak", view.peak},
+                 {"crop",
+                  {{"x0", view.crop_origin[0]},
+                   {"y0", view.crop_origin[1]},
+                   {"full_width", view.full_size[0] > 0 ? view.full_size[0] : c.width},
+                   {"full_height", view.full_size[1] > 0 ? view.full_size[1] : c.height}}}};
+    return json;
+}
+
+/// Reads typed fields of one object; every complaint names the file and the field's path.
+class Fields {
+public:
+    Fields(const Json& json, const fs::path& file, std::string path)
+        : json_(json), file_(file), path_(std::move(path)) {
+        if (!json_.is_object()) fail("", "must be an object");
+    }
+
+    std::string text(const char* key) const {
+        if (!at(key).is_string()) fail(key, "must be a text");
+        return at(key).get<std::string>();
+    }
+    bool boolean(const char* key) const {
+        if (!at(key).is_boolean()) fail(key, "must be true or false");
+        return at(key).get<bool>();
+    }
+    double number(const char* key) const { return number(at(key), key); }
+    uint64_t count(const char* key) const {
+        if (!at(key).is_number_unsigned()) fail(key, "must be a whole number, 0 or above");
+        return at(key).get<uint64_t>();
+    }
+    std::optional<uint64_t> optional_count(const char* key) const {
+        if (at(key).is_null()) return std::nullopt;
+        return count(key);
+    }
+    int side(const char* key, int least) const {
+        const uint64_t value = count(key);
+        if (value > uint64_t(max_side) || int(value) < least)
+            fail(key, fmt::format("is {}, outside [{}, {}]", value, least, max_side));
+        return static_cast<int>(value);
+    }
+    Vec3d vector(const char* key) const { return vector(at(key), key); }
+    Mat3d rows(const char* key) const {
+        const Json& json = at(key);
+        if (!json.is_array() || json.size() != 3) fail(key, "must be 3 rows of 3 numbers");
+        Mat3d m;
+        for (int row = 0; row < 3; ++row) m.row(row) = vector(json[size_t(row)], key);
+        return m;
+    }
+    Fields object(const char* key) const { return {at(key), file_, where(key)}; }
+    const Json& array(const char* key) const {
+        if (!at(key).is_array()) fail(key, "must be a list");
+        return at(key);
+    }
+    std::string where(const std::string& key) const {
+        return path_.empty() || key.empty() ? path_ + key : path_ + "." + key;
+    }
+    [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+        const std::string field = where(key);
+        throw_damaged(file_, (field.empty() ? "the text" : "\"" + field + "\"") + " " + what);
+    }
+
+private:
+    const Json& at(const char* key) const {
+        const auto found = json_.find(key);
+        if (found == json_.end()) fail(key, "is missing");
+        return *found;
+    }
+    double number(const Json& json, const char* key) const {
+        // JSON has no NaN: writers put null in its place.
+        if (!json.is_number()) fail(key, json.is_null() ? "is null: not a finite number" : "must be a number");
+        return json.get<double>();
+    }
+    Vec3d vector(const Json& json, const char* key) const {
+        if (!json.is_array() || json.size() != 3) fail(key, "must be 3 numbers");
+        return {number(json[0], key), number(json[1], key), number(json[2], key)};
+    }
+
+    const Json& json_;
+    const fs::path& file_;
+    std::string path_;
+};
+
+View view_from_json(const Fields& fields, const fs::path& file) {
+    View view;
+    view.name = fields.text("name");
+    view.held_out = fields.boolean("held_out");
+    const Fields camera = fields.object("camera");
+    Camera& c = view.camera;
+    c.width = camera.side("width", 1);
+    c.height = camera.side("height", 1);
+    c.fx = camera.number("fx");
+    c.fy = camera.number("fy");
+    c.cx = camera.number("cx");
+    c.cy = camera.number("cy");
+    c.cam_from_world_rotation = camera.rows("cam_from_world_rotation");
+    c.cam_from_world_translation = camera.vector("cam_from_world_translation");
+    check_camera(c, fmt::format("{}: view \"{}\"", file.string(), view.name));
+    view.gain = fields.number("gain");
+    if (!(view.gain > 0)) fields.fail("gain", "must be above 0");
+    view.pixel_offset = fields.count("pixel_offset");
+    view.mask_offset = fields.optional_count("mask_offset");
+    view.peak = static_cast<float>(fields.number("peak"));
+    if (!(view.peak >= 0 && std::isfinite(view.peak))) fields.fail("peak", "must be finite and not below 0");
+    const Fields crop = fields.object("crop");
+    view.crop_origin = {crop.side("x0", 0), crop.side("y0", 0)};
+    view.full_size = {crop.side("full_width", 1), crop.side("full_height", 1)};
+    return view;
+}
+
+Encoding encoding_from(const Fields& fields) {
+    const std::string name = fields.text("encoding");
+    for (const Encoding e : {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear})
+        if (name == to_string(e)) return e;
+    fields.fail("encoding", fmt::format("is \"{}\", not one of u8-srgb, u8-linear, u16-linear, f16-linear", name));
+}
+
+}  // namespace
+
+void throw_damaged(const fs::path& file, const std::string& what) {
+    throw UserError(fmt::format("{}: {}; run radiafit generate or import again", file.string(), what));
+}
+
+std::string read_dataset_file(const fs::path& file) {
+    std::error_code ignored;
+    const fs::path folder = file.parent_path();
+    if (!fs::exists(folder, ignored))
+        throw UserError(
+            fmt::format("{}: no such folder; radiafit generate or import makes a dataset", folder.string()));
+    if (!fs::is_directory(folder, ignored))
+        throw UserError(fmt::format("{}: a dataset is a folder, this is a file; give the folder", folder.string()));
+    if (!fs::exists(file, ignored))
+        throw UserError(fmt::format("{}: not a packed dataset, it has no {}; radiafit generate or import makes one",
+                                    folder.string(), dataset_json_name));
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    if (!(in && text << in.rdbuf())) throw_damaged(file, "the file cannot be read, or is empty");
+    return text.str();
+}
+
+std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {
+    const Json head = {{"format", format_name},
+                       {"version", format_version},
+                       {"name", dataset.name},
+                       {"description", dataset.description},
+                       {"source", dataset.source},
+                       {"encoding", to_string(dataset.encoding)},
+                       {"images_bytes", sizes.images_bytes},
+                       {"vertices", sizes.vertices},
+                       {"triangles", sizes.triangles}};
+    // One line per view: a person can read it, and a text tool can compare two.
+    std::string text = "{\n";
+    for (const auto& [key, value] : head.items()) text += fmt::format("  \"{}\": {},\n", key, dump(value));
+    text += "  \"views\": [\n";
+    for (size_t i = 0; i < dataset.views.size(); ++i)
+        text += "    " + dump(view_to_json(dataset.views[i])) + (i + 1 < dataset.views.size() ? ",\n" : "\n");
+    return text + "  ]\n}\n";
+}
+
+Dataset dataset_from_json(const std::string& text, const fs::path& file, DatasetSizes& sizes) {
+    Json json;
+    try {
+        json = Json::parse(text);
+    } catch (const Json::parse_error& error) {
+        const auto line =
+            1 + std::count(text.begin(),
+                           text.begin() + std::min<ptrdiff_t>(ptrdiff_t(error.byte), ptrdiff_t(text.size())), '\n');
+        throw_damaged(file, fmt::format("line {} is not valid JSON", line));
+    } catch (const Json::exception&) {  // a number beyond double
+        throw_damaged(file, "a number is too large");
+    }
+    const Fields fields(json, file, "");
+    if (const std::string name = fields.text("format"); name != format_name)
+        fields.fail("format", fmt::format("is \"{}\", not \"{}\"", name, format_name));
+    if (const uint64_t version = fields.count("version"); version != uint64_t(format_version))
+        fields.fail("version", fmt::format("is {}, this program reads {}", version, format_version));
+
+    Dataset dataset;
+    dataset.folder = file.parent_path();
+    dataset.name = fields.text("name");
+    dataset.description = fields.text("description");
+    dataset.source = fields.text("source");
+    dataset.encoding = encoding_from(fields);
+    sizes = {fields.count("vertices"), fields.count("triangles"), fields.count("images_bytes")};
+    const Json& views = fields.array("views");
+    if (views.empty()) fields.fail("views", "is empty");
+    for (size_t i = 0; i < views.size(); ++i)
+        dataset.views.push_back(view_from_json(Fields(views[i], file, fmt::format("views[{}]", i)), file));
+    return dataset;
+}
+
+}  // namespace radiafit

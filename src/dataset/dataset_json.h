@@ -1,0 +1,35 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "dataset/dataset.h"
+
+/// dataset.json, the text half of a packed dataset. Field by field in docs/formats.md.
+namespace radiafit {
+
+inline constexpr const char* dataset_json_name = "dataset.json";
+inline constexpr const char* dataset_mesh_name = "mesh.ply";
+inline constexpr const char* dataset_images_name = "images.bin";
+inline constexpr uint64_t image_alignment = 4096;  ///< of every View::pixel_offset: a page, and what O_DIRECT asks for
+
+/// What dataset.json says of the files beside it.
+struct DatasetSizes {
+    uint64_t vertices = 0, triangles = 0;
+    uint64_t images_bytes = 0;  ///< length of images.bin
+};
+
+std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes);
+/// Everything but the mesh. `file` names the text in errors (UserError); cameras and values are checked, offsets not.
+Dataset dataset_from_json(const std::string& text, const std::filesystem::path& file, DatasetSizes& sizes);
+
+/// The text of a file, or a UserError that says what is missing.
+std::string read_dataset_file(const std::filesystem::path& file);
+
+[[noreturn]] void throw_damaged(const std::filesystem::path& file, const std::string& what);
+
+inline uint64_t pixel_bytes(const Camera& camera, Encoding encoding) {
+    return uint64_t(camera.width) * uint64_t(camera.height) * 3 * uint64_t(bytes_per_channel(encoding));
+}
+inline uint64_t mask_bytes(const Camera& camera) { return (uint64_t(camera.width) + 7) / 8 * uint64_t(camera.height); }
+
+}  // namespace radiafit

@@ -1,0 +1,174 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/half.h"
+#include "dataset/dataset_json.h"
+#include "dataset/mesh_ply.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+/// Only what a writer left may be replaced: nobody's notes or photographs go with it.
+void check_replaceable(const fs::path& folder) {
+    std::error_code error;
+    const fs::file_status status = fs::status(folder, error);
+    if (!fs::exists(status)) return;
+    if (!fs::is_directory(status))
+        throw UserError(fmt::format("{}: a file stands there; choose another name for the dataset", folder.string()));
+    bool has_json = false, has_files = false;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name != dataset_json_name && name != dataset_mesh_name && name != dataset_images_name)
+            throw UserError(
+                fmt::format("{}: holds {}, which is no part of a dataset; choose another name or move it away",
+                            folder.string(), name));
+        has_json |= name == dataset_json_name;
+        has_files = true;
+    }
+    if (error)
+        throw UserError(fmt::format("{}: cannot be read ({}); choose another name", folder.string(), error.message()));
+    if (has_files && !has_json)
+        throw UserError(fmt::format("{}: not a dataset, it has no {}; choose another name or remove it",
+                                    folder.string(), dataset_json_name));
+}
+
+/// A link to a dataset: replace what it points at, keep the link.
+fs::path resolved(fs::path folder) {
+    folder = folder.lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();  // "star/" is "star"
+    std::error_code error;
+    if (!fs::is_symlink(folder, error)) return folder;
+    fs::path target = fs::weakly_canonical(folder, error);
+    return error ? folder : target;
+}
+
+std::vector<uint8_t> pack_mask(const std::vector<uint8_t>& mask, const Camera& camera) {
+    const size_t row_bytes = (size_t(camera.width) + 7) / 8;
+    std::vector<uint8_t> bits(mask_bytes(camera), 0);
+    for (size_t y = 0; y < size_t(camera.height); ++y)
+        for (size_t x = 0; x < size_t(camera.width); ++x)
+            if (mask[y * size_t(camera.width) + x] != 0) bits[y * row_bytes + x / 8] |= uint8_t(0x80 >> (x % 8));
+    return bits;
+}
+
+float half_peak(const void* pixels, size_t count, const std::string& name) {
+    const auto* halves = static_cast<const uint16_t*>(pixels);
+    float peak = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const float value = float_from_half(halves[i]);
+        if (!std::isfinite(value))
+            throw UserError(
+                fmt::format("{}: channel {} of pixel {} is not finite; repair the image", name, i % 3, i / 3));
+        peak = std::max(peak, value);
+    }
+    return peak;
+}
+
+}  // namespace
+
+struct DatasetWriter::State {
+    fs::path folder;  ///< as the user gave it: the name in errors
+    AtomicFolder output;
+    int file = -1;
+    Encoding encoding = Encoding::u8_srgb;
+    uint64_t bytes = 0;  ///< of images.bin so far
+    std::vector<View> views;
+
+    explicit State(const fs::path& f) : folder(f), output(resolved(f), AtomicFolder::Existing::replace) {
+        file = open((output.path() / dataset_images_name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+        if (file < 0) fail_write();
+    }
+    ~State() {
+        if (file >= 0) close(file);
+    }
+
+    [[noreturn]] void fail_write() const {
+        const int reason = errno;
+        const bool full = reason == ENOSPC || reason == EDQUOT || reason == EFBIG;
+        throw UserError(fmt::format("{}: cannot write {} after {} bytes: {}; {}", folder.string(), dataset_images_name,
+                                    bytes, std::generic_category().message(reason),
+                                    full ? "free some space or choose another disk" : "choose a writable folder"));
+    }
+    void append(const void* data, size_t size) {
+        const auto* at = static_cast<const char*>(data);
+        while (size > 0) {
+            const ssize_t written = write(file, at, size);
+            if (written < 0 && errno == EINTR) continue;
+            if (written <= 0) fail_write();
+            at += written;
+            size -= size_t(written);
+            bytes += uint64_t(written);
+        }
+    }
+    void align() {
+        static const char zeros[image_alignment] = {};
+        append(zeros, size_t((image_alignment - bytes % image_alignment) % image_alignment));
+    }
+};
+
+DatasetWriter::DatasetWriter(fs::path folder) {
+    check_replaceable(folder);
+    state_ = std::make_unique<State>(folder);
+}
+
+DatasetWriter::~DatasetWriter() = default;
+
+void DatasetWriter::set_encoding(Encoding encoding) {
+    if (!state_->views.empty()) throw std::logic_error("DatasetWriter::set_encoding comes before the first add");
+    state_->encoding = encoding;
+}
+
+void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t>& mask) {
+    State& s = *state_;
+    check_camera(view.camera, view.name);
+    if (!(view.gain > 0 && std::isfinite(view.gain)))
+        throw UserError(fmt::format("{}: the gain {} must be positive and finite", view.name, view.gain));
+    const size_t pixel_count = size_t(view.camera.width) * size_t(view.camera.height);
+    if (!mask.empty() && mask.size() != pixel_count)
+        throw std::logic_error("DatasetWriter::add takes one mask value per pixel, or none");
+    view.peak = s.encoding == Encoding::f16_linear ? half_peak(pixels, 3 * pixel_count, view.name) : 1.0f;
+
+    view.pixel_offset = s.bytes;
+    s.append(pixels, size_t(pixel_bytes(view.camera, s.encoding)));
+    view.mask_offset.reset();
+    if (!mask.empty()) {
+        view.mask_offset = s.bytes;
+        const std::vector<uint8_t> bits = pack_mask(mask, view.camera);
+        s.append(bits.data(), bits.size());
+    }
+    s.align();
+    s.views.push_back(std::move(view));
+}
+
+void DatasetWriter::finish(const Dataset& header) {
+    State& s = *state_;
+    if (s.views.empty())
+        throw UserError(fmt::format("{}: a dataset needs at least one image; none was added", s.folder.string()));
+    check_mesh(header.mesh, header.name);
+    const int file = std::exchange(s.file, -1);
+    if (close(file) != 0) s.fail_write();
+
+    Dataset dataset;
+    dataset.name = header.name;
+    dataset.description = header.description;
+    dataset.source = header.source;
+    dataset.encoding = s.encoding;
+    dataset.views = s.views;
+    write_ply(header.mesh, s.output.path() / dataset_mesh_name);
+    write_file(s.output.path() / dataset_json_name,
+               dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.bytes}));
+    s.output.commit();
+}
+
+}  // namespace radiafit

@@ -1,0 +1,229 @@
+#include "dataset/image_stream.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/half.h"
+#include "dataset/dataset_json.h"
+
+namespace radiafit {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "pixels are widened by whole words");
+
+class File {
+public:
+    explicit File(std::string path) : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+        if (file_ < 0) throw SystemError(fmt::format("open({}): {}", path_, std::generic_category().message(errno)));
+    }
+    ~File() { close(file_); }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+
+    void read(uint8_t* to, uint64_t offset, uint64_t bytes) const {
+        while (bytes > 0) {
+            const ssize_t got = pread(file_, to, bytes, off_t(offset));
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0)
+                throw SystemError(fmt::format("pread({}, {} bytes at {}): {}", path_, bytes, offset,
+                                              got == 0 ? "end of file" : std::generic_category().message(errno)));
+            to += got;
+            offset += uint64_t(got);
+            bytes -= uint64_t(got);
+        }
+    }
+
+private:
+    std::string path_;
+    int file_;
+};
+
+template <class Word>
+inline Word load_word(const uint8_t* from) {
+    Word word;
+    std::memcpy(&word, from, sizeof(Word));
+    return word;
+}
+template <class Word>
+inline void store_word(uint8_t* to, Word word) {
+    std::memcpy(to, &word, sizeof(Word));
+}
+
+/// RGB bytes to RGBA, without a look at the channels. A pixel is read as a word of its three bytes and the one behind:
+/// `rgb` has a readable byte behind its end.
+void widen8(const uint8_t* __restrict rgb, size_t count, uint8_t* __restrict rgba) {
+    for (size_t i = 0; i < count; ++i) store_word(rgba + 4 * i, load_word<uint32_t>(rgb + 3 * i) | 0xff000000u);
+}
+
+void look_up(const uint8_t* __restrict rgb, size_t count, const std::array<uint16_t, 256>& table,
+             uint8_t* __restrict rgba) {
+    for (size_t i = 0; i < count; ++i)
+        store_word(rgba + 8 * i, uint64_t{0xffff} << 48 | uint64_t{table[rgb[3 * i + 2]]} << 32 |
+                                     uint64_t{table[rgb[3 * i + 1]]} << 16 | table[rgb[3 * i]]);
+}
+
+inline uint64_t rounded16(float x) { return static_cast<uint16_t>(std::min(std::max(0.0f, x) + 0.5f, 65535.0f)); }
+
+/// Linear encodings: target / scale = value * factor.
+template <class ToFloat>
+void multiply(const uint8_t* __restrict rgb, size_t count, float factor, ToFloat to_float, uint8_t* __restrict rgba) {
+    const auto channel = [&](size_t at) { return rounded16(to_float(load_word<uint16_t>(rgb + 2 * at)) * factor); };
+    for (size_t i = 0; i < count; ++i)
+        store_word(rgba + 8 * i,
+                   uint64_t{0xffff} << 48 | channel(3 * i + 2) << 32 | channel(3 * i + 1) << 16 | channel(3 * i));
+}
+
+/// Clears the alpha (the top byte or half-word of Word) of pixels whose mask bit is 0.
+template <class Word, int alpha_shift>
+void apply_mask(const uint8_t* __restrict bits, size_t width, size_t height, uint8_t* __restrict rgba) {
+    const size_t row_bytes = (width + 7) / 8;
+    constexpr Word color = (Word{1} << alpha_shift) - 1;
+    for (size_t y = 0; y < height; ++y) {
+        const uint8_t* row = bits + y * row_bytes;
+        uint8_t* out = rgba + y * width * sizeof(Word);
+        for (size_t x = 0; x < width; x += 8) {
+            const uint8_t byte = row[x / 8];
+            if (byte == 0xff) continue;  // most of a mask is all in or all out
+            const size_t end = std::min<size_t>(8, width - x);
+            for (size_t k = 0; k < end; ++k) {
+                uint8_t* pixel = out + sizeof(Word) * (x + k);
+                const Word inside = byte >> (7 - k) & 1;
+                store_word<Word>(pixel, load_word<Word>(pixel) & (color | (Word{0} - inside)));
+            }
+        }
+    }
+}
+
+/// What a view needs of the dataset.
+struct StreamedView {
+    int width, height;
+    double gain;
+    uint64_t pixel_offset;
+    std::optional<uint64_t> mask_offset;
+};
+
+}  // namespace
+
+struct ImageStream::State {
+    std::shared_ptr<const File> file;
+    std::shared_ptr<const std::vector<uint8_t>> kept;  ///< StreamSource::memory: the whole of images.bin, and a byte
+    std::vector<uint8_t> buffer;                       ///< StreamSource::disk: one image, reused
+    std::vector<uint8_t> mask_buffer;
+    std::vector<StreamedView> views;
+    Encoding encoding = Encoding::u8_srgb;
+    TargetSpace space = TargetSpace::stored;
+    std::array<uint16_t, 256> table = {};
+    double table_gain = 0;  ///< the gain `table` was made for
+
+    bool linear_targets() const { return space == TargetSpace::linear; }
+    double target(double stored, double gain) const {
+        const double light = gain * decode(encoding, stored);
+        return linear_targets() ? light : encode(encoding, light);
+    }
+    /// The bytes of [offset, offset + bytes), with one readable byte behind them.
+    const uint8_t* bytes_at(uint64_t offset, uint64_t bytes, std::vector<uint8_t>& to, uint64_t& bytes_read) {
+        if (kept) return kept->data() + offset;
+        if (to.size() < bytes + 1) to.resize(bytes + 1);
+        file->read(to.data(), offset, bytes);
+        bytes_read += bytes;
+        return to.data();
+    }
+    void make_table(double gain, double scale) {
+        if (table_gain == gain) return;
+        for (size_t v = 0; v < table.size(); ++v)
+            table[v] = uint16_t(std::min(65535.0, std::round(target(double(v) / 255, gain) / scale)));
+        table_gain = gain;
+    }
+};
+
+ImageStream::ImageStream(const Dataset& dataset, StreamSource source, TargetSpace space)
+    : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    s.encoding = dataset.encoding;
+    s.space = space;
+    const bool bytes = bytes_per_channel(dataset.encoding) == 1;
+    const bool as_stored = space == TargetSpace::stored || dataset.encoding != Encoding::u8_srgb;
+    double largest = 0;
+    uint64_t end = 0;
+    bool gains = false;
+    for (const View& view : dataset.views) {
+        s.views.push_back({view.camera.width, view.camera.height, view.gain, view.pixel_offset, view.mask_offset});
+        gains |= view.gain != 1;
+        largest = std::max(largest, s.target(view.peak, view.gain));
+        end = std::max(end, view.pixel_offset + pixel_bytes(view.camera, dataset.encoding));
+        if (view.mask_offset) end = std::max(end, *view.mask_offset + mask_bytes(view.camera));
+    }
+    bits_ = bytes && as_stored && !gains ? 8 : 16;
+    if (!(largest > 0)) largest = 1;  // black throughout
+    scale_ = bits_ == 8 ? 1.0f / 255.0f : static_cast<float>(largest / 65535);
+
+    s.file = std::make_shared<File>((dataset.folder / dataset_images_name).string());
+    if (source == StreamSource::memory) {
+        auto kept = std::make_shared<std::vector<uint8_t>>(end + 1);
+        s.file->read(kept->data(), 0, end);
+        bytes_read_ = end;
+        s.kept = std::move(kept);
+    }
+}
+
+ImageStream::ImageStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ImageStream::~ImageStream() = default;
+ImageStream::ImageStream(ImageStream&&) noexcept = default;
+
+ImageStream ImageStream::another() const {
+    ImageStream copy(std::make_unique<State>(*state_));
+    copy.bits_ = bits_;
+    copy.scale_ = scale_;
+    return copy;
+}
+
+void ImageStream::load(uint32_t index, TargetImage& image) {
+    const double start_s = wall_time_s();
+    State& s = *state_;
+    const StreamedView& view = s.views.at(index);
+    const size_t width = size_t(view.width), height = size_t(view.height), count = width * height;
+    const uint8_t* pixels =
+        s.bytes_at(view.pixel_offset, 3 * count * size_t(bytes_per_channel(s.encoding)), s.buffer, bytes_read_);
+    const uint8_t* mask = nullptr;
+    if (view.mask_offset) mask = s.bytes_at(*view.mask_offset, (width + 7) / 8 * height, s.mask_buffer, bytes_read_);
+
+    image.width = view.width;
+    image.height = view.height;
+    image.bits = bits_;
+    image.scale = scale_;
+    if (bits_ == 8) {
+        image.rgba8.resize(4 * count);
+        image.rgba16.clear();
+        widen8(pixels, count, image.rgba8.data());
+        if (mask) apply_mask<uint32_t, 24>(mask, width, height, image.rgba8.data());
+    } else {
+        image.rgba16.resize(4 * count);
+        image.rgba8.clear();
+        auto* rgba = reinterpret_cast<uint8_t*>(image.rgba16.data());
+        if (s.encoding == Encoding::f16_linear) {
+            multiply(
+                pixels, count, float(view.gain / double(scale_)), [](uint16_t h) { return float_from_half(h); }, rgba);
+        } else if (s.encoding == Encoding::u16_linear) {
+            multiply(
+                pixels, count, float(view.gain / 65535 / double(scale_)), [](uint16_t v) { return float(v); }, rgba);
+        } else {
+            s.make_table(view.gain, double(scale_));
+            look_up(pixels, count, s.table, rgba);
+        }
+        if (mask) apply_mask<uint64_t, 48>(mask, width, height, rgba);
+    }
+    seconds_ += wall_time_s() - start_s;
+}
+
+}  // namespace radiafit
