@@ -1,0 +1,171 @@
+#include "fit/fit_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "dataset/mesh_ply.h"
+#include "fit/fit_json.h"
+#include "fit/fit_maps.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+std::string surface_name(int term, int corner) { return fmt::format("surface_term{}_corner{}.exr", term, corner); }
+std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
+
+std::string read_text(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw UserError(fmt::format("{}: no such file; is this a fit folder?", path.string()));
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+std::vector<std::string> names_in(const fs::path& folder) {
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+void require(bool holds, const std::string& what) {
+    if (!holds) throw std::invalid_argument("write_fit: " + what);
+}
+
+// A fit's two halves, the images and the vector of parameters, meet over the same geometry.
+struct Shape {
+    TriangleAtlas atlas;
+    VertexRings rings;
+    LfmLayout layout;
+    Shape(const Mesh& mesh, const LfmOptions& o)
+        : atlas(mesh, o.surface_side), rings(mesh), layout(rings, int(atlas.texels_per_tile()), o.view_side, o.terms) {}
+};
+
+}  // namespace
+
+std::array<uint64_t, size_t(FitStatus::count)> LightFieldFit::status_counts() const {
+    std::array<uint64_t, size_t(FitStatus::count)> counts{};
+    for (const FitStatus s : status) ++counts[size_t(s)];
+    return counts;
+}
+
+void set_dataset(LightFieldFit& fit, const Dataset& dataset) {
+    fit.dataset_path = dataset.folder;
+    fit.dataset_name = dataset.name;
+    fit.dataset_fingerprint = fingerprint(dataset);
+}
+
+void check_fit_target(const fs::path& folder) {
+    std::error_code error;
+    if (!fs::exists(folder, error)) return;
+    const auto refuse = [&](const std::string& why) {
+        throw UserError(fmt::format("{}: {}; remove it or choose another name for the fit", folder.string(), why));
+    };
+    if (!fs::is_directory(folder, error)) refuse("a file stands there");
+    const std::vector<std::string> present = names_in(folder);
+    if (present.empty()) return;
+    const fs::path json = folder / fit_json_name;
+    if (!fs::is_regular_file(json, error)) refuse("not a fit, it has no fit.json");
+    // Only what a fit listed as its own may go: nobody's renders or notes with it.
+    const std::vector<std::string> own = files_in_json(read_text(json));
+    for (const std::string& name : present)
+        if (std::find(own.begin(), own.end(), name) == own.end())
+            refuse("holds " + name + ", which is no part of a fit");
+}
+
+void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mesh,
+               const std::function<void(const fs::path&)>& add_files) {
+    check_options(fit.options);
+    const Shape shape(mesh, fit.options);
+    const size_t problems = 3 * mesh.vertex_count();
+    require(fit.parameters.size() == shape.layout.size(), "as many parameters as the layout has");
+    require(fit.status.size() == problems && fit.iterations.size() == problems && fit.samples.size() == problems &&
+                fit.error.size() == problems,
+            "status, iterations, samples and error per problem");
+    for (const uint32_t samples : fit.samples) require(samples <= 1u << 24, "samples per problem up to 2^24");
+
+    check_fit_target(folder);
+    AtomicFolder target(folder, AtomicFolder::Existing::replace);
+    const fs::path& place = target.path();
+    if (add_files) add_files(place);
+    std::error_code error;
+    // Relative, so that a fit and its dataset can move together; absolute where there is no relative way.
+    fs::path dataset = fs::relative(fit.dataset_path, fs::absolute(target.target()), error);
+    if (error || dataset.empty()) dataset = fs::absolute(fit.dataset_path);
+    write_ply(mesh, place / "mesh.ply");
+    write_exr(place / "problems.exr", problem_image(fit));
+    parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
+        const int term = int(job / 4), corner = int(job % 4);
+        if (corner < 3)
+            write_exr(place / surface_name(term, corner), surface_image(shape.atlas, shape.layout, fit, term, corner));
+        else
+            write_exr(place / view_name(term), view_image(shape.layout, fit, term));
+    });
+    std::vector<std::string> files = names_in(place);
+    files.push_back(fit_json_name);
+    write_file(place / fit_json_name, fit_to_json(fit, shape.atlas, dataset.generic_string(), files));
+    target.commit();
+}
+
+StoredFit read_fit(const fs::path& folder) {
+    if (!fs::is_directory(folder))
+        throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
+    StoredFit stored;
+    LightFieldFit& fit = stored.fit;
+    const FitPromises promises = fit_from_json(folder / fit_json_name, read_text(folder / fit_json_name), fit);
+    fit.dataset_path = (fs::absolute(folder) / promises.dataset_path).lexically_normal();
+
+    const fs::path mesh_path = folder / "mesh.ply";
+    stored.mesh = read_ply(mesh_path);
+    if (stored.mesh.vertex_count() != fit.dataset_fingerprint.vertices ||
+        stored.mesh.triangle_count() != fit.dataset_fingerprint.triangles)
+        throw UserError(fmt::format("{}: {} vertices and {} triangles, but fit.json says {} and {}; fit again",
+                                    mesh_path.string(), stored.mesh.vertex_count(), stored.mesh.triangle_count(),
+                                    fit.dataset_fingerprint.vertices, fit.dataset_fingerprint.triangles));
+    const Shape shape(stored.mesh, fit.options);
+    const fs::path problems = folder / "problems.exr";
+    take_problem_image(problems, read_exr(problems, problem_channels()), stored.mesh.vertex_count(), fit);
+    if (fit.status_counts() != promises.status_counts)
+        throw UserError(
+            fmt::format("{}: its statuses disagree with those counted in fit.json; restore the file or "
+                        "fit again",
+                        problems.string()));
+    fit.parameters.assign(shape.layout.size(), 0.0f);
+    parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
+        const int term = int(job / 4), corner = int(job % 4);
+        const fs::path path = folder / (corner < 3 ? surface_name(term, corner) : view_name(term));
+        const ExrImage image = read_exr(path, map_channels());
+        if (corner < 3)
+            take_surface_image(path, image, shape.atlas, shape.layout, term, corner, fit);
+        else
+            take_view_image(path, image, shape.layout, term, fit);
+    });
+    return stored;
+}
+
+Dataset open_fitted_dataset(const LightFieldFit& fit, const fs::path& moved_to) {
+    const fs::path path = moved_to.empty() ? fit.dataset_path : moved_to;
+    if (!fs::exists(path))
+        throw UserError(
+            fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its "
+                        "folder",
+                        path.string(), fit.dataset_name));
+    Dataset dataset = open_dataset(path);
+    if (fingerprint(dataset) != fit.dataset_fingerprint)
+        throw UserError(fmt::format(
+            "{}: differs from the dataset that was fitted ({}: {} views, {} triangles); fit "
+            "again or name the right folder",
+            path.string(), fit.dataset_name, fit.dataset_fingerprint.views, fit.dataset_fingerprint.triangles));
+    return dataset;
+}
+
+}  // namespace radiafit

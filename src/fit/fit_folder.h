@@ -1,0 +1,87 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "dataset/image_stream.h"
+#include "model/lfm.h"
+
+/// The FIT folder: what a fit leaves behind, readable with any JSON and EXR reader (docs/formats.md).
+namespace radiafit {
+
+/// How a problem ended; the values of STATUS_* in shaders/optimize/problem_state.glsl.
+enum class FitStatus : uint8_t {
+    active,
+    residual,
+    output_change,
+    stationary,
+    max_iterations,
+    no_samples,
+    not_finite,
+    count
+};
+std::string to_string(FitStatus status);  ///< as the key in fit.json, such as "max_iterations"
+
+/// Tells two datasets apart without reading their pixels.
+struct DatasetFingerprint {
+    uint64_t vertices = 0, triangles = 0, views = 0, held_out = 0, image_bytes = 0;
+    std::string digest;  ///< 16 hexadecimal digits over mesh, cameras, split, gains and encoding
+    bool operator==(const DatasetFingerprint&) const = default;
+};
+DatasetFingerprint fingerprint(const Dataset& dataset);
+
+struct LightFieldFit {
+    LfmOptions options;
+    TargetSpace space = TargetSpace::stored;  ///< the space of the model's values
+    std::string solver, engine;
+
+    std::vector<float> parameters;  ///< LfmLayout order; the padding lane of every texel is not saved
+    // One entry per problem, 3 * vertex + channel.
+    std::vector<FitStatus> status;
+    std::vector<uint32_t> iterations;
+    std::vector<uint32_t> samples;  ///< radiance samples in the problem's ring
+    std::vector<float> error;       ///< raw E = 1/2 sum r^2: no normalization, no penalty
+
+    std::filesystem::path dataset_path;  ///< as the program may open it; saved relative to the fit folder
+    std::string dataset_name;
+    DatasetFingerprint dataset_fingerprint;
+
+    // JSON objects as text; empty means {}.
+    std::string options_json;     ///< every resolved option of the run
+    std::string provenance_json;  ///< command line, git revision, compiler, device, time
+    std::string times_json;       ///< name -> seconds
+
+    size_t problem_count() const { return status.size(); }
+    std::array<uint64_t, size_t(FitStatus::count)> status_counts() const;
+};
+
+/// Fills dataset_path, dataset_name and dataset_fingerprint.
+void set_dataset(LightFieldFit& fit, const Dataset& dataset);
+
+/// Throws UserError if something other than a fit (or an empty folder) stands at `folder`, or a fit to which somebody
+/// added files. Call it before fitting.
+void check_fit_target(const std::filesystem::path& folder);
+
+/// Writes under a temporary name beside `folder`, then renames; an earlier fit there is replaced whole, and survives
+/// any failure. `add_files` may put further files (trace.csv, problem_trace.f32) into the folder it is handed.
+/// Throws UserError when the folder cannot be written, std::invalid_argument when the fit's sizes disagree with the
+/// mesh.
+void write_fit(const std::filesystem::path& folder, const LightFieldFit& fit, const Mesh& mesh,
+               const std::function<void(const std::filesystem::path& temporary_folder)>& add_files = {});
+
+struct StoredFit {
+    LightFieldFit fit;
+    Mesh mesh;  ///< what was fitted: a fit can be rendered without its dataset
+};
+
+/// Reads and checks everything. Throws UserError with one line that names the file and the cure.
+StoredFit read_fit(const std::filesystem::path& folder);
+
+/// Opens the dataset that the fit names, or the one at `moved_to`, and checks that it is the one that was fitted.
+Dataset open_fitted_dataset(const LightFieldFit& fit, const std::filesystem::path& moved_to = {});
+
+}  // namespace radiafit

@@ -1,0 +1,149 @@
+#include "fit/fit_json.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "fit/fit_maps.h"
+
+namespace radiafit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The double nearest to the shortest decimal that names this float: 0.001 stays 0.001 and still reads back exactly.
+double plain(float value) { return std::stod(fmt::format("{}", value)); }
+
+Json object_of(const std::string& text, const char* what) {
+    if (text.empty()) return Json::object();
+    const Json parsed = Json::parse(text, nullptr, false);
+    if (!parsed.is_object()) throw std::invalid_argument(fmt::format("the fit's {} are no JSON object", what));
+    return parsed;
+}
+
+template <class Enum>
+Enum one_of(const Json& value, std::initializer_list<Enum> choices, const char* what) {
+    const auto text = value.get<std::string>();
+    for (const Enum e : choices)
+        if (to_string(e) == text) return e;
+    throw std::runtime_error(fmt::format("unknown {} \"{}\"", what, text));
+}
+
+std::string space_name(TargetSpace space) { return space == TargetSpace::stored ? "stored" : "linear"; }
+
+TargetSpace space_of(const std::string& name) {
+    if (name == "stored") return TargetSpace::stored;
+    if (name == "linear") return TargetSpace::linear;
+    throw std::runtime_error("unknown space \"" + name + "\"");
+}
+
+}  // namespace
+
+std::string to_string(FitStatus status) {
+    static const char* names[] = {"active",         "residual",   "output_change", "stationary",
+                                  "max_iterations", "no_samples", "not_finite"};
+    return names[size_t(status)];
+}
+
+std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, const std::string& dataset_path,
+                        const std::vector<std::string>& files) {
+    const LfmOptions& o = fit.options;
+    const size_t vertices = fit.problem_count() / 3;
+    const DatasetFingerprint& f = fit.dataset_fingerprint;
+    Json statuses = Json::object();
+    const auto counts = fit.status_counts();
+    for (size_t s = 0; s < counts.size(); ++s) statuses[to_string(FitStatus(s))] = counts[s];
+    const Json json = {
+        {"format", fit_format},
+        {"version", fit_version},
+        {"model", "lfm"},
+        {"solver", fit.solver},
+        {"engine", fit.engine},
+        {"space", space_name(fit.space)},
+        {"lfm",
+         {{"terms", o.terms},
+          {"surface_side", o.surface_side},
+          {"view_side", o.view_side},
+          {"lookup", to_string(o.lookup)},
+          {"mode", to_string(o.mode)},
+          {"lambda_surface", plain(o.lambda_surface)},
+          {"lambda_view", plain(o.lambda_view)},
+          {"mu", plain(o.mu)},
+          {"lower", plain(o.lower)},
+          {"upper", plain(o.upper)}}},
+        {"surface_maps",
+         {{"width", atlas.width()}, {"height", atlas.height()}, {"rectangles_per_row", atlas.rectangles_per_row()}}},
+        {"view_maps", {{"columns", table_columns(vertices)}, {"rows", table_rows(vertices)}}},
+        {"problems", {{"count", fit.problem_count()}, {"status", statuses}}},
+        {"dataset",
+         {{"path", dataset_path},
+          {"name", fit.dataset_name},
+          {"vertices", f.vertices},
+          {"triangles", f.triangles},
+          {"views", f.views},
+          {"held_out", f.held_out},
+          {"image_bytes", f.image_bytes},
+          {"digest", f.digest}}},
+        {"files", files},
+        {"times_s", object_of(fit.times_json, "times")},
+        {"options", object_of(fit.options_json, "options")},
+        {"provenance", object_of(fit.provenance_json, "provenance")}};
+    return json.dump(2) + "\n";
+}
+
+std::vector<std::string> files_in_json(const std::string& text) {
+    const Json json = Json::parse(text, nullptr, false);
+    std::vector<std::string> files;
+    if (!json.is_object() || !json.contains("format") || json.at("format") != fit_format || !json.contains("files"))
+        return files;
+    for (const Json& name : json.at("files"))
+        if (name.is_string()) files.push_back(name.get<std::string>());
+    return files;
+}
+
+FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit) {
+    FitPromises promises;
+    try {
+        const Json json = Json::parse(text);
+        if (json.at("format") != fit_format) throw std::runtime_error("its format is not radiafit-fit");
+        if (json.at("version") != fit_version)
+            throw std::runtime_error(fmt::format("its version is {}, this program reads version {}",
+                                                 json.at("version").dump(), fit_version));
+        if (json.at("model") != "lfm") throw std::runtime_error("its model is no light field map");
+        fit.solver = json.at("solver").get<std::string>();
+        fit.engine = json.at("engine").get<std::string>();
+        fit.space = space_of(json.at("space").get<std::string>());
+        LfmOptions& o = fit.options;
+        const Json& lfm = json.at("lfm");
+        o.terms = lfm.at("terms").get<int>();
+        o.surface_side = lfm.at("surface_side").get<int>();
+        o.view_side = lfm.at("view_side").get<int>();
+        o.lookup = one_of(lfm.at("lookup"), {ViewLookup::bilinear, ViewLookup::nearest}, "lookup");
+        o.mode = one_of(lfm.at("mode"), {Mode::paper, Mode::modern}, "mode");
+        o.lambda_surface = lfm.at("lambda_surface").get<float>();
+        o.lambda_view = lfm.at("lambda_view").get<float>();
+        o.mu = lfm.at("mu").get<float>();
+        o.lower = lfm.at("lower").get<float>();
+        o.upper = lfm.at("upper").get<float>();
+        check_options(o);
+        const Json& statuses = json.at("problems").at("status");
+        for (size_t s = 0; s < promises.status_counts.size(); ++s)
+            promises.status_counts[s] = statuses.at(to_string(FitStatus(s))).get<uint64_t>();
+        const Json& d = json.at("dataset");
+        promises.dataset_path = d.at("path").get<std::string>();
+        fit.dataset_name = d.at("name").get<std::string>();
+        fit.dataset_fingerprint = {d.at("vertices").get<uint64_t>(),    d.at("triangles").get<uint64_t>(),
+                                   d.at("views").get<uint64_t>(),       d.at("held_out").get<uint64_t>(),
+                                   d.at("image_bytes").get<uint64_t>(), d.at("digest").get<std::string>()};
+        fit.times_json = json.at("times_s").dump();
+        fit.options_json = json.at("options").dump();
+        fit.provenance_json = json.at("provenance").dump();
+    } catch (const std::exception& e) {
+        throw UserError(fmt::format("{}: cannot be used ({}); restore it or fit again", path.string(), e.what()));
+    }
+    return promises;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,31 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "fit/fit_folder.h"
+#include "geometry/atlas.h"
+
+/// fit.json as text: everything of a fit that is no map.
+namespace radiafit {
+
+inline constexpr const char* fit_format = "radiafit-fit";
+inline constexpr int fit_version = 1;
+inline constexpr const char* fit_json_name = "fit.json";
+
+/// `dataset_path` is what is saved: relative to the fit folder. `files`: the names in the folder. Throws
+/// std::invalid_argument if one of the fit's JSON texts is none.
+std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, const std::string& dataset_path,
+                        const std::vector<std::string>& files);
+/// What a fit.json lists as the folder's own; empty if it is no such file.
+std::vector<std::string> files_in_json(const std::string& text);
+
+/// What fit.json promises about the images beside it.
+struct FitPromises {
+    std::string dataset_path;
+    std::array<uint64_t, size_t(FitStatus::count)> status_counts{};
+};
+
+/// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.
+FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit);
+
+}  // namespace radiafit

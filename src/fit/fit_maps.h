@@ -1,0 +1,35 @@
+#pragma once
+#include <filesystem>
+
+#include "fit/exr.h"
+#include "fit/fit_folder.h"
+#include "geometry/atlas.h"
+#include "model/lfm.h"
+
+/// Where the numbers of a fit stand in its images (docs/formats.md).
+namespace radiafit {
+
+/// Vertices stand row by row in a table of this many columns: one cell of m x m texels each in the view maps, one
+/// pixel each in problems.exr.
+int table_columns(size_t vertices);
+int table_rows(size_t vertices);
+
+/// Surface maps of one term and corner: R, G, B in the atlas's 2-D layout; 0 where no texel is, or no map.
+ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, const LightFieldFit& fit, int term,
+                       int corner);
+/// View maps of one term: R, G, B; texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
+ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term);
+/// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
+ExrImage problem_image(const LightFieldFit& fit);
+
+// The way back. `path` is what messages name; throws UserError on a size or value that cannot be.
+void take_surface_image(const std::filesystem::path& path, const ExrImage& image, const TriangleAtlas& atlas,
+                        const LfmLayout& layout, int term, int corner, LightFieldFit& fit);
+void take_view_image(const std::filesystem::path& path, const ExrImage& image, const LfmLayout& layout, int term,
+                     LightFieldFit& fit);
+void take_problem_image(const std::filesystem::path& path, const ExrImage& image, size_t vertices, LightFieldFit& fit);
+
+const std::vector<std::string>& map_channels();      ///< R, G, B
+const std::vector<std::string>& problem_channels();  ///< in the order problem_image() stores them
+
+}  // namespace radiafit
