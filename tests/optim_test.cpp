@@ -39,6 +39,7 @@ struct TinyEngine {
         state.step_factor = 1;
         state.status = samples ? 0 : double(Status::no_samples);
     }
+    void fit_terms(int, int) {}
     static double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1]; }
     void direction_pass(bool) {
         trial_error = error(trial);

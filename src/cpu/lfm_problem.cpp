@@ -275,15 +275,6 @@ void LfmProblem<real>::line(size_t v, const V* x, const V* d, LineLanes& sums) c
     sums.curvature += widen<real>(penalty);
 }
 
-template <class real>
-void LfmProblem<real>::raw_error(size_t v, const V* p, double error[3]) const {
-    thread_local std::vector<V> gradient;
-    gradient.assign(layout_.block_size(v) / 4, V{});
-    Lanes<double> data{};
-    accumulate_direction<0, false>(v, p, gradient.data(), nullptr, data);
-    for (int c = 0; c < 3; ++c) error[c] = data[c];
-}
-
 template class LfmProblem<float>;
 template class LfmProblem<double>;
 

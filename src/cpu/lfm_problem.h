@@ -42,8 +42,6 @@ public:
     void direction(size_t v, const V* p, V* g, V* fresh_p, double error[3]) const;
     /// At p along d.
     void line(size_t v, const V* p, const V* d, LineLanes& sums) const;
-    /// Raw E without S-bar and penalties.
-    void raw_error(size_t v, const V* p, double error[3]) const;
 
 private:
     struct Footprint {

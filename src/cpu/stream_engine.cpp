@@ -40,10 +40,16 @@ void StreamEngine<real>::reset(std::span<const float> start) {
 
 template <class real>
 void StreamEngine<real>::direction_pass(bool diagonal) {
-    for_active([&](size_t v, size_t begin, size_t) {
+    for_active([&](size_t v, size_t begin, size_t end) {
         double error[3];
         problem_->direction(v, &trial_[begin], &trial_g_[begin], diagonal ? &fresh_[begin] : nullptr, error);
         for (int c = 0; c < 3; ++c) vertices_[v].channel[c].trial_error = real(error[c]);
+        const int terms = problem_->layout().terms();
+        if (first_term_ <= 0 && last_term_ >= terms) return;
+        for (size_t i = begin; i < end; ++i) {
+            const int k = int((i - begin) % size_t(terms));
+            if (k < first_term_ || k >= last_term_) trial_g_[i] = V{};
+        }
     });
 }
 

@@ -22,6 +22,7 @@ public:
     size_t problem_count() const { return 3 * problem_->vertex_count(); }
     ProblemStatistics count();
     void reset(std::span<const float> start);
+    void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
     void direction_pass(bool diagonal);
     void project(Rule rule, bool fresh);
     void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop);
@@ -56,6 +57,7 @@ private:
     void for_active(const Body& body);
 
     LfmProblem<real>* problem_;
+    int first_term_ = 0, last_term_ = 1 << 30;
     std::vector<uint32_t> samples_;
     std::vector<Vertex> vertices_;
     std::vector<V> p_, trial_, d_, g_, trial_g_, precondition_, fresh_;

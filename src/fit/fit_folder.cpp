@@ -52,15 +52,16 @@ struct Shape {
 
 }  // namespace
 
-std::array<uint64_t, size_t(FitStatus::count)> LightFieldFit::status_counts() const {
-    std::array<uint64_t, size_t(FitStatus::count)> counts{};
-    for (const FitStatus s : status) ++counts[size_t(s)];
+std::array<uint64_t, size_t(Status::count)> LightFieldFit::status_counts() const {
+    std::array<uint64_t, size_t(Status::count)> counts{};
+    for (const Status s : status) ++counts[size_t(s)];
     return counts;
 }
 
 void set_dataset(LightFieldFit& fit, const Dataset& dataset) {
     fit.dataset_path = dataset.folder;
     fit.dataset_name = dataset.name;
+    fit.encoding = dataset.encoding;
     fit.dataset_fingerprint = fingerprint(dataset);
 }
 

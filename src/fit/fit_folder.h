@@ -9,22 +9,10 @@
 #include "dataset/dataset.h"
 #include "dataset/image_stream.h"
 #include "model/lfm.h"
+#include "model/status.h"
 
 /// The FIT folder: what a fit leaves behind, readable with any JSON and EXR reader (docs/formats.md).
 namespace radiafit {
-
-/// How a problem ended; the values of STATUS_* in shaders/optimize/problem_state.glsl.
-enum class FitStatus : uint8_t {
-    active,
-    residual,
-    output_change,
-    stationary,
-    max_iterations,
-    no_samples,
-    not_finite,
-    count
-};
-std::string to_string(FitStatus status);  ///< as the key in fit.json, such as "max_iterations"
 
 /// Tells two datasets apart without reading their pixels.
 struct DatasetFingerprint {
@@ -41,13 +29,14 @@ struct LightFieldFit {
 
     std::vector<float> parameters;  ///< LfmLayout order; the padding lane of every texel is not saved
     // One entry per problem, 3 * vertex + channel.
-    std::vector<FitStatus> status;
+    std::vector<Status> status;
     std::vector<uint32_t> iterations;
     std::vector<uint32_t> samples;  ///< radiance samples in the problem's ring
     std::vector<float> error;       ///< raw E = 1/2 sum r^2: no normalization, no penalty
 
     std::filesystem::path dataset_path;  ///< as the program may open it; saved relative to the fit folder
     std::string dataset_name;
+    Encoding encoding = Encoding::u8_srgb;  ///< of the dataset
     DatasetFingerprint dataset_fingerprint;
 
     // JSON objects as text; empty means {}.
@@ -56,10 +45,10 @@ struct LightFieldFit {
     std::string times_json;       ///< name -> seconds
 
     size_t problem_count() const { return status.size(); }
-    std::array<uint64_t, size_t(FitStatus::count)> status_counts() const;
+    std::array<uint64_t, size_t(Status::count)> status_counts() const;
 };
 
-/// Fills dataset_path, dataset_name and dataset_fingerprint.
+/// Fills dataset_path, dataset_name, encoding and dataset_fingerprint.
 void set_dataset(LightFieldFit& fit, const Dataset& dataset);
 
 /// Throws UserError if something other than a fit (or an empty folder) stands at `folder`, or a fit to which somebody

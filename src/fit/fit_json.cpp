@@ -41,12 +41,6 @@ TargetSpace space_of(const std::string& name) {
 
 }  // namespace
 
-std::string to_string(FitStatus status) {
-    static const char* names[] = {"active",         "residual",   "output_change", "stationary",
-                                  "max_iterations", "no_samples", "not_finite"};
-    return names[size_t(status)];
-}
-
 std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, const std::string& dataset_path,
                         const std::vector<std::string>& files) {
     const LfmOptions& o = fit.options;
@@ -54,7 +48,7 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
     const DatasetFingerprint& f = fit.dataset_fingerprint;
     Json statuses = Json::object();
     const auto counts = fit.status_counts();
-    for (size_t s = 0; s < counts.size(); ++s) statuses[to_string(FitStatus(s))] = counts[s];
+    for (size_t s = 0; s < counts.size(); ++s) statuses[to_string(Status(s))] = counts[s];
     const Json json = {
         {"format", fit_format},
         {"version", fit_version},
@@ -80,6 +74,7 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
         {"dataset",
          {{"path", dataset_path},
           {"name", fit.dataset_name},
+          {"encoding", to_string(fit.encoding)},
           {"vertices", f.vertices},
           {"triangles", f.triangles},
           {"views", f.views},
@@ -130,10 +125,13 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         check_options(o);
         const Json& statuses = json.at("problems").at("status");
         for (size_t s = 0; s < promises.status_counts.size(); ++s)
-            promises.status_counts[s] = statuses.at(to_string(FitStatus(s))).get<uint64_t>();
+            promises.status_counts[s] = statuses.at(to_string(Status(s))).get<uint64_t>();
         const Json& d = json.at("dataset");
         promises.dataset_path = d.at("path").get<std::string>();
         fit.dataset_name = d.at("name").get<std::string>();
+        fit.encoding =
+            one_of(d.at("encoding"),
+                   {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear}, "encoding");
         fit.dataset_fingerprint = {d.at("vertices").get<uint64_t>(),    d.at("triangles").get<uint64_t>(),
                                    d.at("views").get<uint64_t>(),       d.at("held_out").get<uint64_t>(),
                                    d.at("image_bytes").get<uint64_t>(), d.at("digest").get<std::string>()};

@@ -134,7 +134,7 @@ void take_problem_image(const std::filesystem::path& path, const ExrImage& image
     fit.error.resize(3 * vertices);
     for (size_t q = 0; q < 3 * vertices; ++q) {
         const float* pixel = image.values.data() + q / 3 * 3 * quantities + q % 3;
-        fit.status[q] = FitStatus(whole_number(path, pixel[0], float(FitStatus::count), "status", q / 3));
+        fit.status[q] = Status(whole_number(path, pixel[0], float(Status::count), "status", q / 3));
         fit.iterations[q] = whole_number(path, pixel[3], whole, "iterations", q / 3);
         fit.samples[q] = whole_number(path, pixel[6], whole, "samples", q / 3);
         fit.error[q] = pixel[9];

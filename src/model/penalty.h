@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/lanes.h"
@@ -92,5 +93,10 @@ Lanes<real> bounds_curvature(const LfmOptions& o, size_t texels, const Lanes<rea
         }
     return sum;
 }
+
+/// lambda E_r + mu E_b of the problems of vertex v [3], for parameters p in the layout's order. mean [3]: of L t, which
+/// scales the view map's weight.
+std::array<double, 3> penalty_error(const LfmLayout& layout, const LfmOptions& options, size_t v,
+                                    std::span<const float> p, std::span<const float> mean);
 
 }  // namespace radiafit

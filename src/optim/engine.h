@@ -33,6 +33,7 @@ struct EngineSummary {
 ///
 ///   count() *                  statistics; fixes S-bar, lambda_view and which problems have no samples
 ///   reset(start)               trial = start [N, Parameters order]; states fresh; p undefined until the first accept
+///   fit_terms(first, last)     terms outside [first, last) stay as they are: their gradient is zero (deflation)
 ///   direction_pass(diagonal)   at trial: E_t and its gradient, penalties included; on request also the fresh
 ///                              P = diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of the problem's largest entry
 ///   project(rule, fresh)       z'.g', z'.g, d.g' per problem, z = g/P for cg_modern (P the fresh one if told), else g
@@ -48,6 +49,7 @@ concept Engine = requires(E& e, std::span<const float> start, std::span<float> o
     { e.problem_count() } -> std::convertible_to<size_t>;  ///< problems times channels: M
     { e.count() } -> std::convertible_to<ProblemStatistics>;
     e.reset(start);
+    e.fit_terms(0, 1);
     e.direction_pass(flag);
     e.project(rule, flag);
     e.after_direction(rule, flag, stop);

@@ -1,5 +1,6 @@
 #pragma once
 #include "model/prelude.h"
+#include "model/status.h"
 
 /// shaders/optimize/*.glsl as C++: what happens to one problem between two passes.
 namespace radiafit {
@@ -20,8 +21,7 @@ struct Optimize {
 template <class real>
 using ProblemText = shared_text::Optimize<real>;
 
-/// The update rules of the texts, and the values of ProblemState::status.
+/// The update rules of the texts.
 enum class Rule { steepest_descent = RULE_STEEPEST_DESCENT, cg_paper = RULE_CG_PAPER, cg_modern = RULE_CG_MODERN };
-enum class Status { active, residual, output_change, stationary, max_iterations, no_samples, not_finite, count };
 
 }  // namespace radiafit

@@ -1,0 +1,113 @@
+#include "app/choices.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/config.h"
+#include "base/error.h"
+
+namespace radiafit {
+namespace {
+
+template <class Choice>
+Choice choose(const char* what, const std::string& name, const std::vector<std::pair<std::string, Choice>>& choices) {
+    std::vector<std::string> names;
+    for (const auto& [known, choice] : choices) {
+        if (known == name) return choice;
+        names.push_back(known);
+    }
+    throw UserError(fmt::format("{} '{}' does not exist; choose one of {} (nearest: {})", what, name,
+                                fmt::join(names, ", "), nearest(name, names)));
+}
+
+Mode choose_mode(const std::string& name) {
+    return choose<Mode>("mode", name, {{"paper", Mode::paper}, {"modern", Mode::modern}});
+}
+
+}  // namespace
+
+DistributorChoice choose_distributor(const std::string& name) {
+    return choose<DistributorChoice>("distributor", name,
+                                     {{"cpu", DistributorChoice::cpu}, {"gl", DistributorChoice::gl}});
+}
+TargetSpace choose_space(const std::string& name) {
+    return choose<TargetSpace>("space", name, {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}});
+}
+StreamSource choose_source(const std::string& name) {
+    return choose<StreamSource>("source", name, {{"disk", StreamSource::disk}, {"memory", StreamSource::memory}});
+}
+
+ContextOptions context_options(const FitRequest& request) {
+    ContextOptions options;
+    options.kind = context_kind_from(request.context);
+    options.device = request.device;
+    return options;
+}
+
+Rule FitRequest::rule() const {
+    const bool descent = choose<bool>("optimizer", optimizer, {{"cg", false}, {"sd", true}});
+    return descent ? Rule::steepest_descent : choose_mode(mode) == Mode::paper ? Rule::cg_paper : Rule::cg_modern;
+}
+
+LfmOptions FitRequest::model_options() const {
+    LfmOptions options = model;
+    options.mode = choose_mode(mode);
+    options.lookup = choose<ViewLookup>("view look-up", view,
+                                        {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}});
+    check_options(options);
+    return options;
+}
+
+std::string FitRequest::label() const { return solver == "stream" ? optimizer + "-" + mode : solver; }
+
+void FitRequest::check() const {
+    choose<int>("solver", solver, {{"stream", 0}, {"mean", 1}});
+    choose<int>("engine", engine, {{"cpu", 0}, {"fragment", 1}});
+    choose<int>("passes", passes, {{"paper", 0}, {"combined", 1}});
+    choose<int>("storage", storage, {{"fp32", 0}, {"fp16", 1}, {"fp16-truncate", 2}});
+    choose_distributor(distributor);
+    choose_space(space);
+    choose_source(source);
+    context_kind_from(context);
+    rule();
+    model_options();
+    if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
+    if (!(stop_residual >= 0 && stop_output_change >= 0))
+        throw UserError("stopping thresholds are 0 (off) or positive");
+    if (engine == "cpu" && storage != "fp32")
+        throw UserError("storage '" + storage + "' belongs to the fragment engine; the cpu engine computes in fp32");
+}
+
+std::string FitRequest::json() const {
+    const nlohmann::ordered_json object = {
+        {"solver", solver},
+        {"engine", engine},
+        {"optimizer", optimizer},
+        {"mode", mode},
+        {"passes", passes},
+        {"storage", storage},
+        {"distributor", distributor},
+        {"source", source},
+        {"view", view},
+        {"space", space},
+        {"context", context},
+        {"device", device},
+        {"terms", model.terms},
+        {"surface_side", model.surface_side},
+        {"view_side", model.view_side},
+        {"lambda_surface", model.lambda_surface},
+        {"lambda_view", model.lambda_view},
+        {"mu", model.mu},
+        {"lower", model.lower},
+        {"upper", model.upper},
+        {"deflate", deflate},
+        {"iterations", iterations},
+        {"stop_residual", stop_residual},
+        {"stop_output_change", stop_output_change},
+        {"seed", seed},
+    };
+    return object.dump();
+}
+
+}  // namespace radiafit

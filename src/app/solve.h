@@ -1,0 +1,86 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "dataset/image_stream.h"
+#include "fit/fit_folder.h"
+#include "model/lfm.h"
+#include "optim/optimizer.h"
+#include "samples/distributor.h"
+
+/// From a dataset and a choice of solver, optimizer and engine to a fit: the one way through the house, for the command
+/// line and for experiments alike.
+namespace radiafit {
+
+/// What to fit with; names as on the command line. resolve() turns names into options and throws UserError for an
+/// unknown one, naming those that exist.
+struct FitRequest {
+    std::string solver = "stream";    ///< stream | mean
+    std::string engine = "cpu";       ///< cpu | fragment
+    std::string optimizer = "cg";     ///< cg | sd
+    std::string mode = "modern";      ///< paper | modern: of the optimizer and of the bounds penalty
+    std::string passes = "combined";  ///< paper | combined, of the fragment engine
+    std::string storage = "fp32";     ///< fp32 | fp16 | fp16-truncate, of the fragment engine
+    std::string distributor = "cpu";  ///< cpu | gl, for engines that read a sample list
+    std::string source = "memory";    ///< disk | memory, of engines that stream images
+    std::string view = "bilinear";    ///< bilinear | nearest
+    std::string space = "stored";     ///< stored | linear
+    std::string context = "egl";      ///< egl | osmesa
+    int device = -1;
+    LfmOptions model;
+    bool deflate = false;  ///< fit terms one after another instead of together
+    int iterations = 25;
+    double stop_residual = 0, stop_output_change = 0;
+    uint64_t seed = 1;
+
+    Rule rule() const;
+    LfmOptions model_options() const;  ///< model with mode and view look-up filled in, checked
+    std::string label() const;         ///< "cg-modern", as the trace's solver column
+    std::string json() const;          ///< every option, as one JSON object
+    void check() const;
+};
+
+/// Seconds by activity; what is not named is unaccounted.
+struct FitTimes {
+    double distribution = 0, streaming = 0, optimization = 0, total = 0;
+};
+
+struct FitOutcome {
+    LightFieldFit fit;
+    Trace trace;
+    FitTimes times;
+    DistributionStatistics distribution;  ///< where a sample list was built
+    std::string gl_vendor, gl_renderer, gl_version;
+    uint64_t engine_bytes = 0;  ///< device memory (or vectors) of the engine
+};
+
+/// Called after every iteration with a way to read each problem's E_t.
+using IterationHook = std::function<void(int iteration, const std::function<void(std::span<float>)>& read_errors)>;
+
+/// A sample list that several fits share, so that they solve the very same problems. Built for training views.
+struct SharedSamples {
+    SampleList list;
+    DistributionStatistics statistics;
+    double seconds = 0;
+};
+SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request);
+/// The same over the given views.
+SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                         const std::vector<uint32_t>& views);
+
+/// Fits training views (or `views`). `samples`, if given, must come from distribute() with equal sides, space and
+/// views; engines that redistribute every pass ignore it.
+FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples = nullptr,
+                 const IterationHook& each_iteration = {}, const std::vector<uint32_t>* views = nullptr);
+
+/// Bytes per array, before anything is allocated.
+struct PlanRow {
+    std::string array, shape;
+    uint64_t count, bytes;
+};
+std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request);
+/// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
+std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);
+
+}  // namespace radiafit

@@ -1,0 +1,20 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace radiafit {
+
+/// How a problem ended; the values of STATUS_* in shaders/optimize/problem_state.glsl.
+enum class Status : uint8_t {
+    active,
+    residual,       ///< root mean square residual below its threshold
+    output_change,  ///< change of the model's output below its threshold
+    stationary,     ///< no step lowers the error any more
+    max_iterations,
+    no_samples,
+    not_finite,  ///< the error of the start is not finite
+    count
+};
+std::string to_string(Status status);  ///< as the key in fit.json, such as "max_iterations"
+
+}  // namespace radiafit
