@@ -46,14 +46,6 @@ TriangleAtlas::TriangleAtlas(const Mesh& mesh, int side) : mesh_(&mesh), side_(s
     normals_ = vertex_normals(mesh);
 }
 
-uint32_t TriangleAtlas::local_at(float b1, float b2) const {
-    int i = std::clamp(static_cast<int>(b1 * float(side_)), 0, side_ - 1);
-    int j = std::clamp(static_cast<int>(b2 * float(side_)), 0, side_ - 1);
-    // Beyond the diagonal by rounding only: step back along the longer coordinate.
-    while (i + j >= side_) --(i > j ? i : j);
-    return local_of_cell(i, j);
-}
-
 std::array<int, 2> TriangleAtlas::place(uint32_t texel) const {
     const uint32_t tile = texel / texels_per_tile_;
     const auto [i, j] = cell_[texel % texels_per_tile_];
@@ -62,12 +54,6 @@ std::array<int, 2> TriangleAtlas::place(uint32_t texel) const {
     const int y0 = static_cast<int>(rectangle / rectangles_per_row_) * (side_ + 1);
     if (tile % 2 == 0) return {x0 + i, y0 + j};
     return {x0 + side_ - 1 - i, y0 + side_ - j};
-}
-
-Vec3f TriangleAtlas::position(uint32_t texel) const {
-    const auto& [i0, i1, i2] = mesh_->triangles[texel / texels_per_tile_];
-    const auto& b = barycentric_[texel % texels_per_tile_];
-    return b[0] * mesh_->positions[i0] + b[1] * mesh_->positions[i1] + b[2] * mesh_->positions[i2];
 }
 
 Vec3f TriangleAtlas::normal(uint32_t texel) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -19,7 +20,7 @@ public:
     uint32_t tile_count() const { return tile_count_; }
     uint32_t texels_per_tile() const { return texels_per_tile_; }
     uint32_t texel_count() const { return tile_count_ * texels_per_tile_; }
-    int width() const { return width_; }    ///< of the 2-D layout, texels
+    int width() const { return width_; }  ///< of the 2-D layout, texels
     int height() const { return height_; }
 
     /// Column and row of a texel in the 2-D layout. No two texels share a place; places without a texel are padding.
@@ -44,7 +45,13 @@ public:
     int side() const { return side_; }
     int rectangles_per_row() const { return rectangles_per_row_; }
     /// The tile-local texel that holds barycentric (b1, b2); rounding at the rim is clamped into the tile.
-    uint32_t local_at(float b1, float b2) const;
+    uint32_t local_at(float b1, float b2) const {
+        int i = std::clamp(static_cast<int>(b1 * float(side_)), 0, side_ - 1);
+        int j = std::clamp(static_cast<int>(b2 * float(side_)), 0, side_ - 1);
+        // Beyond the diagonal by rounding only: step back along the longer coordinate.
+        while (i + j >= side_) --(i > j ? i : j);
+        return local_of_cell(i, j);
+    }
     /// Barycentric weights of the three vertices at a tile-local texel's centre. A diagonal cell's own centroid.
     std::array<float, 3> barycentric(uint32_t local) const { return barycentric_[local]; }
     /// Cell (i, j) of a tile-local texel. Local order: row by row, j outer, i inner.
@@ -52,7 +59,14 @@ public:
     uint32_t local_of_cell(int i, int j) const { return static_cast<uint32_t>(j * side_ - j * (j - 1) / 2 + i); }
 
     std::array<int, 2> place(uint32_t texel) const override;
-    Vec3f position(uint32_t texel) const override;
+    Vec3f position(uint32_t texel) const override {
+        return position(texel / texels_per_tile_, texel % texels_per_tile_);
+    }
+    Vec3f position(uint32_t triangle, uint32_t local) const {
+        const auto& [i0, i1, i2] = mesh_->triangles[triangle];
+        const auto& b = barycentric_[local];
+        return b[0] * mesh_->positions[i0] + b[1] * mesh_->positions[i1] + b[2] * mesh_->positions[i2];
+    }
     Vec3f normal(uint32_t texel) const override;  ///< interpolated vertex normals
     bool usable(uint32_t texel) const override { return !degenerate_[texel / texels_per_tile_]; }
     bool degenerate(uint32_t triangle) const { return degenerate_[triangle] != 0; }
@@ -72,7 +86,8 @@ private:
 class GridAtlas final : public Atlas {
 public:
     /// positions, normals [width * height]; usable likewise, or empty for all. Throws UserError on a size that differs.
-    GridAtlas(int width, int height, std::vector<Vec3f> positions, std::vector<Vec3f> normals, std::vector<uint8_t> usable);
+    GridAtlas(int width, int height, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
+              std::vector<uint8_t> usable);
     std::array<int, 2> place(uint32_t texel) const override {
         return {static_cast<int>(texel) % width_, static_cast<int>(texel) / width_};
     }

@@ -5,11 +5,11 @@
 
 namespace radiafit {
 
-/// A pinhole camera, COLMAP's conventions: +x right, +y down, +z forward; the centre of the top-left pixel is (0.5, 0.5).
-/// width and height are those of the stored (cropped) image: cropping shifts cx and cy.
+/// A pinhole camera, COLMAP's conventions: +x right, +y down, +z forward; the centre of the top-left pixel is (0.5,
+/// 0.5). width and height are those of the stored (cropped) image: cropping shifts cx and cy.
 struct Camera {
-    int width = 0, height = 0;             ///< pixels
-    double fx = 0, fy = 0, cx = 0, cy = 0; ///< pixels
+    int width = 0, height = 0;              ///< pixels
+    double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
     Mat3d cam_from_world_rotation = Mat3d::Identity();
     Vec3d cam_from_world_translation = Vec3d::Zero();
 

@@ -13,7 +13,8 @@ inline constexpr uint32_t no_pixel = 0xffffffffu;
 
 /// Which texel takes which pixel of one image, by the rule of Section 5.1: the item buffer holds the texel that each
 /// pixel centre sees; a texel takes the pixel its own centre projects to (floor of the pixel coordinates) if that
-/// pixel's item is this texel and the mask holds it. So a pixel feeds at most one texel, a texel takes at most one pixel.
+/// pixel's item is this texel and the mask holds it. So a pixel feeds at most one texel, a texel takes at most one
+/// pixel.
 struct Distribution {
     std::vector<uint32_t> texel_pixel;  ///< [texels] pixel index (row * width + column) or no_pixel
     uint32_t covered_pixels = 0;        ///< pixels with an item, inside the mask
@@ -31,10 +32,10 @@ public:
 /// Statistics behind claim C17.
 struct DistributionStatistics {
     uint64_t covered_pixels = 0, kept_pixels = 0, samples = 0;
-    uint64_t texels = 0;                     ///< usable texels
-    std::vector<uint32_t> samples_per_texel; ///< [texels of the atlas]
+    uint64_t texels = 0;                      ///< usable texels
+    std::vector<uint32_t> samples_per_texel;  ///< [texels of the atlas]
     double kept_share() const { return covered_pixels ? double(kept_pixels) / double(covered_pixels) : 0; }
-    double median_samples_per_texel = 0;     ///< over usable texels
+    double median_samples_per_texel = 0;  ///< over usable texels
 };
 
 /// Distributes the given views and groups what they leave. `workers` holds one distributor per thread to use

@@ -14,8 +14,8 @@ public:
 private:
     const TriangleAtlas* atlas_;
     Rasterizer rasterizer_;
-    std::vector<uint32_t> items_;         ///< [height * width] texel or no_texel
-    std::vector<uint8_t> tile_visible_;   ///< [tiles]
+    std::vector<uint32_t> items_;        ///< [height * width] texel or no_texel
+    std::vector<uint8_t> tile_visible_;  ///< [tiles]
 };
 
 }  // namespace radiafit

@@ -1,0 +1,159 @@
+#include "samples/sample_list.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "samples/distributor.h"
+
+namespace radiafit {
+
+namespace {
+
+/// What one image leaves, in ascending texel order, so tile by tile.
+struct ImageSamples {
+    struct Run {
+        uint32_t tile, first;  ///< first: into samples
+    };
+    std::vector<Run> runs;  ///< one per tile that has samples, and a sentinel
+    std::vector<Sample> samples;
+    uint32_t covered_pixels = 0;
+};
+
+ImageSamples collect(const Distribution& distribution, const TargetImage& image, uint32_t texels_per_tile) {
+    ImageSamples out;
+    out.covered_pixels = distribution.covered_pixels;
+    out.samples.reserve(distribution.kept_pixels);
+    const uint32_t tiles = static_cast<uint32_t>(distribution.texel_pixel.size() / texels_per_tile);
+    const uint32_t* pixel = distribution.texel_pixel.data();
+    for (uint32_t tile = 0; tile < tiles; ++tile, pixel += texels_per_tile) {
+        const size_t before = out.samples.size();
+        for (uint32_t local = 0; local < texels_per_tile; ++local) {
+            if (pixel[local] == no_pixel) continue;
+            const std::array<uint16_t, 4> c = image.channel16(pixel[local]);
+            out.samples.push_back({{c[0], c[1], c[2]}, static_cast<uint16_t>(local)});
+        }
+        if (out.samples.size() > before) out.runs.push_back({tile, static_cast<uint32_t>(before)});
+    }
+    out.runs.push_back({tiles, static_cast<uint32_t>(out.samples.size())});
+    return out;
+}
+
+/// Streams and distributes every view; one entry per view whatever the number of threads.
+std::vector<ImageSamples> collect_all(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
+                                      const std::vector<Distributor*>& workers, TargetSpace space, float& scale) {
+    if (workers.empty()) throw std::invalid_argument("build_sample_list: no distributor");
+    const bool alone = workers.size() == 1;
+    if (!alone && workers.size() < size_t(thread_count()))
+        throw std::invalid_argument("build_sample_list: fewer distributors than threads");
+
+    struct Worker {
+        ImageStream stream;
+        TargetImage image;
+        Distribution distribution;
+    };
+    std::vector<Worker> state;
+    for (size_t k = 0; k < (alone ? 1 : size_t(thread_count())); ++k)
+        state.push_back({ImageStream(dataset, StreamSource::disk, space), {}, {}});
+
+    const ImageStream& any = state.front().stream;
+    scale = any.bits() == 8 ? any.scale() / 257.0f : any.scale();  // TargetImage::scale16, one for all images
+
+    std::vector<ImageSamples> images(views.size());
+    const auto one = [&](size_t k, int worker) {
+        auto& [stream, image, distribution] = state[worker];
+        stream.load(views[k], image);
+        workers[worker]->distribute(dataset.views[views[k]].camera, image, distribution);
+        images[k] = collect(distribution, image, atlas.texels_per_tile());
+    };
+    if (alone) {
+        for (size_t k = 0; k < views.size(); ++k) one(k, 0);
+    } else {
+        parallel_for(views.size(), 1, one);
+    }
+    return images;
+}
+
+void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vector<ImageSamples>& images,
+                     DistributionStatistics& statistics) {
+    statistics = {};
+    for (const ImageSamples& image : images) statistics.covered_pixels += image.covered_pixels;
+    statistics.samples = statistics.kept_pixels = list.samples.size();
+    statistics.samples_per_texel.assign(atlas.texel_count(), 0);
+    for (size_t tile = 0; tile < list.tile_count(); ++tile) {
+        const uint32_t begin = list.groups[list.tile_groups[tile]].first;
+        const uint32_t end = list.groups[list.tile_groups[tile + 1]].first;
+        uint32_t* counts = statistics.samples_per_texel.data() + tile * atlas.texels_per_tile();
+        for (uint32_t s = begin; s < end; ++s) ++counts[list.samples[s].local];
+    }
+
+    std::vector<uint32_t> usable;
+    usable.reserve(atlas.texel_count());
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        if (atlas.usable(t)) usable.push_back(statistics.samples_per_texel[t]);
+    statistics.texels = usable.size();
+    if (usable.empty()) return;
+    const auto upper = usable.begin() + usable.size() / 2;
+    std::nth_element(usable.begin(), upper, usable.end());
+    const double lower = usable.size() % 2 ? *upper : *std::max_element(usable.begin(), upper);
+    statistics.median_samples_per_texel = 0.5 * (lower + *upper);
+}
+
+}  // namespace
+
+SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
+                             std::vector<Distributor*> workers, TargetSpace space, DistributionStatistics* statistics) {
+    if (atlas.texels_per_tile() > 65536)
+        throw std::invalid_argument("build_sample_list: a tile of more than 65536 texels");
+    SampleList list;
+    list.views = views;
+    std::vector<ImageSamples> images = collect_all(dataset, atlas, views, workers, space, list.scale);
+
+    // Counting sort by tile, stable in the image: count, sum, place.
+    const uint32_t tiles = atlas.tile_count();
+    list.tile_groups.assign(tiles + 1, 0);
+    std::vector<uint32_t> tile_samples(tiles + 1, 0);  // where a tile's samples begin
+    uint64_t samples = 0;
+    for (const ImageSamples& image : images) {
+        samples += image.samples.size();
+        for (size_t r = 0; r + 1 < image.runs.size(); ++r) {
+            ++list.tile_groups[image.runs[r].tile + 1];
+            tile_samples[image.runs[r].tile + 1] += image.runs[r + 1].first - image.runs[r].first;
+        }
+    }
+    if (samples > std::numeric_limits<uint32_t>::max())
+        throw UserError(dataset.folder.string() +
+                        ": more than 2^32 samples; import it with a smaller --max-size, or fit fewer views");
+    for (uint32_t tile = 0; tile < tiles; ++tile) {
+        list.tile_groups[tile + 1] += list.tile_groups[tile];
+        tile_samples[tile + 1] += tile_samples[tile];
+    }
+    list.groups.resize(size_t(list.tile_groups[tiles]) + 1);
+    list.groups.back() = {static_cast<uint32_t>(views.size()), static_cast<uint32_t>(samples)};
+    list.samples.resize(samples);
+
+    // Each range of tiles is one worker's alone, and sees the images in order.
+    parallel_chunks(tiles, 256, [&](size_t begin, size_t end, int) {
+        std::vector<uint32_t> next_group(list.tile_groups.begin() + begin, list.tile_groups.begin() + end);
+        std::vector<uint32_t> next_sample(tile_samples.begin() + begin, tile_samples.begin() + end);
+        for (uint32_t k = 0; k < images.size(); ++k) {
+            const ImageSamples& image = images[k];
+            auto run = std::lower_bound(image.runs.begin(), image.runs.end() - 1, begin,
+                                        [](const ImageSamples::Run& r, size_t tile) { return r.tile < tile; });
+            for (; run->tile < end; ++run) {  // the sentinel's tile is `tiles`
+                uint32_t& first = next_sample[run->tile - begin];
+                list.groups[next_group[run->tile - begin]++] = {k, first};
+                std::copy(image.samples.begin() + run[0].first, image.samples.begin() + run[1].first,
+                          list.samples.begin() + first);
+                first += run[1].first - run[0].first;
+            }
+        }
+    });
+
+    if (statistics) fill_statistics(list, atlas, images, *statistics);
+    return list;
+}
+
+}  // namespace radiafit
