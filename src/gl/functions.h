@@ -32,7 +32,7 @@ namespace radiafit {
     X(VertexArrayAttribIFormat) X(VertexArrayBindingDivisor) X(VertexArrayVertexBuffer) \
     /* programs */ \
     X(AttachShader) X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteProgram) X(DeleteShader) X(DetachShader) \
-    X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(LinkProgram) X(ProgramUniform1f) \
+    X(GetProgramInfoLog) X(GetProgramInterfaceiv) X(GetProgramResourceiv) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(LinkProgram) X(ProgramUniform1f) \
     X(ProgramUniform1i) X(ProgramUniform1ui) X(ProgramUniform2f) X(ProgramUniform2i) X(ProgramUniform3f) \
     X(ProgramUniform4f) X(ProgramUniform4fv) X(ProgramUniform4i) X(ShaderSource) X(UseProgram) \
     /* drawing */ \

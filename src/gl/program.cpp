@@ -120,13 +120,26 @@ Program Program::draw(const std::string& vertex_file, const std::string& fragmen
     const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_file, defines);
     const GLuint fragment = compile(GL_FRAGMENT_SHADER, fragment_file, defines);
     program.name_ = link({vertex, fragment}, vertex_file + " and " + fragment_file);
+    program.find_locations();
     return program;
 }
 
 Program Program::compute(const std::string& file, const Defines& defines) {
     Program program;
     program.name_ = link({compile(GL_COMPUTE_SHADER, file, defines)}, file);
+    program.find_locations();
     return program;
+}
+
+void Program::find_locations() {
+    int count = 0;
+    gl().GetProgramInterfaceiv(name_, GL_UNIFORM, GL_ACTIVE_RESOURCES, &count);
+    const GLenum property = GL_LOCATION;
+    for (int i = 0; i < count; ++i) {
+        int location = -1;
+        gl().GetProgramResourceiv(name_, GL_UNIFORM, static_cast<GLuint>(i), 1, &property, 1, nullptr, &location);
+        if (location >= 0 && location < 64) locations_ |= uint64_t(1) << location;
+    }
 }
 
 Program::~Program() {

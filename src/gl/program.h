@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,8 @@ struct ShaderText {
 /// `file` begins with a #version line; `defines` follow it. Throws UserError for a file that cannot be read.
 ShaderText expand_shader(const std::string& file, const Defines& defines = {});
 
-/// A linked program of the current context. Uniforms are set by explicit location.
+/// A linked program of the current context. Uniforms are set by explicit location; a location that the program doesn't
+/// use is passed over, so that passes which share an interface are set up alike.
 class Program {
 public:
     Program() = default;
@@ -30,27 +32,40 @@ public:
     static Program draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines = {});
     static Program compute(const std::string& file, const Defines& defines = {});
     ~Program();
-    Program(Program&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+    Program(Program&& other) noexcept : name_(std::exchange(other.name_, 0)), locations_(other.locations_) {}
     Program& operator=(Program&& other) noexcept {
         std::swap(name_, other.name_);
+        std::swap(locations_, other.locations_);
         return *this;
     }
 
     void use() const { gl().UseProgram(name_); }
-    void set(int location, int value) const { gl().ProgramUniform1i(name_, location, value); }
-    void set(int location, unsigned value) const { gl().ProgramUniform1ui(name_, location, value); }
-    void set(int location, float value) const { gl().ProgramUniform1f(name_, location, value); }
-    void set2(int location, int x, int y) const { gl().ProgramUniform2i(name_, location, x, y); }
-    void set2(int location, float x, float y) const { gl().ProgramUniform2f(name_, location, x, y); }
-    void set3(int location, float x, float y, float z) const { gl().ProgramUniform3f(name_, location, x, y, z); }
+    void set(int location, int value) const {
+        if (uses(location)) gl().ProgramUniform1i(name_, location, value);
+    }
+    void set(int location, float value) const {
+        if (uses(location)) gl().ProgramUniform1f(name_, location, value);
+    }
+    void set2(int location, int x, int y) const {
+        if (uses(location)) gl().ProgramUniform2i(name_, location, x, y);
+    }
+    void set2(int location, float x, float y) const {
+        if (uses(location)) gl().ProgramUniform2f(name_, location, x, y);
+    }
+    void set3(int location, float x, float y, float z) const {
+        if (uses(location)) gl().ProgramUniform3f(name_, location, x, y, z);
+    }
     /// count vec4s of an array uniform.
     void set4(int location, int count, const float* values) const {
-        gl().ProgramUniform4fv(name_, location, count, values);
+        if (uses(location)) gl().ProgramUniform4fv(name_, location, count, values);
     }
+    bool uses(int location) const { return location < 64 && (locations_ >> location & 1) != 0; }
     unsigned name() const { return name_; }
 
 private:
+    void find_locations();
     GLuint name_ = 0;
+    uint64_t locations_ = 0;  ///< bit i: a uniform at location i is active
 };
 
 }  // namespace radiafit

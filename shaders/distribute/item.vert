@@ -1,0 +1,27 @@
+#version 450 core
+// Pass 1 of Section 5.1.1: the mesh in image space.
+#include "distribute/camera.glsl"
+#include "distribute/tiles.glsl"
+
+layout(location = 4) uniform int rectangles;
+
+layout(location = 0) in vec3 position0;
+layout(location = 1) in vec3 position1;
+layout(location = 2) in vec3 position2;
+layout(location = 3) in uint tile;
+
+layout(location = 0) out vec2 barycentric;   // weights of the triangle's 2nd and 3rd vertex
+layout(location = 1) flat out ivec3 frame;
+
+void main() {
+    vec3 q0 = project(position0);
+    vec3 q1 = project(position1);
+    vec3 q2 = project(position2);
+    int corner = gl_VertexID % 3;
+    vec3 q = corner == 0 ? q0 : corner == 1 ? q1 : q2;
+    barycentric = vec2(corner == 1, corner == 2);
+    frame = tile_frame(int(tile), rectangles);
+    // Depth is 1/w in reverse, 1e-6 / w: a float keeps its relative precision at any distance.
+    vec4 clip = vec4(2.0 * q.xy / image_size - q.z, 1.0e-6, q.z);
+    gl_Position = in_front(q0, q1, q2) ? clip : vec4(0.0, 0.0, 2.0, 1.0);
+}

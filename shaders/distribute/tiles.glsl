@@ -1,0 +1,19 @@
+// The SLS layout of a triangle atlas: two tiles share one rectangle of n x (n+1) texels, the even tile upright, the odd
+// one turned by half a turn. SIDE is n.
+#ifndef SIDE
+#define SIDE 8
+#endif
+
+// Cell (0, 0) of a tile and the sign of its axes: place = xy + z * cell. rectangles: per row of the layout.
+ivec3 tile_frame(int tile, int rectangles) {
+    int rectangle = tile >> 1;
+    ivec2 corner = ivec2(rectangle % rectangles, rectangle / rectangles) * ivec2(SIDE, SIDE + 1);
+    return (tile & 1) == 0 ? ivec3(corner, 1) : ivec3(corner + ivec2(SIDE - 1, SIDE), -1);
+}
+
+// Barycentric weights at a cell's centre; a diagonal cell's own centroid.
+vec3 cell_barycentric(ivec2 cell) {
+    float centre = cell.x + cell.y == SIDE - 1 ? 1.0 / 3.0 : 0.5;
+    vec2 b = (vec2(cell) + centre) / float(SIDE);
+    return vec3(1.0 - b.x - b.y, b);
+}

@@ -1,0 +1,94 @@
+#include "gl/sls_mesh.h"
+
+#include "dataset/image_stream.h"
+
+namespace radiafit {
+
+SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
+    const Mesh& mesh = atlas.mesh();
+    std::vector<Vec3f> positions[3];
+    std::vector<uint32_t> tiles;
+    std::vector<std::array<uint32_t, 3>> vertices;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (atlas.degenerate(t)) continue;
+        for (int repeat = 0; repeat < 3; ++repeat) {
+            for (int c = 0; c < 3; ++c) positions[c].push_back(mesh.positions[mesh.triangles[t][c]]);
+            tiles.push_back(t);
+            vertices.push_back(mesh.triangles[t]);
+        }
+    }
+    count_ = static_cast<int>(tiles.size());
+    for (int c = 0; c < 3; ++c) {
+        positions_[c] = Buffer(positions[c]);
+        array_.floats(static_cast<unsigned>(c), 3, positions_[c]);
+    }
+    tiles_ = Buffer(tiles);
+    array_.integers(3, 1, tiles_);
+    vertices_ = Buffer(vertices);
+    array_.integers(4, 3, vertices_);
+}
+
+void SlsMesh::draw() const {
+    array_.bind();
+    gl().DrawArrays(GL_TRIANGLES, 0, count_);
+}
+
+void SlsMesh::set_layout(const Program& program) const {
+    program.set(4, atlas_->rectangles_per_row());
+    program.set(5, atlas_->width());
+    program.set2(6, float(atlas_->width()), float(atlas_->height()));
+}
+
+void SlsMesh::set_camera(const Program& program, const Camera& camera) {
+    Mat3d intrinsics;
+    intrinsics << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+    const Mat3d rotation = intrinsics * camera.cam_from_world_rotation;
+    const Vec3d translation = intrinsics * camera.cam_from_world_translation;
+    float rows[12];
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) rows[4 * r + c] = float(rotation(r, c));
+        rows[4 * r + 3] = float(translation(r));
+    }
+    program.set4(0, 3, rows);
+    program.set2(3, float(camera.width), float(camera.height));
+}
+
+ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height)
+    : mesh_(&mesh),
+      items_(GL_R32UI, max_width, max_height),
+      depth_(GL_DEPTH_COMPONENT32F, max_width, max_height),
+      framebuffer_({{&items_}}, &depth_),
+      program_(Program::draw("distribute/item.vert", "distribute/item.frag", mesh.defines())) {
+    mesh.set_layout(program_);
+}
+
+void ItemBuffer::draw(const Camera& camera) const {
+    mesh_->set_camera(program_, camera);
+    framebuffer_.bind(camera.width, camera.height);
+    const GLuint none[4] = {no_texel, no_texel, no_texel, no_texel};
+    const float far = 0;
+    gl().DepthMask(GL_TRUE);
+    gl().ClearNamedFramebufferuiv(framebuffer_.name(), GL_COLOR, 0, none);
+    gl().ClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &far);
+    gl().ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl().Enable(GL_DEPTH_TEST);
+    gl().DepthFunc(GL_GREATER);
+    gl().Enable(GL_CULL_FACE);
+    gl().FrontFace(GL_CW);  // image y points down
+    program_.use();
+    mesh_->draw();
+    gl().Disable(GL_CULL_FACE);
+    gl().Disable(GL_DEPTH_TEST);
+}
+
+ImageSlot::ImageSlot(int max_width, int max_height, int bits)
+    : texture_(bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, max_width, max_height), bits_(bits) {}
+
+void ImageSlot::upload(const TargetImage& image) {
+    if (bits_ == 8)
+        texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, image.rgba8.data());
+    else
+        texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, image.rgba16.data());
+}
+
+}  // namespace radiafit

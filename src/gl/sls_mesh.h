@@ -1,0 +1,57 @@
+#pragma once
+#include "geometry/atlas.h"
+#include "geometry/camera.h"
+#include "gl/program.h"
+#include "gl/texture.h"
+
+namespace radiafit {
+
+/// A triangle atlas on the device: three vertices per triangle that is not degenerate, each with all three positions,
+/// its tile and its triangle's three vertex indices, so that one array draws the mesh into images and into SLS.
+/// Attributes: 0-2 positions, 3 tile, 4 vertex indices.
+class SlsMesh {
+public:
+    explicit SlsMesh(const TriangleAtlas& atlas);
+    void draw() const;  ///< as triangles, with whatever program is in use
+    const TriangleAtlas& atlas() const { return *atlas_; }
+    /// SIDE for shaders/distribute/tiles.glsl.
+    Defines defines() const { return {{"SIDE", std::to_string(atlas_->side())}}; }
+    /// Sets the uniforms of shaders/distribute/*: those of the atlas once, those of the camera per image.
+    void set_layout(const Program& program) const;
+    static void set_camera(const Program& program, const Camera& camera);
+
+private:
+    const TriangleAtlas* atlas_;
+    Buffer positions_[3], tiles_, vertices_;
+    VertexArray array_;
+    int count_ = 0;
+};
+
+/// Pass 1 of Section 5.1.1. Items are row * layout width + column of a texel's place in SLS; 0xffffffff is none.
+class ItemBuffer {
+public:
+    ItemBuffer(const SlsMesh& mesh, int max_width, int max_height);
+    /// Draws into rows [0, height) and columns [0, width); image row 0 is framebuffer row 0.
+    void draw(const Camera& camera) const;
+    const Texture& items() const { return items_; }
+
+private:
+    const SlsMesh* mesh_;
+    Texture items_, depth_;
+    Framebuffer framebuffer_;
+    Program program_;
+};
+
+/// A slot for one image of the stream: unsigned integer channels, so that targets are the very numbers of the file.
+class ImageSlot {
+public:
+    ImageSlot(int max_width, int max_height, int bits);
+    void upload(const struct TargetImage& image);
+    const Texture& texture() const { return texture_; }
+
+private:
+    Texture texture_;
+    int bits_;
+};
+
+}  // namespace radiafit
