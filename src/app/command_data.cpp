@@ -1,0 +1,151 @@
+// generate, import, info, plan: everything about a dataset before it is fitted.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "capture/import.h"
+#include "dataset/synthetic/synthetic.h"
+#include "report/table.h"
+
+namespace radiafit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void print_dataset(const Dataset& d, bool json) {
+    const size_t held_out = d.split(true).size();
+    double least = 1e300, most = 0;
+    for (const View& v : d.views) least = std::min(least, v.gain), most = std::max(most, v.gain);
+    const MeshDefects defects = find_defects(d.mesh);
+    if (json) {
+        const Json object = {{"kind", "dataset"},
+                             {"name", d.name},
+                             {"description", d.description},
+                             {"source", d.source},
+                             {"encoding", to_string(d.encoding)},
+                             {"triangles", d.mesh.triangle_count()},
+                             {"vertices", d.mesh.vertex_count()},
+                             {"degenerate_triangles", defects.degenerate_triangles.size()},
+                             {"unreferenced_vertices", defects.unreferenced_vertices.size()},
+                             {"views", d.views.size()},
+                             {"held_out", held_out},
+                             {"image_bytes", d.image_bytes()}};
+        fmt::print("{}\n", object.dump(2));
+        return;
+    }
+    fmt::print("dataset {}: {}\n{}\n", d.name, d.description, d.source);
+    fmt::print("{} triangles ({} degenerate), {} vertices ({} unreferenced)\n", d.mesh.triangle_count(),
+               defects.degenerate_triangles.size(), d.mesh.vertex_count(), defects.unreferenced_vertices.size());
+    fmt::print("{} views, {} of them held out; {} of {}, {:.1f} MB raw; gains {:.3f} to {:.3f}\n", d.views.size(),
+               held_out, to_string(d.encoding),
+               d.views.empty() ? "" : fmt::format("{}x{} and alike", d.views[0].camera.width, d.views[0].camera.height),
+               double(d.image_bytes()) / 1e6, least, most);
+}
+
+void print_fit(const LightFieldFit& f, bool json) {
+    const auto counts = f.status_counts();
+    if (json) {
+        Json status = Json::object();
+        for (size_t s = 0; s < counts.size(); ++s) status[to_string(Status(s))] = counts[s];
+        const Json object = {{"kind", "fit"},
+                             {"dataset", f.dataset_name},
+                             {"solver", f.solver},
+                             {"engine", f.engine},
+                             {"problems", f.problem_count()},
+                             {"status", status},
+                             {"options", Json::parse(f.options_json.empty() ? "{}" : f.options_json)}};
+        fmt::print("{}\n", object.dump(2));
+        return;
+    }
+    fmt::print("fit of {} by {} on {}: {} terms, surface maps of side {}, view maps of side {}\n", f.dataset_name,
+               f.solver, f.engine, f.options.terms, f.options.surface_side, f.options.view_side);
+    for (size_t s = 0; s < counts.size(); ++s)
+        if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
+}
+
+}  // namespace
+
+void add_generate(CLI::App& app) {
+    auto options = std::make_shared<SyntheticOptions>();
+    auto out = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
+    command->add_option("shape", options->shape, "star or bust")->required();
+    command->add_option("--scale", options->scale, "smoke, standard or paper")->capture_default_str();
+    command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
+    command->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    command->callback([=] {
+        generate_synthetic(*options, *out);
+        print_dataset(open_dataset(*out), false);
+    });
+}
+
+void add_import(CLI::App& app, const Invocation&) {
+    auto options = std::make_shared<ImportOptions>();
+    auto out = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("import", "pack a real capture");
+    command->require_subcommand(1);
+    CLI::App* colmap = command->add_subcommand("colmap", "photographs with a COLMAP calibration and a mesh");
+    colmap->add_option("--model", options->model, "folder with cameras and images, .txt or .bin")->required();
+    colmap->add_option("--images", options->images, "folder of the undistorted photographs")->required();
+    colmap->add_option("--mesh", options->mesh, "surface in the calibration's frame")->required();
+    colmap->add_option("--masks", options->masks, "folder of NAME.png, white = object");
+    colmap->add_option("--holdout", options->holdout, "every:N, none, or a file of image names")->capture_default_str();
+    colmap->add_option("--max-size", options->max_size, "longest side in pixels; 0 keeps the size")
+        ->capture_default_str();
+    colmap->add_option("--gains", options->gains, "none, estimate, or a table (name ... linear gain)")
+        ->capture_default_str();
+    colmap->add_option("--name", options->name, "of the dataset");
+    colmap->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    colmap->callback([=] {
+        const ImportReport report = import_colmap(*options, *out);
+        for (const std::string& note : report.notes) log_warning(note);
+        print_dataset(open_dataset(*out), false);
+    });
+}
+
+void add_info(CLI::App& app) {
+    auto folder = std::make_shared<std::string>();
+    auto json = std::make_shared<bool>(false);
+    CLI::App* command = app.add_subcommand("info", "what a dataset or fit is, checked whole");
+    command->add_option("folder", *folder, "DATASET or FIT")->required();
+    command->add_flag("--json", *json, "one JSON object on standard output");
+    command->callback([=] {
+        const std::filesystem::path path(*folder);
+        if (std::filesystem::exists(path / "fit.json"))
+            print_fit(read_fit(path).fit, *json);
+        else
+            print_dataset(open_dataset(path), *json);
+    });
+}
+
+void add_plan(CLI::App& app) {
+    auto request = std::make_shared<FitRequest>();
+    auto folder = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("plan", "bytes of each array before anything is allocated");
+    command->add_option("dataset", *folder, "packed dataset")->required();
+    add_fit_options(*command, *request);
+    command->callback([=] {
+        request->check();
+        const Dataset dataset = open_dataset(*folder);
+        const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
+            uint64_t total = 0;
+            Table table({"array", "shape", "count", "MB"});
+            for (const PlanRow& r : rows) {
+                table.add({r.array, r.shape, std::to_string(r.count), fmt::format("{:.2f}", double(r.bytes) / 1e6)});
+                total += r.bytes;
+            }
+            table.add({"total", "", "", fmt::format("{:.2f}", double(total) / 1e6)});
+            fmt::print("{}\n{}\n", title, table.text());
+        };
+        show("this program", plan(dataset, *request));
+        show("paper layout (Section 6.3; the accounting is ours)",
+             paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), request->model.surface_side,
+                          request->model.view_side));
+    });
+}
+
+}  // namespace radiafit

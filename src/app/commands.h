@@ -1,0 +1,30 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+#include "app/solve.h"
+
+/// The subcommands of `radiafit`. Each add_ function declares one: its options, and what runs when it is chosen.
+namespace radiafit {
+
+/// What main() was called with, for provenance.
+struct Invocation {
+    int argc;
+    const char* const* argv;
+};
+
+void add_generate(CLI::App& app);
+void add_import(CLI::App& app, const Invocation& invocation);
+void add_info(CLI::App& app);
+void add_plan(CLI::App& app);
+void add_fit(CLI::App& app, const Invocation& invocation);
+void add_judge(CLI::App& app);
+void add_render(CLI::App& app);
+void add_devices(CLI::App& app);
+
+/// The options of FitRequest, for every command that fits or plans a fit.
+void add_fit_options(CLI::App& command, FitRequest& request);
+
+/// The trivial baseline (one mean colour per texel) of the views, sides and space that a fit used.
+LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset);
+
+}  // namespace radiafit
