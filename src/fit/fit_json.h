@@ -22,7 +22,7 @@ std::vector<std::string> files_in_json(const std::string& text);
 /// What fit.json promises about the images beside it.
 struct FitPromises {
     std::string dataset_path;
-    std::array<uint64_t, size_t(FitStatus::count)> status_counts{};
+    std::array<uint64_t, size_t(Status::count)> status_counts{};
 };
 
 /// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.

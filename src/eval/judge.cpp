@@ -1,0 +1,166 @@
+#include "eval/judge.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "eval/exposure.h"
+#include "eval/lfm_renderer.h"
+
+namespace radiafit {
+namespace {
+
+// The photographs as they are stored: the stream would apply the gains.
+Dataset without_gains(Dataset dataset) {
+    for (View& view : dataset.views) view.gain = 1;
+    return dataset;
+}
+
+bool has_gains(const Dataset& dataset) {
+    for (const View& view : dataset.views)
+        if (view.gain != 1) return true;
+    return false;
+}
+
+// One thread's tools.
+class Bench {
+public:
+    Bench(const Dataset& dataset, ImageStream stream)
+        : dataset_(&dataset), has_gains_(has_gains(dataset)), stream_(std::move(stream)) {}
+
+    JudgedView compare(const Contestant& contestant, uint32_t index, int worker) {
+        const View& view = dataset_->views.at(index);
+        rasterizer_.draw(dataset_->mesh, view.camera);
+        stream_.load(index, image_);
+        contestant.shade(view.camera, rasterizer_.pixels(), rgb_, worker);
+
+        JudgedView out;
+        out.width = view.camera.width;
+        out.height = view.camera.height;
+        out.gain = view.gain;
+        const size_t pixels = rasterizer_.pixels().size();
+        if (rgb_.size() != 3 * pixels) throw std::invalid_argument("judge: a contestant left pixels out");
+        out.photograph.resize(3 * pixels);
+        out.foreground.resize(pixels);
+        const float scale = image_.scale16();
+        for (size_t i = 0; i < pixels; ++i) {
+            const auto channels = image_.channel16(i);
+            for (size_t c = 0; c < 3; ++c) out.photograph[3 * i + c] = clamped(float(channels[c]) * scale);
+            out.foreground[i] = rasterizer_.pixels()[i].triangle != no_triangle && image_.masked_in(i);
+        }
+        if (has_gains_ && view.held_out) out.gain = 1 / best_exposure(contestant.space, out);
+        out.render.assign(3 * pixels, 0.0f);
+        // Values that already are what is stored go through no transfer function and back.
+        const bool as_they_are = out.gain == 1 && contestant.space == TargetSpace::stored;
+        for (size_t i = 0; i < pixels; ++i)
+            for (size_t c = 3 * i; c < 3 * i + 3 && out.foreground[i]; ++c)
+                out.render[c] = as_they_are
+                                    ? clamped(rgb_[c])
+                                    : exposed(dataset_->encoding, 1 / out.gain, light(contestant.space, rgb_[c]));
+        return out;
+    }
+
+private:
+    double light(TargetSpace space, float value) const {
+        return space == TargetSpace::linear ? value : decode(dataset_->encoding, value);
+    }
+
+    double best_exposure(TargetSpace space, const JudgedView& view) const {
+        std::vector<float> values, photograph;
+        for (size_t i = 0; i < view.foreground.size(); ++i)
+            for (size_t c = 3 * i; c < 3 * i + 3 && view.foreground[i]; ++c) {
+                values.push_back(float(light(space, rgb_[c])));
+                photograph.push_back(view.photograph[c]);
+            }
+        return find_exposure(dataset_->encoding, values, photograph, 1 / view.gain);
+    }
+
+    const Dataset* dataset_;
+    bool has_gains_;
+    ImageStream stream_;
+    Rasterizer rasterizer_;
+    TargetImage image_;
+    std::vector<float> rgb_;
+};
+
+ImageFigures figures(const JudgedView& judged, const View& view, Encoding encoding) {
+    ImageFigures f;
+    f.name = view.name;
+    f.gain = judged.gain;
+    for (size_t i = 0; i < judged.foreground.size(); ++i) {
+        if (!judged.foreground[i]) continue;
+        ++f.pixels;
+        for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
+            const double render = judged.render[c], photograph = judged.photograph[c];
+            f.stored.add(render - photograph);
+            if (encoding == Encoding::u8_srgb) f.linear.add(srgb_decode(render) - srgb_decode(photograph));
+        }
+    }
+    if (encoding != Encoding::u8_srgb) f.linear = f.stored;
+    return f;
+}
+
+Contestant contestant_of(LfmRenderer& renderer) {
+    return {[&renderer](const Camera& camera, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb,
+                        int worker) { renderer.shade(camera, pixels, rgb, worker); },
+            renderer.space()};
+}
+
+}  // namespace
+
+std::string to_string(Split split) { return split == Split::train ? "train" : "test"; }
+
+JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split) {
+    JudgeResult result;
+    result.split = split;
+    const std::vector<uint32_t> views = dataset.split(split == Split::test);
+    if (views.empty())
+        throw UserError(fmt::format(
+            "{}: no view belongs to the {} split; {}", dataset.folder.string(), to_string(split),
+            split == Split::test ? "hold some out (import --holdout), or judge --split train" : "judge --split test"));
+    const Dataset as_stored = without_gains(dataset);
+    const ImageStream stream(as_stored, StreamSource::disk);
+    std::vector<std::unique_ptr<Bench>> benches;
+    benches.resize(size_t(thread_count()));
+    result.images.resize(views.size());
+    parallel_for(views.size(), 1, [&](size_t i, int worker) {
+        auto& bench = benches.at(size_t(worker));
+        if (!bench) bench = std::make_unique<Bench>(dataset, stream.another());
+        const JudgedView judged = bench->compare(contestant, views[i], worker);
+        result.images[i] = figures(judged, dataset.views[views[i]], dataset.encoding);
+    });
+    for (const ImageFigures& image : result.images) {
+        result.stored.add(image.stored);
+        result.linear.add(image.linear);
+    }
+    if (result.stored.values == 0)
+        throw UserError(
+            fmt::format("{}: no pixel of the {} views sees the mesh inside its mask; check that mesh, "
+                        "cameras and masks belong together",
+                        dataset.folder.string(), to_string(split)));
+    return result;
+}
+
+JudgeResult judge(const LightFieldFit& fit, const Dataset& dataset, Split split) {
+    LfmRenderer renderer(dataset.mesh, fit);
+    return judge(contestant_of(renderer), dataset, split);
+}
+
+JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view) {
+    if (view >= dataset.views.size())
+        throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
+                                    dataset.views.size() - 1));
+    const Dataset as_stored = without_gains(dataset);
+    return Bench(dataset, ImageStream(as_stored, StreamSource::disk)).compare(contestant, view, 0);
+}
+
+JudgedView judged_view(const LightFieldFit& fit, const Dataset& dataset, uint32_t view) {
+    LfmRenderer renderer(dataset.mesh, fit);
+    return judged_view(contestant_of(renderer), dataset, view);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,109 @@
+#include "eval/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "eval/exposure.h"
+#include "eval/lfm_renderer.h"
+#include "fit/exr.h"
+
+namespace radiafit {
+namespace {
+
+constexpr int gap = 4;  // pixels between the pictures of a sheet
+
+using Rgb = std::array<uint8_t, 3>;
+
+Rgb bytes_of(const std::array<float, 3>& shown) {
+    Rgb bytes;
+    for (size_t c = 0; c < 3; ++c) {
+        if (!std::isfinite(shown[c])) return {255, 0, 255};
+        bytes[c] = uint8_t(std::lround(255 * clamped(shown[c])));
+    }
+    return bytes;
+}
+
+// sRGB bytes for the eye, whatever the encoding of a judged picture is.
+Rgb bytes_of_stored(const float* stored, Encoding encoding) {
+    std::array<float, 3> shown;
+    for (size_t c = 0; c < 3; ++c)
+        shown[c] = encoding == Encoding::u8_srgb ? stored[c] : float(srgb_encode(double(stored[c])));
+    return bytes_of(shown);
+}
+
+class Sheet {
+public:
+    Sheet(int pictures, int width, int height) : picture_width_(width) {
+        image.width = pictures * width + (pictures - 1) * gap;
+        image.height = height;
+        image.rgb.assign(size_t(image.width) * size_t(height) * 3, 255);
+    }
+
+    template <class PixelBytes>
+    void add(PixelBytes pixel_bytes) {
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < picture_width_; ++x) {
+                const Rgb bytes = pixel_bytes(size_t(y) * size_t(picture_width_) + size_t(x));
+                std::copy(bytes.begin(), bytes.end(), image.rgb.begin() + 3 * (ptrdiff_t(y) * image.width + left_ + x));
+            }
+        left_ += picture_width_ + gap;
+    }
+
+    ByteImage image;
+
+private:
+    int picture_width_, left_ = 0;
+};
+
+}  // namespace
+
+LightImage render_fit(const LightFieldFit& fit, const Mesh& mesh, const Camera& camera) {
+    Rasterizer rasterizer;
+    rasterizer.draw(mesh, camera);
+    LightImage image;
+    image.width = camera.width;
+    image.height = camera.height;
+    LfmRenderer(mesh, fit).shade(camera, rasterizer.pixels(), image.rgb);
+    if (fit.space == TargetSpace::stored)
+        for (float& value : image.rgb) value = float(decode(fit.encoding, value));
+    image.coverage.resize(rasterizer.pixels().size());
+    std::transform(rasterizer.pixels().begin(), rasterizer.pixels().end(), image.coverage.begin(),
+                   [](const RasterPixel& pixel) { return pixel.triangle != no_triangle; });
+    return image;
+}
+
+void write_light_exr(const std::filesystem::path& path, const LightImage& image) {
+    ExrImage exr{image.width, image.height, {"R", "G", "B", "A"}, {}, {}};
+    exr.values.reserve(4 * image.coverage.size());
+    for (size_t i = 0; i < image.coverage.size(); ++i)
+        exr.values.insert(exr.values.end(),
+                          {image.rgb[3 * i], image.rgb[3 * i + 1], image.rgb[3 * i + 2], float(image.coverage[i])});
+    write_exr(path, exr);
+}
+
+ByteImage to_bytes(const LightImage& image) {
+    Sheet sheet(1, image.width, image.height);
+    sheet.add([&](size_t i) { return bytes_of_stored(image.rgb.data() + 3 * i, Encoding::u16_linear); });
+    return sheet.image;
+}
+
+ByteImage comparison_sheet(const JudgedView& fit, const JudgedView* baseline, Encoding encoding, float error_factor) {
+    if (baseline && (baseline->width != fit.width || baseline->height != fit.height))
+        throw std::invalid_argument("comparison_sheet: fit and baseline show different views");
+    Sheet sheet(baseline ? 4 : 3, fit.width, fit.height);
+    sheet.add([&](size_t i) { return bytes_of_stored(fit.photograph.data() + 3 * i, encoding); });
+    if (baseline) sheet.add([&](size_t i) { return bytes_of_stored(baseline->render.data() + 3 * i, encoding); });
+    sheet.add([&](size_t i) { return bytes_of_stored(fit.render.data() + 3 * i, encoding); });
+    sheet.add([&](size_t i) -> Rgb {
+        if (!fit.foreground[i]) return {0, 0, 0};
+        std::array<float, 3> error;
+        for (size_t c = 0; c < 3; ++c)
+            error[c] = error_factor * std::abs(fit.render[3 * i + c] - fit.photograph[3 * i + c]);
+        return bytes_of(error);
+    });
+    return sheet.image;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,37 @@
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "eval/judge.h"
+#include "fit/fit_folder.h"
+
+/// Pictures of a fit: for viewers (linear light, EXR) and for the eye (bytes; the program writes them as PNG).
+namespace radiafit {
+
+/// [height][width], row 0 on top. rgb: linear light, unclamped, 0 where the mesh is not seen.
+struct LightImage {
+    int width = 0, height = 0;
+    std::vector<float> rgb;         ///< [height][width][3]
+    std::vector<uint8_t> coverage;  ///< [height][width], 1 where the mesh is seen
+};
+
+/// The fit from any camera, in the exposure that the dataset's gains bring all photographs to.
+LightImage render_fit(const LightFieldFit& fit, const Mesh& mesh, const Camera& camera);
+
+/// Channels R, G, B (linear light) and A (coverage), float32. Throws UserError when the file cannot be written.
+void write_light_exr(const std::filesystem::path& path, const LightImage& image);
+
+struct ByteImage {
+    int width = 0, height = 0;
+    std::vector<uint8_t> rgb;  ///< [height][width][3], sRGB
+};
+
+/// sRGB bytes of linear light, clamped; what is not finite is magenta.
+ByteImage to_bytes(const LightImage& image);
+
+/// One row: the photograph, the baseline (if given), the fit, and the fit's |error| in the stored encoding times
+/// `error_factor`; a white line between them. Outside the foreground, render and error are black.
+ByteImage comparison_sheet(const JudgedView& fit, const JudgedView* baseline, Encoding encoding,
+                           float error_factor = 4);
+
+}  // namespace radiafit
