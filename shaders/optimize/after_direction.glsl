@@ -4,11 +4,11 @@
 // alpha: the step just tried, without its factor. texels: surface texels of the problem.
 SHARED_FN void after_direction(INOUT(ProblemState) s, int rule, bool restart, real alpha, real texels, StopRules stop,
                                real trial_error, real trial_norm, real trial_cross, real trial_conjugate) {
-    bool active = s.status == STATUS_ACTIVE;
+    bool running = s.status == STATUS_ACTIVE;
     bool first = s.error >= HUGE_ERROR;
     bool finite_trial = is_finite_error(trial_error) && is_finite_error(trial_norm);
-    bool accepted = active && finite_trial && trial_error < s.error;
-    bool rejected = active && !accepted;
+    bool accepted = running && finite_trial && trial_error < s.error;
+    bool rejected = running && !accepted;
     bool descent = rule == RULE_STEEPEST_DESCENT;
 
     // beta: Fletcher-Reeves (Eq. 8), or Polak-Ribiere+ with a Jacobi preconditioner
@@ -30,7 +30,7 @@ SHARED_FN void after_direction(INOUT(ProblemState) s, int rule, bool restart, re
     s.slope = SELECT(accepted, slope, SELECT(rejected, -s.norm, s.slope));
     s.norm = SELECT(accepted, trial_norm, s.norm);
     s.beta = SELECT(accepted, beta, SELECT(rejected, real(0.0), s.beta));
-    s.iterations = s.iterations + SELECT(active && !first, real(1.0), real(0.0));
+    s.iterations = s.iterations + SELECT(running && !first, real(1.0), real(0.0));
     s.accepted = SELECT(accepted, real(1.0), real(0.0));
 
     real status = s.status;

@@ -54,7 +54,7 @@ SHARED_FN real exact_step(real slope, LineSums q, real unit) {
 
 // Writes alpha and may stop the problem. The trial is q = p + trial_step(s, alpha) d.
 SHARED_FN void after_line(INOUT(ProblemState) s, INOUT(real) alpha, int rule, real texels, StopRules stop, LineSums q) {
-    bool active = s.status == STATUS_ACTIVE;
+    bool running = s.status == STATUS_ACTIVE;
     bool convex = q.curvature > real(0.0) && is_finite_error(q.curvature);
     real curvature = SELECT(convex, q.curvature, q.gauss_newton);  // without this, Eq. 7 climbs where d'Hd <= 0
     bool usable = curvature > real(0.0) && is_finite_error(curvature) && s.slope < real(0.0);
@@ -65,8 +65,8 @@ SHARED_FN void after_line(INOUT(ProblemState) s, INOUT(real) alpha, int rule, re
     real taken = step * s.step_factor;
     bool small_change = taken * taken * q.gauss_newton <= texels * stop.output_change * stop.output_change;
     real status = SELECT(usable, SELECT(small_change && stop.output_change > real(0.0), STATUS_OUTPUT_CHANGE, STATUS_ACTIVE), STATUS_STATIONARY);
-    s.status = SELECT(active, status, s.status);
-    alpha = SELECT(active && usable, step, real(0.0));
+    s.status = SELECT(running, status, s.status);
+    alpha = SELECT(running && usable, step, real(0.0));
 }
 
 SHARED_FN real trial_step(ProblemState s, real alpha) {
