@@ -1,0 +1,119 @@
+#include "base/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <system_error>
+
+#include "base/error.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+    throw UserError(fmt::format("cannot write {}: {}; choose a writable folder", path.string(), reason));
+}
+
+/// A name beside `path` that no other process or thread uses, hidden, with the same extension.
+fs::path temporary_beside(const fs::path& path) {
+    static std::atomic<unsigned> counter{0};
+    return path.parent_path() / fmt::format(".tmp-{}-{}-{}", getpid(), counter++, path.filename().string());
+}
+
+std::string last_error() { return std::generic_category().message(errno); }
+
+/// "results/" and "results" are the same place, but only one of them has a file name.
+fs::path without_trailing_slash(fs::path path) {
+    path = path.lexically_normal();
+    return path.has_filename() ? path : path.parent_path();
+}
+
+void sync_to_disk(const fs::path& path, const fs::path& shown) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) fail(shown, last_error());
+    const bool synced = fsync(file) == 0;
+    const std::string reason = synced ? "" : last_error();
+    close(file);
+    if (!synced) fail(shown, reason);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), temporary_(temporary_beside(path_)) {
+    if (!path_.has_filename()) fail(path_, "it names a folder");
+    std::error_code error;
+    if (fs::is_directory(path_, error)) fail(path_, "it is a folder");
+}
+
+AtomicFile::~AtomicFile() {
+    if (committed_) return;
+    if (stream_.is_open()) stream_.close();
+    std::error_code ignored;
+    fs::remove(temporary_, ignored);
+}
+
+std::ofstream& AtomicFile::stream() {
+    if (!stream_.is_open()) {
+        errno = 0;
+        stream_.open(temporary_, std::ios::binary | std::ios::trunc);
+        if (!stream_) fail(path_, last_error());
+    }
+    return stream_;
+}
+
+void AtomicFile::commit(bool durable) {
+    if (stream_.is_open()) {
+        errno = 0;
+        const bool whole = static_cast<bool>(stream_);
+        stream_.close();
+        if (!whole || !stream_) fail(path_, errno != 0 ? last_error() : "the disk took only a part of it");
+    }
+    if (durable) sync_to_disk(temporary_, path_);
+    std::error_code error;
+    fs::rename(temporary_, path_, error);
+    if (error) fail(path_, error.message());
+    committed_ = true;
+}
+
+void write_file(const fs::path& path, std::string_view text) {
+    AtomicFile file(path);
+    file.stream() << text;
+    file.commit();
+}
+
+AtomicFolder::AtomicFolder(fs::path target, Existing existing)
+    : target_(without_trailing_slash(std::move(target))), temporary_(temporary_beside(target_)), existing_(existing) {
+    std::error_code error;
+    if (fs::exists(target_, error) && existing_ == Existing::refuse)
+        throw UserError(fmt::format("{} exists already; remove it or choose another name", target_.string()));
+    fs::create_directories(temporary_, error);
+    if (error) fail(target_, error.message());
+}
+
+AtomicFolder::~AtomicFolder() {
+    if (committed_) return;
+    std::error_code ignored;
+    fs::remove_all(temporary_, ignored);
+}
+
+void AtomicFolder::commit() {
+    std::error_code error;
+    fs::path old;
+    if (fs::exists(target_, error)) {
+        if (existing_ == Existing::refuse)
+            throw UserError(fmt::format("{} appeared meanwhile; choose another name", target_.string()));
+        old = temporary_beside(target_);
+        fs::rename(target_, old, error);
+        if (error) fail(target_, error.message());
+    }
+    fs::rename(temporary_, target_, error);
+    if (error) fail(target_, error.message());
+    committed_ = true;
+    if (!old.empty()) fs::remove_all(old, error);
+}
+
+}  // namespace radiafit

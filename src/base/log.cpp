@@ -1,0 +1,109 @@
+#include "base/log.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/clock.h"
+
+namespace radiafit {
+namespace {
+
+constexpr double terminal_period_s = 0.1;
+constexpr double plain_period_s = 10;
+
+std::atomic<bool> is_quiet{false};
+std::mutex output_mutex;
+bool bar_on_screen = false;  // guarded by output_mutex: a message first clears the bar's line
+
+bool on_terminal() {
+    static const bool terminal = isatty(STDERR_FILENO) != 0;
+    return terminal;
+}
+
+int terminal_columns() {
+    winsize size{};
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+void write_line(std::string_view prefix, std::string_view message) {
+    std::scoped_lock lock(output_mutex);
+    fmt::print(stderr, "{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", prefix, message);
+    bar_on_screen = false;
+}
+
+std::string duration(double time_s) {
+    const long seconds = std::lround(time_s);
+    if (seconds >= 3600) return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+    return fmt::format("{}:{:02}", seconds / 60, seconds % 60);
+}
+
+}  // namespace
+
+void set_quiet(bool quiet) { is_quiet = quiet; }
+bool quiet() { return is_quiet; }
+
+void log_info(std::string_view message) {
+    if (!is_quiet) write_line("", message);
+}
+
+void log_warning(std::string_view message) { write_line("warning: ", message); }
+
+std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns) {
+    done = std::min(done, total);
+    const double share = total == 0 ? 1.0 : static_cast<double>(done) / static_cast<double>(total);
+    std::string figures = fmt::format(" {:3.0f}%  {}/{}", std::floor(100 * share), done, total);
+    if (done > 0 && done < total) figures += fmt::format("  {} left", duration(elapsed_s * (1 - share) / share));
+    const int width = std::min(40, columns - static_cast<int>(task.size() + figures.size()) - 5);
+    if (width < 5) return fmt::format("{} {}", task, figures).substr(0, static_cast<size_t>(std::max(columns - 1, 0)));
+    const auto filled = static_cast<size_t>(share * width);
+    return fmt::format("{}  [{}{}]{}", task, std::string(filled, '#'),
+                       std::string(static_cast<size_t>(width) - filled, '.'), figures);
+}
+
+Progress::Progress(std::string task, size_t total)
+    : task_(std::move(task)), total_(total), start_s_(wall_time_s()), shown_s_(start_s_) {}
+
+Progress::~Progress() { finish(); }
+
+void Progress::advance(size_t steps) { show(done_.fetch_add(steps) + steps); }
+
+void Progress::set(size_t done) {
+    done_ = done;
+    show(done);
+}
+
+void Progress::show(size_t done) {
+    if (is_quiet) return;
+    std::unique_lock own(mutex_, std::try_to_lock);
+    if (!own) return;  // another thread is drawing: this step will be in the next drawing
+    const double now_s = wall_time_s();
+    if (finished_ || now_s - shown_s_ < (on_terminal() ? terminal_period_s : plain_period_s)) return;
+    shown_s_ = now_s;
+    if (on_terminal()) {
+        std::scoped_lock lock(output_mutex);
+        fmt::print(stderr, "\r{}\x1b[K", progress_bar(task_, done, total_, now_s - start_s_, terminal_columns()));
+        std::fflush(stderr);
+        drawn_ = bar_on_screen = true;
+    } else {
+        write_line("", fmt::format("{}: {} of {} after {}", task_, done, total_, duration(now_s - start_s_)));
+    }
+}
+
+void Progress::finish() {
+    std::scoped_lock own(mutex_);
+    finished_ = true;
+    if (!drawn_) return;
+    drawn_ = false;
+    std::scoped_lock lock(output_mutex);
+    if (!bar_on_screen) return;
+    fmt::print(stderr, "\r\x1b[K");
+    std::fflush(stderr);
+    bar_on_screen = false;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,49 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+/// Messages and progress for people. All of it goes to standard error, so that standard output stays free for results.
+namespace radiafit {
+
+/// Quiet leaves only warnings; for --json and for tests.
+void set_quiet(bool quiet);
+bool quiet();
+
+void log_info(std::string_view message);
+/// Prefixed "warning: ", shown even when quiet.
+void log_warning(std::string_view message);
+
+/// "fit  [#####.....]  50%  12/24  0:08 left" for a terminal of `columns` characters.
+std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns);
+
+/// Progress of one task of `total` steps: a bar redrawn in place on a terminal; elsewhere a line at most every ten
+/// seconds. A task that ends within the first ten seconds prints nothing outside a terminal. Any thread may advance.
+class Progress {
+public:
+    Progress(std::string task, size_t total);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void advance(size_t steps = 1);
+    void set(size_t done);
+    /// Clears the bar, as the destructor does.
+    void finish();
+
+private:
+    void show(size_t done);
+
+    std::string task_;
+    size_t total_;
+    std::atomic<size_t> done_{0};
+    std::mutex mutex_;
+    double start_s_;
+    double shown_s_;
+    bool drawn_ = false;
+    bool finished_ = false;
+};
+
+}  // namespace radiafit
