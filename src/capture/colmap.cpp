@@ -1,0 +1,251 @@
+#include "capture/colmap.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <span>
+
+#include "base/error.h"
+#include "capture/text_file.h"
+
+namespace radiafit {
+namespace {
+
+/// COLMAP's camera models by their number in binary files (colmap/sensor/models.h).
+constexpr std::array<const char*, 12> model_names = {"SIMPLE_PINHOLE",
+                                                     "PINHOLE",
+                                                     "SIMPLE_RADIAL",
+                                                     "RADIAL",
+                                                     "OPENCV",
+                                                     "OPENCV_FISHEYE",
+                                                     "FULL_OPENCV",
+                                                     "FOV",
+                                                     "SIMPLE_RADIAL_FISHEYE",
+                                                     "RADIAL_FISHEYE",
+                                                     "THIN_PRISM_FISHEYE",
+                                                     "RAD_TAN_THIN_PRISM_FISHEYE"};
+
+constexpr uint64_t largest_side = 1 << 16;  // pixels; anything beyond is a broken file
+
+/// What an image refers to: intrinsics without a pose.
+using Intrinsics = std::map<uint32_t, Camera>;
+
+[[noreturn]] void reject_model(const std::string& where, const std::string& model) {
+    throw UserError(
+        fmt::format("{}: camera model {} is not a pinhole: undistort images and model first with `colmap "
+                    "image_undistorter`",
+                    where, model));
+}
+
+size_t parameter_count(const std::string& where, const std::string& model) {
+    if (model == "SIMPLE_PINHOLE") return 3;
+    if (model == "PINHOLE") return 4;
+    reject_model(where, model);
+}
+
+/// parameters: f, cx, cy or fx, fy, cx, cy.
+void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, uint64_t width, uint64_t height,
+                std::span<const double> parameters) {
+    const auto fail = [&](const std::string& problem) {
+        throw UserError(fmt::format("{}: camera {} {}: write the model again", where, id, problem));
+    };
+    if (id > UINT32_MAX) fail("has an id beyond 32 bits");
+    if (width < 1 || height < 1 || width > largest_side || height > largest_side)
+        fail(fmt::format("has size {} x {}, outside [1, {}]", width, height, largest_side));
+    for (const double p : parameters)
+        if (!std::isfinite(p)) fail("has a parameter that is not finite (NaN or infinity)");
+    Camera camera;
+    camera.width = static_cast<int>(width);
+    camera.height = static_cast<int>(height);
+    camera.fx = parameters[0];
+    camera.fy = parameters.size() == 4 ? parameters[1] : parameters[0];
+    camera.cx = parameters[parameters.size() - 2];
+    camera.cy = parameters[parameters.size() - 1];
+    if (camera.fx <= 0 || camera.fy <= 0) fail("has a focal length that is not positive");
+    if (!cameras.emplace(static_cast<uint32_t>(id), camera).second) fail("is given twice");
+}
+
+/// pose: qw, qx, qy, qz, tx, ty, tz, world to camera.
+void add_image(ColmapModel& model, const Intrinsics& cameras, const std::string& where, std::string name,
+               uint64_t camera_id, const std::array<double, 7>& pose) {
+    const auto fail = [&](const std::string& problem) {
+        throw UserError(fmt::format("{}: image '{}' {}", where, name, problem));
+    };
+    if (name.empty()) fail("has no name: write the model again");
+    for (const double p : pose)
+        if (!std::isfinite(p)) fail("has a pose that is not finite (NaN or infinity): register it again or remove it");
+    const auto camera = cameras.find(static_cast<uint32_t>(camera_id));
+    if (camera_id > UINT32_MAX || camera == cameras.end())
+        fail(fmt::format("refers to camera {}, which {} does not hold: take both files from one model", camera_id,
+                         model.cameras_file.string()));
+    Eigen::Quaterniond rotation(pose[0], pose[1], pose[2], pose[3]);
+    if (!(rotation.norm() > 1e-12)) fail("has a zero quaternion: register it again or remove it");
+    ColmapImage image{name, camera->second};
+    image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
+    image.camera.cam_from_world_translation = {pose[4], pose[5], pose[6]};
+    model.images.push_back(std::move(image));
+}
+
+// CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
+Intrinsics read_cameras_text(const std::filesystem::path& file) {
+    TextFile text(file, "list of cameras");
+    Intrinsics cameras;
+    for (std::string_view line; text.next_entry(line);) {
+        const auto tokens = split_tokens(line);
+        if (tokens.size() < 4) text.fail("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS...: mend the line");
+        const std::string name(tokens[1]);
+        const size_t count = parameter_count(text.where(), name);
+        if (tokens.size() != 4 + count)
+            text.fail(
+                fmt::format("{} takes {} parameters, the line has {}: mend the line", name, count, tokens.size() - 4));
+        std::vector<double> parameters;
+        for (size_t i = 4; i < tokens.size(); ++i) parameters.push_back(text.to_double(tokens[i], "a parameter"));
+        add_camera(cameras, text.where(), text.to_unsigned(tokens[0], "CAMERA_ID"),
+                   text.to_unsigned(tokens[2], "WIDTH"), text.to_unsigned(tokens[3], "HEIGHT"), parameters);
+    }
+    return cameras;
+}
+
+// Two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then its points X Y POINT3D_ID..., often empty.
+void read_images_text(ColmapModel& model, const Intrinsics& cameras) {
+    TextFile text(model.images_file, "list of images");
+    for (std::string_view line; text.next_entry(line);) {
+        const auto tokens = split_tokens(line);
+        if (tokens.size() < 10) text.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME: mend the line");
+        text.to_unsigned(tokens[0], "IMAGE_ID");
+        std::array<double, 7> pose;
+        constexpr const char* names[7] = {"QW", "QX", "QY", "QZ", "TX", "TY", "TZ"};
+        for (size_t i = 0; i < 7; ++i) pose[i] = text.to_double(tokens[1 + i], names[i]);
+        // A name may hold blanks: it is the rest of the line.
+        std::string name(tokens[9].data(), line.data() + line.size());
+        add_image(model, cameras, text.where(), std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
+        if (text.next_line(line) && split_tokens(line).size() % 3 != 0)
+            text.fail("expected the image's points X Y POINT3D_ID..., or an empty line, after each image line");
+    }
+}
+
+/// The bytes of a binary model file; little-endian, as COLMAP writes them.
+class BinaryFile {
+public:
+    explicit BinaryFile(const std::filesystem::path& file) : file_(file) {
+        std::ifstream stream(file, std::ios::binary);
+        if (!stream) throw UserError(fmt::format("{}: cannot read this file: check its permissions", file.string()));
+        bytes_.assign(std::istreambuf_iterator<char>(stream), {});
+    }
+    template <class T>
+    T get() {
+        T value;
+        std::memcpy(&value, take(sizeof(T)), sizeof(T));
+        return value;
+    }
+    std::string get_string() {
+        const auto end = std::find(bytes_.begin() + static_cast<ptrdiff_t>(at_), bytes_.end(), '\0');
+        const size_t length = static_cast<size_t>(end - bytes_.begin()) - at_;
+        const char* first = take(length + 1);
+        return {first, length};
+    }
+    void skip(uint64_t count, uint64_t size) {
+        if (count > (bytes_.size() - at_) / size) fail_truncated();
+        at_ += count * size;
+    }
+    void set_entry(std::string entry) { entry_ = std::move(entry); }
+    void expect_end() const {
+        if (at_ != bytes_.size())
+            throw UserError(
+                fmt::format("{}: {} bytes follow the last entry, so this is no COLMAP file or a damaged "
+                            "one: write the model again",
+                            file_.string(), bytes_.size() - at_));
+    }
+    const std::filesystem::path& file() const { return file_; }
+
+private:
+    const char* take(size_t size) {
+        if (size > bytes_.size() - at_) fail_truncated();
+        at_ += size;
+        return bytes_.data() + at_ - size;
+    }
+    [[noreturn]] void fail_truncated() const {
+        throw UserError(fmt::format("{}: truncated: {} bytes end within {}: copy or write the model again",
+                                    file_.string(), bytes_.size(), entry_));
+    }
+    std::filesystem::path file_;
+    std::vector<char> bytes_;
+    size_t at_ = 0;
+    std::string entry_ = "the header";
+};
+
+Intrinsics read_cameras_binary(const std::filesystem::path& path) {
+    BinaryFile file(path);
+    Intrinsics cameras;
+    const auto count = file.get<uint64_t>();
+    for (uint64_t i = 0; i < count; ++i) {
+        file.set_entry(fmt::format("camera {} of {}", i + 1, count));
+        const auto id = file.get<uint32_t>();
+        const auto model = file.get<int32_t>();
+        const auto width = file.get<uint64_t>(), height = file.get<uint64_t>();
+        const std::string name = model >= 0 && model < static_cast<int32_t>(model_names.size())
+                                     ? model_names[static_cast<size_t>(model)]
+                                     : fmt::format("number {}", model);
+        std::vector<double> parameters(parameter_count(path.string(), name));
+        for (double& p : parameters) p = file.get<double>();
+        add_camera(cameras, path.string(), id, width, height, parameters);
+    }
+    file.expect_end();
+    return cameras;
+}
+
+void read_images_binary(ColmapModel& model, const Intrinsics& cameras) {
+    BinaryFile file(model.images_file);
+    const auto count = file.get<uint64_t>();
+    for (uint64_t i = 0; i < count; ++i) {
+        file.set_entry(fmt::format("image {} of {}", i + 1, count));
+        file.get<uint32_t>();  // IMAGE_ID
+        std::array<double, 7> pose;
+        for (double& p : pose) p = file.get<double>();
+        const auto camera_id = file.get<uint32_t>();
+        std::string name = file.get_string();
+        file.skip(file.get<uint64_t>(), 24);  // points: x, y, POINT3D_ID
+        add_image(model, cameras, model.images_file.string(), std::move(name), camera_id, pose);
+    }
+    file.expect_end();
+}
+
+}  // namespace
+
+ColmapModel read_colmap(const std::filesystem::path& folder) {
+    const auto stands = [&](const char* name) { return std::filesystem::is_regular_file(folder / name); };
+    ColmapModel model;
+    if (stands("cameras.bin") && stands("images.bin")) {
+        model.cameras_file = folder / "cameras.bin";
+        model.images_file = folder / "images.bin";
+        read_images_binary(model, read_cameras_binary(model.cameras_file));
+    } else if (stands("cameras.txt") && stands("images.txt")) {
+        model.cameras_file = folder / "cameras.txt";
+        model.images_file = folder / "images.txt";
+        read_images_text(model, read_cameras_text(model.cameras_file));
+    } else {
+        throw UserError(
+            fmt::format("{}: no COLMAP model here: --model takes the folder that holds cameras.bin and images.bin, or "
+                        "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
+                        folder.string()));
+    }
+    if (model.images.empty())
+        throw UserError(fmt::format("{}: holds no image: register photographs first", model.images_file.string()));
+    std::sort(model.images.begin(), model.images.end(),
+              [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+    for (size_t i = 1; i < model.images.size(); ++i)
+        if (model.images[i].name == model.images[i - 1].name)
+            throw UserError(fmt::format("{}: image '{}' is given twice: remove one", model.images_file.string(),
+                                        model.images[i].name));
+    return model;
+}
+
+}  // namespace radiafit

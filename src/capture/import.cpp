@@ -1,0 +1,316 @@
+#include "capture/import.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "capture/colmap.h"
+#include "capture/gains.h"
+#include "capture/image_file.h"
+#include "capture/image_scale.h"
+#include "capture/mesh_file.h"
+#include "capture/split.h"
+#include "dataset/dataset.h"
+#include "geometry/raster.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int crop_margin = 4;      // pixels around what is seen, for bilinear look-ups and small camera changes
+constexpr int largest_side = 8192;  // the rasterizer is exact up to here
+
+/// One photograph on its way from the model into the dataset.
+struct Source {
+    std::string name;
+    fs::path image, mask;  ///< mask: empty if there are none
+    Camera calibrated;     ///< of the file
+    Camera camera;         ///< after max_size
+    bool held_out = false;
+    // Found by the survey:
+    int bits = 8;
+    std::array<int, 4> crop = {0, 0, 0, 0};  ///< x, y, width, height
+    bool sees_mesh = false, seen_in_mask = false;
+    std::vector<GainSample> gain_samples;
+};
+
+struct Loaded {
+    ImageFile image;            ///< at the size of Source::camera
+    std::vector<uint8_t> mask;  ///< [height][width] of that size; empty: all
+};
+
+fs::path find_mask(const fs::path& folder, const std::string& name) {
+    const fs::path stem = folder / fs::path(name).replace_extension(".png"), appended = folder / (name + ".png");
+    if (fs::is_regular_file(stem)) return stem;
+    if (fs::is_regular_file(appended)) return appended;
+    throw UserError(fmt::format("{}: no mask for image '{}': expected {} or {}", folder.string(), name,
+                                stem.filename().string(), appended.filename().string()));
+}
+
+Camera scaled_camera(Camera camera, int max_size) {
+    const int longest = std::max(camera.width, camera.height);
+    if (max_size == 0 || longest <= max_size) return camera;
+    const double scale = double(max_size) / longest;
+    const int width = std::max(1, static_cast<int>(std::lround(camera.width * scale)));
+    const int height = std::max(1, static_cast<int>(std::lround(camera.height * scale)));
+    // Pixel coordinates run from 0 at the image's left or top edge, so they scale by the very ratio of the sizes.
+    const double sx = double(width) / camera.width, sy = double(height) / camera.height;
+    camera.fx *= sx, camera.cx *= sx, camera.width = width;
+    camera.fy *= sy, camera.cy *= sy, camera.height = height;
+    return camera;
+}
+
+std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel& model,
+                                 const std::vector<uint8_t>& held_out) {
+    if (!fs::is_directory(options.images))
+        throw UserError(fmt::format("{}: no such folder of photographs: check --images", options.images.string()));
+    if (!options.masks.empty() && !fs::is_directory(options.masks))
+        throw UserError(fmt::format("{}: no such folder of masks: check --masks", options.masks.string()));
+    std::vector<Source> sources(model.images.size());
+    for (size_t i = 0; i < sources.size(); ++i) {
+        Source& source = sources[i];
+        source.name = model.images[i].name;
+        source.image = options.images / source.name;
+        source.calibrated = model.images[i].camera;
+        source.camera = scaled_camera(source.calibrated, options.max_size);
+        source.held_out = held_out[i] != 0;
+        if (!fs::is_regular_file(source.image))
+            throw UserError(fmt::format("{}: no such image, but {} lists it: check --images", source.image.string(),
+                                        model.images_file.string()));
+        if (!options.masks.empty()) source.mask = find_mask(options.masks, source.name);
+        if (std::max(source.camera.width, source.camera.height) > largest_side)
+            throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give --max-size",
+                                        source.image.string(), source.camera.width, source.camera.height,
+                                        largest_side));
+    }
+    return sources;
+}
+
+Loaded load(const Source& source, const ColmapModel& model) {
+    const Camera& full = source.calibrated;
+    Loaded loaded{read_image(source.image), {}};
+    const auto expect_size = [&](const fs::path& file, int width, int height) {
+        if (width != full.width || height != full.height)
+            throw UserError(
+                fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: give the undistorted files that "
+                            "belong to this model (`colmap image_undistorter` writes both)",
+                            file.string(), width, height, model.cameras_file.string(), full.width, full.height));
+    };
+    expect_size(source.image, loaded.image.width, loaded.image.height);
+    if (!source.mask.empty()) {
+        MaskFile mask = read_mask(source.mask);
+        expect_size(source.mask, mask.width, mask.height);
+        loaded.mask = std::move(mask.values);
+    }
+    const int width = source.camera.width, height = source.camera.height;
+    if (width != full.width || height != full.height) {
+        loaded.image = scale_down(loaded.image, width, height);
+        if (!loaded.mask.empty()) loaded.mask = scale_down_mask(loaded.mask, full.width, full.height, width, height);
+    }
+    const std::vector<uint8_t>& alpha = loaded.image.alpha;
+    if (!alpha.empty() && loaded.mask.empty()) loaded.mask.assign(alpha.size(), 255);
+    for (size_t i = 0; i < alpha.size(); ++i)
+        if (alpha[i] < 128) loaded.mask[i] = 0;
+    return loaded;
+}
+
+/// What the image shows of the mesh: the crop rectangle, and samples for the gains if points are given.
+void survey(Source& source, const Loaded& loaded, const Mesh& mesh, const GainPoints* points, Rasterizer& raster) {
+    const Camera& camera = source.camera;
+    raster.draw(mesh, camera);
+    int x0 = camera.width, y0 = camera.height, x1 = -1, y1 = -1;
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x) {
+            const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
+            if (raster.pixels()[pixel].triangle == no_triangle) continue;
+            source.sees_mesh = true;
+            if (!loaded.mask.empty() && !loaded.mask[pixel]) continue;
+            x0 = std::min(x0, x), x1 = std::max(x1, x);
+            y0 = std::min(y0, y), y1 = std::max(y1, y);
+        }
+    source.bits = loaded.image.bits;
+    source.seen_in_mask = x1 >= 0;
+    if (!source.seen_in_mask) return;
+    x0 = std::max(x0 - crop_margin, 0), x1 = std::min(x1 + crop_margin, camera.width - 1);
+    y0 = std::max(y0 - crop_margin, 0), y1 = std::min(y1 + crop_margin, camera.height - 1);
+    source.crop = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
+    if (points) source.gain_samples = points->observe(camera, raster, loaded.image, loaded.mask);
+}
+
+/// Drops what sees nothing, and says so. Throws when nothing is left to fit.
+void drop_blind_views(std::vector<Source>& sources, const ImportOptions& options, ImportReport& report) {
+    const size_t all = sources.size();
+    const bool seen = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.sees_mesh; });
+    if (!seen)
+        throw UserError(
+            fmt::format("{}: no camera of {} sees this mesh: bring it into the model's frame (and turn its "
+                        "faces outward)",
+                        options.mesh.string(), options.model.string()));
+    for (const Source& s : sources)
+        if (!s.seen_in_mask) report.dropped.push_back(s.name);
+    std::erase_if(sources, [](const Source& s) { return !s.seen_in_mask; });
+    if (sources.empty())
+        throw UserError(fmt::format("{}: the masks leave nothing of the mesh in any image: white is to mean object",
+                                    options.masks.empty() ? options.images.string() : options.masks.string()));
+    if (!report.dropped.empty())
+        report.notes.push_back(fmt::format("dropped {} of {} images, which see nothing of the mesh: {}",
+                                           report.dropped.size(), all, fmt::join(report.dropped, ", ")));
+    if (std::all_of(sources.begin(), sources.end(), [](const Source& s) { return s.held_out; }))
+        throw UserError(
+            fmt::format("{}: every image that sees the mesh is held out: change --holdout", options.model.string()));
+}
+
+std::vector<double> choose_gains(std::vector<Source>& sources, const ImportOptions& options, ImportReport& report) {
+    std::vector<std::string> names;
+    std::vector<uint8_t> held_out;
+    for (const Source& s : sources) {
+        names.push_back(s.name);
+        held_out.push_back(s.held_out);
+    }
+    std::vector<double> gains(sources.size(), 1.0);
+    if (options.gains == "estimate") {
+        std::vector<std::vector<GainSample>> samples;
+        for (Source& s : sources) samples.push_back(std::move(s.gain_samples));
+        GainEstimate estimate = estimate_gains(samples, held_out);
+        gains = std::move(estimate.gains);
+        for (const size_t i : estimate.guessed)
+            report.notes.push_back(
+                fmt::format("image '{}' shares too little with others to estimate its gain: it is "
+                            "left at the mean exposure",
+                            names[i]));
+    } else if (options.gains != "none") {
+        gains = read_gains(options.gains, names);
+        normalize_gains(gains, held_out);
+    }
+    return gains;
+}
+
+/// The crop rectangle in the dataset's encoding.
+std::vector<uint8_t> pack_pixels(const ImageFile& image, const std::array<int, 4>& crop, Encoding encoding) {
+    const std::vector<float>& light = linear_table(image.bits, image.linear);
+    const size_t row = size_t(crop[2]) * 3;
+    std::vector<uint8_t> bytes(row * size_t(crop[3]) * size_t(bytes_per_channel(encoding)));
+    for (size_t y = 0; y < size_t(crop[3]); ++y) {
+        const size_t first = ((y + size_t(crop[1])) * size_t(image.width) + size_t(crop[0])) * 3;
+        if (encoding == Encoding::u8_srgb) {
+            std::memcpy(bytes.data() + y * row, image.rgb8.data() + first, row);
+            continue;
+        }
+        for (size_t i = 0; i < row; ++i) {
+            const size_t stored = image.bits == 8 ? image.rgb8[first + i] : image.rgb16[first + i];
+            const auto value = static_cast<uint16_t>(std::lround(65535.0 * double(light[stored])));
+            std::memcpy(bytes.data() + (y * row + i) * 2, &value, 2);
+        }
+    }
+    return bytes;
+}
+
+std::vector<uint8_t> crop_mask(const std::vector<uint8_t>& mask, int width, const std::array<int, 4>& crop) {
+    std::vector<uint8_t> out;
+    if (mask.empty()) return out;
+    for (int y = crop[1]; y < crop[1] + crop[3]; ++y) {
+        const auto first = mask.begin() + ptrdiff_t(y) * width + crop[0];
+        out.insert(out.end(), first, first + crop[2]);
+    }
+    return out;
+}
+
+/// Reads the images again, a few at a time on all threads, and adds them in order.
+void pack(const std::vector<Source>& sources, const std::vector<double>& gains, const ColmapModel& model,
+          Encoding encoding, DatasetWriter& writer) {
+    struct Packed {
+        std::vector<uint8_t> pixels, mask;
+    };
+    Progress progress("packing images", sources.size());
+    const size_t batch = size_t(thread_count()) * 2;
+    for (size_t first = 0; first < sources.size(); first += batch) {
+        std::vector<Packed> packed(std::min(batch, sources.size() - first));
+        parallel_for(packed.size(), 1, [&](size_t i, int) {
+            const Source& source = sources[first + i];
+            const Loaded loaded = load(source, model);
+            packed[i].pixels = pack_pixels(loaded.image, source.crop, encoding);
+            packed[i].mask = crop_mask(loaded.mask, loaded.image.width, source.crop);
+        });
+        for (size_t i = 0; i < packed.size(); ++i) {
+            const Source& source = sources[first + i];
+            View view;
+            view.name = source.name;
+            view.camera = source.camera.cropped(source.crop[0], source.crop[1], source.crop[2], source.crop[3]);
+            view.held_out = source.held_out;
+            view.gain = gains[first + i];
+            view.crop_origin = {source.crop[0], source.crop[1]};
+            view.full_size = {source.camera.width, source.camera.height};
+            writer.add(std::move(view), packed[i].pixels.data(), packed[i].mask);
+            progress.advance();
+        }
+    }
+}
+
+std::string provenance(const ImportOptions& options) {
+    std::string text = fmt::format("radiafit import colmap --model {} --images {} --mesh {}", options.model.string(),
+                                   options.images.string(), options.mesh.string());
+    if (!options.masks.empty()) text += fmt::format(" --masks {}", options.masks.string());
+    text += fmt::format(" --holdout {} --gains {}", options.holdout, options.gains);
+    if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
+    return text;
+}
+
+}  // namespace
+
+ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
+    if (options.max_size < 0)
+        throw UserError(fmt::format("--max-size {}: give a number of pixels from 1 on", options.max_size));
+    const ColmapModel model = read_colmap(options.model);
+    std::vector<std::string> names;
+    for (const ColmapImage& image : model.images) names.push_back(image.name);
+    const std::vector<uint8_t> held_out = choose_held_out(names, options.holdout);
+    if (options.gains != "none" && options.gains != "estimate") read_gains(options.gains, names);
+    std::vector<Source> sources = list_sources(options, model, held_out);
+    MeshFile mesh = read_mesh_file(options.mesh);
+    DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
+
+    ImportReport report;
+    report.images = sources.size();
+    report.notes = std::move(mesh.notes);
+    report.vertices = mesh.mesh.vertex_count();
+    report.triangles = mesh.mesh.triangle_count();
+    {
+        std::optional<GainPoints> points;
+        if (options.gains == "estimate") points.emplace(mesh.mesh);
+        std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
+        Progress progress("reading images", sources.size());
+        parallel_for(sources.size(), 1, [&](size_t i, int worker) {
+            survey(sources[i], load(sources[i], model), mesh.mesh, points ? &*points : nullptr,
+                   rasters[size_t(worker)]);
+            progress.advance();
+        });
+    }
+    drop_blind_views(sources, options, report);
+    const std::vector<double> gains = choose_gains(sources, options, report);
+
+    const bool deep = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.bits == 16; });
+    const Encoding encoding = deep ? Encoding::u16_linear : Encoding::u8_srgb;
+    writer.set_encoding(encoding);
+    pack(sources, gains, model, encoding, writer);
+
+    Dataset header;
+    header.name =
+        options.name.empty() ? (out / ".").lexically_normal().parent_path().filename().string() : options.name;
+    header.description = fmt::format("{} photographs of a real object, calibrated by COLMAP", sources.size());
+    header.source = provenance(options);
+    header.encoding = encoding;
+    header.mesh = std::move(mesh.mesh);
+    writer.finish(header);
+    for (const Source& s : sources) ++(s.held_out ? report.held_out : report.training);
+    return report;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// The face of capture: what `radiafit import` calls.
+namespace radiafit {
+
+struct ImportOptions {
+    std::filesystem::path model;      ///< folder of the COLMAP model, text or binary, pinhole cameras
+    std::filesystem::path images;     ///< folder of the undistorted photographs, 8 or 16 bits
+    std::filesystem::path mesh;       ///< surface in the model's frame, any format assimp reads
+    std::filesystem::path masks;      ///< folder of NAME.png or NAME.EXT.png, white = object; empty: no masks
+    std::string holdout = "every:8";  ///< see capture/split.h
+    int max_size = 0;                 ///< longest side of a photograph, pixels; 0: as it is
+    std::string gains = "none";       ///< none, estimate, or a table (see capture/gains.h)
+    std::string name;                 ///< of the dataset; empty: the output folder's
+};
+
+struct ImportReport {
+    size_t images = 0;                  ///< in the model
+    size_t training = 0, held_out = 0;  ///< written
+    size_t vertices = 0, triangles = 0;
+    std::vector<std::string> dropped;  ///< images that see nothing of the mesh
+    std::vector<std::string> notes;    ///< what the user should know, one line each: defects, drops, guesses
+};
+
+/// Packs a COLMAP capture. Each photograph is cropped to what it shows of the mesh inside the mask, plus four pixels;
+/// an alpha channel is a mask too. 8-bit photographs are stored as they are (u8-srgb); one 16-bit photograph makes the
+/// whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError.
+ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
+
+}  // namespace radiafit
