@@ -1,0 +1,458 @@
+// Readers and writers of capture/: COLMAP models, images, meshes, tables. Import as a whole is in capture_test.cpp.
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "capture/colmap.h"
+#include "capture/gains.h"
+#include "capture/image_file.h"
+#include "capture/image_scale.h"
+#include "capture/mesh_file.h"
+#include "capture/split.h"
+#include "capture_fixture.h"
+#include "dataset/dataset.h"
+
+namespace radiafit {
+namespace {
+
+using namespace testing;
+using Files = testing::FolderTest;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// ---- COLMAP ----
+
+std::string binary_camera(uint32_t id, int32_t model, const std::vector<double>& parameters) {
+    Bytes b;
+    b.put(id).put(model).put(uint64_t{64}).put(uint64_t{48});
+    for (const double p : parameters) b.put(p);
+    return b.text;
+}
+
+std::string binary_image(uint32_t id, const std::array<double, 7>& pose, uint32_t camera, const std::string& name,
+                         uint64_t points) {
+    Bytes b;
+    b.put(id);
+    for (const double p : pose) b.put(p);
+    b.put(camera);
+    b.text += name + '\0';
+    b.put(points);
+    for (uint64_t i = 0; i < points; ++i) b.put(1.5).put(2.5).put(~uint64_t{0});
+    return b.text;
+}
+
+std::string counted(uint64_t count, const std::string& entries) { return Bytes().put(count).text + entries; }
+
+const std::array<double, 7> pose_a = {0.5, 0.5, -0.5, 0.5, 0.25, -1.5, 3};
+const std::array<double, 7> pose_b = {2, 0, 0, 0, 0, 0, 1};  // not normalized
+
+TEST_F(Files, BinaryModelEqualsTextModel) {
+    write_bytes(root_ / "text/cameras.txt",
+                "# comment\n\n7 PINHOLE 64 48 60 61.5 32 24.25\r\n2 SIMPLE_PINHOLE 64 48 59.5 31 23\n");
+    write_bytes(root_ / "text/images.txt",
+                "# comment\n1 2 0 0 0 0 0 1 2 b dir/b one.png\n1.5 2.5 -1 3 4 17\n"
+                "5 0.5 0.5 -0.5 0.5 0.25 -1.5 3 7 a.png\n\n");
+    write_bytes(root_ / "bin/cameras.bin",
+                counted(2, binary_camera(7, 1, {60, 61.5, 32, 24.25}) + binary_camera(2, 0, {59.5, 31, 23})));
+    write_bytes(root_ / "bin/images.bin",
+                counted(2, binary_image(1, pose_b, 2, "b dir/b one.png", 2) + binary_image(5, pose_a, 7, "a.png", 0)));
+    const ColmapModel text = read_colmap(root_ / "text"), binary = read_colmap(root_ / "bin");
+    ASSERT_EQ(text.images.size(), 2u);
+    ASSERT_EQ(binary.images.size(), 2u);
+    EXPECT_EQ(text.images[0].name, "a.png");  // sorted
+    EXPECT_EQ(text.images[1].name, "b dir/b one.png");
+    for (size_t i = 0; i < 2; ++i) {
+        const Camera &s = text.images[i].camera, &t = binary.images[i].camera;
+        EXPECT_EQ(text.images[i].name, binary.images[i].name);
+        EXPECT_EQ(s.width, t.width);
+        EXPECT_EQ(s.height, t.height);
+        EXPECT_EQ(s.fx, t.fx);
+        EXPECT_EQ(s.fy, t.fy);
+        EXPECT_EQ(s.cx, t.cx);
+        EXPECT_EQ(s.cy, t.cy);
+        EXPECT_EQ(s.cam_from_world_rotation, t.cam_from_world_rotation);
+        EXPECT_EQ(s.cam_from_world_translation, t.cam_from_world_translation);
+    }
+    const Camera& a = text.images[0].camera;
+    EXPECT_EQ(a.fx, 60);
+    EXPECT_EQ(a.fy, 61.5);
+    EXPECT_EQ(a.cy, 24.25);
+    EXPECT_EQ(text.images[1].camera.fy, 59.5);
+    // q = (1, 1, -1, 1)/2 by hand: R = I + 2w[v] + 2[v]^2, whose columns are the images of the axes.
+    EXPECT_TRUE(a.cam_from_world_rotation.col(0).isApprox(Vec3d(0, 0, 1), 1e-15)) << a.cam_from_world_rotation;
+    EXPECT_TRUE(a.cam_from_world_rotation.col(1).isApprox(Vec3d(-1, 0, 0), 1e-15)) << a.cam_from_world_rotation;
+    EXPECT_TRUE(a.cam_from_world_rotation.col(2).isApprox(Vec3d(0, -1, 0), 1e-15)) << a.cam_from_world_rotation;
+    EXPECT_EQ(a.cam_from_world_translation, Vec3d(0.25, -1.5, 3));
+    EXPECT_EQ(text.images[1].camera.cam_from_world_rotation, Mat3d::Identity());
+
+    // Where both stand in one folder, the binary one is read, as COLMAP does.
+    fs::copy(root_ / "text/cameras.txt", root_ / "bin/cameras.txt");
+    write_bytes(root_ / "bin/images.txt", "nonsense\n");
+    EXPECT_EQ(read_colmap(root_ / "bin").images_file.filename(), "images.bin");
+}
+
+TEST_F(Files, BadTextModelsNameFileAndLine) {
+    const std::string good_camera = "1 PINHOLE 64 48 60 60 32 24\n", good_image = "1 1 0 0 0 0 0 1 1 a.png\n\n";
+    struct Case {
+        std::string cameras, images, where, what;
+    };
+    const std::vector<Case> cases = {
+        {"1 OPENCV 64 48 60 60 32 24 0 0 0 0\n", good_image, "cameras.txt:1", "colmap image_undistorter"},
+        {"1 SIMPLE_RADIAL 64 48 60 32 24 0\n", good_image, "cameras.txt:1", "SIMPLE_RADIAL"},
+        {"#\n1 PINHOLE 64 48 60 nan 32 24\n", good_image, "cameras.txt:2", "not finite"},
+        {"1 PINHOLE 64 48 60 inf 32 24\n", good_image, "cameras.txt:1", "not finite"},
+        {"1 PINHOLE 64 48 60 60 32\n", good_image, "cameras.txt:1", "4 parameters"},
+        {"1 PINHOLE 64\n", good_image, "cameras.txt:1", "expected"},
+        {"1 PINHOLE 64 0 60 60 32 24\n", good_image, "cameras.txt:1", "size"},
+        {"1 PINHOLE 64 48 -60 60 32 24\n", good_image, "cameras.txt:1", "focal"},
+        {"x PINHOLE 64 48 60 60 32 24\n", good_image, "cameras.txt:1", "CAMERA_ID"},
+        {good_camera + good_camera, good_image, "cameras.txt:2", "twice"},
+        {good_camera, "1 0 0 0 0 0 0 1 1 a.png\n\n", "images.txt:1", "zero quaternion"},
+        {good_camera, "1 1 0 0 0 0 nan 1 1 a.png\n\n", "images.txt:1", "TY"},
+        {good_camera, "1 1 0 0 0 0 0 1e999 1 a.png\n\n", "images.txt:1", "TZ"},
+        {good_camera, good_image + "2 1 0 0 0 0 0 1 9 b.png\n\n", "images.txt:3", "camera 9"},
+        {good_camera, "1 1 0 0 0 0 0 1 a.png\n\n", "images.txt:1", "expected"},
+        {good_camera, "1 1 0 0 0 0 0 1x 1 a.png\n\n", "images.txt:1", "no number"},
+        {good_camera, "1 1 0 0 0 0 0 1 1 a.png\n2 1 0 0 0 0 0 1 1 b.png\n", "images.txt:2", "POINT3D_ID"},
+        {good_camera, good_image + good_image, "images.txt", "'a.png' is given twice"},
+        {good_camera, "# nothing\n", "images.txt", "no image"},
+        {"", good_image, "images.txt:1", "camera 1"},
+    };
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.cameras + c.images);
+        write_bytes(root_ / "cameras.txt", c.cameras);
+        write_bytes(root_ / "images.txt", c.images);
+        const std::string text = complaint([&] { read_colmap(root_); });
+        expect_in(c.where, text);
+        expect_in(c.what, text);
+    }
+    expect_in("no COLMAP model", complaint([&] { read_colmap(root_ / "elsewhere"); }));
+}
+
+TEST_F(Files, BadBinaryModelsNameTheFile) {
+    const std::string cameras = counted(1, binary_camera(1, 1, {60, 60, 32, 24}));
+    const std::string images = counted(2, binary_image(1, pose_a, 1, "a.png", 2) + binary_image(2, pose_b, 1, "b", 1));
+    const auto read = [&](const std::string& c, const std::string& i) {
+        write_bytes(root_ / "cameras.bin", c);
+        write_bytes(root_ / "images.bin", i);
+        return read_colmap(root_);
+    };
+    EXPECT_EQ(read(cameras, images).images.size(), 2u);
+    for (size_t size = 0; size < cameras.size(); ++size)
+        expect_in("cameras.bin: truncated", complaint([&] { read(cameras.substr(0, size), images); }));
+    for (size_t size = 0; size < images.size(); ++size)
+        expect_in("images.bin: truncated", complaint([&] { read(cameras, images.substr(0, size)); }));
+    expect_in("follow the last entry", complaint([&] { read(cameras, images + "x"); }));
+    expect_in("camera model OPENCV", complaint([&] {
+                  read(counted(1, binary_camera(1, 4, {60, 60, 32, 24, 0, 0, 0, 0})), images);
+              }));
+    expect_in("image_undistorter", complaint([&] { read(counted(1, binary_camera(1, 99, {})), images); }));
+    expect_in("not finite", complaint([&] { read(counted(1, binary_camera(1, 1, {nan, 60, 32, 24})), images); }));
+    const auto image_only = [](const std::array<double, 7>& pose, uint32_t camera) {
+        return counted(1, binary_image(1, pose, camera, "a.png", 0));
+    };
+    expect_in("zero quaternion", complaint([&] { read(cameras, image_only({0, 0, 0, 0, 1, 2, 3}, 1)); }));
+    expect_in("not finite", complaint([&] { read(cameras, image_only({1, 0, 0, 0, 1, nan, 3}, 1)); }));
+    expect_in("camera 8", complaint([&] { read(cameras, image_only(pose_a, 8)); }));
+    // A count of points that overflows 64 bits when multiplied is a truncated file, not an endless skip.
+    std::string huge = image_only(pose_a, 1);
+    huge.replace(huge.size() - 8, 8, Bytes().put(~uint64_t{0} / 3).text);
+    expect_in("truncated", complaint([&] { read(cameras, huge); }));
+}
+
+// ---- Images ----
+
+std::vector<uint16_t> ramp(size_t count, uint16_t largest) {
+    std::vector<uint16_t> v(count);
+    for (size_t i = 0; i < count; ++i) v[i] = static_cast<uint16_t>((i * 7919u + 13u) % (largest + 1u));
+    return v;
+}
+
+TEST_F(Files, PngValuesAreExact) {
+    const int w = 5, h = 3;
+    for (const int bits : {8, 16})
+        for (const int channels : {1, 2, 3, 4}) {
+            SCOPED_TRACE(std::to_string(bits) + " bits, " + std::to_string(channels) + " channels");
+            const auto samples = ramp(size_t(w * h * channels), bits == 8 ? 255 : 65535);
+            write_bytes(root_ / "x.png", encode_png(w, h, channels, bits, samples));
+            const ImageFile image = read_image(root_ / "x.png");
+            ASSERT_EQ(image.width, w);
+            ASSERT_EQ(image.height, h);
+            ASSERT_EQ(image.bits, bits);
+            ASSERT_EQ(image.alpha.size(), channels % 2 == 0 ? size_t(w * h) : 0u);
+            for (size_t i = 0; i < size_t(w * h); ++i) {
+                for (size_t c = 0; c < 3; ++c) {
+                    const uint16_t expected = samples[i * size_t(channels) + (channels >= 3 ? c : 0)];
+                    EXPECT_EQ(bits == 8 ? image.rgb8[3 * i + c] : image.rgb16[3 * i + c], expected);
+                }
+                if (channels % 2 == 0) {
+                    const double alpha = samples[(i + 1) * size_t(channels) - 1];
+                    EXPECT_EQ(image.alpha[i], std::lround(bits == 8 ? alpha : alpha / 257));
+                }
+            }
+        }
+}
+
+TEST_F(Files, DamagedPngIsAnErrorAtEveryByte) {
+    const std::string whole = encode_png(6, 5, 3, 8, ramp(90, 255));
+    const fs::path file = root_ / "x.png";
+    write_bytes(file, whole);
+    EXPECT_NO_THROW(read_image(file));
+    for (size_t size = 0; size < whole.size(); ++size) {
+        write_bytes(file, whole.substr(0, size));
+        expect_in("x.png", complaint([&] { read_image(file); }));
+    }
+    for (size_t at = 0; at < whole.size(); ++at) {
+        std::string damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+        write_bytes(file, damaged);
+        expect_in("truncated or corrupt", complaint([&] { read_image(file); }));
+    }
+    expect_in("no such image", complaint([&] { read_image(root_ / "none.png"); }));
+    write_bytes(file, "not an image at all, but long enough to be looked at");
+    expect_in("corrupt", complaint([&] { read_image(file); }));
+}
+
+// 16 x 16 grey, baseline.
+const char* const small_jpeg =
+    "ffd8ffe000104a46494600010100000100010000ffdb0043000302020302020303030304030304050805050404050a070706080c0a0c0c0b0a"
+    "0b0b0d0e12100d0e110e0b0b1016101113141515150c0f171816141812141514ffc0000b080010001001011100ffc4001f0000010501010101"
+    "010100000000000000000102030405060708090a0bffc400b5100002010303020403050504040000017d010203000411051221314106135161"
+    "07227114328191a1082342b1c11552d1f02433627282090a161718191a25262728292a3435363738393a434445464748494a53545556575859"
+    "5a636465666768696a737475767778797a838485868788898a92939495969798999aa2a3a4a5a6a7a8a9aab2b3b4b5b6b7b8b9bac2c3c4c5c6"
+    "c7c8c9cad2d3d4d5d6d7d8d9dae1e2e3e4e5e6e7e8e9eaf1f2f3f4f5f6f7f8f9faffda0008010100003f00f04f0d7c36fb9fbafd2bd5bc35f0"
+    "dbee7eebf4af55f0d7c36fb9fbafd2bd57c35f0dbee7eebf4affd9";
+
+TEST_F(Files, TruncatedJpegIsAnErrorAtEveryByte) {
+    std::string whole;
+    for (const char* hex = small_jpeg; *hex; hex += 2)
+        whole += static_cast<char>(std::stoi(std::string(hex, 2), nullptr, 16));
+    const fs::path file = root_ / "x.jpg";
+    write_bytes(file, whole);
+    const ImageFile image = read_image(file);
+    EXPECT_EQ(image.width, 16);
+    EXPECT_EQ(image.rgb8.size(), size_t(16 * 16 * 3));
+    // The picture rises from top left to bottom right.
+    EXPECT_LT(image.rgb8.front() + 50, image.rgb8.back());
+    for (size_t size = 0; size < whole.size(); ++size) {
+        write_bytes(file, whole.substr(0, size));
+        expect_in("x.jpg", complaint([&] { read_image(file); }));
+    }
+}
+
+TEST_F(Files, WritePngRoundTrip) {
+    const auto samples = ramp(size_t(7 * 4 * 3), 255);
+    const std::vector<uint8_t> rgb(samples.begin(), samples.end());
+    write_png(root_ / "out.png", 7, 4, rgb);
+    EXPECT_EQ(read_image(root_ / "out.png").rgb8, rgb);
+    EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);  // no temporary file left
+    expect_in("writable", complaint([&] { write_png(root_ / "none" / "out.png", 7, 4, rgb); }));
+    write_bytes(root_ / "file", "");
+    expect_in("writable", complaint([&] { write_png(root_ / "file" / "out.png", 7, 4, rgb); }));
+}
+
+TEST_F(Files, MasksOfAllKinds) {
+    using Values = std::vector<uint8_t>;
+    const fs::path file = root_ / "m.png";
+    const auto mask = [&](int channels, int bits, const std::vector<uint16_t>& samples) {
+        write_bytes(file, encode_png(2, 2, channels, bits, samples));
+        return read_mask(file).values;
+    };
+    EXPECT_EQ(mask(1, 8, {0, 127, 128, 255}), (Values{0, 0, 255, 255}));
+    EXPECT_EQ(mask(1, 8, {0, 1, 1, 0}), (Values{0, 255, 255, 0}));  // files of 0 and 1
+    EXPECT_EQ(mask(1, 8, {0, 0, 0, 0}), (Values{0, 0, 0, 0}));
+    EXPECT_EQ(mask(1, 16, {0, 65535, 20000, 40000}), (Values{0, 255, 0, 255}));
+    EXPECT_EQ(mask(3, 8, {0, 0, 0, 255, 255, 255, 0, 200, 0, 9, 9, 9}), (Values{0, 255, 255, 0}));
+    EXPECT_EQ(mask(2, 8, {255, 255, 255, 0, 0, 255, 0, 0}), (Values{255, 0, 0, 0}));  // cut out by alpha
+}
+
+TEST(ImageScale, HalvingIsTheMeanInLinearLight) {
+    ImageFile image{4, 2, 8, false, {}, {}, {}};
+    const auto samples = ramp(24, 255);
+    image.rgb8.assign(samples.begin(), samples.end());
+    const ImageFile half = scale_down(image, 2, 1);
+    for (size_t x = 0; x < 2; ++x)
+        for (size_t c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (const size_t pixel : {2 * x, 2 * x + 1, 2 * x + 4, 2 * x + 5})
+                sum += srgb_decode(image.rgb8[3 * pixel + c] / 255.0);
+            EXPECT_EQ(half.rgb8[3 * x + c], std::lround(255 * srgb_encode(sum / 4)));
+        }
+}
+
+TEST(ImageScale, AnyRatioKeepsTheTotalLightAndItsCentre) {
+    // 16-bit linear: the first two moments are those of the old image, up to rounding to 1/65535. A pixel's light is
+    // spread over its area, so its centre of mass is the pixel centre and area averaging must keep it to 1/2 new pixel.
+    ImageFile image{11, 7, 16, true, {}, {}, {}};
+    image.rgb16.assign(size_t(11 * 7 * 3), 0);
+    for (size_t c = 0; c < 3; ++c) image.rgb16[(3 * 11 + 6) * 3 + c] = 60000;  // pixel (6, 3)
+    const ImageFile out = scale_down(image, 5, 3);
+    double sum = 0, x = 0, y = 0;
+    for (size_t j = 0; j < 3; ++j)
+        for (size_t i = 0; i < 5; ++i) {
+            const double v = out.rgb16[(j * 5 + i) * 3];
+            sum += v;
+            x += v * (double(i) + 0.5) * 11 / 5;
+            y += v * (double(j) + 0.5) * 7 / 3;
+        }
+    EXPECT_NEAR(sum / 15 * 77, 60000, 38.5);  // 15 pixels, each rounded by up to 1/2, times 77/15
+    EXPECT_NEAR(x / sum, 6.5, 1.1);
+    EXPECT_NEAR(y / sum, 3.5, 1.17);
+
+    std::fill(image.rgb16.begin(), image.rgb16.end(), uint16_t{12345});
+    for (const uint16_t v : scale_down(image, 5, 3).rgb16) EXPECT_NEAR(v, 12345, 1);
+    EXPECT_EQ(scale_down_mask({255, 255, 0, 0, 255, 0, 0, 0}, 4, 2, 2, 1), (std::vector<uint8_t>{255, 0}));
+    EXPECT_EQ(scale_down_mask({255, 255, 0, 0}, 2, 2, 1, 1), (std::vector<uint8_t>{255}));  // half is in
+}
+
+// ---- Meshes ----
+
+// A cube of quads, each face with texture coordinates of its own: seams along every edge.
+const char* const cube_obj =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+    "vt 0 0\nvt 0.3 0\nvt 0.3 0.3\nvt 0 0.3\nvt 0.5 0.5\nvt 0.9 0.5\nvt 0.9 0.9\nvt 0.5 0.9\nvn 0 0 1\nvn 1 0 0\n"
+    "f 1/1/1 4/2/1 3/3/1 2/4/1\nf 5/5/2 6/6/2 7/7/2 8/8/2\nf 1/5/1 2/6/1 6/7/1 5/8/1\n"
+    "f 3/1/1 4/2/1 8/3/1 7/4/1\nf 1/2/2 5/3/2 8/4/2 4/1/2\nf 2/8/1 3/7/1 7/6/1 6/5/1\n";
+
+double signed_volume(const Mesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangles) {
+        Mat3d m;
+        for (int k = 0; k < 3; ++k) m.col(k) = mesh.positions[t[size_t(k)]].cast<double>();
+        const Vec3d a = m.col(0), b = m.col(1), c = m.col(2);
+        sum += a.x() * (b.y() * c.z() - b.z() * c.y()) + a.y() * (b.z() * c.x() - b.x() * c.z()) +
+               a.z() * (b.x() * c.y() - b.y() * c.x());
+    }
+    return sum / 6;
+}
+
+TEST_F(Files, SeamsAreWeldedByPosition) {
+    write_bytes(root_ / "cube.obj", std::string("mtllib missing.mtl\n") + cube_obj);
+    const MeshFile file = read_mesh_file(root_ / "cube.obj");
+    EXPECT_EQ(file.mesh.vertex_count(), 8u);
+    EXPECT_EQ(file.mesh.triangle_count(), 12u);
+    EXPECT_NEAR(signed_volume(file.mesh), 8, 1e-9);  // all faces still turn outward
+    EXPECT_TRUE(file.notes.empty());
+}
+
+TEST_F(Files, SeveralObjectsAreMergedAndNearPositionsStayApart) {
+    // The second object shares an edge with the first; its last vertex is one float step off a vertex of the first.
+    write_bytes(root_ / "two.obj",
+                "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+                "o two\nv -0.0 0 0\nv 0 1 0\nv -1 0 0\nv 1.0000001 0 0\nf 4 5 6\nf 4 7 5\n");
+    const MeshFile file = read_mesh_file(root_ / "two.obj");
+    EXPECT_EQ(file.mesh.triangle_count(), 3u);
+    EXPECT_EQ(file.mesh.vertex_count(), 5u);
+}
+
+TEST_F(Files, DefectsAreCountedInNotes) {
+    write_bytes(root_ / "x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 2\nf 1 2 4\nl 1 2\n");
+    const MeshFile file = read_mesh_file(root_ / "x.obj");
+    EXPECT_EQ(file.mesh.triangle_count(), 3u);
+    std::string all;
+    for (const std::string& note : file.notes) all += note + "\n";
+    expect_in("2 degenerate", all);
+    expect_in("1 vertices of no triangle", all);
+    expect_in("1 points or lines", all);
+}
+
+TEST_F(Files, MeshesThatCannotBeUsed) {
+    const auto reject = [&](const char* name, const std::string& content) {
+        write_bytes(root_ / name, content);
+        const std::string text = complaint([&] { read_mesh_file(root_ / name); });
+        expect_in(name, text);
+        return text;
+    };
+    expect_in("empty mesh", reject("nothing.obj", ""));
+    expect_in("mesh", reject("vertices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n# no face in here\n"));
+    expect_in("empty mesh", reject("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\np 2\np 3\n"));
+    expect_in("every triangle is degenerate", reject("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"));
+    expect_in("not finite", reject("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"));
+    reject("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    reject("noise.ply", "no ply at all, but a line of text that is long enough");
+    expect_in("no such mesh", complaint([&] { read_mesh_file(root_ / "none.obj"); }));
+}
+
+// ---- Split and gains ----
+
+TEST_F(Files, HoldoutRules) {
+    using Flags = std::vector<uint8_t>;
+    const std::vector<std::string> names = {"a", "b", "c d", "e", "f"};
+    EXPECT_EQ(choose_held_out(names, "none"), (Flags{0, 0, 0, 0, 0}));
+    EXPECT_EQ(choose_held_out(names, "every:2"), (Flags{1, 0, 1, 0, 1}));
+    EXPECT_EQ(choose_held_out(names, "every:8"), (Flags{1, 0, 0, 0, 0}));
+    const std::string list = (root_ / "list.txt").string();
+    write_bytes(list, "# held out\nc d\n\nf\n");
+    EXPECT_EQ(choose_held_out(names, list), (Flags{0, 0, 1, 0, 1}));
+    write_bytes(list, "a\nz\n");
+    expect_in("list.txt:2", complaint([&] { choose_held_out(names, list); }));
+    write_bytes(list, "a\nb\nc d\ne\nf\n");
+    expect_in("leaves none", complaint([&] { choose_held_out(names, list); }));
+    for (const char* rule : {"every:1", "every:0", "every:x", "every:", "every:8x", "every:-3", "nobody"})
+        expect_in(rule, complaint([&] { choose_held_out(names, rule); }));
+    expect_in("leaves none", complaint([&] { choose_held_out({"a"}, "every:8"); }));
+}
+
+TEST_F(Files, GainTables) {
+    const fs::path file = root_ / "gains.txt";
+    write_bytes(file, "# image  exposure  gain\nb.jpg 0.02 2.5 800 1.5\nother.jpg 7\na.jpg\t0.5\n");
+    EXPECT_EQ(read_gains(file, {"a.jpg", "b.jpg"}), (std::vector<double>{0.5, 1.5}));
+    expect_in("'c.jpg'", complaint([&] { read_gains(file, {"a.jpg", "c.jpg"}); }));
+    for (const char* line : {"c.jpg 0\n", "c.jpg -1\n", "c.jpg nan\n", "c.jpg\n", "c.jpg 1x\n", "a.jpg 2\n"}) {
+        write_bytes(file, std::string("# head\na.jpg 1\n") + line);
+        expect_in("gains.txt:3", complaint([&] { read_gains(file, {"a.jpg"}); }));
+    }
+    expect_in("cannot read", complaint([&] { read_gains(root_ / "none.txt", {}); }));
+    std::vector<double> gains = {2, 8, 100};
+    normalize_gains(gains, {0, 0, 1});
+    EXPECT_NEAR(gains[0], 0.5, 1e-12);  // the geometric mean of 2 and 8 is 4
+    EXPECT_NEAR(gains[1], 2, 1e-12);
+    EXPECT_NEAR(gains[2], 25, 1e-12);
+}
+
+TEST(GainEstimate, FindsKnownGainsAmongHighlights) {
+    // 12 views of 600 points; each sees a third. 15 % of the values are highlights, up to 8 times too bright; the rest
+    // has 5 % noise. With some 170 good values per view the gains are known to 0.05 / sqrt(170) = 0.4 %, and a few
+    // times that through the chain of shared points; highlights that leaked in would show as 10 % and more.
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform;
+    const size_t views = 12, points = 600;
+    std::vector<double> truth(views);
+    for (double& g : truth) g = std::exp(0.3 * normal(random));
+    std::vector<uint8_t> held_out(views, 0);
+    held_out[4] = 1;
+    normalize_gains(truth, held_out);
+    std::vector<std::vector<GainSample>> samples(views);
+    for (uint32_t p = 0; p < points; ++p) {
+        const double brightness = normal(random);
+        for (size_t v = 0; v < views; ++v) {
+            if (uniform(random) > 1 / 3.0) continue;
+            double log_value = brightness - std::log(truth[v]) + 0.05 * normal(random);
+            // Uneven: the first views look into the light.
+            if (uniform(random) < (v < 3 ? 0.3 : 0.1)) log_value += std::log(8.0) * uniform(random);
+            samples[v].push_back({p, float(log_value)});
+        }
+    }
+    const GainEstimate estimate = estimate_gains(samples, held_out);
+    EXPECT_TRUE(estimate.guessed.empty());
+    double product = 1;
+    for (size_t v = 0; v < views; ++v) {
+        EXPECT_NEAR(estimate.gains[v] / truth[v], 1, 0.03) << v;
+        if (!held_out[v]) product *= estimate.gains[v];
+    }
+    EXPECT_NEAR(product, 1, 1e-9);
+
+    // A held-out view has no say in the others' gains.
+    for (GainSample& s : samples[4]) s.log_value += 3;
+    const GainEstimate again = estimate_gains(samples, held_out);
+    for (size_t v = 0; v < views; ++v)
+        EXPECT_NEAR(again.gains[v] / estimate.gains[v], v == 4 ? std::exp(-3.0) : 1, 1e-6) << v;
+
+    // Nor can a view that shares nothing be estimated: it is named.
+    samples[7].clear();
+    EXPECT_EQ(estimate_gains(samples, held_out).guessed, std::vector<size_t>{7});
+}
+
+}  // namespace
+}  // namespace radiafit
