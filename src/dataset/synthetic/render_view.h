@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "dataset/synthetic/paint.h"
+#include "dataset/synthetic/surface_light.h"
+#include "geometry/camera.h"
+#include "geometry/mesh.h"
+#include "geometry/raster.h"
+
+namespace radiafit {
+
+/// A synthetic object, ready to be photographed.
+struct Scene {
+    const Mesh& mesh;
+    const Paint& paint;
+    const SurfaceLight& light;
+};
+
+/// One image in linear radiance.
+struct LinearImage {
+    std::vector<Vec3f> pixels;        ///< [height * width], row 0 on top; black where nothing is seen
+    std::vector<uint8_t> foreground;  ///< [height * width] 1 where the pixel's centre sees the mesh
+};
+
+/// Renders with supersampling. A pixel whose centre sees the mesh averages only samples that do: the object's colour,
+/// up to its silhouette. The other pixels fade to black. Scratch space is kept: one per thread.
+class ViewRenderer {
+public:
+    void render(const Scene& scene, const Camera& camera, LinearImage& image);
+
+private:
+    Rasterizer rasterizer_;
+};
+
+}  // namespace radiafit
