@@ -32,7 +32,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline) {
         entry["gain"] = image.gain;
         json["per_image"].push_back(entry);
     }
-    return json.dump(2) + "\n";
+    return json.dump(2);
 }
 
 }  // namespace radiafit
