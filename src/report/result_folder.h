@@ -1,0 +1,45 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/record.h"
+
+/// Raw results: ROOT/EXPERIMENT/DEVICE/UTC-REVISION/, written once and never changed.
+namespace radiafit {
+class AtomicFolder;
+
+/// Lower case, letters and digits, one dash for anything else: "llvmpipe (LLVM 15.0.6)" → "llvmpipe-llvm-15-0-6".
+std::string slug(const std::string& text);
+
+/// One run's folder. Rows are written below path() while the run goes on; the folder takes its name, with run.json in
+/// it, at commit(). A run that fails before leaves nothing, so every folder with a name is a whole run.
+class ResultFolder {
+public:
+    /// `device`: the renderer or "cpu, 2 threads"; it becomes a slug. Throws UserError if the folder can't be made.
+    ResultFolder(const std::filesystem::path& root, const std::string& experiment, const std::string& device,
+                 Record record);
+    ~ResultFolder();
+    ResultFolder(ResultFolder&&) noexcept;
+    ResultFolder& operator=(ResultFolder&&) noexcept;
+
+    /// Where to write; after commit() the folder under its name.
+    const std::filesystem::path& path() const;
+    /// What run.json will hold, for facts known only later (GL strings, peaks).
+    Record& record() { return record_; }
+    /// Adds "wall_s" and "cpu_s" since construction to run.json.
+    void commit();
+
+private:
+    std::unique_ptr<AtomicFolder> folder_;
+    Record record_;
+    Stopwatch watch_;
+    bool committed_ = false;
+};
+
+/// The newest whole run of an experiment on each device, in the order of device names; empty if there is none.
+std::vector<std::filesystem::path> newest_runs(const std::filesystem::path& root, const std::string& experiment);
+
+}  // namespace radiafit
