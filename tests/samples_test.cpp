@@ -34,7 +34,7 @@ Camera test_camera(int k, int width, int height) {
 }
 
 /// A mask with large and tiny features; some of the silhouette lies outside.
-bool in_mask(int k, int x, int y) { return (x + 2 * y + k) % 11 != 0 && x > 20 + k; }
+bool in_mask(int k, int x, int y) { return (x + 2 * y + k) % 11 != 0 && (k == 3 || x > 20 + k); }
 
 TargetImage masked_image(int k, int width, int height) {
     TargetImage image;
@@ -56,7 +56,8 @@ TEST(RasterDistributor, KeepsTheInvariantsOfSection51) {
         Distribution d;
         for (int k = 0; k < 4; ++k) {
             SCOPED_TRACE(::testing::Message() << "side " << side << ", view " << k);
-            const Camera c = test_camera(k, 140 - 10 * k, 110 + k);
+            Camera c = test_camera(k, 140 - 10 * k, 110 + k);
+            if (k == 3) c = c.cropped(45, 30, 70, 50);  // tiles reach beyond every border
             const TargetImage image = masked_image(k, c.width, c.height);
             distributor.distribute(c, image, d);
             raster.draw(mesh, c);
