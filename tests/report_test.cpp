@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "report/csv.h"
+#include "report/figures.h"
+#include "report/result_folder.h"
+#include "report/table.h"
+#include "temporary_folder.h"
+
+namespace radiafit {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+template <class Error, class Action>
+std::string message_of(const Action& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "not one line: " << error.what();
+        return error.what();
+    }
+    ADD_FAILURE() << "nothing thrown";
+    return "";
+}
+
+TEST(Csv, RoundTripOfEveryAwkwardField) {
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "rows.csv";
+    const std::vector<std::vector<std::string>> rows = {
+        {"plain", "1"}, {"with, comma", "2.5"}, {"with \"quotes\"", "-1e-7"}, {"two\nlines", "nan"}, {"", "inf"}};
+    {
+        CsvWriter writer(path, {"na,me", "value"});
+        for (const auto& row : rows) writer.row(row);
+        EXPECT_FALSE(fs::exists(path)) << "before commit";
+        writer.commit();
+    }
+    EXPECT_TRUE(contents(path).starts_with("\"na,me\",value\nplain,1\n\"with, comma\",2.5\n"));
+    const CsvTable table(path);
+    EXPECT_EQ(table.header(), (std::vector<std::string>{"na,me", "value"}));
+    ASSERT_EQ(table.row_count(), rows.size());
+    for (size_t i = 0; i < rows.size(); i++) EXPECT_EQ(table.text(i, "na,me"), rows[i][0]);
+    EXPECT_EQ(table.number(2, "value"), -1e-7);
+    EXPECT_TRUE(std::isnan(table.number(3, "value")));
+    EXPECT_TRUE(std::isinf(table.number(4, "value")));
+}
+
+TEST(Csv, WithoutCommitNothingRemains) {
+    const TemporaryFolder folder;
+    { CsvWriter(folder.path() / "rows.csv", {"a"}).row({"1"}); }
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Csv, TheHeaderAndEveryRowAreChecked) {
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "rows.csv";
+    EXPECT_THROW(CsvWriter(path, {}), std::logic_error);
+    EXPECT_THROW(CsvWriter(path, {"a", "a"}), std::logic_error);
+    EXPECT_THROW(CsvWriter(path, {"a", ""}), std::logic_error);
+    CsvWriter writer(path, {"a", "b"});
+    EXPECT_THROW(writer.row({"1"}), std::logic_error);
+    EXPECT_THROW(writer.row({"1", "2", "3"}), std::logic_error);
+}
+
+TEST(Csv, ABadFileIsNamedWithItsLine) {
+    const TemporaryFolder folder;
+    const std::string path = (folder.path() / "rows.csv").string();
+    const auto error = [&](const std::string& text) {
+        write_file(path, text);
+        std::string message = message_of<UserError>([&] { (void)CsvTable(path).number(0, "b"); });
+        return message.starts_with(path) ? message.substr(path.size()) : message;
+    };
+    EXPECT_EQ(error("a,b\n1,x\n"), ":2: 'x' in column 'b' is no number; mend or remake the file");
+    EXPECT_EQ(error("a,b\n1,2 \n"), ":2: '2 ' in column 'b' is no number; mend or remake the file");
+    EXPECT_EQ(error("a,b\n\"x\ny\",2\n1\n"), ":4: 1 fields under 2 names; mend or remake the file");
+    EXPECT_EQ(error("a,b\n1,\"2\n"), ":2: a quote is never closed; mend or remake the file");
+    EXPECT_EQ(error("a,c\n1,2\n"), ": no column 'b'; remake the file with this version");
+    EXPECT_EQ(error(""), ": empty; remake it");
+    EXPECT_THROW(CsvTable("no/such.csv"), UserError);
+    write_file(path, "a,b\r\n1,2\r\n");
+    EXPECT_EQ(CsvTable(path).number(0, "b"), 2) << "line ends of other systems";
+    write_file(path, "a,b\n1,2");
+    EXPECT_EQ(CsvTable(path).number(0, "b"), 2) << "no line end at the end";
+}
+
+TEST(Table, TextAndMarkdown) {
+    Table table({"name", "µ", "n|m"});
+    table.add({"star", "-0.5", ""});
+    table.add({"bäst|x", "12.25 MB", "7"});
+    EXPECT_EQ(table.text(),
+              "name           µ  n|m\n"
+              "------  --------  ---\n"
+              "star        -0.5\n"
+              "bäst|x  12.25 MB    7\n");
+    EXPECT_EQ(table.markdown(),
+              "| name    |        µ | n\\|m |\n"
+              "| ------- | -------: | ---: |\n"
+              "| star    |     -0.5 |      |\n"
+              "| bäst\\|x | 12.25 MB |    7 |\n");
+    EXPECT_THROW(table.add({"too", "few"}), std::logic_error);
+    EXPECT_EQ(Table({"empty"}).text(), "empty\n-----\n");
+}
+
+TEST(ResultFolder, SlugsAreSafeNames) {
+    EXPECT_EQ(slug("llvmpipe (LLVM 15.0.6, 256 bits)"), "llvmpipe-llvm-15-0-6-256-bits");
+    EXPECT_EQ(slug("cpu, 2 threads"), "cpu-2-threads");
+    EXPECT_EQ(slug("../../etc"), "etc");
+    EXPECT_EQ(slug("µ"), "unknown");
+    EXPECT_EQ(slug(""), "unknown");
+}
+
+Record record() {
+    const char* arguments[] = {"fig", "--profile", "smoke"};
+    return make_record(3, arguments);
+}
+
+TEST(ResultFolder, AppearsWholeWithItsRecordAndNeverOverwrites) {
+    const TemporaryFolder root;
+    std::vector<fs::path> made;
+    for (int run = 0; run < 3; run++) {  // within one second, at least two of them
+        ResultFolder results(root.path(), "fig7", "CPU, 2 threads", record());
+        EXPECT_EQ(newest_runs(root.path(), "fig7").empty(), run == 0) << "an unfinished run is no run";
+        write_file(results.path() / "rows.csv", std::to_string(run));
+        results.record().more.emplace_back("peaks", "[1, 2]");
+        ResultFolder moved(std::move(results));
+        moved.commit();
+        made.push_back(moved.path());
+        EXPECT_EQ(moved.path().parent_path(), root.path() / "fig7" / "cpu-2-threads");
+        EXPECT_NE(moved.path().filename().string().find(git_revision()), std::string::npos);
+        const std::string json = contents(moved.path() / "run.json");
+        for (const char* expected : {"\"--profile\"", "\"peaks\"", "\"wall_s\"", "\"git_revision\""})
+            EXPECT_NE(json.find(expected), std::string::npos) << expected;
+    }
+    for (int run = 0; run < 3; run++) EXPECT_EQ(contents(made[size_t(run)] / "rows.csv"), std::to_string(run));
+    { const ResultFolder abandoned(root.path(), "fig7", "other device", record()); }
+    EXPECT_EQ(newest_runs(root.path(), "fig7"), std::vector{made[2]});
+    EXPECT_TRUE(newest_runs(root.path(), "no such").empty());
+}
+
+TEST(ResultFolder, NewestOfEachDevice) {
+    const TemporaryFolder root;
+    for (const char* name :
+         {"b/20240101T000000Z-x", "b/20231231T235959Z-y", "a/20200101T000000Z-z", "a/.tmp-1-0-later"}) {
+        fs::create_directories(root.path() / "fig7" / name);
+        write_file(root.path() / "fig7" / name / "run.json", "{}");
+    }
+    fs::create_directories(root.path() / "fig7" / "a" / "20990101T000000Z-without-record");
+    EXPECT_EQ(newest_runs(root.path(), "fig7"),
+              (std::vector{root.path() / "fig7/a/20200101T000000Z-z", root.path() / "fig7/b/20240101T000000Z-x"}));
+}
+
+TEST(ResultFolder, AnUnwritableRootIsNamed) {
+    const TemporaryFolder folder;
+    write_file(folder.path() / "file", "");
+    EXPECT_NE(message_of<UserError>([&] {
+                  ResultFolder(folder.path() / "file", "fig7", "cpu", record());
+              }).find("choose a writable folder"),
+              std::string::npos);
+}
+
+class Figures : public testing::Test {
+protected:
+    void SetUp() override {
+        if (std::system("gnuplot --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is absent";
+    }
+    fs::path script(const std::string& text) {
+        write_file(folder_.path() / "figure.gp", text);
+        return folder_.path() / "figure.gp";
+    }
+    TemporaryFolder folder_;
+    fs::path stem_ = folder_.path() / "out" / "figure";
+};
+
+constexpr const char* good_script = R"(
+if (terminal eq 'svg') { set terminal svg size 300,200 } else { set terminal pngcairo size 300,200 }
+set output output
+set title caption noenhanced
+plot rows using 1:2 with lines
+)";
+
+TEST_F(Figures, SvgAndPngWithVariablesPassed) {
+    fs::create_directory(stem_.parent_path());
+    write_file(folder_.path() / "it's.dat", "0 0\n1 1\n2 4\n");
+    draw_figure(script(good_script), stem_,
+                {{"rows", (folder_.path() / "it's.dat").string()}, {"caption", "it's \"quoted\" $HOME \\n `id`"}});
+    const std::string svg = contents(stem_.string() + ".svg");
+    EXPECT_NE(svg.find("<svg"), std::string::npos);
+    EXPECT_NE(svg.find("it's \"quoted\" $HOME \\n `id`"), std::string::npos) << "the caption, untouched";
+    EXPECT_NE(svg.find("</svg>"), std::string::npos);
+    const std::string png = contents(stem_.string() + ".png");
+    EXPECT_TRUE(png.starts_with("\x89PNG"));
+    EXPECT_NE(png.find("IEND"), std::string::npos);
+    EXPECT_EQ(std::distance(fs::directory_iterator(stem_.parent_path()), fs::directory_iterator()), 2);
+}
+
+TEST_F(Figures, AFailingScriptLeavesNothingAndSaysWhy) {
+    fs::create_directory(stem_.parent_path());
+    EXPECT_NE(
+        message_of<SystemError>([&] { draw_figure(script("no_such_command\n"), stem_, {}); }).find("invalid command"),
+        std::string::npos);
+    EXPECT_NE(
+        message_of<SystemError>([&] { draw_figure(script("set terminal svg\n"), stem_, {}); }).find("drew nothing"),
+        std::string::npos);
+    EXPECT_TRUE(fs::is_empty(stem_.parent_path()));
+    EXPECT_NE(message_of<UserError>([&] { draw_figure(folder_.path() / "missing.gp", stem_, {}); }).find("missing.gp"),
+              std::string::npos);
+    EXPECT_NE(message_of<UserError>([&] {
+                  draw_figure(script("x = 1\n"), folder_.path() / "none" / "figure", {});
+              }).find("cannot write"),
+              std::string::npos);
+}
+
+TEST(FiguresWithoutGnuplot, SaysWhatToInstall) {
+    const TemporaryFolder folder;
+    write_file(folder.path() / "figure.gp", "");
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", folder.path().c_str(), 1);
+    const std::string message =
+        message_of<UserError>([&] { draw_figure(folder.path() / "figure.gp", folder.path() / "figure", {}); });
+    setenv("PATH", path.c_str(), 1);
+    EXPECT_NE(message.find("install gnuplot-nox"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace radiafit
