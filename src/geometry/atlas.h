@@ -49,7 +49,10 @@ public:
         int i = std::clamp(static_cast<int>(b1 * float(side_)), 0, side_ - 1);
         int j = std::clamp(static_cast<int>(b2 * float(side_)), 0, side_ - 1);
         // Beyond the diagonal by rounding only: step back along the longer coordinate.
-        while (i + j >= side_) --(i > j ? i : j);
+        const int beyond = std::max(0, i + j - (side_ - 1));
+        const bool along_i = i > j;
+        i -= along_i ? beyond : 0;
+        j -= along_i ? 0 : beyond;
         return local_of_cell(i, j);
     }
     /// Barycentric weights of the three vertices at a tile-local texel's centre. A diagonal cell's own centroid.

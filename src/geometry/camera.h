@@ -13,7 +13,14 @@ struct Camera {
     Mat3d cam_from_world_rotation = Mat3d::Identity();
     Vec3d cam_from_world_translation = Vec3d::Zero();
 
-    Vec3d to_camera(const Vec3d& world) const { return cam_from_world_rotation * world + cam_from_world_translation; }
+    /// Spelled out, so that loops over many points can repeat it bit by bit (samples/raster_distributor.cpp).
+    Vec3d to_camera(const Vec3d& w) const {
+        const Mat3d& r = cam_from_world_rotation;
+        const Vec3d& t = cam_from_world_translation;
+        return {r(0, 0) * w.x() + r(0, 1) * w.y() + r(0, 2) * w.z() + t.x(),
+                r(1, 0) * w.x() + r(1, 1) * w.y() + r(1, 2) * w.z() + t.y(),
+                r(2, 0) * w.x() + r(2, 1) * w.y() + r(2, 2) * w.z() + t.z()};
+    }
     /// Pixel coordinates and depth; meaningful for depth > 0 only.
     Vec3d project(const Vec3d& world) const {
         const Vec3d c = to_camera(world);

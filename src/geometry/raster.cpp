@@ -23,39 +23,53 @@ Plane edge_function(const Vec3d& p, const Vec3d& q) {
     return {q.y() - p.y(), p.x() - q.x(), q.x() * p.y() - p.x() * q.y()};
 }
 
-/// Pixel centres that lie on a left or top edge are inside.
-bool owns_its_pixels(const Plane& edge) { return edge.a > 0 || (edge.a == 0 && edge.b > 0); }
+/// A pixel centre is inside if the edge function exceeds this. Edge functions are multiples of 2^-28, so the constant
+/// lets zero pass, and nothing else: pixel centres on a left or top edge are inside.
+double threshold(const Plane& edge) { return edge.a > 0 || (edge.a == 0 && edge.b > 0) ? -0x1p-30 : 0; }
 
-/// Columns [begin, end) of a row, and the test of one edge that narrows them.
-struct Span {
-    int begin, end;
-    double left;  // x of column 0's pixel centre
+/// What bounds a row of a triangle on its left or on its right: two edges, or twice the only one.
+struct Side {
+    Plane edges[2];
+    double to_crossing[2], thresholds[2];
+    double rows[2] = {0, 0};  ///< of the current row
+    int count = 0;
 
-    double center(int column) const { return left + column; }
-
-    void clip(const Plane& edge, double inverse_a, double row, bool owns) {
-        const auto inside = [&](int column) {
-            const double e = edge.a * center(column) + row;
-            return e > 0 || (e == 0 && owns);
-        };
-        if (edge.a == 0) {
-            if (!inside(begin)) end = begin;
-            return;
+    void add(const Plane& edge) {
+        for (int k = count++; k < 2; ++k) {
+            edges[k] = edge;
+            to_crossing[k] = -1 / edge.a;
+            thresholds[k] = threshold(edge);
         }
-        // A guess by division, then the exact test decides.
-        const double crossing = std::clamp(-row * inverse_a - left, double(begin) - 1, double(end));
-        int column = static_cast<int>(std::floor(crossing)) + 1;
-        if (edge.a > 0) {
-            column = std::clamp(column, begin, end);
-            while (column > begin && inside(column - 1)) --column;
-            while (column < end && !inside(column)) ++column;
-            begin = column;
-        } else {
-            column = std::clamp(column, begin, end);
-            while (column < end && inside(column)) ++column;
-            while (column > begin && !inside(column - 1)) --column;
-            end = column;
-        }
+    }
+    void enter(double y) {
+        for (int k = 0; k < 2; ++k) rows[k] = edges[k].row(y);
+    }
+    double crossing(int k) const { return rows[k] * to_crossing[k]; }
+    bool inside(double x) const {
+        return (edges[0].a * x + rows[0] > thresholds[0]) & (edges[1].a * x + rows[1] > thresholds[1]);
+    }
+};
+
+/// The columns of a triangle's rows.
+struct Spans {
+    Side left, right;
+    int x_begin, x_end;  ///< bounds of the triangle within the image
+    double origin;       ///< x of column 0's pixel centre
+    int begin = 0, end = 0;
+
+    /// Guesses by division, then lets the exact tests decide.
+    void enter(double y) {
+        left.enter(y);
+        right.enter(y);
+        const double low = x_begin, high = x_end;
+        const double first = std::max(left.crossing(0), left.crossing(1)) - origin;
+        const double last = std::min(right.crossing(0), right.crossing(1)) - origin;
+        begin = static_cast<int>(std::ceil(std::clamp(first, low, high)));
+        end = static_cast<int>(std::floor(std::clamp(last, low - 1, high - 1))) + 1;
+        while (begin > x_begin && left.inside(origin + (begin - 1))) --begin;
+        while (begin < x_end && !left.inside(origin + begin)) ++begin;
+        while (end < x_end && right.inside(origin + end)) ++end;
+        while (end > x_begin && !right.inside(origin + (end - 1))) --end;
     }
 };
 
@@ -96,14 +110,21 @@ void Rasterizer::draw(const Mesh& mesh, const Camera& camera) {
         };
         const int x_begin = first(std::min({p0.x(), p1.x(), p2.x()}), left, width);
         const int x_end = last(std::max({p0.x(), p1.x(), p2.x()}), left, width);
-        const int y_begin = first(std::min({p0.y(), p1.y(), p2.y()}), top, height);
-        const int y_end = last(std::max({p0.y(), p1.y(), p2.y()}), top, height);
+        int y_begin = first(std::min({p0.y(), p1.y(), p2.y()}), top, height);
+        int y_end = last(std::max({p0.y(), p1.y(), p2.y()}), top, height);
         if (x_begin >= x_end || y_begin >= y_end) continue;
         if (is_degenerate(mesh, t)) continue;
 
         const double inverse_area = 1 / area;
-        const double inverse_a[3] = {1 / edges[0].a, 1 / edges[1].a, 1 / edges[2].a};
-        const bool owns[3] = {owns_its_pixels(edges[0]), owns_its_pixels(edges[1]), owns_its_pixels(edges[2])};
+        Spans spans{{}, {}, x_begin, x_end, left};
+        for (const Plane& edge : edges) {
+            if (edge.a != 0) {
+                (edge.a > 0 ? spans.left : spans.right).add(edge);
+            } else {  // bounds the rows
+                while (y_begin < y_end && !(edge.row(top + y_begin) > threshold(edge))) ++y_begin;
+                while (y_begin < y_end && !(edge.row(top + y_end - 1) > threshold(edge))) --y_end;
+            }
+        }
         // b1/z, b2/z and 1/z are linear in the image. Measured from the bounds' first pixel centre, where edge
         // functions are still exact, they stay accurate in slivers.
         const double x0 = left + x_begin, y0 = top + y_begin;
@@ -116,15 +137,12 @@ void Rasterizer::draw(const Mesh& mesh, const Camera& camera) {
         const Plane over = {over0.a + over1.a + over2.a, over0.b + over1.b + over2.b, over0.c + over1.c + over2.c};
 
         for (int y = y_begin; y < y_end; ++y) {
-            Span span{x_begin, x_end, left};
-            for (int k = 0; k < 3 && span.begin < span.end; ++k)
-                span.clip(edges[k], inverse_a[k], edges[k].row(top + y), owns[k]);
-
+            spans.enter(top + y);
             const double dy = y - y_begin;
             const double row = over.row(dy), row1 = over1.row(dy), row2 = over2.row(dy);
             RasterPixel* pixels = pixels_.data() + size_t(y) * width;
             float* depths = inverse_depth_.data() + size_t(y) * width;
-            for (int x = span.begin; x < span.end; ++x) {
+            for (int x = spans.begin; x < spans.end; ++x) {
                 const double dx = x - x_begin;
                 const double inverse_z = over.a * dx + row;
                 if (!(float(inverse_z) > depths[x])) continue;

@@ -4,39 +4,108 @@
 
 namespace radiafit {
 
-void RasterDistributor::distribute(const Camera& camera, const TargetImage& image, Distribution& out) {
-    const uint32_t texels = atlas_->texels_per_tile();
-    rasterizer_.draw(atlas_->mesh(), camera);
+namespace {
 
-    // The item buffer; pixels outside the mask hold no item.
-    const std::vector<RasterPixel>& pixels = rasterizer_.pixels();
-    items_.assign(pixels.size(), no_texel);
-    tile_visible_.assign(atlas_->tile_count(), 0);
-    out.covered_pixels = 0;
-    for (size_t k = 0; k < pixels.size(); ++k) {
-        const RasterPixel& p = pixels[k];
-        if (p.triangle == no_triangle || !image.masked_in(k)) continue;
-        items_[k] = p.triangle * texels + atlas_->local_at(p.b1, p.b2);
-        tile_visible_[p.triangle] = 1;
-        ++out.covered_pixels;
+/// Tiles are padded to whole 512-bit registers of floats.
+constexpr size_t lanes = 16;
+
+/// atlas.position() and Camera::project() for all texels of a tile at once, with the very same operations: the pixel
+/// (row * width + column) of each centre, or `outside`.
+void project_tile(const std::array<Vec3f, 3>& corners, const std::vector<float>* weights, const Camera& camera,
+                  uint32_t outside, std::vector<uint32_t>& pixels) {
+    // Plain scalars and arrays: the compiler turns no loop over Eigen's into vector code.
+    const float *w0 = weights[0].data(), *w1 = weights[1].data(), *w2 = weights[2].data();
+    const float x0 = corners[0].x(), y0 = corners[0].y(), z0 = corners[0].z();
+    const float x1 = corners[1].x(), y1 = corners[1].y(), z1 = corners[1].z();
+    const float x2 = corners[2].x(), y2 = corners[2].y(), z2 = corners[2].z();
+    const Mat3d& r = camera.cam_from_world_rotation;
+    const Vec3d& t = camera.cam_from_world_translation;
+    const double rxx = r(0, 0), rxy = r(0, 1), rxz = r(0, 2), tx = t.x();
+    const double ryx = r(1, 0), ryy = r(1, 1), ryz = r(1, 2), ty = t.y();
+    const double rzx = r(2, 0), rzy = r(2, 1), rzz = r(2, 2), tz = t.z();
+    const double fx = camera.fx, fy = camera.fy, cx = camera.cx, cy = camera.cy;
+    const int width = camera.width;
+    const double right = camera.width, bottom = camera.height;
+    uint32_t* out = pixels.data();
+    const size_t count = pixels.size() / lanes * lanes;
+    for (size_t k = 0; k < count; ++k) {
+        const double x = w0[k] * x0 + w1[k] * x1 + w2[k] * x2;
+        const double y = w0[k] * y0 + w1[k] * y1 + w2[k] * y2;
+        const double z = w0[k] * z0 + w1[k] * z1 + w2[k] * z2;
+        const double depth = rzx * x + rzy * y + rzz * z + tz;
+        const double px = fx * (rxx * x + rxy * y + rxz * z + tx) / depth + cx;
+        const double py = fy * (ryx * x + ryy * y + ryz * z + ty) / depth + cy;
+        const bool inside = (px >= 0) & (px < right) & (py >= 0) & (py < bottom);
+        // Not below zero, so truncation is floor.
+        const int column = static_cast<int>(inside ? px : 0.0), row = static_cast<int>(inside ? py : 0.0);
+        out[k] = inside ? static_cast<uint32_t>(row * width + column) : outside;
     }
+}
 
-    out.texel_pixel.assign(atlas_->texel_count(), no_pixel);
-    out.kept_pixels = 0;
+}  // namespace
+
+RasterDistributor::RasterDistributor(const TriangleAtlas& atlas) : atlas_(&atlas) {
+    const size_t padded = (atlas.texels_per_tile() + lanes - 1) / lanes * lanes;
+    tile_pixels_.resize(padded);
+    for (int c = 0; c < 3; ++c) {
+        weights_[c].assign(padded, 1.0f / 3);
+        for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local)
+            weights_[c][local] = atlas.barycentric(local)[c];
+    }
+}
+
+/// The item buffer; pixels outside the mask hold no item.
+void RasterDistributor::fill_items(const TargetImage& image, Distribution& out) {
+    const uint32_t texels = atlas_->texels_per_tile();
+    const std::vector<RasterPixel>& pixels = rasterizer_.pixels();
+    items_.resize(pixels.size() + 1);
+    items_.back() = no_texel;
+    tile_visible_.assign(atlas_->tile_count(), 0);
+    uint32_t covered = 0;
+    const auto fill = [&](const auto* rgba) {
+        const TriangleAtlas& atlas = *atlas_;
+        uint32_t* items = items_.data();
+        for (size_t k = 0; k < pixels.size(); ++k) {
+            const RasterPixel& p = pixels[k];
+            const uint32_t item = p.triangle * texels + atlas.local_at(p.b1, p.b2);
+            const bool holds = (p.triangle != no_triangle) & (rgba[4 * k + 3] != 0);
+            items[k] = holds ? item : no_texel;
+            covered += holds;
+        }
+    };
+    image.bits == 8 ? fill(image.rgba8.data()) : fill(image.rgba16.data());
+    for (size_t k = 0; k < pixels.size(); ++k)
+        if (items_[k] != no_texel) tile_visible_[pixels[k].triangle] = 1;
+    out.covered_pixels = covered;
+}
+
+void RasterDistributor::distribute(const Camera& camera, const TargetImage& image, Distribution& out) {
+    const Mesh& mesh = atlas_->mesh();
+    const uint32_t texels = atlas_->texels_per_tile();
+    rasterizer_.draw(mesh, camera);
+    fill_items(image, out);
+
+    const uint32_t outside = static_cast<uint32_t>(items_.size() - 1);
+    out.texel_pixel.resize(atlas_->texel_count());
+    uint32_t kept = 0;
     for (uint32_t tile = 0; tile < atlas_->tile_count(); ++tile) {
-        if (!tile_visible_[tile]) continue;
+        uint32_t* taken = out.texel_pixel.data() + size_t(tile) * texels;
+        if (!tile_visible_[tile]) {
+            std::fill_n(taken, texels, no_pixel);
+            continue;
+        }
+        // A visible tile lies in front of the camera as a whole.
+        const auto& [i0, i1, i2] = mesh.triangles[tile];
+        project_tile({mesh.positions[i0], mesh.positions[i1], mesh.positions[i2]}, weights_, camera, outside,
+                     tile_pixels_);
         for (uint32_t local = 0; local < texels; ++local) {
-            const Vec3d p = camera.project(atlas_->position(tile, local).cast<double>());
-            // A visible tile lies in front of the camera. Not below zero, so truncation is floor.
-            if (!(p.x() >= 0 && p.x() < camera.width && p.y() >= 0 && p.y() < camera.height)) continue;
-            const uint32_t pixel =
-                static_cast<uint32_t>(p.y()) * static_cast<uint32_t>(camera.width) + static_cast<uint32_t>(p.x());
-            const uint32_t texel = tile * texels + local;
-            if (items_[pixel] != texel) continue;
-            out.texel_pixel[texel] = pixel;
-            ++out.kept_pixels;
+            const uint32_t pixel = tile_pixels_[local];
+            const bool keeps = items_[pixel] == tile * texels + local;
+            taken[local] = keeps ? pixel : no_pixel;
+            kept += keeps;
         }
     }
+    out.kept_pixels = kept;
 }
 
 }  // namespace radiafit

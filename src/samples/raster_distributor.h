@@ -8,14 +8,18 @@ namespace radiafit {
 class RasterDistributor final : public Distributor {
 public:
     /// Both must outlive the distributor.
-    explicit RasterDistributor(const TriangleAtlas& atlas) : atlas_(&atlas) {}
+    explicit RasterDistributor(const TriangleAtlas& atlas);
     void distribute(const Camera& camera, const TargetImage& image, Distribution& out) override;
 
 private:
+    void fill_items(const TargetImage& image, Distribution& out);
+
     const TriangleAtlas* atlas_;
     Rasterizer rasterizer_;
-    std::vector<uint32_t> items_;        ///< [height * width] texel or no_texel
+    std::vector<uint32_t> items_;        ///< [height * width] texel or no_texel, and one more that is no_texel
     std::vector<uint8_t> tile_visible_;  ///< [tiles]
+    std::vector<float> weights_[3];      ///< barycentric weights of a tile's texels, padded to whole vectors
+    std::vector<uint32_t> tile_pixels_;  ///< where a tile's texels project to, padded likewise
 };
 
 }  // namespace radiafit
