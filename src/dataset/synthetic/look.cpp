@@ -24,8 +24,8 @@ Vec3f unit(float x, float y, float z) { return Vec3f(x, y, z).normalized(); }
 }  // namespace
 
 const std::array<Lamp, lamp_count>& lamps() {
-    static const std::array<Lamp, lamp_count> all = {{{unit(-0.55f, -0.65f, 0.75f), {1.00f, 0.90f, 0.76f}},   // key
-                                                      {unit(0.85f, -0.35f, 0.35f), {0.30f, 0.40f, 0.58f}},    // fill
+    static const std::array<Lamp, lamp_count> all = {{{unit(-0.55f, -0.65f, 0.75f), {1.30f, 1.16f, 0.98f}},   // key
+                                                      {unit(0.85f, -0.35f, 0.35f), {0.27f, 0.36f, 0.52f}},    // fill
                                                       {unit(0.25f, 0.90f, 0.45f), {0.62f, 0.66f, 0.50f}},     // back
                                                       {unit(0.15f, -0.10f, 1.00f), {0.34f, 0.30f, 0.34f}}}};  // top
     return all;
@@ -34,7 +34,7 @@ const std::array<Lamp, lamp_count>& lamps() {
 Vec3f sky(const Vec3f& direction) {
     const float up = std::clamp((direction.z() + 0.25f) / 0.9f, 0.0f, 1.0f);
     const float blend = up * up * (3 - 2 * up);
-    return (1 - blend) * Vec3f(0.10f, 0.08f, 0.06f) + blend * Vec3f(0.24f, 0.28f, 0.34f);
+    return (1 - blend) * Vec3f(0.08f, 0.065f, 0.05f) + blend * Vec3f(0.19f, 0.22f, 0.27f);
 }
 
 std::vector<Region> regions(const std::string& shape, uint64_t seed) {
@@ -44,7 +44,7 @@ std::vector<Region> regions(const std::string& shape, uint64_t seed) {
                 {satin, face, {0, 0.02f, 0.06f}, 0.62f},
                 {lacquer, {brown, umber, black, brown}, {0, 0.26f, 0.70f}, 1.25f},
                 {lacquer, {red, white, blue, teal, yellow}, {0, 0.10f, -0.60f}, 1.40f},
-                {metal, {gold, copper, gold, silver}, {0, 0.06f, -0.16f}, 0.42f}};  // a collar
+                {metal, {gold, copper, gold, red}, {0, -0.30f, -0.40f}, 0.80f}};
     }
     const std::array<std::vector<Vec3f>, 3> palettes = {{{red, white, blue, yellow, black},
                                                          {teal, orange, violet, green, pink, white},

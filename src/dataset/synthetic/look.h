@@ -43,6 +43,6 @@ inline constexpr float cell_edges = 2.2f;     ///< width of a painted cell, in m
 inline constexpr float pattern_edges = 0.8f;  ///< period of the stripes and checks inside, in mesh edges
 
 inline constexpr double saturated_share = 0.015;  ///< of foreground pixels, by the choice of exposure
-inline constexpr int supersamples = 3;            ///< per pixel and axis; odd, so that one is the pixel's centre
+inline constexpr int supersamples = 3;            ///< per pixel and axis; odd, so that one is the centre
 
 }  // namespace radiafit

@@ -40,15 +40,14 @@ Vec3f shade(const PointLight& light, const Paint::Coat& coat, const Vec3f& view)
 
 }  // namespace
 
-void ViewRenderer::render(const Scene& scene, const Camera& camera, LinearImage& image) {
-    static_assert(supersamples % 2 == 1);
+void ViewRenderer::render(const Scene& scene, const Camera& camera, int samples, LinearImage& image) {
     Camera fine = camera;
-    fine.width *= supersamples;
-    fine.height *= supersamples;
-    fine.fx *= supersamples;
-    fine.fy *= supersamples;
-    fine.cx *= supersamples;
-    fine.cy *= supersamples;
+    fine.width *= samples;
+    fine.height *= samples;
+    fine.fx *= samples;
+    fine.fy *= samples;
+    fine.cx *= samples;
+    fine.cy *= samples;
     rasterizer_.draw(scene.mesh, fine);
 
     const Vec3f eye = camera.center().cast<float>();
@@ -59,25 +58,26 @@ void ViewRenderer::render(const Scene& scene, const Camera& camera, LinearImage&
         return shade(scene.light.at(seen.triangle, seen.b1, seen.b2), scene.paint.at(seen.triangle, x),
                      (eye - x).normalized());
     };
-    const size_t width = size_t(camera.width), height = size_t(camera.height), fine_width = width * supersamples;
+    const auto per_axis = size_t(samples);
+    const size_t width = size_t(camera.width), height = size_t(camera.height), fine_width = width * per_axis;
     image.pixels.assign(width * height, Vec3f::Zero());
     image.foreground.assign(width * height, 0);
     for (size_t y = 0; y < height; ++y)
         for (size_t x = 0; x < width; ++x) {
-            const RasterPixel* block = rasterizer_.pixels().data() + y * supersamples * fine_width + x * supersamples;
+            const RasterPixel* block = rasterizer_.pixels().data() + y * per_axis * fine_width + x * per_axis;
             Vec3f sum = Vec3f::Zero();
             int hits = 0;
-            for (size_t sy = 0; sy < supersamples; ++sy)
-                for (size_t sx = 0; sx < supersamples; ++sx) {
+            for (size_t sy = 0; sy < per_axis; ++sy)
+                for (size_t sx = 0; sx < per_axis; ++sx) {
                     const RasterPixel& seen = block[sy * fine_width + sx];
                     if (seen.triangle == no_triangle) continue;
                     sum += sample(seen);
                     ++hits;
                 }
             if (hits == 0) continue;
-            constexpr size_t middle = supersamples / 2;
+            const size_t middle = per_axis / 2;
             const bool foreground = block[middle * fine_width + middle].triangle != no_triangle;
-            image.pixels[y * width + x] = sum / float(foreground ? hits : supersamples * supersamples);
+            image.pixels[y * width + x] = sum / float(foreground ? hits : per_axis * per_axis);
             image.foreground[y * width + x] = foreground ? 1 : 0;
         }
 }

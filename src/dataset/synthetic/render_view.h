@@ -23,11 +23,12 @@ struct LinearImage {
     std::vector<uint8_t> foreground;  ///< [height * width] 1 where the pixel's centre sees the mesh
 };
 
-/// Renders with supersampling. A pixel whose centre sees the mesh averages only samples that do: the object's colour,
-/// up to its silhouette. The other pixels fade to black. Scratch space is kept: one per thread.
+/// Renders with `samples` (odd) samples per pixel and axis. A pixel whose centre sees the mesh averages only samples
+/// that do: the object's colour, up to its silhouette. The other pixels fade to black. Scratch space is kept: one per
+/// thread.
 class ViewRenderer {
 public:
-    void render(const Scene& scene, const Camera& camera, LinearImage& image);
+    void render(const Scene& scene, const Camera& camera, int samples, LinearImage& image);
 
 private:
     Rasterizer rasterizer_;

@@ -26,7 +26,7 @@ Mat3d random_rotation(Rng& rng) {
 Solid star_solid(uint64_t seed) {
     Rng rng(seed, 1);
     Solid solid;
-    solid.ellipsoid(Vec3d::Zero(), {0.66, 0.66, 0.66}, 0.1);
+    solid.ellipsoid(Vec3d::Zero(), {0.65, 0.65, 0.65}, 0.1);
     const Mat3d turn = random_rotation(rng);
     const double golden = 0.5 * (1 + std::sqrt(5.0));
     for (int i = 0; i < 12; ++i) {  // the corners of an icosahedron
@@ -35,8 +35,8 @@ Solid star_solid(uint64_t seed) {
         corner[(i + 1) % 3] = i / 6 % 2 == 0 ? golden : -golden;
         const Vec3d sway(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
         const Vec3d direction = (turn * (corner.normalized() + 0.06 * sway)).normalized();
-        const double tip = around(rng, 0.12, 0.12);
-        solid.round_cone(0.35 * direction, 0.42, (around(rng, 1.0, 0.04) - tip) * direction, tip, 0.20);
+        const double tip = around(rng, 0.11, 0.12);
+        solid.round_cone(0.40 * direction, 0.40, (around(rng, 0.95, 0.04) - tip) * direction, tip, 0.24);
     }
     return solid;
 }
@@ -45,11 +45,11 @@ Solid bust_solid(uint64_t seed) {
     Rng rng(seed, 1);
     const double wide = around(rng, 1, 0.04), long_nose = around(rng, 1, 0.1), bun = around(rng, 1, 0.1);
     Solid solid;
-    solid.ellipsoid({0, 0.09, -0.48}, {0.40 * wide, 0.27, 0.44}, 0.1);  // chest
+    solid.ellipsoid({0, 0.09, -0.48}, {0.46 * wide, 0.36, 0.44}, 0.1);  // chest
     for (const double side : {-1.0, 1.0}) {
-        const Vec3d shoulder(side * 0.47 * wide, 0.11, -0.29);
-        solid.round_cone({side * 0.08, 0.11, -0.06}, 0.10, shoulder, 0.125, 0.16);
-        solid.round_cone(shoulder, 0.135, {side * 0.52 * wide, 0.11, -0.62}, 0.13, 0.22);  // upper arm
+        const Vec3d shoulder(side * 0.50 * wide, 0.11, -0.29);
+        solid.round_cone({side * 0.08, 0.11, -0.06}, 0.12, shoulder, 0.15, 0.16);
+        solid.round_cone(shoulder, 0.16, {side * 0.56 * wide, 0.11, -0.62}, 0.16, 0.22);  // upper arm
     }
     solid.round_cone({0, 0.11, -0.20}, 0.17, {0, 0.06, 0.25}, 0.145, 0.18);                         // neck
     solid.ellipsoid({0, 0.04, 0.52}, {0.275, 0.345, 0.34}, 0.12);                                   // skull
@@ -66,8 +66,8 @@ Solid bust_solid(uint64_t seed) {
     solid.ellipsoid({0, -0.305, 0.285}, {0.075, 0.045, 0.020}, 0.02);              // upper lip
     solid.ellipsoid({0, -0.300, 0.245}, {0.062, 0.045, 0.022}, 0.02);              // lower lip
     solid.ellipsoid({0, 0.12, 0.62}, {0.285, 0.32, 0.31}, 0.04);                   // hair
-    solid.ellipsoid({0, 0.47, 0.62}, {0.14 * bun, 0.13 * bun, 0.14 * bun}, 0.06);  // bun
-    solid.floor(-0.68, 0.05);
+    solid.ellipsoid({0, 0.44, 0.62}, {0.14 * bun, 0.13 * bun, 0.14 * bun}, 0.06);  // bun
+    solid.floor(-0.50, 0.05);
     return solid;
 }
 

@@ -40,7 +40,8 @@ double Solid::distance(const Part& part, const Vec3d& x) {
     const double across = std::sqrt(std::max(0.0, offset.squaredNorm() - along * along));
     const double slope = (part.ra - part.rb) / length;
     const double t = std::clamp((along + across * slope / std::sqrt(1 - slope * slope)) / length, 0.0, 1.0);
-    return std::hypot(across, along - t * length) - (part.ra + t * (part.rb - part.ra));
+    const double beside = along - t * length;
+    return std::sqrt(across * across + beside * beside) - (part.ra + t * (part.rb - part.ra));
 }
 
 double Solid::value(const Vec3d& x) const {

@@ -41,17 +41,18 @@ public:
     Illuminator(const Mesh& mesh, const Solid& solid)
         : solid_(solid), caster_(mesh), discs_(disc_directions()), sky_(sky_directions()) {}
 
-    PointLight at(const Vec3d& x) const {
+    PointLight at(const Vec3d& x, const Vec3d& mesh_normal) const {
         PointLight light;
         // Shadow rays start on the solid, a little outside: a coarse mesh's own facets must not throw shadows on it.
+        // The normal has detail from the solid, but never strays far from the mesh, whose details may be coarser.
         const Vec3d start_on = solid_.project(x);
-        const Vec3d normal = solid_.gradient(start_on).normalized();
+        const Vec3d normal = (solid_.gradient(start_on).normalized() + mesh_normal).normalized();
         const double inside = std::max(0.0, (x - start_on).dot(normal));
         const Vec3d start = start_on + (inside + 2e-3) * normal;
         light.normal = normal.cast<float>();
         for (size_t l = 0; l < lamp_count; ++l) {
             int seen = 0;
-            for (const Vec3d& d : discs_[l]) seen += d.dot(normal) > 0 && !hidden(start, d) ? 1 : 0;
+            for (const Vec3d& d : discs_[l]) seen += d.dot(normal) > 0 && !caster_.occluded(start, d) ? 1 : 0;
             light.lamp_visible[l] = float(seen) / lamp_rays;
             const float cosine = std::max(0.0f, light.normal.dot(lamps()[l].direction));
             light.irradiance += light.lamp_visible[l] * cosine * lamps()[l].radiance;
@@ -61,7 +62,7 @@ public:
             const double cosine = d.dot(normal);
             if (cosine <= 0) continue;
             all += cosine;
-            if (hidden(start, d)) continue;
+            if (caster_.occluded(start, d)) continue;
             seen += cosine;
             light.irradiance += float(cosine * 4 / sky_rays) * sky(d.cast<float>());  // 4 / count: integral / pi
         }
@@ -70,9 +71,6 @@ public:
     }
 
 private:
-    /// A hit so near is the facet that the start stands on, or its neighbour.
-    bool hidden(const Vec3d& start, const Vec3d& direction) const { return caster_.occluded(start, direction); }
-
     const Solid& solid_;
     RayCaster caster_;
     std::array<std::array<Vec3d, lamp_rays>, lamp_count> discs_;
@@ -85,14 +83,19 @@ SurfaceLight::SurfaceLight(const Mesh& mesh, const Solid& solid, int side)
     : side_(side), points_per_triangle_(size_t((side + 1) * (side + 2) / 2)) {
     points_.resize(mesh.triangle_count() * points_per_triangle_);
     const Illuminator illuminator(mesh, solid);
+    const std::vector<Vec3f> normals = vertex_normals(mesh);
     parallel_for(mesh.triangle_count(), 16, [&](size_t t, int) {
-        std::array<Vec3d, 3> corner;
-        for (size_t k = 0; k < 3; ++k) corner[k] = mesh.positions[mesh.triangles[t][k]].cast<double>();
+        std::array<Vec3d, 3> corner, normal;
+        for (size_t k = 0; k < 3; ++k) {
+            corner[k] = mesh.positions[mesh.triangles[t][k]].cast<double>();
+            normal[k] = normals[mesh.triangles[t][k]].cast<double>();
+        }
         for (int j = 0; j <= side; ++j)
             for (int i = 0; i + j <= side; ++i) {
                 const double b1 = double(i) / side, b2 = double(j) / side;
                 points_[t * points_per_triangle_ + lattice_index(i, j)] =
-                    illuminator.at((1 - b1 - b2) * corner[0] + b1 * corner[1] + b2 * corner[2]);
+                    illuminator.at((1 - b1 - b2) * corner[0] + b1 * corner[1] + b2 * corner[2],
+                                   ((1 - b1 - b2) * normal[0] + b1 * normal[1] + b2 * normal[2]).normalized());
             }
     });
 }

@@ -19,15 +19,13 @@ namespace {
 constexpr int held_out_every = 8;
 constexpr float saturates_at = 0.9955f;  // linear light that sRGB stores as 255
 
-/// The exposure that saturates `saturated_share` of the foreground, measured on up to 32 views.
+/// The exposure that saturates `saturated_share` of the foreground, measured with one sample per pixel.
 float choose_exposure(const Scene& scene, const std::vector<Camera>& cameras) {
-    const size_t count = std::min<size_t>(cameras.size(), 32);
-    std::vector<std::vector<float>> brightest(count);
-    const auto workers = static_cast<size_t>(thread_count());
-    std::vector<ViewRenderer> renderers(workers);
-    parallel_for(count, 1, [&](size_t i, int worker) {
+    std::vector<std::vector<float>> brightest(cameras.size());
+    std::vector<ViewRenderer> renderers(static_cast<size_t>(thread_count()));
+    parallel_for(cameras.size(), 1, [&](size_t i, int worker) {
         LinearImage image;
-        renderers[size_t(worker)].render(scene, cameras[i * cameras.size() / count], image);
+        renderers[size_t(worker)].render(scene, cameras[i], 1, image);
         for (size_t p = 0; p < image.pixels.size(); ++p)
             if (image.foreground[p]) brightest[i].push_back(image.pixels[p].maxCoeff());
     });
@@ -76,7 +74,7 @@ void write_views(const Scene& scene, const std::vector<Camera>& cameras, Dataset
         const size_t count = std::min(batch, cameras.size() - first);
         parallel_for(count, 1, [&](size_t i, int worker) {
             LinearImage& image = images[size_t(worker)];
-            renderers[size_t(worker)].render(scene, cameras[first + i], image);
+            renderers[size_t(worker)].render(scene, cameras[first + i], supersamples, image);
             bytes[i].clear();
             for (const Vec3f& pixel : image.pixels)
                 for (int c = 0; c < 3; ++c) bytes[i].push_back(to_byte(exposure * pixel[c]));

@@ -11,7 +11,7 @@ namespace radiafit {
 namespace {
 
 constexpr double field_of_view = 26 * std::numbers::pi / 180;  // a short telephoto lens
-constexpr double filled = 0.97;                                // of the frame's side, by the mesh's longer extent
+constexpr double filled = 0.995;                               // of the frame's side, by the mesh's longer extent
 constexpr double lowest = 0.05, highest = 0.995;               // z of the viewing direction: not quite rim and pole
 constexpr double sway = 0.35;                                  // of the spacing of views
 
