@@ -1,0 +1,47 @@
+# The few commands a person types; everything else is CMake. Variables:
+#   PROFILE=standard|smoke|paper   size of the experiments
+#   ONLY=fig7                      only experiments whose names contain this
+#   PRESET=release|asan            see CMakePresets.json
+#   BUILD=FOLDER                   where to build
+PROFILE ?= standard
+ONLY ?=
+PRESET ?= release
+BUILD ?= build/$(PRESET)
+JOBS ?= $(shell nproc)
+
+.PHONY: build test experiments smoke configure packages format format-check clean
+
+build: configure
+	@cmake --build $(BUILD) --parallel $(JOBS)
+	@echo "the program: $(BUILD)/src/app/radiafit"
+
+test: configure
+	@cmake --build $(BUILD) --parallel $(JOBS)
+	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
+	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
+
+experiments: configure
+	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \
+	    cmake --build $(BUILD) --parallel $(JOBS) --target radiafit $$names
+	@scripts/run-experiments.sh $(BUILD) $(PROFILE) $(ONLY)
+
+smoke:
+	@$(MAKE) --no-print-directory experiments PROFILE=smoke
+
+# Always, so that results name the revision that was built.
+configure: packages
+	@cmake --preset $(PRESET) -B $(BUILD) --log-level=WARNING
+
+packages:
+	@scripts/install-packages.sh
+
+format: packages
+	@find src tests experiments \( -name '*.h' -o -name '*.cpp' \) -print0 | xargs -0 clang-format -i
+
+format-check: packages
+	@tests/check_format
+
+# Builds and runs that were broken off; finished results and figures stay.
+clean:
+	rm -rf build
+	@find results paper_figs datasets -name '.tmp-*' -prune -exec rm -rf {} +

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | gl | reference;
+capture on dataset; fit on dataset, eval on fit; report on base; app on all, and below nothing but experiments.
+
+Also: which folder may include which foreign library, and that heavy headers stay out of our headers.
+Usage: check_layers.py [ROOT]"""
+import pathlib
+import re
+import sys
+
+CHAIN = ["base", "geometry", "model", "dataset", "samples", "optim"]
+
+
+def up_to(layer):
+    return set(CHAIN[: CHAIN.index(layer) + 1])
+
+
+# What each folder of src/ may include, besides itself.
+ALLOWED = {layer: set(CHAIN[:i]) for i, layer in enumerate(CHAIN)}
+ALLOWED.update(
+    cpu=up_to("optim"),
+    gl=up_to("optim"),
+    reference=up_to("optim"),
+    capture=up_to("dataset"),
+    fit=up_to("dataset"),
+    eval=up_to("dataset") | {"fit"},
+    report={"base"},
+)
+ALLOWED["app"] = set(ALLOWED)
+
+# Texts under shaders/ that C++ includes too, and the first layer that may.
+SHARED_TEXTS = {"model": "model", "optimize": "optim"}
+
+# Foreign headers and the folders of src/ that may include them.
+LIBRARIES = [
+    (r"OpenImageIO/", {"capture"}),
+    (r"assimp/", {"capture"}),
+    (r"(OpenEXR/|Imf|Imath|Iex)", {"fit"}),
+    (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
+    (r"ceres/", {"reference"}),
+    (r"toml\+\+/", {"base"}),
+    (r"CLI/", {"app"}),
+]
+HEAVY = re.compile(r"(OpenImageIO/|assimp/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        found = INCLUDE.match(line)
+        if found:
+            yield number, found[1], found[2]
+
+
+def sources(folder):
+    return sorted(path for path in folder.rglob("*") if path.suffix in (".h", ".cpp"))
+
+
+def check_include(layer, path, own, foreign):
+    """What is wrong with one include line of a file of src/LAYER, or None."""
+    if own is not None:
+        if own.endswith(".glsl"):
+            first = SHARED_TEXTS.get(own.split("/")[0])
+            if first is None:
+                return "is no text shared with C++"
+            target = first
+        elif "/" not in own:
+            return "names no layer: write folder/file.h"
+        else:
+            target = own.split("/")[0]
+        if target not in ALLOWED:
+            return f"'{target}' is no layer"
+        if target != layer and target not in ALLOWED[layer]:
+            return f"{layer} may not include {target}"
+        return None
+    for pattern, folders in LIBRARIES:
+        if re.match(pattern, foreign) and layer not in folders:
+            return f"only {', '.join(sorted(folders))} may include it"
+    if path.suffix == ".h" and HEAVY.match(foreign):
+        return "too heavy for a header: include it in a .cpp"
+    return None
+
+
+def check_sources(root):
+    errors, count = [], 0
+    for folder in sorted((root / "src").iterdir()):
+        if not folder.is_dir():
+            continue
+        layer = folder.name
+        if layer not in ALLOWED:
+            errors.append(f"src/{layer}: not a layer; add it to tests/check_layers.py")
+            continue
+        for path in sources(folder):
+            for number, own, foreign in includes(path):
+                wrong = check_include(layer, path, own, foreign)
+                if wrong:
+                    errors.append(f"{path.relative_to(root)}:{number}: {own or foreign}: {wrong}")
+                count += own is not None
+    # Experiments stand above app and may include all of src, but bring in none of the libraries that have a place.
+    for path in sources(root / "experiments") if (root / "experiments").is_dir() else []:
+        for number, _, foreign in includes(path):
+            for pattern, folders in LIBRARIES:
+                if foreign and re.match(pattern, foreign) and "app" not in folders:
+                    errors.append(f"{path.relative_to(root)}:{number}: {foreign}: only {', '.join(sorted(folders))} may include it")
+    return errors, count
+
+
+def check_links(root):
+    """radiafit_layer(NAME LINKS radiafit_x ...): with all that those link in turn, no more than NAME may include; and
+    every layer that NAME's files include is among them."""
+    direct, errors = {}, []
+    for path in sorted((root / "src").glob("*/CMakeLists.txt")):
+        text = re.sub(r"#.*", "", path.read_text(encoding="utf-8"))
+        for name, rest in re.findall(r"radiafit_layer\(\s*(\w+)([^)]*)\)", text):
+            links = re.search(r"\bLINKS\b(.*?)(\bEXTERNAL\b|$)", rest, re.S)
+            direct[name] = set(re.findall(r"\bradiafit_(\w+)", links[1])) if links else set()
+
+    def closure(name):
+        result = set()
+        for link in direct.get(name, ()):
+            result |= {link} | closure(link)
+        return result
+
+    for name in direct:
+        linked = closure(name)
+        for extra in sorted(linked - ALLOWED.get(name, set())):
+            errors.append(f"src/{name}/CMakeLists.txt: {name} may not link {extra}")
+        included = {own.split("/")[0] for path in sources(root / "src" / name) for _, own, _ in includes(path)
+                    if own and not own.endswith(".glsl")}
+        for missing in sorted((included & ALLOWED.get(name, set())) - linked - {name}):
+            errors.append(f"src/{name}/CMakeLists.txt: {name} includes {missing} but doesn't link it")
+    return errors, len(direct)
+
+
+def check(root):
+    root = pathlib.Path(root)
+    source_errors, count = check_sources(root)
+    link_errors, targets = check_links(root)
+    return source_errors + link_errors, count, targets
+
+
+def main():
+    root = sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
+    errors, count, targets = check(root)
+    print("\n".join(errors) if errors else f"{count} includes and {targets} link lists keep to the layers")
+    return 1 if errors or count == 0 or targets == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands explicit locations).
+
+#include "..." lines are expanded as src/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
+after the #version line. A stage is compiled
+
+  - as it stands;
+  - with each macro that it tests by #ifdef, #if NAME == VALUE or #if NAME > VALUE given one at a time; or, in its place,
+  - with every combination on a line of its first ten, "-" being "not defined":
+        // variants: TERMS=1,3 STORAGE=0,1,2 ALONG=-,1
+
+Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, and any
+other .glsl file that no stage reaches is an error: it would be untested.
+Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslangValidator."""
+import itertools
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+STAGES = {".vert": "vert", ".frag": "frag", ".comp": "comp"}
+INCLUDE = re.compile(r'\s*#include\b(?:\s*"([^"]+)")?')
+CONDITION = re.compile(r"^\s*#\s*(?:el)?if(n?def)?\b(.*)$", re.M)
+COMPARISON = re.compile(r"\b([A-Z][A-Z0-9_]*)\s*(==|>|>=)\s*(\d+)")
+DEFAULT = re.compile(r"^\s*#\s*ifndef\s+(\w+)\s*\n\s*#\s*define\s+\1\b", re.M)
+
+
+class ShaderError(Exception):
+    pass
+
+
+def expand(shaders, name, defines=None, files=None):
+    """The text that the driver gets, and the files in it in the order of #line's second number."""
+    files = [] if files is None else files
+    index = len(files)
+    files.append(name)
+    path = shaders / name
+    if not path.is_file():
+        raise ShaderError(f"shaders/{name}: no such file")
+    out = [] if defines is not None else [f"#line 1 {index}"]
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        include = INCLUDE.match(line)
+        if number == 1 and defines is not None:
+            out.append(line)
+            out += [f"#define {key} {value}" for key, value in defines]
+            out.append(f"#line 2 {index}")
+        elif include:
+            if not include[1]:
+                raise ShaderError(f"shaders/{name}:{number}: #include needs a file in quotes")
+            if include[1] not in files:
+                out.append(expand(shaders, include[1], None, files)[0])
+            out.append(f"#line {number + 1} {index}")
+        else:
+            out.append(line)
+    return "\n".join(out), files
+
+
+def declared_variants(path):
+    for line in path.read_text(encoding="utf-8").splitlines()[:10]:
+        if line.startswith("// variants:"):
+            axes = [(name, values.split(",")) for name, values in
+                    (item.split("=", 1) for item in line.split(":", 1)[1].split())]
+            return [[(name, value) for (name, _), value in zip(axes, values) if value != "-"]
+                    for values in itertools.product(*(values for _, values in axes))]
+    return None
+
+
+def found_variants(text):
+    """One definition at a time, as the conditions in the text suggest."""
+    defaults = set(DEFAULT.findall(text))
+    found = {}
+    for kind, rest in CONDITION.findall(text):
+        if kind:
+            name = rest.split()[0]
+            if kind == "def" and name not in defaults and not name.startswith("GL_"):
+                found.setdefault(name, set()).add("")
+        for name, relation, value in COMPARISON.findall(rest):
+            found.setdefault(name, set()).add(str(int(value) + (relation == ">")))
+    # A macro compared by value somewhere is never given without one.
+    return [[]] + [[(name, value)] for name in sorted(found)
+                   for value in sorted(found[name] - {""} or found[name])]
+
+
+def compile_text(text, stage, files, label):
+    # -G100: SPIR-V for OpenGL. --stdin must come before -S.
+    result = subprocess.run(["glslangValidator", "-G100", "--stdin", "-S", stage, "-o", "/dev/null"], input=text,
+                            capture_output=True, text=True)
+    if result.returncode == 0:
+        return []
+    messages = []
+    for line in (result.stdout + result.stderr).splitlines():
+        place = re.match(r"ERROR: (\d+):(\d+): (.*)", line.replace("stdin", "0"))
+        if place and int(place[1]) < len(files):
+            messages.append(f"shaders/{files[int(place[1])]}:{place[2]}: {place[3]}   [{label}]")
+    return messages or [f"{label}: {(result.stdout + result.stderr).strip()}"]
+
+
+def label_of(name, defines):
+    return " ".join([name] + [f"{key}={value}" if value else key for key, value in defines])
+
+
+def check_stage(shaders, name):
+    errors, count, reached = [], 0, set()
+    path = shaders / name
+    try:
+        text, files = expand(shaders, name, [])
+        if not text.startswith("#version "):
+            raise ShaderError(f"shaders/{name}:1: a stage begins with #version")
+        variants = declared_variants(path) or found_variants(text)
+        for defines in variants:
+            text, files = expand(shaders, name, defines)
+            errors += compile_text(text, STAGES[path.suffix], files, label_of(name, defines))
+            reached.update(files)
+            count += 1
+    except ShaderError as error:
+        errors.append(str(error))
+    return errors, count, reached
+
+
+def check_shared_text(shaders, name):
+    """Inside an empty stage, behind the dialect's prelude and, for the optimizer, its state."""
+    before = ["model/prelude.glsl"] if name != "model/prelude.glsl" and not name.startswith("model/prelude_") else []
+    if name.startswith("optimize/") and name != "optimize/problem_state.glsl":
+        before.append("optimize/problem_state.glsl")
+    files, parts = [], ["#version 450 core"]
+    try:
+        for include in before + [name]:
+            if include not in files:
+                parts.append(expand(shaders, include, None, files)[0])
+    except ShaderError as error:
+        return [str(error)]
+    return compile_text("\n".join(parts + ["void main() {}"]) + "\n", "frag", files, name + " in an empty stage")
+
+
+def check(root):
+    shaders = pathlib.Path(root) / "shaders"
+    names = sorted(path.relative_to(shaders).as_posix() for path in shaders.rglob("*") if path.is_file())
+    errors, count, reached = [], 0, set()
+    for name in names:
+        suffix = pathlib.PurePosixPath(name).suffix
+        if suffix in STAGES:
+            stage_errors, stage_count, stage_files = check_stage(shaders, name)
+            errors += stage_errors
+            count += stage_count
+            reached |= stage_files
+        elif suffix != ".glsl":
+            errors.append(f"shaders/{name}: the name ends in none of .vert .frag .comp .glsl")
+    for name in names:
+        if not name.endswith(".glsl"):
+            continue
+        if name.startswith(("model/", "optimize/")) and name not in reached:
+            errors += check_shared_text(shaders, name)
+            count += 1
+        elif name not in reached:
+            errors.append(f"shaders/{name}: no stage includes it, so nothing compiles it")
+    return errors, count
+
+
+def main():
+    if not shutil.which("glslangValidator"):
+        print("skipped: glslangValidator is absent (scripts/install-packages.sh installs it)")
+        return 77
+    root = sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
+    errors, count = check(root)
+    print("\n".join(errors) if errors else f"{count} shader texts compile")
+    return 1 if errors or count == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

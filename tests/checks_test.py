@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""The checks can fail: each is given a small tree that breaks one rule, and must name it."""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import check_layers
+import check_shaders
+
+STAGE = "#version 450 core\nlayout(location = 0) out vec4 colour;\n"
+
+
+class Tree(unittest.TestCase):
+    def setUp(self):
+        self.root = pathlib.Path(tempfile.mkdtemp(prefix="radiafit-checks-"))
+        self.addCleanup(shutil.rmtree, self.root)
+
+    def write(self, path, text):
+        path = self.root / path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+class Layers(Tree):
+    def errors(self):
+        return check_layers.check(self.root)[0]
+
+    def test_allowed_includes_pass(self):
+        self.write("src/base/a.h", "#include <vector>\n")
+        self.write("src/geometry/a.h", '#include "base/a.h"\n#include "geometry/b.h"\n')
+        self.write("src/gl/a.cpp", '#include <GL/glcorearb.h>\n#include "optim/engine.h"\n#include "optimize/state.glsl"\n')
+        self.write("src/eval/a.cpp", '#include "fit/fit.h"\n#include "dataset/d.h"\n#include <nlohmann/json.hpp>\n')
+        self.write("src/app/a.cpp", '#include "gl/a.h"\n#include "eval/a.h"\n#include <CLI/CLI.hpp>\n')
+        self.write("src/app/CMakeLists.txt", "radiafit_layer(app LINKS radiafit_gl radiafit_eval)\n")
+        self.write("src/gl/CMakeLists.txt", "radiafit_layer(gl LINKS radiafit_optim EXTERNAL x)\n")
+        self.write("src/geometry/CMakeLists.txt", "radiafit_layer(geometry LINKS radiafit_base)\n")
+        self.write("src/eval/CMakeLists.txt", "radiafit_layer(eval LINKS radiafit_fit)\n")
+        self.write("src/fit/CMakeLists.txt", "radiafit_layer(fit LINKS radiafit_dataset)\n")
+        self.assertEqual(self.errors(), [])
+
+    def test_each_forbidden_include_is_named(self):
+        cases = [
+            ("src/base/a.h", '#include "geometry/mesh.h"', "base may not include geometry"),
+            ("src/model/a.cpp", '#include "dataset/dataset.h"', "model may not include dataset"),
+            ("src/cpu/a.cpp", '  #  include "gl/program.h"', "cpu may not include gl"),
+            ("src/gl/a.cpp", '#include "reference/ceres.h"', "gl may not include reference"),
+            ("src/eval/a.cpp", '#include "optim/solver.h"', "eval may not include optim"),
+            ("src/fit/a.cpp", '#include "samples/list.h"', "fit may not include samples"),
+            ("src/capture/a.cpp", '#include "samples/list.h"', "capture may not include samples"),
+            ("src/report/a.cpp", '#include "dataset/dataset.h"', "report may not include dataset"),
+            ("src/gl/a.cpp", '#include "app/registry.h"', "gl may not include app"),
+            ("src/geometry/a.cpp", '#include "model/lfm.glsl"', "geometry may not include model"),
+            ("src/dataset/a.cpp", '#include "optimize/state.glsl"', "dataset may not include optim"),
+            ("src/gl/a.cpp", '#include "gather/maps.glsl"', "no text shared with C++"),
+            ("src/gl/a.cpp", '#include "program.h"', "names no layer"),
+            ("src/gl/a.cpp", '#include "vulkan/program.h"', "is no layer"),
+            ("src/dataset/a.cpp", "#include <OpenImageIO/imageio.h>", "only capture"),
+            ("src/fit/a.cpp", "#include <assimp/scene.h>", "only capture"),
+            ("src/capture/a.cpp", "#include <ImfInputFile.h>", "only fit"),
+            ("src/app/a.cpp", "#include <GL/glcorearb.h>", "only gl"),
+            ("experiments/a.cpp", "#include <EGL/egl.h>", "only gl"),
+            ("src/base/config.h", "#include <toml++/toml.h>", "too heavy"),
+            ("src/dataset/a.h", "#include <nlohmann/json.hpp>", "too heavy"),
+            ("src/vulkan/a.h", "", "not a layer"),
+        ]
+        for path, line, expected in cases:
+            with self.subTest(path=path, line=line):
+                shutil.rmtree(self.root)
+                (self.root / "src").mkdir(parents=True)
+                self.write(path, "// first\n" + line + "\n")
+                errors = self.errors()
+                self.assertEqual(len(errors), 1, errors)
+                self.assertIn(expected, errors[0])
+                if line:
+                    self.assertTrue(errors[0].startswith(f"{path}:2: "), errors[0])
+
+    def test_link_lists(self):
+        self.write("src/base/CMakeLists.txt", "radiafit_layer(base)\n")
+        self.write("src/geometry/CMakeLists.txt", "# radiafit_gl\nradiafit_layer(geometry LINKS radiafit_base)\n")
+        self.assertEqual(self.errors(), [])
+        self.write("src/report/CMakeLists.txt", "radiafit_layer(report LINKS radiafit_geometry EXTERNAL radiafit_gl)\n")
+        self.assertEqual(self.errors(), ["src/report/CMakeLists.txt: report may not link geometry"])
+        self.write("src/report/CMakeLists.txt", "radiafit_layer(report)\n")
+        self.write("src/report/a.h", '#include "base/error.h"\n')
+        self.assertEqual(self.errors(), ["src/report/CMakeLists.txt: report includes base but doesn't link it"])
+
+
+@unittest.skipUnless(shutil.which("glslangValidator"), "glslangValidator is absent")
+class Shaders(Tree):
+    def errors(self):
+        return check_shaders.check(self.root)[0]
+
+    def test_good_texts_pass(self):
+        self.write("shaders/a/thing.frag", STAGE + '#include "a/one.glsl"\n#include "a/one.glsl"\nvoid main() { colour = one(); }\n')
+        self.write("shaders/a/one.glsl", "vec4 one() { return vec4(1.0); }\n")
+        self.write("shaders/model/prelude.glsl", "#define real float\n")
+        self.write("shaders/model/m.glsl", "real twice(real x) { return real(2.0) * x; }\n")
+        self.assertEqual(self.errors(), [])
+
+    def test_an_error_names_its_own_file_and_line(self):
+        self.write("shaders/a/thing.frag", STAGE + '\n#include "a/bad.glsl"\nvoid main() { colour = bad(); }\n')
+        self.write("shaders/a/bad.glsl", "// one\n// two\nvec4 bad() { return unknown; }\n")
+        self.assertTrue(self.errors()[0].startswith("shaders/a/bad.glsl:3: 'unknown'"), self.errors())
+        self.write("shaders/a/bad.glsl", "vec4 bad() { return vec4(1.0); }\n")
+        self.write("shaders/a/thing.frag", STAGE + '\n#include "a/bad.glsl"\nvoid main() { colour = bda(); }\n')
+        self.assertTrue(self.errors()[0].startswith("shaders/a/thing.frag:5: 'bda'"), self.errors())
+
+    def test_locations_must_be_explicit(self):
+        self.write("shaders/a/thing.frag", STAGE + "uniform float x;\nvoid main() { colour = vec4(x); }\n")
+        self.assertIn("need a layout(location=L)", self.errors()[0])
+
+    def test_variants_are_found_or_declared(self):
+        body = "void main() {\n    colour = vec4(0.0);\n#ifdef FLAG\n    colour = broken;\n#endif\n}\n"
+        self.write("shaders/a/thing.frag", STAGE + body)
+        self.assertIn("[a/thing.frag FLAG]", self.errors()[0])
+        self.write("shaders/a/thing.frag", STAGE + "// variants: OTHER=1,2\n" + body)
+        self.assertEqual(self.errors(), [])
+        self.write("shaders/a/thing.frag", STAGE + "// variants: OTHER=1,2 FLAG=-,1\n" + body)
+        self.assertIn("[a/thing.frag OTHER=2 FLAG=1]", " ".join(self.errors()))
+        for condition in ("#if KIND == 3", "#if KIND > 2", "#if KIND >= 3"):
+            self.write("shaders/a/thing.frag", STAGE + "#ifndef KIND\n#define KIND 0\n#endif\n" + body.replace("#ifdef FLAG", condition))
+            self.assertIn("[a/thing.frag KIND=3]", self.errors()[0])
+
+    def test_nothing_goes_uncompiled(self):
+        self.write("shaders/a/alone.glsl", "float x;\n")
+        self.assertIn("no stage includes it", self.errors()[0])
+        self.write("shaders/a/alone.glsl", "")
+        self.write("shaders/a/odd.txt", "")
+        self.assertIn("the name ends in none", " ".join(self.errors()))
+
+    def test_shared_texts_missing_files_and_versions(self):
+        self.write("shaders/model/prelude.glsl", "#define real float\n")
+        self.write("shaders/model/m.glsl", "\nreal broken(real x) { return y; }\n")
+        self.assertTrue(self.errors()[0].startswith("shaders/model/m.glsl:2: 'y'"), self.errors())
+        self.write("shaders/model/m.glsl", "")
+        self.write("shaders/a/thing.frag", STAGE + '#include "none.glsl"\nvoid main() {}\n')
+        self.assertEqual(self.errors(), ["shaders/none.glsl: no such file"])
+        self.write("shaders/a/thing.frag", STAGE + "#include none\nvoid main() {}\n")
+        self.assertEqual(self.errors(), ["shaders/a/thing.frag:3: #include needs a file in quotes"])
+        self.write("shaders/a/thing.frag", "void main() {}\n")
+        self.assertEqual(self.errors(), ["shaders/a/thing.frag:1: a stage begins with #version"])
+
+
+@unittest.skipUnless(shutil.which("clang-format"), "clang-format is absent")
+class Format(Tree):
+    def test_an_unformatted_file_fails(self):
+        here = pathlib.Path(__file__).resolve().parent
+        (self.root / "tests").mkdir()
+        shutil.copy(here / "check_format", self.root / "tests")
+        shutil.copy(here.parent / ".clang-format", self.root)
+        (self.root / "experiments").mkdir()
+        for text, status in (("int x = 1;\n", 0), ("int   x=1;\n", 1)):
+            self.write("src/a.cpp", text)
+            result = subprocess.run([str(self.root / "tests" / "check_format")], capture_output=True, text=True)
+            self.assertEqual(result.returncode, status, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

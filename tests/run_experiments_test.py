@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""scripts/run-experiments.sh and scripts/install-packages.sh, over a made-up tree and made-up programs."""
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parent.parent / "scripts"
+
+# Stands for an experiment: leaves one result folder and one figure, and fails if its name says so.
+EXPERIMENT = """#!/bin/sh
+name=$(basename "$0")
+echo "$name $*" >> log
+[ -t 0 ] && exit 9
+case $name in *broken*) exit 3 ;; esac
+for time in 20240101T000000Z 20240102T000000Z; do
+    mkdir -p "results/$name/cpu-$time/$time-abc"
+    touch "results/$name/cpu-$time/$time-abc/run.json"
+done
+mkdir -p paper_figs
+touch "paper_figs/$name.svg" "paper_figs/$name.gp"
+"""
+
+
+class Tree(unittest.TestCase):
+    def setUp(self):
+        self.root = pathlib.Path(tempfile.mkdtemp(prefix="radiafit-scripts-"))
+        self.addCleanup(shutil.rmtree, self.root)
+
+    def program(self, path, text):
+        path = self.root / path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        path.chmod(0o755)
+
+
+class RunExperiments(Tree):
+    def run_script(self, *arguments):
+        return subprocess.run([str(self.root / "scripts/run-experiments.sh"), *arguments], capture_output=True, text=True,
+                              stdin=subprocess.DEVNULL)
+
+    def make(self, *names):
+        self.program("scripts/run-experiments.sh", (SCRIPTS / "run-experiments.sh").read_text(encoding="utf-8"))
+        for name in names:
+            self.program(f"experiments/{name}.toml", "")
+            self.program(f"build/experiments/{name}", EXPERIMENT)
+
+    def log(self):
+        log = self.root / "log"
+        return log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+
+    def test_order_arguments_and_where_to_look(self):
+        self.make("claims", "streaming", "fig7_convergence", "fig8_time", "table1_datasets")
+        result = self.run_script("build", "smoke")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.log(), [f"{name} --config experiments/{name}.toml --profile smoke" for name in
+                                      ("table1_datasets", "fig7_convergence", "fig8_time", "streaming", "claims")])
+        self.assertIn("  paper_figs/fig7_convergence.svg\n", result.stdout)
+        self.assertNotIn(".gp", result.stdout)
+        self.assertIn("  results/streaming/cpu-20240102T000000Z/20240102T000000Z-abc/", result.stdout)
+        self.assertNotIn("20240101", result.stdout)
+
+    def test_only(self):
+        self.make("fig7_convergence", "fig8_time")
+        self.assertEqual(self.run_script("--list").stdout, "fig7_convergence\nfig8_time\n")
+        self.assertEqual(self.run_script("--list", "fig8").stdout, "fig8_time\n")
+        self.assertEqual(self.run_script("build", "smoke", "fig8").returncode, 0)
+        self.assertEqual(len(self.log()), 1)
+        for arguments in (("build", "smoke", "fig99"), ("--list", "fig99")):
+            result = self.run_script(*arguments)
+            self.assertEqual(result.returncode, 2)
+            self.assertEqual(result.stderr, "no experiment's name contains 'fig99'; there are: fig7_convergence fig8_time\n")
+
+    def test_a_failure_is_told_and_the_rest_still_runs(self):
+        self.make("fig1_broken", "fig2_good")
+        result = self.run_script("build", "smoke")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("fig1_broken: failed", result.stdout)
+        self.assertIn("paper_figs/fig2_good.svg", result.stdout)
+
+
+class InstallPackages(Tree):
+    """With programs of our own on PATH in place of dpkg-query, apt-get, id and sudo."""
+
+    def run_script(self, installed, **programs):
+        self.program("bin/dpkg-query", "#!/bin/sh\nfor last; do :; done\n"
+                     f"case ' {installed} ' in *' all '* | *\" $last \"*) echo 'install ok installed' ;; *) exit 1 ;; esac\n")
+        self.program("bin/apt-get", f'#!/bin/sh\necho "apt-get $*" >> "{self.root}/log"\n')
+        self.program("bin/id", "#!/bin/sh\necho 0\n")
+        for name in ("env", "sh"):
+            os.symlink(shutil.which(name), self.root / "bin" / name)
+        for name, text in programs.items():
+            path = "bin/" + name.replace("_", "-")
+            if text is None:
+                (self.root / path).unlink()
+            else:
+                self.program(path, text)
+        result = subprocess.run(["/bin/sh", str(SCRIPTS / "install-packages.sh")], capture_output=True, text=True,
+                                stdin=subprocess.DEVNULL, env={"PATH": str(self.root / "bin")})
+        log = self.root / "log"
+        return result, log.read_text(encoding="utf-8") if log.exists() else ""
+
+    def test_nothing_missing_nothing_said(self):
+        result, log = self.run_script("all")
+        self.assertEqual((result.returncode, result.stdout, result.stderr, log), (0, "", "", ""))
+
+    def test_only_what_is_missing_is_installed(self):
+        result, log = self.run_script("g++ cmake git make")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        install = log.splitlines()[-1].split()
+        self.assertIn("install", install)
+        self.assertIn("gnuplot-nox", install)
+        self.assertNotIn("cmake", install)
+
+    def test_without_apt_one_line(self):
+        result, log = self.run_script("", apt_get=None)
+        self.assertEqual((result.returncode, log), (1, ""))
+        self.assertEqual(result.stderr.count("\n"), 1)
+        self.assertIn("no apt-get here", result.stderr)
+
+    def test_sudo_where_not_root(self):
+        sudo = '#!/bin/sh\necho "sudo $1" >> "' + str(self.root) + '/log"\nshift\nexec "$@"\n'
+        result, log = self.run_script("g++", id="#!/bin/sh\necho 1000\n", sudo=sudo)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("sudo -n\n", log)
+        self.assertIn("apt-get install", log)
+
+    def test_neither_root_nor_sudo(self):
+        result, log = self.run_script("g++", id="#!/bin/sh\necho 1000\n")
+        self.assertEqual((result.returncode, log), (1, ""))
+        self.assertIn("cannot install without sudo", result.stderr)
+
+    def test_a_failed_installation_is_told(self):
+        result, _ = self.run_script("g++", apt_get="#!/bin/sh\nexit 100\n")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("could not install:", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
