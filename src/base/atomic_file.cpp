@@ -111,7 +111,11 @@ void AtomicFolder::commit() {
         if (error) fail(target_, error.message());
     }
     fs::rename(temporary_, target_, error);
-    if (error) fail(target_, error.message());
+    if (error) {
+        std::error_code ignored;
+        if (!old.empty()) fs::rename(old, target_, ignored);  // the earlier output survives a failure
+        fail(target_, error.message());
+    }
     committed_ = true;
     if (!old.empty()) fs::remove_all(old, error);
 }
