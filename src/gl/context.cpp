@@ -34,9 +34,10 @@ std::string gl_string(const GlFunctions& functions, GLenum name) {
     return text ? text : "";
 }
 
-void APIENTRY collect_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei, const GLchar* message,
+void APIENTRY collect_message(GLenum source, GLenum type, GLuint, GLenum, GLsizei, const GLchar* message,
                               const void* user) {
-    if (type != GL_DEBUG_TYPE_ERROR && severity != GL_DEBUG_SEVERITY_HIGH) return;
+    // Compilers report through their logs, and warn of what is none of ours.
+    if (type != GL_DEBUG_TYPE_ERROR || source == GL_DEBUG_SOURCE_SHADER_COMPILER) return;
     *static_cast<std::string*>(const_cast<void*>(user)) += message;
 }
 

@@ -1,0 +1,26 @@
+#version 450 core
+// Where the camera falls in each vertex's view map: the lower-left texel of four, and their weights. In double, for
+// there is one per vertex only, and a small weight must keep its relative precision: it may be all that a texel gets.
+#include "model/prelude_double.glsl"
+#include "model/lfm.glsl"
+#include "gather/maps.glsl"
+layout(binding = 9) uniform sampler2DArray vertices;  // layers: position, tangent, bitangent, normal
+layout(location = 13) uniform vec4 eye[2];            // camera centre, world: upper and lower part of doubles
+layout(location = 0) out vec4 weights;
+layout(location = 1) out vec4 base;
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    dvec3 centre = dvec3(eye[0].xyz) + dvec3(eye[1].xyz);
+    dvec3 to_eye = centre - dvec3(texelFetch(vertices, ivec3(at, 0), 0).xyz);
+    to_eye /= sqrt(dot(to_eye, to_eye));
+    dvec3 local = dvec3(dot(dvec3(texelFetch(vertices, ivec3(at, 1), 0).xyz), to_eye),
+                        dot(dvec3(texelFetch(vertices, ivec3(at, 2), 0).xyz), to_eye),
+                        dot(dvec3(texelFetch(vertices, ivec3(at, 3), 0).xyz), to_eye));
+#ifdef NEAREST
+    dvec4 footprint = lfm_view_nearest(lfm_view_coordinate(local), double(VIEW_SIDE));
+#else
+    dvec4 footprint = lfm_view_bilinear(lfm_view_coordinate(local), double(VIEW_SIDE));
+#endif
+    weights = vec4(lfm_view_weights(footprint));
+    base = vec4(footprint.xy, 0.0, 0.0);
+}

@@ -1,0 +1,24 @@
+// How N-texel arrays (parameters, directions, gradients) are stored: STORAGE 0 is RGBA32F; 1 is binary16 rounded to
+// nearest even, two packed pairs in RG32UI, because rendering into RGBA16F truncates; 2 is that truncating RGBA16F.
+// TERMS is K; surface maps are layers [corner][term], view maps layers [term].
+#ifndef STORAGE
+#define STORAGE 0
+#endif
+#ifndef TERMS
+#define TERMS 1
+#endif
+#ifndef VIEW_SIDE
+#define VIEW_SIDE 8
+#endif
+
+#if STORAGE == 1
+#define MAPS usampler2DArray
+#define STORED uvec2
+vec3 load(uvec4 texel) { return vec3(unpackHalf2x16(texel.x), unpackHalf2x16(texel.y).x); }
+uvec2 store(vec3 x) { return uvec2(packHalf2x16(x.xy), packHalf2x16(vec2(x.z, 0.0))); }
+#else
+#define MAPS sampler2DArray
+#define STORED vec4
+vec3 load(vec4 texel) { return texel.rgb; }
+vec4 store(vec3 x) { return vec4(x, 0.0); }
+#endif

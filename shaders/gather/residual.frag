@@ -1,0 +1,32 @@
+#version 450 core
+// Convert-R-To-SLS (Section 5.1.1) for one corner: residuals of the pixels that texels take; alpha 1 where one is.
+// TARGET_ONLY: the weighted target itself, to count samples and find its mean.
+#include "model/prelude.glsl"
+#include "model/lfm.glsl"
+#include "distribute/take.glsl"
+#include "gather/maps.glsl"
+#include "gather/view_values.glsl"
+
+layout(binding = 2) uniform MAPS surface;
+layout(location = 8) uniform int corner;
+layout(location = 11) uniform float target_scale;  // per unit of a 16-bit channel
+layout(location = 12) uniform int widen;           // 257 for 8-bit images, else 1
+layout(location = 0) out vec4 residual;
+
+void main() {
+    ivec2 pixel;
+    uvec4 channels;
+    vec3 weights;
+    bool present = take(pixel, channels, weights);
+    float weight = corner == 0 ? weights.x : corner == 1 ? weights.y : weights.z;
+    vec3 target = (weight * target_scale) * vec3(channels.rgb * uint(widen));
+#ifdef TARGET_ONLY
+    vec3 r = target;
+#else
+    vec3 r = -target;
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    for (int k = 0; k < TERMS; ++k)
+        r += lfm_value(load(texelFetch(surface, ivec3(place, corner * TERMS + k), 0)), view_value(k));
+#endif
+    residual = present ? vec4(r, 1.0) : vec4(0.0);
+}

@@ -1,0 +1,20 @@
+#version 450 core
+// Top of Figure 5: dE/dg_k = r h_k, blended into the corner's gradient. DIAGONAL: its square for diag(J'J), h_k^2.
+#include "model/prelude.glsl"
+#include "model/lfm.glsl"
+#include "gather/maps.glsl"
+#include "gather/view_values.glsl"
+
+layout(binding = 4) uniform sampler2DArray residuals;
+layout(location = 8) uniform int corner;
+layout(location = 0) out vec4 gradient;
+
+void main() {
+    vec4 sample_at = texelFetch(residuals, ivec3(ivec2(gl_FragCoord.xy), corner), 0);
+    vec3 h = view_value(0);
+#ifdef DIAGONAL
+    gradient = vec4(sample_at.a * h * h, 0.0);
+#else
+    gradient = vec4(lfm_gradient_surface(sample_at.rgb, h), 0.0);
+#endif
+}

@@ -1,0 +1,109 @@
+#pragma once
+#include <memory>
+
+#include "dataset/image_stream.h"
+#include "gl/context.h"
+#include "gl/map_passes.h"
+#include "optim/engine.h"
+
+namespace radiafit {
+
+enum class Passes { paper, combined };
+std::string to_string(Passes passes);
+
+struct FragmentOptions {
+    Passes passes = Passes::paper;
+    Storage storage = Storage::fp32;
+    StreamSource source = StreamSource::memory;
+    TargetSpace space = TargetSpace::stored;
+    bool scissored = false;  ///< every pass over images cut to 1 x 1 texel: what remains is switching (claim C7)
+};
+
+/// Where the time of the sweeps over images went, since construction.
+struct FragmentTimes {
+    double stream_s = 0;     ///< wall: reading images
+    double upload_s = 0;     ///< wall: handing them to OpenGL
+    double sweep_s = 0;      ///< wall: whole sweeps over images, both of the above included
+    double sweep_cpu_s = 0;  ///< process CPU time of the same
+    uint64_t sweeps = 0, images = 0;
+    PassCounters counters;  ///< of all passes
+};
+
+/// The paper's engine for light field maps (Section 5): images stream through the device one by one (or batch by
+/// batch), are distributed anew in every sweep, and everything that N or M counts lives in textures. Fulfils Engine.
+/// The context must be current wherever it is used, and when it is destroyed.
+class FragmentEngine {
+public:
+    /// dataset, atlas and rings must outlive it. views: indices of the images to fit. Throws UserError for options out
+    /// of range and for sizes beyond the device's limits.
+    FragmentEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                   std::vector<uint32_t> views, const LfmOptions& options, const FragmentOptions& fragment_options);
+    ~FragmentEngine();
+
+    size_t problem_count() const { return 3 * layout_.problem_count(); }
+    const LfmLayout& layout() const { return layout_; }
+
+    // The verbs of optim/engine.h.
+    ProblemStatistics count();
+    void reset(std::span<const float> start);
+    void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
+    void direction_pass(bool diagonal);
+    void project(Rule rule, bool fresh);
+    void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop);
+    void update_direction(Rule rule, bool fresh);
+    void line_pass();
+    void after_line(Rule rule, ProblemText<float>::StopRules stop);
+    void advance();
+    EngineSummary summary() const;
+    void outcomes(std::span<ProblemOutcome> out) const;
+    void read_errors(std::span<float> out) const;
+    void read_parameters(std::span<float> out) const;
+
+    // What tests and agreement checks look at.
+    struct Evaluation {
+        std::vector<float> error;     ///< [M] E_t at the trial point
+        std::vector<float> gradient;  ///< [N] Parameters order
+        std::vector<float> diagonal;  ///< [N] fresh preconditioner
+    };
+    Evaluation read_evaluation() const;  ///< after direction_pass(true)
+    struct Line {
+        std::vector<float> gauss_newton, curvature, third, fourth;  ///< [M], penalties included
+    };
+    Line read_line() const;                                             ///< after line_pass()
+    void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for line_pass()
+
+    const FragmentTimes& times() const;
+    uint64_t bytes() const { return bytes_; }  ///< allocated on the device by this engine
+
+private:
+    template <class Body>
+    void sweep(const Body& body);
+    std::vector<float> read_state(int field) const;
+
+    int64_t allocated_before_ = Context::current().allocated_bytes();
+    const Dataset* dataset_;
+    std::vector<uint32_t> views_;
+    LfmOptions options_;
+    FragmentOptions fragment_options_;
+    LfmLayout layout_;
+    MapShape shape_;
+    ImageStream stream_;
+    SlsMesh mesh_;
+    PassRunner run_;
+    ProblemTextures problems_;
+    Gathers gathers_;
+    Texture vertices_;
+    MapPasses::Vectors vectors_;
+    MapSums gradient_sums_, square_sums_;
+    std::unique_ptr<MapPasses> map_passes_;
+    std::unique_ptr<ImagePasses> image_passes_;
+    Program after_direction_, after_line_;
+    std::vector<ImageSlot> slots_;
+    std::vector<TargetImage> images_;
+    std::vector<uint32_t> samples_;  ///< [vertices], from count()
+    mutable FragmentTimes times_;
+    int first_term_ = 0, last_term_ = 1 << 30;
+    uint64_t bytes_ = 0;
+};
+
+}  // namespace radiafit

@@ -1,0 +1,65 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/atlas.h"
+#include "geometry/vertex_rings.h"
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "model/lfm.h"
+
+namespace radiafit {
+
+/// How N-texel arrays are stored; sums are always 32 bits. See shaders/gather/maps.glsl.
+enum class Storage {
+    fp32,
+    fp16,          ///< binary16, rounded to nearest even
+    fp16_truncate  ///< RGBA16F render targets: truncates, as 2003's hardware may have
+};
+std::string to_string(Storage storage);
+
+/// Where problems stand in M-texel textures, and their view maps in N-texel ones: vertex v at (v % columns, v /
+/// columns), times the view map's side.
+struct ProblemGrid {
+    int columns = 1, rows = 1, view_side = 8;
+    ProblemGrid(size_t vertices, int view_side);
+    std::array<int, 2> at(size_t v) const { return {int(v) % columns, int(v) / columns}; }
+};
+
+/// Everything that fixes the shape of an N-texel array.
+struct MapShape {
+    const TriangleAtlas* atlas;
+    const VertexRings* rings;
+    const LfmLayout* layout;
+    ProblemGrid grid;
+    int terms() const { return layout->terms(); }
+    int surface_layers() const { return 3 * terms(); }
+    /// TERMS, VIEW_SIDE, SIDE, STORAGE
+    Defines defines(Storage storage) const;
+};
+
+/// An N-texel array in the layout of the paper: surface maps [corner][term] in the atlas's 2-D layout, view maps [term]
+/// tiled by vertex.
+class MapVector {
+public:
+    MapVector() = default;
+    MapVector(const MapShape& shape, Storage storage);
+    void upload(const MapShape& shape, std::span<const float> values);    ///< Parameters order
+    void download(const MapShape& shape, std::span<float> values) const;  ///< Parameters order; waits
+    void clear() {
+        surface_.clear();
+        view_.clear();
+    }
+    const Texture& surface() const { return surface_; }
+    const Texture& view() const { return view_; }
+    Target surface_target(int corner, int term) const { return {&surface_, corner * terms_ + term}; }
+    Target view_target(int term) const { return {&view_, term}; }
+
+private:
+    Texture surface_, view_;
+    Storage storage_ = Storage::fp32;
+    int terms_ = 1;
+};
+
+}  // namespace radiafit
