@@ -38,6 +38,13 @@ StreamSource choose_source(const std::string& name) {
     return choose<StreamSource>("source", name, {{"disk", StreamSource::disk}, {"memory", StreamSource::memory}});
 }
 
+Passes choose_passes(const std::string& name) {
+    return choose<Passes>("passes", name, {{"paper", Passes::paper}, {"combined", Passes::combined}});
+}
+Storage choose_storage(const std::string& name) {
+    return choose<Storage>("storage", name, {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}});
+}
+
 ContextOptions context_options(const FitRequest& request) {
     ContextOptions options;
     options.kind = context_kind_from(request.context);
@@ -64,8 +71,8 @@ std::string FitRequest::label() const { return solver == "stream" ? optimizer + 
 void FitRequest::check() const {
     choose<int>("solver", solver, {{"stream", 0}, {"mean", 1}});
     choose<int>("engine", engine, {{"cpu", 0}, {"fragment", 1}});
-    choose<int>("passes", passes, {{"paper", 0}, {"combined", 1}});
-    choose<int>("storage", storage, {{"fp32", 0}, {"fp16", 1}, {"fp16-truncate", 2}});
+    choose_passes(passes);
+    choose_storage(storage);
     choose_distributor(distributor);
     choose_space(space);
     choose_source(source);

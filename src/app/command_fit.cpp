@@ -1,6 +1,7 @@
 // fit, judge, render.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <nlohmann/json.hpp>
 

@@ -52,6 +52,7 @@ struct FitOutcome {
     FitTimes times;
     DistributionStatistics distribution;  ///< where a sample list was built
     std::string gl_vendor, gl_renderer, gl_version;
+    double sweep_cpu_ms_per_image = 0;    ///< process CPU time of the fragment engine's sweeps over images
     uint64_t engine_bytes = 0;  ///< device memory (or vectors) of the engine
 };
 

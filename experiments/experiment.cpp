@@ -1,0 +1,76 @@
+#include "experiment.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "dataset/synthetic/synthetic.h"
+#include "report/figures.h"
+
+namespace radiafit {
+
+Experiment::Experiment(std::string name, int argc, const char* const* argv) : name_(std::move(name)) {
+    CLI::App app("Runs one experiment and draws its figure.", name_);
+    std::string config;
+    std::vector<std::string> overrides;
+    int threads = 0;
+    app.add_option("--config", config, "experiments/" + name_ + ".toml")->required();
+    app.add_option("--profile", profile_, "smoke, standard or paper")->capture_default_str();
+    app.add_option("--set", overrides, "key=value, over the config file")->allow_extra_args(false);
+    app.add_option("--threads", threads, "0 is all cores")->check(CLI::Range(0, 1024));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0) std::exit(app.exit(e));
+        throw UserError(fmt::format("{}; see --help", e.what()));
+    }
+    set_thread_count(threads);
+    root_ = std::filesystem::absolute(config).parent_path().parent_path();
+    config_ = std::make_unique<Config>(config, profile_, overrides);
+    record_ = make_record(argc, argv);
+}
+
+Dataset Experiment::dataset(const std::string& shape) const {
+    SyntheticOptions options{.shape = shape, .scale = profile_};
+    const std::filesystem::path folder = root_ / "datasets" / "packed" / fmt::format("{}-{}", shape, profile_);
+    if (std::filesystem::exists(folder)) return open_dataset(folder);
+    log_info(fmt::format("generating {} at {} scale", shape, profile_));
+    generate_synthetic(options, folder);
+    return open_dataset(folder);
+}
+
+ResultFolder Experiment::open_results(const std::string& device) const {
+    Record record = record_;
+    record.config = config_->resolved();
+    return ResultFolder(root_ / "results", name_, device, record);
+}
+
+void Experiment::draw(const ResultFolder& results, const std::string& caption) const {
+    const std::filesystem::path stem = figures() / name_;
+    draw_figure(
+        figures() / (name_ + ".gp"), stem,
+        {{"rows", results.path().string()}, {"caption", fmt::format("{}; {}", caption, utc_now().substr(0, 10))}});
+    log_info(fmt::format("figure: {0}.svg and .png; rows: {1}", stem.string(), results.path().string()));
+}
+
+std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
+
+int run_experiment(const std::string& name, int argc, const char* const* argv,
+                   const std::function<void(Experiment&)>& body) {
+    try {
+        Experiment experiment(name, argc, argv);
+        body(experiment);
+        return 0;
+    } catch (const UserError& e) {
+        fmt::print(stderr, "{}: {}\n", name, e.what());
+        return 2;
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "{}: {}\n", name, e.what());
+        return 1;
+    }
+}
+
+}  // namespace radiafit

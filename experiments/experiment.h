@@ -1,0 +1,48 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/solve.h"
+#include "base/config.h"
+#include "base/record.h"
+#include "report/result_folder.h"
+
+/// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
+namespace radiafit {
+
+class Experiment {
+public:
+    /// NAME --config FILE [--profile smoke|standard|paper] [--set key=value ...] [--threads N]
+    /// Folders are beside the config's: datasets/packed, results and paper_figs of the checkout.
+    Experiment(std::string name, int argc, const char* const* argv);
+
+    Config& config() { return *config_; }
+    const std::string& profile() const { return profile_; }
+    const std::string& name() const { return name_; }
+
+    /// The synthetic dataset of this profile's scale, generated if it isn't there yet.
+    Dataset dataset(const std::string& shape) const;
+
+    /// Opens the result folder: results/NAME/DEVICE/UTC-REVISION. Call once the config is finished.
+    ResultFolder open_results(const std::string& device) const;
+    /// Draws paper_figs/NAME.gp over the rows in `results` and says where everything lies.
+    void draw(const ResultFolder& results, const std::string& caption) const;
+    std::filesystem::path figures() const { return root_ / "paper_figs"; }
+    /// "cpu, 2 threads": what stands beside every figure.
+    std::string cpu_name() const;
+
+private:
+    std::string name_, profile_ = "standard";
+    std::filesystem::path root_;
+    std::unique_ptr<Config> config_;
+    Record record_;
+};
+
+/// Runs body and turns exceptions into one line and an exit status (2: the user's mistake).
+int run_experiment(const std::string& name, int argc, const char* const* argv,
+                   const std::function<void(Experiment&)>& body);
+
+}  // namespace radiafit
