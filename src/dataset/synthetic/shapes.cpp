@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -37,11 +38,12 @@ Solid star_solid(uint64_t seed) {
         const Vec3d direction = (turn * (corner.normalized() + 0.06 * sway)).normalized();
         const double tip = around(rng, 0.11, 0.12);
         solid.round_cone(0.40 * direction, 0.40, (around(rng, 0.95, 0.04) - tip) * direction, tip, 0.24);
+        solid.tip(direction);
     }
     return solid;
 }
 
-Solid bust_solid(uint64_t seed) {
+Solid bust_solid(uint64_t seed, double detail) {
     Rng rng(seed, 1);
     const double wide = around(rng, 1, 0.04), long_nose = around(rng, 1, 0.1), bun = around(rng, 1, 0.1);
     Solid solid;
@@ -51,12 +53,13 @@ Solid bust_solid(uint64_t seed) {
         solid.round_cone({side * 0.08, 0.11, -0.06}, 0.12, shoulder, 0.15, 0.16);
         solid.round_cone(shoulder, 0.16, {side * 0.56 * wide, 0.11, -0.62}, 0.16, 0.22);  // upper arm
     }
-    solid.round_cone({0, 0.11, -0.20}, 0.17, {0, 0.06, 0.25}, 0.145, 0.18);                         // neck
-    solid.ellipsoid({0, 0.04, 0.52}, {0.275, 0.345, 0.34}, 0.12);                                   // skull
-    solid.ellipsoid({0, -0.12, 0.35}, {0.195, 0.20, 0.26}, 0.12);                                   // face
-    solid.ellipsoid({0, -0.255, 0.165}, {0.085, 0.07, 0.065}, 0.08);                                // chin
-    solid.ellipsoid({0, -0.255, 0.545}, {0.17, 0.07, 0.045}, 0.07);                                 // brow
-    solid.round_cone({0, -0.295, 0.50}, 0.030, {0, -0.295 - 0.10 * long_nose, 0.36}, 0.048, 0.05);  // nose
+    solid.round_cone({0, 0.11, -0.20}, 0.17, {0, 0.06, 0.25}, 0.145, 0.18);  // neck
+    solid.ellipsoid({0, 0.04, 0.52}, {0.275, 0.345, 0.34}, 0.12);            // skull
+    solid.ellipsoid({0, -0.12, 0.35}, {0.195, 0.20, 0.26}, 0.12);            // face
+    solid.ellipsoid({0, -0.255, 0.165}, {0.085, 0.07, 0.065}, 0.08);         // chin
+    solid.ellipsoid({0, -0.255, 0.545}, {0.17, 0.07, 0.045}, 0.07);          // brow
+    const double nose = std::clamp(detail, 0.045, 0.06);
+    solid.round_cone({0, -0.295, 0.50}, 0.65 * nose, {0, -0.295 - 0.10 * long_nose, 0.36}, nose, nose);  // nose
     for (const double side : {-1.0, 1.0}) {
         solid.ellipsoid({side * 0.10, -0.345, 0.475}, {0.065, 0.07, 0.045}, 0.05, true);  // eye socket
         solid.ellipsoid({side * 0.098, -0.255, 0.475}, {0.05, 0.05, 0.04}, 0.02);         // eye

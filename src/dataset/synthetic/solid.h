@@ -18,6 +18,11 @@ public:
     /// Cuts everything below the height away.
     void floor(double height, double blend);
 
+    /// Names a tip that even a coarse mesh should reach: the outermost surface point on the
+    /// way from the mesh's center to it.
+    void tip(const Vec3d& x) { tips_.push_back(x); }
+    const std::vector<Vec3d>& tips() const { return tips_; }
+
     double value(const Vec3d& x) const;
     Vec3d gradient(const Vec3d& x) const;  ///< central differences
     /// The surface point that lies outermost on the half-line from `origin` in the unit direction.
@@ -35,6 +40,7 @@ private:
         bool carve = false;
     };
     std::vector<Part> parts_;
+    std::vector<Vec3d> tips_;
 
     static double distance(const Part& part, const Vec3d& x);
 };
@@ -42,6 +48,7 @@ private:
 /// Twelve soft arms around a ball. The seed turns it and varies the arms a little.
 Solid star_solid(uint64_t seed);
 /// Head, neck and shoulders, facing -y, cut flat below. The seed varies the proportions a little.
-Solid bust_solid(uint64_t seed);
+/// detail: about the least radius that its mesh can carry; the nose is made no thinner.
+Solid bust_solid(uint64_t seed, double detail);
 
 }  // namespace radiafit

@@ -10,6 +10,7 @@
 namespace radiafit {
 namespace {
 
+constexpr double offset = 2e-3;  // of a shadow ray's start from the outer surface
 constexpr int lamp_rays = 8, sky_rays = 40;
 static_assert(sizeof(PointLight) == 11 * sizeof(float), "interpolated as eleven floats");
 using Floats = Eigen::Array<float, 11, 1>;
@@ -43,12 +44,12 @@ public:
 
     PointLight at(const Vec3d& x, const Vec3d& mesh_normal) const {
         PointLight light;
-        // Shadow rays start on the solid, a little outside: a coarse mesh's own facets must not throw shadows on it.
+        // Shadow rays start a little outside mesh and solid: a coarse mesh's own facets must not throw shadows on it.
         // The normal has detail from the solid, but never strays far from the mesh, whose details may be coarser.
         const Vec3d start_on = solid_.project(x);
         const Vec3d normal = (solid_.gradient(start_on).normalized() + mesh_normal).normalized();
-        const double inside = std::max(0.0, (x - start_on).dot(normal));
-        const Vec3d start = start_on + (inside + 2e-3) * normal;
+        const double outside = std::max(0.0, (start_on - x).dot(mesh_normal));
+        const Vec3d start = x + (outside + offset) * mesh_normal;
         light.normal = normal.cast<float>();
         for (size_t l = 0; l < lamp_count; ++l) {
             int seen = 0;

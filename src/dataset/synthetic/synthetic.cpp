@@ -106,7 +106,7 @@ void generate_synthetic(const SyntheticOptions& options, const std::filesystem::
     const SyntheticSize size = synthetic_size(options);
     DatasetWriter writer(out);
     const bool star = options.shape == "star";
-    const Solid solid = star ? star_solid(options.seed) : bust_solid(options.seed);
+    const Solid solid = star ? star_solid(options.seed) : bust_solid(options.seed, 2.2 / std::sqrt(size.triangles));
     Dataset header;
     header.mesh = wrap_solid(solid, star ? Vec3d(0, 0, 0) : Vec3d(0, 0.06, 0), size.triangles);
 

@@ -14,7 +14,8 @@ public:
     Wrap(const Solid& solid, std::vector<Vec3d> positions, std::vector<std::array<uint32_t, 3>> triangles)
         : solid_(solid), positions_(std::move(positions)), triangles_(std::move(triangles)) {}
 
-    /// Every vertex towards the middle of its ring, big triangles pulling more, and back onto the surface.
+    /// Every vertex but the tips (the first ones) towards the middle of its ring, big triangles pulling more, and back
+    /// onto the surface.
     void relax() {
         std::vector<Vec3d> sums(positions_.size(), Vec3d::Zero());
         std::vector<double> weights(positions_.size(), 0);
@@ -26,7 +27,8 @@ public:
                 weights[v] += area;
             }
         }
-        for (size_t v = 0; v < positions_.size(); ++v) positions_[v] = solid_.project(sums[v] / weights[v]);
+        for (size_t v = solid_.tips().size(); v < positions_.size(); ++v)
+            positions_[v] = solid_.project(sums[v] / weights[v]);
     }
 
     /// Edges whose two opposite angles exceed 180 degrees together flip, where the surface stays a surface.
@@ -88,17 +90,20 @@ private:
     std::vector<std::array<uint32_t, 3>> triangles_;
 };
 
-/// `count` of the points, each the farthest from those chosen before: spaced evenly, whatever the points' density.
-std::vector<size_t> spread(const std::vector<Vec3d>& points, size_t count) {
-    std::vector<size_t> chosen = {0};
+/// `count` of the points: the first `given`, then each the farthest from those chosen before. Spaced evenly, whatever
+/// the points' density.
+std::vector<size_t> spread(const std::vector<Vec3d>& points, size_t given, size_t count) {
+    std::vector<size_t> chosen;
     std::vector<double> distance2(points.size(), 1e30);
+    size_t next = 0;
     while (chosen.size() < count) {
+        chosen.push_back(next);
         size_t farthest = 0;
         for (size_t i = 0; i < points.size(); ++i) {
-            distance2[i] = std::min(distance2[i], (points[i] - points[chosen.back()]).squaredNorm());
+            distance2[i] = std::min(distance2[i], (points[i] - points[next]).squaredNorm());
             if (distance2[i] > distance2[farthest]) farthest = i;
         }
-        chosen.push_back(farthest);
+        next = chosen.size() < given ? chosen.size() : farthest;
     }
     return chosen;
 }
@@ -109,12 +114,14 @@ Mesh wrap_solid(const Solid& solid, const Vec3d& center, int triangles) {
     if (triangles < 8 || triangles % 2 != 0) throw std::logic_error("a closed mesh has an even number of triangles");
     const auto count = size_t(triangles / 2 + 2);
     constexpr int oversampling = 6;
-    const std::vector<Vec3d> directions = sphere_directions(oversampling * int(count));
+    std::vector<Vec3d> directions;
+    for (const Vec3d& tip : solid.tips()) directions.push_back((tip - center).normalized());
+    for (const Vec3d& d : sphere_directions(oversampling * int(count))) directions.push_back(d);
     std::vector<Vec3d> surface(directions.size());
     for (size_t i = 0; i < surface.size(); ++i) surface[i] = solid.outermost(center, directions[i]);
 
     std::vector<Vec3d> chosen_directions, positions;
-    for (const size_t i : spread(surface, count)) {
+    for (const size_t i : spread(surface, solid.tips().size(), count)) {
         chosen_directions.push_back(directions[i]);
         positions.push_back(surface[i]);
     }
