@@ -60,6 +60,9 @@ Rule FitRequest::rule() const {
 LfmOptions FitRequest::model_options() const {
     LfmOptions options = model;
     options.mode = choose_mode(mode);
+    // The paper gives no weight. At 1 the jump of its penalty's gradient at the bound (Section 3.1: a - b, here -16)
+    // dwarfs the data term's and stalls conjugate gradients; 1e-4 is on a par with it.
+    options.mu = mu >= 0 ? float(mu) : options.mode == Mode::paper ? 1e-4f : 1.0f;
     options.lookup = choose<ViewLookup>("view look-up", view,
                                         {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}});
     check_options(options);
@@ -105,7 +108,7 @@ std::string FitRequest::json() const {
         {"view_side", model.view_side},
         {"lambda_surface", model.lambda_surface},
         {"lambda_view", model.lambda_view},
-        {"mu", model.mu},
+        {"mu", model_options().mu},
         {"lower", model.lower},
         {"upper", model.upper},
         {"deflate", deflate},

@@ -35,7 +35,7 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--view-side", r.model.view_side, "m: m x m texels per view map")->capture_default_str();
     c.add_option("--lambda-surface", r.model.lambda_surface, "smoothness of surface maps")->capture_default_str();
     c.add_option("--lambda-view", r.model.lambda_view, "smoothness of view maps")->capture_default_str();
-    c.add_option("--mu", r.model.mu, "weight of the bounds")->capture_default_str();
+    c.add_option("--mu", r.mu, "weight of the bounds; default: 1, in paper mode 1e-4");
     c.add_option("--iterations", r.iterations, "at most")->capture_default_str();
     c.add_option("--stop-residual", r.stop_residual, "stop a problem at this root mean square residual; 0 is off")
         ->capture_default_str();

@@ -29,6 +29,7 @@ struct FitRequest {
     std::string context = "egl";      ///< egl | osmesa
     int device = -1;
     LfmOptions model;
+    double mu = -1;                     ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;  ///< fit terms one after another instead of together
     int iterations = 25;
     double stop_residual = 0, stop_output_change = 0;

@@ -9,9 +9,9 @@
 namespace radiafit {
 namespace {
 
-constexpr Gloss lacquer = {0.16f, 0.06f, 0.0f};
-constexpr Gloss satin = {0.30f, 0.07f, 0.0f};
-constexpr Gloss metal = {0.26f, 0.75f, 1.0f};
+constexpr Gloss lacquer = {0.22f, 0.06f, 0.0f};
+constexpr Gloss satin = {0.34f, 0.07f, 0.0f};
+constexpr Gloss metal = {0.32f, 0.75f, 1.0f};
 
 const Vec3f red(0.70f, 0.05f, 0.04f), orange(0.85f, 0.30f, 0.03f), yellow(0.85f, 0.66f, 0.06f),
     green(0.08f, 0.45f, 0.10f), teal(0.03f, 0.42f, 0.45f), blue(0.04f, 0.10f, 0.60f), violet(0.33f, 0.07f, 0.50f),

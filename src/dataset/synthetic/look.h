@@ -39,8 +39,8 @@ struct Region {
 /// Regions of "star" or "bust".
 std::vector<Region> regions(const std::string& shape, uint64_t seed);
 
-inline constexpr float cell_edges = 2.2f;     ///< width of a painted cell, in mesh edges
-inline constexpr float pattern_edges = 0.8f;  ///< period of the stripes and checks inside, in mesh edges
+inline constexpr float cell_edges = 4.0f;     ///< width of a painted cell, in mesh edges
+inline constexpr float pattern_edges = 1.6f;  ///< period of the stripes and checks inside, in mesh edges
 
 inline constexpr double saturated_share = 0.015;  ///< of foreground pixels, by the choice of exposure
 inline constexpr int supersamples = 3;            ///< per pixel and axis; odd, so that one is the centre
