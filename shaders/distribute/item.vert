@@ -3,8 +3,6 @@
 #include "distribute/camera.glsl"
 #include "distribute/tiles.glsl"
 
-layout(location = 4) uniform int rectangles;
-
 layout(location = 0) in vec3 position0;
 layout(location = 1) in vec3 position1;
 layout(location = 2) in vec3 position2;
@@ -20,7 +18,7 @@ void main() {
     int corner = gl_VertexID % 3;
     vec3 q = corner == 0 ? q0 : corner == 1 ? q1 : q2;
     barycentric = vec2(corner == 1, corner == 2);
-    frame = tile_frame(int(tile), rectangles);
+    frame = tile_frame(int(tile), SIDE);
     // Depth is 1/w in reverse, 1e-6 / w: a float keeps its relative precision at any distance.
     vec4 clip = vec4(2.0 * q.xy / image_size - q.z, 1.0e-6, q.z);
     gl_Position = in_front(q0, q1, q2) ? clip : vec4(0.0, 0.0, 2.0, 1.0);

@@ -1,14 +1,17 @@
 // The SLS layout of a triangle atlas: two tiles share one rectangle of n x (n+1) texels, the even tile upright, the odd
-// one turned by half a turn. SIDE is n.
+// one turned by half a turn. SIDE is n, RECTANGLES their number per row of the layout.
 #ifndef SIDE
 #define SIDE 8
 #endif
+#ifndef RECTANGLES
+#define RECTANGLES 64
+#endif
 
-// Cell (0, 0) of a tile and the sign of its axes: place = xy + z * cell. rectangles: per row of the layout.
-ivec3 tile_frame(int tile, int rectangles) {
+// Cell (0, 0) of a tile of side `side` and the sign of its axes: place = xy + z * cell.
+ivec3 tile_frame(int tile, int side) {
     int rectangle = tile >> 1;
-    ivec2 corner = ivec2(rectangle % rectangles, rectangle / rectangles) * ivec2(SIDE, SIDE + 1);
-    return (tile & 1) == 0 ? ivec3(corner, 1) : ivec3(corner + ivec2(SIDE - 1, SIDE), -1);
+    ivec2 corner = ivec2(rectangle % RECTANGLES, rectangle / RECTANGLES) * ivec2(side, side + 1);
+    return (tile & 1) == 0 ? ivec3(corner, 1) : ivec3(corner + ivec2(side - 1, side), -1);
 }
 
 // Barycentric weights at a cell's centre; a diagonal cell's own centroid.

@@ -9,7 +9,6 @@
 #endif
 
 layout(binding = 7) uniform sampler2DArray source;
-layout(location = 4) uniform int rectangles;
 layout(location = 8) uniform int corner;
 layout(location = 3) flat in ivec3 frame;
 layout(location = 4) flat in int tile_index;
@@ -23,9 +22,7 @@ layout(location = 0) out vec4 total;
 
 void main() {
     ivec2 first = (ivec2(gl_FragCoord.xy) - frame.xy) * frame.z * BLOCK;
-    int rectangle = tile_index >> 1;
-    ivec2 start = ivec2(rectangle % rectangles, rectangle / rectangles) * ivec2(SOURCE_SIDE, SOURCE_SIDE + 1);
-    start += frame.z > 0 ? ivec2(0) : ivec2(SOURCE_SIDE - 1, SOURCE_SIDE);
+    ivec2 start = tile_frame(tile_index, SOURCE_SIDE).xy;
     total = vec4(0.0);
     for (int j = 0; j < BLOCK; ++j)
         for (int i = 0; i < BLOCK; ++i) {

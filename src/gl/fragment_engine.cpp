@@ -95,6 +95,7 @@ void FragmentEngine::sweep(const Body& body) {
         gl().Disable(GL_SCISSOR_TEST);
         times_.images += on_device.size();
     }
+    mesh_.select(nullptr);
     gl().Finish();
     ++times_.sweeps;
     times_.stream_s += stream_.seconds() - streamed;

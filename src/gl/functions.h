@@ -29,7 +29,7 @@ namespace radiafit {
     X(CopyNamedBufferSubData) X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
     X(EnableVertexArrayAttrib) X(GetNamedBufferSubData) X(MapNamedBufferRange) X(NamedBufferStorage) \
     X(NamedBufferSubData) X(UnmapNamedBuffer) X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) \
-    X(VertexArrayAttribIFormat) X(VertexArrayBindingDivisor) X(VertexArrayVertexBuffer) \
+    X(VertexArrayAttribIFormat) X(VertexArrayBindingDivisor) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) \
     /* programs */ \
     X(AttachShader) X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteProgram) X(DeleteShader) X(DetachShader) \
     X(GetProgramInfoLog) X(GetProgramInterfaceiv) X(GetProgramResourceiv) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(LinkProgram) X(ProgramUniform1f) \

@@ -39,10 +39,11 @@ void Gathers::make_tile_levels(const MapShape& shape) {
             // Only the first level squares.
             const Gather own = !tile_levels_.empty() && gather == Gather::squares ? Gather::sum : gather;
             Program& program = level.programs[int(gather)];
-            program = Program::draw(
-                "distribute/tile.vert", "gather/tile_sum.frag",
-                with({{"SIDE", std::to_string(level.side)}, {"SOURCE_SIDE", std::to_string(level.source_side)}}, own));
-            program.set(4, columns);
+            program = Program::draw("distribute/tile.vert", "gather/tile_sum.frag",
+                                    with({{"SIDE", std::to_string(level.side)},
+                                          {"RECTANGLES", std::to_string(columns)},
+                                          {"SOURCE_SIDE", std::to_string(level.source_side)}},
+                                         own));
             program.set2(6, float(level.sums.width()), float(level.sums.height()));
         }
         source = level.side;
@@ -116,14 +117,6 @@ void Gathers::make_view_levels(const MapShape& shape) {
         source = side;
         view_levels_.push_back(std::move(level));
     }
-}
-
-void Gathers::set_camera(const Camera* camera) {
-    for (TileLevel& level : tile_levels_)
-        for (Program& program : level.programs) {
-            if (camera) SlsMesh::set_camera(program, *camera);
-            program.set(7, camera ? 0 : 1);
-        }
 }
 
 void Gathers::clear_tiles(PassRunner& run) {

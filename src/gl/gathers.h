@@ -15,10 +15,8 @@ class Gathers {
 public:
     explicit Gathers(const MapShape& shape);
 
-    /// Which tiles the tile gathers visit from now on: those a camera sees, or (null) all of them.
-    void set_camera(const Camera* camera);
-    /// The tile sums of one corner of `source` (a 3-layer array in the SLS layout). Ring sums read tile sums, which
-    /// are zero for tiles that clear_tiles() was the last to touch.
+    /// The tile sums of one corner of `source` (a 3-layer array in the SLS layout), for the tiles that the mesh draws.
+    /// Ring sums read all tile sums: clear_tiles() zeroes them where fewer are drawn than before.
     void clear_tiles(PassRunner& run);
     void tiles(PassRunner& run, const Texture& source, int corner, Gather gather);
     /// Ring sums of the tile sums into `target` (M texels), through whatever blending is on.

@@ -3,10 +3,16 @@
 #include <algorithm>
 
 namespace radiafit {
+namespace {
+Defines with_projection(Defines defines) {
+    defines.push_back({"PROJECTED", ""});
+    return defines;
+}
+}  // namespace
 
 GlDistributor::GlDistributor(const TriangleAtlas& atlas)
     : mesh_(atlas),
-      program_(Program::draw("distribute/tile.vert", "distribute/pixel_index.frag", mesh_.defines())),
+      program_(Program::draw("distribute/tile.vert", "distribute/pixel_index.frag", with_projection(mesh_.defines()))),
       taken_(GL_R32UI, atlas.width(), atlas.height()),
       framebuffer_({{&taken_}}) {
     mesh_.set_layout(program_);
@@ -22,6 +28,7 @@ void GlDistributor::distribute(const Camera& camera, const TargetImage& image, D
         bits_ = image.bits;
     }
     slot_->upload(image);
+    mesh_.select(&camera);
     items_->draw(camera);
 
     SlsMesh::set_camera(program_, camera);

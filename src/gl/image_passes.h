@@ -43,7 +43,7 @@ public:
 /// What every implementation of ImagePasses is made from. All references outlive it.
 struct PassWorld {
     const MapShape& shape;
-    const SlsMesh& mesh;
+    SlsMesh& mesh;
     PassRunner& run;
     Gathers& gathers;
     ProblemTextures& problems;

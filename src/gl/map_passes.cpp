@@ -21,7 +21,6 @@ MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run
         defines.insert(defines.end(), more.begin(), more.end());
         pair.program[surface] = Program::draw("gather/map.vert", "optimize/" + fragment, defines);
         mesh.set_layout(pair.program[surface]);
-        pair.program[surface].set(7, 1);
         pair.program[surface].set(9, shape.grid.columns);
         defines.push_back({"VIEW_MAPS", ""});
         pair.program[view] = Program::draw("common/whole.vert", "optimize/" + fragment, defines);
@@ -122,7 +121,6 @@ void MapPasses::store_pass(const Pair& pair, const std::vector<Framebuffer> (&ta
 }
 
 void MapPasses::finish_direction(const MapVector& x, const MapSums& sums, int first_term, int last_term) {
-    gathers_.set_camera(nullptr);
     for (int term = 0; term < shape_.terms(); ++term) {
         laplacian(x, term);
         const auto bind = [&](int site) {
@@ -139,7 +137,6 @@ void MapPasses::finish_direction(const MapVector& x, const MapSums& sums, int fi
 }
 
 void MapPasses::finish_precondition(const MapSums& squares) {
-    gathers_.set_camera(nullptr);
     const auto bind = [&](int site) {
         part(squares, site).bind(11);
         problems_.constants.bind(12);
@@ -152,7 +149,6 @@ void MapPasses::finish_precondition(const MapSums& squares) {
 }
 
 void MapPasses::finish_line(const MapVector& x, const MapVector& d) {
-    gathers_.set_camera(nullptr);
     for (int term = 0; term < shape_.terms(); ++term) {
         laplacian(d, term);
         gather_pass(penalty_curvature_, problems_.sum_target(Sum::penalty_curvature), Gather::sum, term, [&](int site) {
@@ -165,7 +161,6 @@ void MapPasses::finish_line(const MapVector& x, const MapVector& d) {
 }
 
 void MapPasses::project(const Vectors& v, const MapVector* precondition) {
-    gathers_.set_camera(nullptr);
     constexpr Sum sums[3] = {Sum::norm, Sum::cross, Sum::conjugate};
     for (int product = 0; product < 3; ++product) {
         const MapVector& other = product == 2 ? v.d : v.g;

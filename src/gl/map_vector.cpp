@@ -21,6 +21,7 @@ Defines MapShape::defines(Storage storage) const {
     return {{"TERMS", std::to_string(terms())},
             {"VIEW_SIDE", std::to_string(grid.view_side)},
             {"SIDE", std::to_string(atlas->side())},
+            {"RECTANGLES", std::to_string(atlas->rectangles_per_row())},
             {"STORAGE", std::to_string(int(storage))}};
 }
 

@@ -89,8 +89,10 @@ PaperPasses::PaperPasses(const PassWorld& world)
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
     footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest);
     look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);
-    target_program_ = Program::draw("gather/map.vert", "gather/residual.frag", shape + Defines{{"TARGET_ONLY", ""}});
-    residual_program_ = Program::draw("gather/map.vert", "gather/residual.frag", shape + all);
+    target_program_ = Program::draw("gather/map.vert", "gather/residual.frag",
+                                    shape + Defines{{"TARGET_ONLY", ""}, {"PROJECTED", ""}});
+    residual_program_ =
+        Program::draw("gather/map.vert", "gather/residual.frag", shape + all + Defines{{"PROJECTED", ""}});
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = shape + (squares ? Defines{{"DIAGONAL", ""}} : Defines{});
         surface_program_[squares] = Program::draw("gather/map.vert", "gather/surface_gradient.frag", what + one);
@@ -113,11 +115,8 @@ PaperPasses::PaperPasses(const PassWorld& world)
 }
 
 void PaperPasses::begin_image(const ImageOnDevice& image) {
-    for (Program* program :
-         {&target_program_, &residual_program_, &surface_program_[0], &surface_program_[1], &product_program_[0],
-          &product_program_[1], &line_program_[0], &line_program_[1], &line_program_[2], &line_program_[3]})
-        SlsMesh::set_camera(*program, *image.camera);
-    w_.gathers.set_camera(image.camera);
+    for (Program* program : {&target_program_, &residual_program_}) SlsMesh::set_camera(*program, *image.camera);
+    w_.mesh.select(image.camera);
     items_.draw(*image.camera);
     ++w_.run.counters.draws;
     ++w_.run.counters.framebuffer_switches;

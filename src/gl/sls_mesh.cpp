@@ -1,5 +1,7 @@
 #include "gl/sls_mesh.h"
 
+#include <Eigen/Geometry>
+
 #include "dataset/image_stream.h"
 
 namespace radiafit {
@@ -11,6 +13,9 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
     std::vector<std::array<uint32_t, 3>> vertices;
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         if (atlas.degenerate(t)) continue;
+        const auto& [i0, i1, i2] = mesh.triangles[t];
+        points_.push_back(mesh.positions[i0]);
+        normals_.push_back((mesh.positions[i1] - mesh.positions[i0]).cross(mesh.positions[i2] - mesh.positions[i0]));
         for (int repeat = 0; repeat < 3; ++repeat) {
             for (int c = 0; c < 3; ++c) positions[c].push_back(mesh.positions[mesh.triangles[t][c]]);
             tiles.push_back(t);
@@ -18,6 +23,9 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
         }
     }
     count_ = static_cast<int>(tiles.size());
+    elements_ = Buffer(tiles.size() * sizeof(uint32_t), nullptr, true);
+    array_.elements(elements_);
+    selected_.reserve(tiles.size());
     for (int c = 0; c < 3; ++c) {
         positions_[c] = Buffer(positions[c]);
         array_.floats(static_cast<unsigned>(c), 3, positions_[c]);
@@ -28,13 +36,31 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
     array_.integers(4, 3, vertices_);
 }
 
+void SlsMesh::select(const Camera* camera) {
+    drawn_ = 0;
+    if (!camera) return;
+    const Vec3f eye = camera->center().cast<float>();
+    selected_.clear();
+    for (uint32_t i = 0; i < points_.size(); ++i) {
+        const Vec3f to_eye = eye - points_[i];
+        // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
+        const float facing = normals_[i].dot(to_eye);
+        if (facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm()) continue;
+        selected_.insert(selected_.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    drawn_ = static_cast<int>(selected_.size());
+    elements_.write(0, selected_.size() * sizeof(uint32_t), selected_.data());
+}
+
 void SlsMesh::draw() const {
     array_.bind();
-    gl().DrawArrays(GL_TRIANGLES, 0, count_);
+    if (drawn_ > 0)
+        gl().DrawElements(GL_TRIANGLES, drawn_, GL_UNSIGNED_INT, nullptr);
+    else
+        gl().DrawArrays(GL_TRIANGLES, 0, count_);
 }
 
 void SlsMesh::set_layout(const Program& program) const {
-    program.set(4, atlas_->rectangles_per_row());
     program.set(5, atlas_->width());
     program.set2(6, float(atlas_->width()), float(atlas_->height()));
 }

@@ -12,10 +12,14 @@ namespace radiafit {
 class SlsMesh {
 public:
     explicit SlsMesh(const TriangleAtlas& atlas);
+    /// Leaves out of what draw() draws the triangles that surely face away from the camera; null: draws all again.
+    void select(const Camera* camera);
     void draw() const;  ///< as triangles, with whatever program is in use
     const TriangleAtlas& atlas() const { return *atlas_; }
-    /// SIDE for shaders/distribute/tiles.glsl.
-    Defines defines() const { return {{"SIDE", std::to_string(atlas_->side())}}; }
+    /// SIDE and RECTANGLES for shaders/distribute/tiles.glsl.
+    Defines defines() const {
+        return {{"SIDE", std::to_string(atlas_->side())}, {"RECTANGLES", std::to_string(atlas_->rectangles_per_row())}};
+    }
     /// Sets the uniforms of shaders/distribute/*: those of the atlas once, those of the camera per image.
     void set_layout(const Program& program) const;
     static void set_camera(const Program& program, const Camera& camera);
@@ -24,7 +28,10 @@ private:
     const TriangleAtlas* atlas_;
     Buffer positions_[3], tiles_, vertices_;
     VertexArray array_;
-    int count_ = 0;
+    Buffer elements_;
+    std::vector<Vec3f> normals_, points_;  ///< per drawn triangle: any length, and one of its vertices
+    std::vector<uint32_t> selected_;
+    int count_ = 0, drawn_ = 0;
 };
 
 /// Pass 1 of Section 5.1.1. Items are row * layout width + column of a texel's place in SLS; 0xffffffff is none.

@@ -176,6 +176,8 @@ void VertexArray::floats(unsigned location, int components, const Buffer& buffer
     gl().EnableVertexArrayAttrib(name_, location);
 }
 
+void VertexArray::elements(const Buffer& indices) { gl().VertexArrayElementBuffer(name_, indices.name()); }
+
 void VertexArray::integers(unsigned location, int components, const Buffer& buffer, unsigned divisor) {
     gl().VertexArrayVertexBuffer(name_, location, buffer.name(), 0,
                                  components * static_cast<GLsizei>(sizeof(uint32_t)));

@@ -136,6 +136,7 @@ public:
     /// `components` floats per vertex (or per instance if divisor is 1).
     void floats(unsigned location, int components, const Buffer& buffer, unsigned divisor = 0);
     void integers(unsigned location, int components, const Buffer& buffer, unsigned divisor = 0);
+    void elements(const Buffer& indices);
     void bind() const { gl().BindVertexArray(name_); }
 
 private:
