@@ -14,6 +14,15 @@ ivec3 tile_frame(int tile, int side) {
     return (tile & 1) == 0 ? ivec3(corner, 1) : ivec3(corner + ivec2(side - 1, side), -1);
 }
 
+// The tile and cell that a place of the layout belongs to: xy the cell, z the tile.
+ivec3 tile_at(ivec2 place) {
+    ivec2 rectangle = place / ivec2(SIDE, SIDE + 1);
+    ivec2 inside = place - rectangle * ivec2(SIDE, SIDE + 1);
+    int tile = 2 * (rectangle.y * RECTANGLES + rectangle.x);
+    bool even = inside.x + inside.y < SIDE;
+    return even ? ivec3(inside, tile) : ivec3(ivec2(SIDE - 1, SIDE) - inside, tile + 1);
+}
+
 // Barycentric weights at a cell's centre; a diagonal cell's own centroid.
 vec3 cell_barycentric(ivec2 cell) {
     float centre = cell.x + cell.y == SIDE - 1 ? 1.0 / 3.0 : 0.5;

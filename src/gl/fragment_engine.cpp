@@ -95,7 +95,9 @@ void FragmentEngine::sweep(const Body& body) {
         gl().Disable(GL_SCISSOR_TEST);
         times_.images += on_device.size();
     }
+    image_passes_->end_sweep();
     mesh_.select(nullptr);
+    gathers_.mark_tiles(run_);
     gl().Finish();
     ++times_.sweeps;
     times_.stream_s += stream_.seconds() - streamed;
@@ -110,6 +112,7 @@ const FragmentTimes& FragmentEngine::times() const {
 
 ProblemStatistics FragmentEngine::count() {
     problems_.clear({Sum::target});
+    image_passes_->begin_sweep(nullptr, nullptr);
     sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->count(images); });
     const std::vector<float> sums = problems_.read(problems_.sums(), int(Sum::target));
     const size_t vertices = layout_.problem_count();
@@ -155,6 +158,7 @@ void FragmentEngine::direction_pass(bool diagonal) {
     problems_.clear({Sum::residual, Sum::penalty});
     gradient_sums_.clear(run_);
     if (diagonal) square_sums_.clear(run_);
+    image_passes_->begin_sweep(&gradient_sums_, diagonal ? &square_sums_ : nullptr);
     sweep([&](const std::vector<ImageOnDevice>& images) {
         image_passes_->direction(images, vectors_.trial, gradient_sums_, diagonal ? &square_sums_ : nullptr);
     });
@@ -189,6 +193,7 @@ void FragmentEngine::update_direction(Rule rule, bool fresh) {
 void FragmentEngine::line_pass() {
     problems_.clear({Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth, Sum::penalty_curvature});
     const bool quartic = options_.mode == Mode::modern;
+    image_passes_->begin_sweep(nullptr, nullptr);
     sweep([&](const std::vector<ImageOnDevice>& images) {
         image_passes_->line(images, vectors_.p, vectors_.d, quartic);
     });

@@ -22,6 +22,7 @@ uint32_t packed(int x, int y, int layer) { return uint32_t(x) | uint32_t(y) << 1
 
 Gathers::Gathers(const MapShape& shape) {
     make_tile_levels(shape);
+    make_marks(shape);
     make_ring_levels(shape);
     make_view_levels(shape);
 }
@@ -39,16 +40,24 @@ void Gathers::make_tile_levels(const MapShape& shape) {
             // Only the first level squares.
             const Gather own = !tile_levels_.empty() && gather == Gather::squares ? Gather::sum : gather;
             Program& program = level.programs[int(gather)];
-            program = Program::draw("distribute/tile.vert", "gather/tile_sum.frag",
+            program = Program::draw("common/whole.vert", "gather/tile_sum.frag",
                                     with({{"SIDE", std::to_string(level.side)},
                                           {"RECTANGLES", std::to_string(columns)},
                                           {"SOURCE_SIDE", std::to_string(level.source_side)}},
                                          own));
-            program.set2(6, float(level.sums.width()), float(level.sums.height()));
         }
         source = level.side;
         tile_levels_.push_back(std::move(level));
     }
+}
+
+void Gathers::make_marks(const MapShape& shape) {
+    const int columns = shape.atlas->rectangles_per_row();
+    drawn_ = Texture(GL_R32F, columns, 2 * (shape.atlas->height() / (shape.atlas->side() + 1)));
+    drawn_target_ = Framebuffer({{&drawn_}});
+    drawn_program_ = Program::draw("distribute/tile.vert", "gather/drawn.frag",
+                                   {{"SIDE", "1"}, {"RECTANGLES", std::to_string(columns)}});
+    drawn_program_.set2(6, float(drawn_.width()), float(drawn_.height()));
 }
 
 void Gathers::make_ring_levels(const MapShape& shape) {
@@ -119,24 +128,27 @@ void Gathers::make_view_levels(const MapShape& shape) {
     }
 }
 
-void Gathers::clear_tiles(PassRunner& run) {
-    for (Framebuffer& target : tile_levels_.back().targets) run.clear(target);
+void Gathers::mark_tiles(PassRunner& run) {
+    run.clear(drawn_target_);
+    run.bind(drawn_target_, drawn_program_);
+    run.draw_tiles();
 }
 
 void Gathers::tiles(PassRunner& run, const Texture& source, int corner, Gather gather) {
     const Texture* from = &source;
+    drawn_.bind(8);
     for (TileLevel& level : tile_levels_) {
         const Program& program = level.programs[int(gather)];
         from->bind(7);
         program.set(8, corner);
         run.bind(level.targets[size_t(corner)], program);
-        run.draw_tiles();
+        run.draw_whole();
         from = &level.sums;
     }
 }
 
-void Gathers::rings(PassRunner& run, const Framebuffer& target, Gather gather, bool blend) {
-    const Texture* from = &tile_levels_.back().sums;
+void Gathers::rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend) {
+    const Texture* from = &source;
     const Program& program = ring_programs_[int(gather)];
     for (size_t i = 0; i < ring_levels_.size(); ++i) {
         RingLevel& level = ring_levels_[i];

@@ -16,11 +16,14 @@ public:
     explicit Gathers(const MapShape& shape);
 
     /// The tile sums of one corner of `source` (a 3-layer array in the SLS layout), for the tiles that the mesh draws.
-    /// Ring sums read all tile sums: clear_tiles() zeroes them where fewer are drawn than before.
-    void clear_tiles(PassRunner& run);
+    /// mark_tiles() must be called whenever it draws others than before.
+    void mark_tiles(PassRunner& run);
+    const Texture& drawn() const { return drawn_; }
+    const Texture& tile_sums() const { return tile_levels_.back().sums; }
     void tiles(PassRunner& run, const Texture& source, int corner, Gather gather);
-    /// Ring sums of the tile sums into `target` (M texels), through whatever blending is on.
-    void rings(PassRunner& run, const Framebuffer& target, Gather gather, bool blend);
+    /// Ring sums of `source`, one value per tile and corner such as tile_sums(), into `target` (M texels), through
+    /// whatever blending is on.
+    void rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend);
     /// Sums over view maps (`source`: one layer) into `target` (M texels), blended.
     void views(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather);
 
@@ -42,6 +45,7 @@ private:
         Program programs[3];
     };
     void make_tile_levels(const MapShape& shape);
+    void make_marks(const MapShape& shape);
     void make_ring_levels(const MapShape& shape);
     void make_view_levels(const MapShape& shape);
 
@@ -49,6 +53,9 @@ private:
     std::vector<RingLevel> ring_levels_;
     std::vector<ViewLevel> view_levels_;
     Program ring_programs_[3];
+    Texture drawn_;  ///< one texel per tile, in the layout of tiles of side 1
+    Framebuffer drawn_target_;
+    Program drawn_program_;
 };
 
 }  // namespace radiafit

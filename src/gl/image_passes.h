@@ -30,6 +30,9 @@ public:
     virtual ~ImagePasses() = default;
     /// Most images that one call may take.
     virtual int batch() const { return 1; }
+    /// Around every sweep over images; the sums that direction() will be given, if any, and always the same ones.
+    virtual void begin_sweep(MapSums*, MapSums*) {}
+    virtual void end_sweep() {}
     /// Sum::target: sum of L t, and samples in alpha.
     virtual void count(const std::vector<ImageOnDevice>& images) = 0;
     /// At x: Sum::residual and the gradient sums; squares, if not null: diag(J'J).

@@ -102,7 +102,7 @@ void MapPasses::gather_pass(const Pair& pair, const Framebuffer& sum, Gather gat
             if (site == surface) gathers_.tiles(run_, product_[surface], int(corner), gather);
         }
         if (site == surface)
-            gathers_.rings(run_, sum, gather, true);
+            gathers_.rings(run_, gathers_.tile_sums(), sum, gather, true);
         else
             gathers_.views(run_, product_[view], sum, gather);
     }

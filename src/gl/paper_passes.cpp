@@ -124,7 +124,7 @@ void PaperPasses::begin_image(const ImageOnDevice& image) {
     w_.vertices.bind(9);
     w_.run.bind(footprint_target_, footprint_program_);
     w_.run.draw_whole();
-    w_.gathers.clear_tiles(w_.run);
+    w_.gathers.mark_tiles(w_.run);
 }
 
 // h_k of every vertex, one pass per term.
@@ -155,7 +155,7 @@ void PaperPasses::count(const std::vector<ImageOnDevice>& images) {
         begin_image(image);
         residuals(image, target_program_);
         for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::sum);
-        w_.gathers.rings(w_.run, w_.problems.sum_target(Sum::target), Gather::sum, true);
+        w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::target), Gather::sum, true);
     }
 }
 
@@ -184,7 +184,7 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
             w_.run.draw_tiles();
             w_.gathers.tiles(w_.run, product_, corner, Gather::sum);
         }
-        w_.gathers.rings(w_.run, w_.problems.ring_target, Gather::sum, false);
+        w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.ring_target, Gather::sum, false);
         w_.problems.ring.bind(7);
         footprint_.bind(10);
         w_.run.bind(sums.view_targets[size_t(term)], scatter);
@@ -203,7 +203,7 @@ void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapV
         view_values_.bind(5);
         residuals(image, residual_program_);
         for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::squares);
-        w_.gathers.rings(w_.run, w_.problems.sum_target(Sum::residual), Gather::sum, true);
+        w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::residual), Gather::sum, true);
         gradient_of(x, gradient, false);
         if (squares) gradient_of(x, *squares, true);
     }
@@ -231,7 +231,7 @@ void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector
                 w_.run.draw_tiles();
                 w_.gathers.tiles(w_.run, product_, corner, Gather::sum);
             }
-            w_.gathers.rings(w_.run, w_.problems.sum_target(sums[quantity]), Gather::sum, true);
+            w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(sums[quantity]), Gather::sum, true);
         }
     }
 }

@@ -49,6 +49,12 @@ public:
         gl().BlendFunc(GL_ONE, GL_ONE);
         gl().BlendEquation(equation);
     }
+    /// Adds into attachments [first, end), overwrites the others.
+    void blend_from(unsigned first, unsigned end) {
+        blend();
+        gl().Disable(GL_BLEND);
+        for (unsigned i = first; i < end; ++i) gl().Enablei(GL_BLEND, i);
+    }
     void no_blend() { gl().Disable(GL_BLEND); }
 
     PassCounters counters;
