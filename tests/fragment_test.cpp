@@ -292,6 +292,31 @@ TEST(Fragment, HalfStorageStaysNearSingle) {
     EXPECT_NE(half, truncated);
 }
 
+TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {
+    const NoiseDataset noise(awkward_mesh(0));
+    const auto context = make_context(ContextKind::osmesa);
+    const TriangleAtlas atlas(noise.dataset.mesh, 4);
+    const VertexRings rings(noise.dataset.mesh);
+    LfmOptions options;
+    options.terms = 2;
+    options.surface_side = 4;
+    FragmentEngine engine(noise.dataset, atlas, rings, all_views(), options, {});
+    engine.count();
+    engine.reset(random_vector(engine.layout(), 0, 1, 1));
+    engine.fit_terms(1, 2);
+    engine.direction_pass(false);
+    const std::vector<float> gradient = engine.read_evaluation().gradient;
+    size_t moving = 0;
+    for (size_t i = 0; i < gradient.size(); ++i) {
+        if (i % 8 < 4) {
+            ASSERT_EQ(gradient[i], 0.0f);
+        } else {
+            moving += gradient[i] != 0;
+        }
+    }
+    EXPECT_GT(moving, gradient.size() / 20);
+}
+
 TEST(Fragment, CountsItsBytesAndReturnsThem) {
     const NoiseDataset noise(awkward_mesh(1));
     const auto context = make_context(ContextKind::osmesa);

@@ -15,7 +15,11 @@ void main() {
     for (int corner = 0; corner < 3; ++corner) {
         int vertex = int(corner == 0 ? vertices.x : corner == 1 ? vertices.y : vertices.z);
         ivec2 problem = ivec2(vertex % columns, vertex / columns);
+#ifdef VALUES_FETCHED
+        value[corner] = vec3(problem, 0.0);
+#else
         for (int k = 0; k < VALUES / 3; ++k)
             value[corner * (VALUES / 3) + k] = texelFetch(view_values, ivec3(problem, term + k), 0).rgb;
+#endif
     }
 }

@@ -1,5 +1,10 @@
-#ifdef ONE_TERM
+// What combine/map3.vert hands to fragments for its three corners: values of view maps; beyond 8 terms, which would not
+// fit into varyings, the places to fetch them from.
+#if defined(ONE_TERM)
 #define VALUES 3
+#elif TERMS > 8
+#define VALUES 3
+#define VALUES_FETCHED
 #else
 #define VALUES (3 * TERMS)
 #endif
