@@ -35,6 +35,7 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
 
 Dataset Experiment::dataset(const std::string& shape) const {
     SyntheticOptions options{.shape = shape, .scale = profile_};
+    synthetic_size(options);  // an unknown name shows before any work
     const std::filesystem::path folder = root_ / "datasets" / "packed" / fmt::format("{}-{}", shape, profile_);
     if (std::filesystem::exists(folder)) return open_dataset(folder);
     log_info(fmt::format("generating {} at {} scale", shape, profile_));

@@ -431,7 +431,12 @@ TEST(AtomicFolder, AppearsWholeAndReplacesOnlyWhenAsked) {
         AtomicFolder abandoned(target);
         write_file(abandoned.path() / "a", "x");
     }
-    EXPECT_EQ(entries(folder.path() / "deep"), 0u);
+    EXPECT_EQ(entries(folder.path()), 0u);
+    {
+        AtomicFolder beside(folder.path() / "deep" / "beside");
+        AtomicFolder abandoned(target);
+    }
+    EXPECT_EQ(entries(folder.path()), 0u);
     {
         AtomicFolder first(fs::path(target.string() + "/"));  // as a shell's completion writes it
         EXPECT_EQ(first.target(), target);

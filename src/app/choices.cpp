@@ -42,7 +42,8 @@ Passes choose_passes(const std::string& name) {
     return choose<Passes>("passes", name, {{"paper", Passes::paper}, {"combined", Passes::combined}});
 }
 Storage choose_storage(const std::string& name) {
-    return choose<Storage>("storage", name, {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}});
+    return choose<Storage>(
+        "storage", name, {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}});
 }
 
 ContextOptions context_options(const FitRequest& request) {
@@ -84,7 +85,10 @@ void FitRequest::check() const {
     model_options();
     if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
     if (!(stop_residual >= 0 && stop_output_change >= 0))
-        throw UserError("stopping thresholds are 0 (off) or positive");
+        throw UserError(fmt::format("stop-residual = {}, stop-change = {}: choose 0 (off) or more", stop_residual,
+                                    stop_output_change));
+    if (device < -1)
+        throw UserError(fmt::format("device = {}: choose -1 (any) or an index that radiafit devices lists", device));
     if (engine == "cpu" && storage != "fp32")
         throw UserError("storage '" + storage + "' belongs to the fragment engine; the cpu engine computes in fp32");
 }

@@ -115,7 +115,15 @@ void add_info(CLI::App& app) {
     command->add_flag("--json", *json, "one JSON object on standard output");
     command->callback([=] {
         const std::filesystem::path path(*folder);
-        if (std::filesystem::exists(path / "fit.json"))
+        std::error_code ignored;
+        const bool fit = std::filesystem::exists(path / "fit.json", ignored);
+        if (std::filesystem::is_directory(path, ignored) && !fit &&
+            !std::filesystem::exists(path / "dataset.json", ignored))
+            throw UserError(
+                fmt::format("{}: neither a dataset nor a fit: it holds no dataset.json and no fit.json; give a folder "
+                            "that radiafit generate, import or fit wrote",
+                            path.string()));
+        if (fit)
             print_fit(read_fit(path).fit, *json);
         else
             print_dataset(open_dataset(path), *json);

@@ -116,6 +116,13 @@ Camera turntable_camera(const Dataset& dataset, int i, int count) {
     return camera;
 }
 
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+        throw UserError(fmt::format("cannot write {}: {}; choose a writable folder", folder.string(), error.message()));
+}
+
 void write_light(const std::filesystem::path& stem, const LightImage& image) {
     write_light_exr(stem.string() + ".exr", image);
     const ByteImage bytes = to_bytes(image);
@@ -129,7 +136,7 @@ void render(const RenderOptions& o) {
     const Dataset dataset = open_fitted_dataset(fit);
     const std::filesystem::path out(o.output);
     if (o.turntable > 0) {
-        std::filesystem::create_directories(out);
+        make_folder(out);
         for (int i = 0; i < o.turntable; ++i)
             write_light(out / fmt::format("turn{:03d}", i),
                         render_fit(fit, dataset.mesh, turntable_camera(dataset, i, o.turntable)));
@@ -147,7 +154,7 @@ void render(const RenderOptions& o) {
     }
     const std::filesystem::path stem =
         out.extension() == ".png" || out.extension() == ".exr" ? std::filesystem::path(out).replace_extension() : out;
-    if (!stem.parent_path().empty()) std::filesystem::create_directories(stem.parent_path());
+    if (!stem.parent_path().empty()) make_folder(stem.parent_path());
     write_light(stem, render_fit(fit, dataset.mesh, dataset.views[view].camera));
     const JudgedView baseline = judged_view(baseline_of(fit, dataset), dataset, view);
     const ByteImage sheet = comparison_sheet(judged_view(fit, dataset, view), &baseline, dataset.encoding);
@@ -169,6 +176,8 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
     command->callback([=] {
         request->check();
         check_fit_target(*out);
+        AtomicFolder(*out,
+                     AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end
         const Dataset dataset = open_dataset(*folder);
         Progress progress("fit", size_t(request->iterations) + 1);
         FitOutcome outcome = solve(dataset, *request, nullptr, [&](int, const auto&) { progress.advance(); });

@@ -5,8 +5,9 @@
 
 namespace radiafit {
 
-void solve_with_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const std::vector<uint32_t>& views,
-                                const FitRequest& request, const IterationHook& each_iteration, FitOutcome& out) {
+void solve_with_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                                const std::vector<uint32_t>& views, const FitRequest& request,
+                                const IterationHook& each_iteration, FitOutcome& out) {
     static_assert(Engine<FragmentEngine>);
     const auto context = Context::create(context_options(request));
     out.gl_vendor = context->vendor();
@@ -19,7 +20,7 @@ void solve_with_fragment_engine(const Dataset& dataset, const TriangleAtlas& atl
     options.space = choose_space(request.space);
     Stopwatch clock;
     FragmentEngine engine(dataset, atlas, rings, views, request.model_options(), options);
-    run_engine(engine, engine.layout(), request, request.model_options(), each_iteration, out);
+    run_engine(engine, dataset, engine.layout(), request, request.model_options(), each_iteration, out);
     const FragmentTimes& times = engine.times();
     out.times.streaming = times.stream_s + times.upload_s;
     out.times.optimization = clock.wall_s() - out.times.streaming;

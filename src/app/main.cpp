@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
     add_devices(app);
     try {
         app.parse(argc, argv);
+        if (std::fflush(stdout) != 0) throw SystemError("standard output took only a part: is its disk full?");
         return 0;
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "app/solve.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
@@ -7,12 +9,17 @@
 
 namespace radiafit {
 
+/// Throws UserError: no training view has a sample.
+[[noreturn]] void reject_unseen(const Dataset& dataset);
+
 /// Starts, optimizes and reads back one engine. Terms are fitted together, or one after another with the earlier ones
 /// frozen (deflation).
 template <Engine E>
-void run_engine(E& engine, const LfmLayout& layout, const FitRequest& request, const LfmOptions& options,
-                const IterationHook& each_iteration, FitOutcome& out) {
+void run_engine(E& engine, const Dataset& dataset, const LfmLayout& layout, const FitRequest& request,
+                const LfmOptions& options, const IterationHook& each_iteration, FitOutcome& out) {
     const ProblemStatistics statistics = engine.count();
+    if (std::all_of(statistics.samples.begin(), statistics.samples.end(), [](uint32_t n) { return n == 0; }))
+        reject_unseen(dataset);
     OptimizerOptions optimizer{.rule = request.rule(),
                                .iterations = request.iterations,
                                .stop_residual = float(request.stop_residual),

@@ -18,6 +18,11 @@
 
 namespace radiafit {
 
+void reject_unseen(const Dataset& dataset) {
+    throw UserError(dataset.folder.string() +
+                    ": no training view sees the mesh; check that mesh and calibration share one frame");
+}
+
 SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          const std::vector<uint32_t>& views) {
     Stopwatch clock;
@@ -34,9 +39,7 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
     for (const auto& d : distributors) workers.push_back(d.get());
     out.list = build_sample_list(dataset, atlas, views, workers, choose_space(request.space), &out.statistics);
     out.seconds = clock.wall_s();
-    if (out.list.samples.empty())
-        throw UserError(dataset.folder.string() +
-                        ": no camera sees the mesh; check that mesh and calibration share one frame");
+    if (out.list.samples.empty()) reject_unseen(dataset);
     return out;
 }
 
@@ -106,7 +109,7 @@ FitOutcome solve(const Dataset& dataset, const FitRequest& request, const Shared
         Stopwatch optimization;
         LfmProblem<float> problem(dataset, atlas, rings, samples->list, options);
         StreamEngine<float> engine(problem);
-        run_engine(engine, problem.layout(), request, options, each_iteration, out);
+        run_engine(engine, dataset, problem.layout(), request, options, each_iteration, out);
         out.engine_bytes = engine.bytes();
         out.times.optimization = optimization.wall_s();
     }

@@ -29,7 +29,7 @@ struct FitRequest {
     std::string context = "egl";      ///< egl | osmesa
     int device = -1;
     LfmOptions model;
-    double mu = -1;                     ///< weight of the bounds; below 0: the mode's default
+    double mu = -1;        ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;  ///< fit terms one after another instead of together
     int iterations = 25;
     double stop_residual = 0, stop_output_change = 0;
@@ -53,8 +53,8 @@ struct FitOutcome {
     FitTimes times;
     DistributionStatistics distribution;  ///< where a sample list was built
     std::string gl_vendor, gl_renderer, gl_version;
-    double sweep_cpu_ms_per_image = 0;    ///< process CPU time of the fragment engine's sweeps over images
-    uint64_t engine_bytes = 0;  ///< device memory (or vectors) of the engine
+    double sweep_cpu_ms_per_image = 0;  ///< process CPU time of the fragment engine's sweeps over images
+    uint64_t engine_bytes = 0;          ///< device memory (or vectors) of the engine
 };
 
 /// Called after every iteration with a way to read each problem's E_t.

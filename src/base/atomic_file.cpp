@@ -90,6 +90,9 @@ AtomicFolder::AtomicFolder(fs::path target, Existing existing)
     std::error_code error;
     if (fs::exists(target_, error) && existing_ == Existing::refuse)
         throw UserError(fmt::format("{} exists already; remove it or choose another name", target_.string()));
+    for (fs::path parent = temporary_.parent_path(); !parent.empty() && !fs::exists(parent, error);
+         parent = parent.parent_path())
+        made_parents_.push_back(parent);
     fs::create_directories(temporary_, error);
     if (error) fail(target_, error.message());
 }
@@ -98,6 +101,8 @@ AtomicFolder::~AtomicFolder() {
     if (committed_) return;
     std::error_code ignored;
     fs::remove_all(temporary_, ignored);
+    for (const fs::path& parent : made_parents_)
+        if (!fs::remove(parent, ignored)) break;  // others have put something there
 }
 
 void AtomicFolder::commit() {

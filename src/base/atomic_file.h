@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <vector>
 
 /// Outputs appear whole or not at all: they are written under a temporary name beside their place and renamed.
 namespace radiafit {
@@ -31,7 +32,8 @@ private:
 
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// A folder that takes its name at commit(): files are written to path() meanwhile. Missing parents are made.
+/// A folder that takes its name at commit(): files are written to path() meanwhile. Missing parents are made, and go
+/// again without a commit().
 class AtomicFolder {
 public:
     /// What to do at commit() with a folder that already has the name. `replace` is for callers who have made sure that
@@ -51,6 +53,7 @@ public:
 private:
     std::filesystem::path target_;
     std::filesystem::path temporary_;
+    std::vector<std::filesystem::path> made_parents_;  ///< innermost first
     Existing existing_;
     bool committed_ = false;
 };

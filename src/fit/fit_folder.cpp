@@ -23,7 +23,7 @@ std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
 
 std::string read_text(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
-    if (!in) throw UserError(fmt::format("{}: no such file; is this a fit folder?", path.string()));
+    if (!in) throw UserError(fmt::format("{}: no such file; give a folder that radiafit fit wrote", path.string()));
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();

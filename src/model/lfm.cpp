@@ -14,9 +14,9 @@ void check_options(const LfmOptions& o) {
     require(o.terms >= 1 && o.terms <= 16,
             "terms = " + std::to_string(o.terms) + ": a light field map has 1 to 16 terms");
     require(o.surface_side >= 2 && o.surface_side <= 64,
-            "surface side = " + std::to_string(o.surface_side) + ": choose 2 to 64 texels");
+            "surface-side = " + std::to_string(o.surface_side) + ": choose 2 to 64 texels");
     require(o.view_side >= 2 && o.view_side <= 64,
-            "view side = " + std::to_string(o.view_side) + ": choose 2 to 64 texels");
+            "view-side = " + std::to_string(o.view_side) + ": choose 2 to 64 texels");
     const auto weight = [&](float w, const char* name) {
         require(std::isfinite(w) && w >= 0,
                 std::string(name) + " = " + std::to_string(w) + ": weights are finite and not negative");
