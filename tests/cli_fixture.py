@@ -1,0 +1,147 @@
+"""What the tests of the programs share: running them, and captures written by hand. Standard library only."""
+import hashlib
+import json
+import math
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+
+def take_arguments(count):
+    """The first `count` arguments of the test's command line: programs and folders. The rest is unittest's."""
+    if len(sys.argv) <= count:
+        sys.exit(f"usage: {sys.argv[0]} needs {count} arguments; CTest gives them")
+    taken = [pathlib.Path(a).resolve() for a in sys.argv[1 : 1 + count]]
+    del sys.argv[1 : 1 + count]
+    return taken
+
+
+def snapshot(folder):
+    """Every file below `folder` with a digest of its bytes, every folder with None."""
+    return {
+        str(path.relative_to(folder)): hashlib.sha1(path.read_bytes()).hexdigest() if path.is_file() else None
+        for path in folder.rglob("*")
+    }
+
+
+class ProgramTest(unittest.TestCase):
+    """Programs run in `root`, a temporary folder that the tests of a class share."""
+
+    program = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.root = pathlib.Path(tempfile.mkdtemp(prefix="radiafit-cli-"))
+        cls.addClassCleanup(shutil.rmtree, cls.root)
+
+    @classmethod
+    def run_program(cls, *arguments, environment=None, program=None):
+        return subprocess.run(
+            [str(program or cls.program), *map(str, arguments)],
+            cwd=cls.root,
+            env={**os.environ, **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+        )
+
+    @classmethod
+    def good(cls, *arguments, **options):
+        result = cls.run_program(*arguments, **options)
+        if result.returncode != 0:
+            raise AssertionError(f"{arguments}: status {result.returncode}: {result.stderr}")
+        return result
+
+    def refused(self, *arguments, says, **options):
+        """The user's mistake: status 2, one line with all of `says`, nothing on standard output, and not a file or
+        folder made, changed or lost."""
+        before = snapshot(self.root)
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertTrue(result.stderr.endswith("\n"))
+        for text in says:
+            self.assertIn(text, result.stderr)
+        self.assertEqual(before, snapshot(self.root))
+
+
+def write_png(path, width, height, rgb):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + rgb[3 * width * y : 3 * width * (y + 1)] for y in range(height))
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+        + chunk(b"IDAT", zlib.compress(rows))
+        + chunk(b"IEND", b"")
+    )
+
+
+def read_png(path):
+    """Width, height and bytes of an 8-bit RGB image without interlacing."""
+    data = path.read_bytes()
+    at, packed = 8, b""
+    while at < len(data):
+        (length,) = struct.unpack_from(">I", data, at)
+        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            width, height, *form = struct.unpack(">IIBBBBB", body)
+            if form != [8, 2, 0, 0, 0]:
+                raise AssertionError(f"{path}: not plain 8-bit RGB: {form}")
+        if kind == b"IDAT":
+            packed += body
+        at += 12 + length
+    raw, stride, rows = zlib.decompress(packed), 3 * width, []
+    above = bytes(stride)
+    for y in range(height):
+        method, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)])
+        for i in range(stride):
+            a, b, c = (row[i - 3] if i >= 3 else 0), above[i], (above[i - 3] if i >= 3 else 0)
+            paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+            row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[method]) & 255
+        rows.append(bytes(row))
+        above = rows[-1]
+    return width, height, b"".join(rows)
+
+
+def quaternion(r):
+    """(w, x, y, z) of a rotation's rows; the largest component is found first, so nothing cancels."""
+    squares = [
+        1 + r[0][0] + r[1][1] + r[2][2],
+        1 + r[0][0] - r[1][1] - r[2][2],
+        1 - r[0][0] + r[1][1] - r[2][2],
+        1 - r[0][0] - r[1][1] + r[2][2],
+    ]
+    largest = squares.index(max(squares))
+    s = 2 * math.sqrt(squares[largest])
+    x, y, z = r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]
+    xy, xz, yz = r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]
+    return [v / s for v in ([s * s / 4, x, y, z], [x, s * s / 4, xy, xz], [y, xy, s * s / 4, yz], [z, xz, yz, s * s / 4])[largest]]
+
+
+def write_capture(dataset, out):
+    """A u8-srgb dataset without masks, taken apart into what `radiafit import colmap` reads: PNGs, a text model, a mesh."""
+    description = json.loads((dataset / "dataset.json").read_text())
+    pixels = (dataset / "images.bin").read_bytes()
+    (out / "images").mkdir(parents=True)
+    (out / "sparse").mkdir()
+    shutil.copy(dataset / "mesh.ply", out / "mesh.ply")
+    cameras, images = ["# CAMERA_ID MODEL WIDTH HEIGHT PARAMS"], ["# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME"]
+    for i, view in enumerate(description["views"], 1):
+        c, at = view["camera"], view["pixel_offset"]
+        name = view["name"] + ".png"
+        write_png(out / "images" / name, c["width"], c["height"], pixels[at : at + 3 * c["width"] * c["height"]])
+        pinhole = " ".join(repr(c[key]) for key in ("fx", "fy", "cx", "cy"))
+        cameras.append(f"{i} PINHOLE {c['width']} {c['height']} {pinhole}")
+        pose = [*quaternion(c["cam_from_world_rotation"]), *c["cam_from_world_translation"]]
+        images += [f"{i} {' '.join(map(repr, pose))} {i} {name}", ""]
+    (out / "sparse" / "cameras.txt").write_text("\n".join(cameras) + "\n")
+    (out / "sparse" / "images.txt").write_text("\n".join(images) + "\n")

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""`radiafit` from a dataset to a judged picture, through the program itself; figures are computed again from its files.
+
+Arguments: the program.
+"""
+import csv
+import json
+import math
+import re
+import struct
+import unittest
+
+from cli_fixture import ProgramTest, read_png, take_arguments, write_capture
+
+
+def strict_json(text):
+    def refuse(name):
+        raise AssertionError(f"{name} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+class CommandLine(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.good("generate", "star", "-o", "star")
+        cls.good("fit", "star", "-o", "fit")
+
+    def judge(self, fit, split="test"):
+        result = self.good("judge", fit, "--json", "--split", split)
+        self.assertEqual(result.stderr, "")
+        return strict_json(result.stdout)
+
+    def trace(self, fit):
+        with open(self.root / fit / "trace.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def final_error(self, fit):
+        return float(self.trace(fit)[-1]["error"])
+
+    def assert_same_files(self, a, b, pattern):
+        names = [sorted(p.name for p in (self.root / folder).glob(pattern)) for folder in (a, b)]
+        self.assertTrue(names[0])
+        self.assertEqual(*names)
+        for name in names[0]:
+            self.assertEqual((self.root / a / name).read_bytes(), (self.root / b / name).read_bytes(), f"{a}, {b}: {name}")
+
+
+class Files(CommandLine):
+    def test_what_generate_left(self):
+        info = strict_json(self.good("info", "star", "--json").stdout)
+        expected = {"kind": "dataset", "name": "star", "encoding": "u8-srgb", "triangles": 320, "views": 24, "held_out": 3,
+                    "image_bytes": 24 * 64 * 64 * 3}  # the smoke scale: 24 photographs of 64 x 64  # fmt: skip
+        self.assertEqual({key: info[key] for key in expected}, expected)
+        header = (self.root / "star/mesh.ply").read_bytes().split(b"end_header")[0].decode()
+        self.assertIn(f"element vertex {info['vertices']}\n", header)
+        self.assertIn("320 triangles", self.good("info", "star").stdout)
+
+    def test_plan_adds_up(self):
+        tables = self.good("plan", "star").stdout.split("\n\n")
+        for table in filter(str.strip, tables):
+            megabytes = [float(line.split()[-1]) for line in table.splitlines() if re.search(r"\d$", line)]
+            self.assertGreater(len(megabytes), 3, table)
+            # every row is rounded to 0.01
+            self.assertAlmostEqual(sum(megabytes[:-1]), megabytes[-1], delta=0.005 * len(megabytes))
+
+    def test_what_fit_left(self):
+        description = strict_json((self.root / "fit/fit.json").read_text())
+        self.assertEqual(sorted(description["files"]), sorted(p.name for p in (self.root / "fit").iterdir()))
+        info = strict_json(self.good("info", "fit", "--json").stdout)
+        vertices = strict_json(self.good("info", "star", "--json").stdout)["vertices"]
+        self.assertEqual((info["kind"], info["problems"], sum(info["status"].values())), ("fit", 3 * vertices, 3 * vertices))
+        rows = self.trace("fit")
+        self.assertEqual([int(row["iteration"]) for row in rows], list(range(len(rows))))
+        errors = [float(row["error"]) for row in rows]
+        self.assertEqual(errors, sorted(errors, reverse=True))  # a trial that raises a problem's error is not taken
+        self.assertLess(errors[-1], 0.1 * errors[0])
+
+    def test_a_fit_again_replaces_the_earlier_one(self):
+        self.good("fit", "star", "--terms", "2", "--iterations", "1", "-o", "again")
+        self.good("fit", "star", "--terms", "1", "--iterations", "1", "-o", "again/")
+        names = sorted(p.name for p in (self.root / "again").iterdir())
+        self.assertFalse([n for n in names if "term1" in n], names)
+        self.assertFalse([p.name for p in self.root.iterdir() if p.name.startswith(".")])
+
+
+class Judge(CommandLine):
+    def test_pooled_figures_follow_from_each_image(self):
+        for split, images in (("test", 3), ("train", 21)):
+            figures = self.judge("fit", split)
+            self.assertEqual((figures["split"], figures["images"], figures["not_finite"]), (split, images, 0))
+            pixels = sum(view["pixels"] for view in figures["per_image"])
+            self.assertEqual(pixels, figures["pixels"])
+            squares = sum(view["pixels"] * 10 ** (-view["psnr"] / 10) for view in figures["per_image"]) / pixels
+            self.assertAlmostEqual(figures["psnr"], -10 * math.log10(squares), places=6)
+            absolute = sum(view["pixels"] * view["ape"] for view in figures["per_image"]) / pixels
+            self.assertAlmostEqual(figures["ape"], absolute, places=6)
+            self.assertGreater(figures["psnr"], figures["baseline"]["psnr"] + 0.5)
+            self.assertLess(figures["ape"], figures["baseline"]["ape"])
+
+    def test_the_picture_has_the_error_that_was_judged(self):
+        self.good("render", "fit", "--view", "0", "-o", "pictures/view.png")
+        self.assertEqual(sorted(p.name for p in (self.root / "pictures").iterdir()), ["view.exr", "view.png", "view_sheet.png"])
+        exr = (self.root / "pictures/view.exr").read_bytes()
+        self.assertEqual(struct.unpack_from("<I", exr)[0], 20000630)  # the magic number of the OpenEXR file layout
+        self.assertEqual(read_png(self.root / "pictures/view.png")[:2], (64, 64))
+
+        width, height, sheet = read_png(self.root / "pictures/view_sheet.png")
+        pictures = [[], [], [], []]  # photograph, mean colour per texel, fit, 4 x |error|
+        self.assertEqual((width, height), (4 * 64 + 3 * 4, 64))
+        for y in range(height):
+            for i, picture in enumerate(pictures):
+                at = 3 * (y * width + i * (64 + 4))
+                picture.extend(sheet[at : at + 3 * 64])
+        view = strict_json((self.root / "star/dataset.json").read_text())["views"][0]
+        stored = (self.root / "star/images.bin").read_bytes()[view["pixel_offset"] :][: 3 * 64 * 64]
+        self.assertEqual(bytes(pictures[0]), stored)
+
+        judged = self.judge("fit")["per_image"][0]
+        self.assertEqual(judged["name"], view["name"])
+        # The fourth picture is black where nothing is judged; where it is black inside, there is no error to add.
+        error = sum(abs(a - b) for a, b, shown in zip(pictures[2], stored, pictures[3]) if shown)
+        # the other pictures' bytes are rounded
+        self.assertAlmostEqual(error / (3 * judged["pixels"]), judged["ape"], delta=0.5)
+
+    def test_turntable(self):
+        self.good("render", "fit", "--turntable", "2", "-o", "turns")
+        frames = [read_png(self.root / f"turns/turn00{i}.png") for i in range(2)]
+        self.assertEqual([frame[:2] for frame in frames], [(64, 64)] * 2)
+        for frame in frames:
+            self.assertGreater(sum(1 for v in frame[2] if v), 64 * 64 // 4)
+        self.assertNotEqual(frames[0][2], frames[1][2])
+
+    def test_modes_and_the_trivial_baseline(self):
+        self.good("fit", "star", "--mode", "paper", "-o", "paper")
+        self.good("fit", "star", "--solver", "mean", "-o", "mean")
+        self.assertGreater(self.judge("paper")["psnr"], self.judge("mean")["psnr"])
+        mean = self.judge("mean")
+        for key, value in mean["baseline"].items():
+            self.assertAlmostEqual(mean[key], value, places=9)
+
+
+class Import(CommandLine):
+    def test_a_capture_fits_as_well_as_the_dataset_it_was_made_from(self):
+        write_capture(self.root / "star", self.root / "capture")
+        colmap = ["--model", "capture/sparse", "--images", "capture/images", "--mesh", "capture/mesh.ply"]
+        self.good("import", "colmap", *colmap, "-o", "packed")
+        info = strict_json(self.good("info", "packed", "--json").stdout)
+        self.assertEqual((info["views"], info["held_out"], info["triangles"]), (24, 3, 320))
+        self.good("fit", "packed", "-o", "packed_fit")
+        for split in ("test", "train"):
+            mine, its = self.judge("packed_fit", split), self.judge("fit", split)
+            self.assertEqual(mine["pixels"], its["pixels"])
+            # the cameras went through a quaternion, so a pixel on an edge may change its texel
+            self.assertAlmostEqual(mine["psnr"], its["psnr"], delta=0.05)
+
+
+class Engines(CommandLine):
+    def test_fragment_agrees_with_cpu_on_the_same_distribution(self):
+        common = ["fit", "star", "--mode", "paper", "--iterations", "3"]
+        self.good(*common, "--engine", "cpu", "--distributor", "gl", "-o", "cpu")
+        expected = self.final_error("cpu")
+        for passes in ("paper", "combined"):
+            self.good(*common, "--engine", "fragment", "--passes", passes, "-o", passes)
+            # float sums in another order, amplified by three steps of the line search
+            self.assertLess(abs(self.final_error(passes) / expected - 1), 1e-3, passes)
+            self.assertAlmostEqual(self.judge(passes)["psnr"], self.judge("cpu")["psnr"], delta=0.05)
+
+    def test_same_bits_twice(self):
+        for engine in ("cpu", "fragment"):
+            for i in (1, 2):
+                self.good("fit", "star", "--engine", engine, "--iterations", "2", "--threads", i, "-o", f"{engine}{i}")
+            self.good("fit", "star", "--engine", engine, "--iterations", "2", "--threads", "2", "-o", f"{engine}3")
+            self.assert_same_files(f"{engine}1", f"{engine}2", "*.exr")
+            self.assert_same_files(f"{engine}2", f"{engine}3", "*.exr")
+
+    def test_egl_and_osmesa_alike(self):
+        for context in ("egl", "osmesa"):
+            self.good("fit", "star", "--engine", "fragment", "--context", context, "--iterations", "2", "-o", context)
+        self.assert_same_files("egl", "osmesa", "*.exr")
+
+    def test_generate_gives_the_same_bits_for_any_threads(self):
+        for threads in (1, 2):
+            self.good("generate", "bust", "--threads", threads, "-o", f"bust{threads}")
+        self.assert_same_files("bust1", "bust2", "*")
+
+    def test_devices(self):
+        listed = self.good("devices").stdout
+        self.assertIn("cpu: ", listed)
+        self.assertRegex(listed, r"(egl --device \d+|osmesa): .*OpenGL 4\.")
+
+    def test_help_and_version(self):
+        self.assertRegex(self.good("--version").stdout, r"^radiafit \d+\.\d+\.\d+ \(")
+        for command in ("fit", "judge", "import", "render", "plan", "info", "generate", "devices"):
+            self.assertIn(f"  {command} ", self.good("--help").stdout)
+            self.assertIn("Usage", self.good(command, "--help").stdout)
+
+
+if __name__ == "__main__":
+    (ProgramTest.program,) = take_arguments(1)
+    unittest.main()

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Smoke of one experiment: at the smoke profile, in a temporary folder, it leaves its figures, and rows that can be true.
+
+Arguments: the experiment's program, the checkout.
+"""
+import csv
+import json
+import math
+import pathlib
+import shutil
+import struct
+import unittest
+
+from cli_fixture import ProgramTest, snapshot, take_arguments
+
+CHECKOUT = None
+
+
+def read_rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+class Smoke(ProgramTest):
+    def setUp(self):
+        self.name = self.program.name
+        for folder, ending in (("experiments", ".toml"), ("paper_figs", ".gp")):
+            (self.root / folder).mkdir(exist_ok=True)
+            for file in (CHECKOUT / folder).glob("*" + ending):
+                shutil.copy(file, self.root / folder)
+        self.config = self.root / "experiments" / f"{self.name}.toml"
+
+    def run_experiment(self, *more):
+        return self.good("--config", f"experiments/{self.name}.toml", "--profile", "smoke", *more)
+
+    def test_rows_and_figures(self):
+        self.run_experiment()
+        runs = list((self.root / "results" / self.name).glob("*/*/run.json"))
+        self.assertEqual(len(runs), 1)
+        record = json.loads(runs[0].read_text())
+        self.assertIn(self.name, record["program"])
+        self.assertTrue(record["config"], "the resolved config is part of the record")
+
+        tables = sorted(runs[0].parent.glob("*.csv"))
+        self.assertTrue(tables)
+        for table in tables:
+            rows = read_rows(table)
+            self.assertTrue(rows, f"{table.name} is empty")
+            for row in rows:
+                for column, text in row.items():
+                    value = number(text)
+                    if value is not None:
+                        self.assertTrue(math.isfinite(value), f"{table.name}: {column} = {text}")
+        self.check_figures()
+        check = getattr(self, "check_" + self.name, None)
+        if check:
+            check({table.stem: read_rows(table) for table in tables})
+        self.assertFalse([path for path in snapshot(self.root) if pathlib.Path(path).name.startswith(".tmp")])
+
+    def check_figures(self):
+        figures = self.root / "paper_figs"
+        if (figures / f"{self.name}.gp").exists():
+            self.assertIn("<svg", (figures / f"{self.name}.svg").read_text()[:2000])
+        drawn = [p for p in figures.glob(f"{self.name}.*") if p.suffix != ".gp"]
+        self.assertTrue(drawn, "no figure and no table")
+        for path in drawn:
+            self.assertGreater(path.stat().st_size, 500, path.name)
+            if path.suffix == ".png":
+                width, height = struct.unpack_from(">II", path.read_bytes(), 16)
+                self.assertGreater(min(width, height), 50)
+
+    def check_table1_datasets(self, tables):
+        rows = tables["datasets"]
+        self.assertEqual([row["dataset"] for row in rows], ["star", "bust"])
+        for row in rows:
+            self.assertEqual((row["triangles"], row["images"], row["held_out"]), ("320", "24", "3"))
+            self.assertEqual(int(row["image_bytes"]), 24 * 64 * 64 * 3)
+            self.assertEqual(int(row["problems"]), 3 * int(row["vertices"]))
+            self.assertEqual(2 * int(row["vertices"]), int(row["triangles"]) + 4)  # Euler: a closed surface without holes
+            samples, pixels = int(row["samples"]), int(row["covered_pixels"])
+            self.assertLessEqual(samples, pixels)  # a pixel feeds at most one texel
+            self.assertLess(pixels, 21 * 64 * 64)
+            self.assertAlmostEqual(float(row["kept_share"]), samples / pixels, places=3)
+            histogram = tables[row["dataset"] + "_samples_per_texel"]
+            self.assertEqual(sum(int(bin["samples"]) * int(bin["texels"]) for bin in histogram), samples)
+            self.assertEqual(sum(int(bin["texels"]) for bin in histogram), 36 * 320)
+
+    def check_fig7_convergence(self, tables):
+        self.assertEqual([row["dataset"] for row in tables["summary"]], ["star", "bust"])
+        for row in tables["summary"]:
+            quartiles = [float(row[key]) for key in ("ratio_quartile1", "ratio_median", "ratio_quartile3")]
+            self.assertEqual(quartiles, sorted(quartiles))
+            self.assertGreater(quartiles[1], 1, "steepest descent is no faster than conjugate gradients")
+            problems = tables[row["dataset"] + "_problems"]
+            self.assertEqual(len(problems), int(row["problems"]))
+            unfinished = sum(1 for p in problems if p["cg_iterations"] == "-1")
+            self.assertAlmostEqual(float(row["cg_unfinished_share"]), unfinished / len(problems), places=3)
+            self.assertLess(float(row["cg_unfinished_share"]), 0.5)
+            ratios = [float(r["ratio"]) for r in tables[row["dataset"] + "_ratio"]]
+            self.assertEqual(len(ratios), len(problems) - unfinished)
+            self.assertEqual(ratios, sorted(ratios))
+            curves = tables[row["dataset"] + "_curves"]
+            self.assertEqual({(c["method"], c["shown"]) for c in curves}, {(m, s) for m in ("cg", "sd") for s in "123"})
+            for method in ("cg", "sd"):
+                errors = [float(c["error_over_best"]) for c in curves if (c["method"], c["shown"]) == (method, "1")]
+                self.assertEqual(errors, sorted(errors, reverse=True))  # what raises the error is not accepted
+                self.assertGreaterEqual(errors[-1], 0.9999)
+
+    def test_bad_config_and_unwritable_results(self):
+        text = self.config.read_text()
+        arguments = ("--config", f"experiments/{self.name}.toml", "--profile", "smoke")
+        self.config.write_text("surface_sid = 8\n" + text)
+        self.refused(*arguments, says=[f"experiments/{self.name}.toml:1: unknown key 'surface_sid'", "did you mean"])
+        self.config.write_text("surface_side = \n" + text)
+        self.refused(*arguments, says=[f"experiments/{self.name}.toml:1: ", "mend the line"])
+        self.config.write_text(text)
+        self.refused(*arguments, "--set", "nonsense=1", says=["--set nonsense=1: unknown key"])
+        self.refused(*arguments[:3], "smok", says=[f"experiments/{self.name}.toml: no profile 'smok'", "choose one of: "])
+        self.refused("--config", "experiments/none.toml", says=["experiments/none.toml: no such", "check the path"])
+        self.refused(says=["--config is required", "see --help"])
+        if "datasets" in text:
+            self.refused(*arguments, "--set", 'datasets=["cube"]', says=['"cube"', "there are star and bust"])
+        results = self.root / "results"
+        if results.exists():
+            results.rename(self.root / "kept")
+        results.write_text("a file where the results belong\n")
+        self.refused(*arguments, says=[f"results/{self.name}", "choose a writable folder"])
+        results.unlink()
+        if (self.root / "kept").exists():
+            (self.root / "kept").rename(results)
+
+
+if __name__ == "__main__":
+    ProgramTest.program, CHECKOUT = take_arguments(2)
+    unittest.main()
