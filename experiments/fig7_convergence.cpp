@@ -132,8 +132,8 @@ void write_rows(const ResultFolder& results, const Dataset& dataset, const Optio
                             fmt::format("{:.6g}", e / c.best[j])});
             }
         };
-        add("cg", cg, o.shown_cg);
-        add("sd", sd, o.shown_sd);
+        add("cg", cg, std::min(o.shown_cg, o.cap));
+        add("sd", sd, std::min(o.shown_sd, o.cap));
     }
     curves.commit();
 

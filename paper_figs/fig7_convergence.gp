@@ -1,7 +1,6 @@
 # Figure 7: convergence of three problems, and the ratio of iterations over all problems.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
-first = 'star'; second = 'bust'
 if (terminal eq 'svg') {
     set terminal svg size 1200,720 font 'DejaVu Sans,13' background 'white'
 } else {
@@ -9,7 +8,8 @@ if (terminal eq 'svg') {
 }
 set output output
 array color[3] = ['#0072b2', '#d55e00', '#009e73']
-set multiplot layout 2,3 title caption font ',11' margins 0.07,0.985,0.09,0.90 spacing 0.07,0.14
+set multiplot layout 2,3 title "{/:Bold Figure 7: error by iteration for three problems, and the ratio of iterations over all problems}\n" . caption \
+    margins 0.065,0.985,0.09,0.87 spacing 0.085,0.15
 set grid lc rgb '#dddddd'
 set border 3
 set tics nomirror
@@ -20,8 +20,8 @@ do for [shape in shapes] {
         name = method eq 'cg' ? 'conjugate gradients' : 'steepest descent'
         set title sprintf('%s, %s', shape, name)
         set xlabel 'iteration'
-        set ylabel 'error E_t over the best known'
-        set logscale y
+        set ylabel 'error E_t / best known' offset 1.5
+        set logscale y; set format y "%g"
         set yrange [0.97:*]
         set xrange [0:*]
         set key top right
@@ -29,8 +29,8 @@ do for [shape in shapes] {
              1.01 with lines dt 2 lc rgb '#888888' title '1.01 x best'
     }
     set title sprintf('%s, all problems', shape)
-    set xlabel 'iterations of steepest descent / of conjugate gradients'
-    set ylabel 'share of problems below'
+    set xlabel 'SD iterations / CG iterations'
+    set ylabel 'share of problems below' offset 0.5
     unset logscale y
     set yrange [0:1]
     set logscale x
