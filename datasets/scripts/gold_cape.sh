@@ -1,0 +1,58 @@
+#!/bin/sh
+# The Mold gold cape from photographs to a judged light field map: the figures and the picture of the README.
+# Usage: gold_cape.sh [--select] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+#   --select    chooses terms and weights anew, on every eighth training photograph (takes long); otherwise the choice
+#               made so earlier is used. The held-out photographs have no part in it.
+# The capture is looked for in $RADIAFIT_CAPTURES/mold_gold_cape (default ../shared/data).
+set -eu
+root=$(cd "$(dirname "$0")/../.." && pwd)
+select=0
+[ "${1:-}" = --select ] && select=1 && shift
+out=${1:-$root/datasets/packed}
+capture=${RADIAFIT_CAPTURES:-$root/../shared/data}/mold_gold_cape
+radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
+if [ ! -d "$capture" ]; then
+    echo "$capture is missing: set RADIAFIT_CAPTURES to the folder that holds mold_gold_cape" >&2
+    exit 2
+fi
+if [ ! -x "$radiafit" ]; then
+    echo "$radiafit is missing: run make build" >&2
+    exit 2
+fi
+mkdir -p "$out"
+
+import() {  # MODEL DATASET
+    "$radiafit" import colmap --model "$1" --images "$capture/images" --masks "$capture/masks" \
+        --mesh "$capture/mesh.obj" --gains estimate --name gold_cape -o "$2"
+}
+
+terms=3 surface=1e-2 view=0.1
+if [ $select = 1 ]; then
+    # The training photographs alone, every eighth of them held out in turn.
+    model=$(mktemp -d)
+    trap 'rm -rf "$model"' EXIT
+    cp "$capture/sparse/cameras.txt" "$model/"
+    grep -v '^#' "$capture/sparse/images.txt" | grep . | sort -k 10 | awk 'NR % 8 != 1 { print; print "" }' >"$model/images.txt"
+    import "$model" "$out/cape-selection" >/dev/null
+    best=-1
+    for k in 1 2 3; do
+        for ls in 1e-3 1e-2; do
+            for lv in 0.03 0.1 0.3; do
+                "$radiafit" fit "$out/cape-selection" --terms $k --lambda-surface $ls --lambda-view $lv -o "$out/cape-selection-fit" 2>/dev/null
+                psnr=$("$radiafit" judge "$out/cape-selection-fit" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["psnr"])')
+                echo "terms $k, lambda-surface $ls, lambda-view $lv: $psnr dB"
+                if [ "$(echo "$psnr $best" | awk '{ print ($1 > $2) }')" = 1 ]; then
+                    best=$psnr terms=$k surface=$ls view=$lv
+                fi
+            done
+        done
+    done
+    echo "chosen: terms $terms, lambda-surface $surface, lambda-view $view"
+fi
+
+import "$capture/sparse" "$out/cape"
+"$radiafit" fit "$out/cape" --terms 1 --lambda-surface $surface --lambda-view $view -o "$out/cape-fit1"
+"$radiafit" judge "$out/cape-fit1"
+"$radiafit" fit "$out/cape" --terms $terms --lambda-surface $surface --lambda-view $view -o "$out/cape-fit"
+"$radiafit" judge "$out/cape-fit"
+"$radiafit" render "$out/cape-fit" -o "$out/cape-view"
