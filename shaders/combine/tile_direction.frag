@@ -7,29 +7,47 @@
 #include "gather/maps.glsl"
 #include "combine/tile_at_one.glsl"
 layout(binding = 2) uniform MAPS surface;
-layout(binding = 4) uniform sampler2DArray residuals;
+layout(binding = 4) uniform sampler2D targets;
+layout(binding = 5) uniform sampler2DArray view_values;
+layout(binding = 10) uniform usampler2D tile_vertices;  // per tile
+layout(location = 9) uniform int columns;
 layout(location = 10) uniform int term;
 layout(location = 0) out vec4 product[3];
 #ifdef WITH_ERROR
 layout(location = 3) out vec4 error[3];
 #endif
+
+vec3 values[3 * TERMS];
+vec3 value_of(int corner, int k) { return values[corner * TERMS + k]; }
+#include "combine/residual3.glsl"
+
 void main() {
     ivec3 frame = tile_frame(whole_tile(), SIDE);
+    uvec3 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0).xyz;
+    for (int corner = 0; corner < 3; ++corner) {
+        int vertex = int(of_tile[corner]);
+        for (int k = 0; k < TERMS; ++k)
+            values[corner * TERMS + k] =
+                texelFetch(view_values, ivec3(vertex % columns, vertex / columns, k), 0).rgb;
+    }
     vec3 products[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 errors[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
     int rows = rows_to_visit();
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < SIDE - j; ++i) {
             ivec2 place = frame.xy + frame.z * ivec2(i, j);
+            vec4 taken = texelFetch(targets, place, 0);
+            vec3 weights = cell_barycentric(ivec2(i, j));
             for (int corner = 0; corner < 3; ++corner) {
-                vec4 sample_at = texelFetch(residuals, ivec3(place, corner), 0);
                 vec3 g = load(texelFetch(surface, ivec3(place, corner * TERMS + term), 0));
 #ifdef DIAGONAL
-                products[corner] += sample_at.a * g * g;
+                products[corner] += taken.a > 0.0 ? g * g : vec3(0.0);
 #else
-                products[corner] += lfm_gradient_view(sample_at.rgb, g);
+                vec3 r = residual_of(corner, taken.rgb, weights, place);
+                r = taken.a > 0.0 ? r : vec3(0.0);
+                products[corner] += lfm_gradient_view(r, g);
+                errors[corner] += r * r;
 #endif
-                errors[corner] += sample_at.rgb * sample_at.rgb;
             }
         }
     for (int corner = 0; corner < 3; ++corner) {

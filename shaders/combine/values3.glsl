@@ -1,8 +1,6 @@
 // What combine/map3.vert hands to fragments for its three corners: values of view maps; beyond 8 terms, which would not
 // fit into varyings, the places to fetch them from.
-#if defined(ONE_TERM)
-#define VALUES 3
-#elif TERMS > 8
+#if TERMS > 8
 #define VALUES 3
 #define VALUES_FETCHED
 #else

@@ -8,8 +8,8 @@ Defines operator+(Defines a, const Defines& b) {
     return a;
 }
 
-// Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS makes the residuals of
-// all corners and blends a gradient; one fragment per tile then loops over the tile's texels; what need not be told
+// Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS keeps the targets and
+// blends the gradients of all corners; one fragment per tile then loops over the tile's texels; what need not be told
 // apart by image is summed per tile over the whole sweep and gathered over the rings once, at its end.
 class CombinedPasses final : public ImagePasses {
 public:
@@ -33,7 +33,7 @@ private:
 
     PassWorld w_;
     ItemBuffer items_;
-    Texture residual_;                   // [3 corners] in SLS: rgb, alpha 1 where a sample is
+    Texture taken_;                      // in SLS: the target of each texel in this image, alpha 1 where there is one
     Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
     Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
     Texture product_;                    // per tile and corner: sum of r g_k in this image
@@ -52,7 +52,7 @@ private:
 CombinedPasses::CombinedPasses(const PassWorld& world)
     : w_(world),
       items_(world.mesh, world.max_width, world.max_height),
-      residual_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height(), 3),
+      taken_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height()),
       footprint_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, 2),
       view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
       view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
@@ -91,7 +91,7 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
 
     const Defines shape = w_.shape.defines(w_.storage);
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
-    const Defines square{{"DIAGONAL", ""}}, projected{{"PROJECTED", ""}}, one{{"ONE_TERM", ""}};
+    const Defines square{{"DIAGONAL", ""}}, projected{{"PROJECTED", ""}};
     const auto whole = [&](const std::string& fragment, const Defines& more) {
         return Program::draw("common/whole.vert", fragment, shape + more);
     };
@@ -107,7 +107,7 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     const int m = w_.shape.grid.view_side;
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = squares ? square : Defines{};
-        gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", shape + what + one);
+        gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", shape + what);
         scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", shape + what);
         scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
     }
@@ -115,7 +115,8 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
                              &quartic_program_, &count_program_})
         w_.mesh.set_layout(*program);
     for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1], &line_program_,
-                             &quartic_program_, &count_program_, &scatter_program_[0], &scatter_program_[1]})
+                             &quartic_program_, &count_program_, &scatter_program_[0], &scatter_program_[1],
+                             &tile_program_, &tile_error_program_, &tile_square_program_})
         program->set(9, w_.shape.grid.columns);
 }
 
@@ -131,7 +132,7 @@ void CombinedPasses::begin_sweep(MapSums* gradient, MapSums* squares) {
     };
     // The engine keeps its sums where they are, so framebuffers are made in its first sweep only.
     if (gradient && term_targets_.empty()) {
-        std::vector<Target> all{{&residual_, 0}, {&residual_, 1}, {&residual_, 2}};
+        std::vector<Target> all{{&taken_}};
         for (const Target& target : three(*gradient, 0)) all.push_back(target);
         direction_target_.push_back(Framebuffer(all));
         for (int term = 0; term < terms; ++term) term_targets_.push_back(Framebuffer(three(*gradient, term)));
@@ -211,14 +212,15 @@ void CombinedPasses::further_terms(const MapVector& x, const std::vector<Framebu
     const Program& surface = gradient_program_[squares];
     const Program& tile = squares ? tile_square_program_ : tile_program_;
     for (int term = first_term; term < w_.shape.terms(); ++term) {
-        residual_.bind(4);
+        taken_.bind(4);
         view_values_.bind(5);
+        x.surface().bind(2);
         surface.set(10, term);
         w_.run.bind(targets[size_t(term)], surface);
         w_.run.blend();
         w_.run.draw_tiles();
         w_.run.no_blend();
-        x.surface().bind(2);
+        tile_vertices_.bind(10);
         w_.gathers.drawn().bind(8);
         tile.set(10, term);
         w_.run.bind(product_target_, tile);
@@ -238,10 +240,11 @@ void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const M
         x.surface().bind(2);
         view_values_.bind(5);
         w_.run.bind(direction_target_.front(), direction_program_);
-        w_.run.blend_from(3, 6);
+        w_.run.blend_from(1, 4);
         w_.run.draw_tiles();
         w_.run.no_blend();
-        residual_.bind(4);
+        taken_.bind(4);
+        tile_vertices_.bind(10);
         w_.gathers.drawn().bind(8);
         w_.run.bind(product_error_target_, tile_error_program_);
         w_.run.blend_from(3, 6);
