@@ -9,7 +9,6 @@
 layout(binding = 2) uniform MAPS surface;
 layout(binding = 4) uniform sampler2D targets;
 layout(binding = 5) uniform sampler2DArray view_values;
-layout(binding = 10) uniform usampler2D tile_vertices;  // per tile
 layout(location = 9) uniform int columns;
 layout(location = 10) uniform int term;
 layout(location = 0) out vec4 product[3];
@@ -22,8 +21,8 @@ vec3 value_of(int corner, int k) { return values[corner * TERMS + k]; }
 #include "combine/residual3.glsl"
 
 void main() {
-    ivec3 frame = tile_frame(whole_tile(), SIDE);
-    uvec3 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0).xyz;
+    uvec4 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0);
+    ivec3 frame = tile_frame(int(of_tile.w), SIDE);
     for (int corner = 0; corner < 3; ++corner) {
         int vertex = int(of_tile[corner]);
         for (int k = 0; k < TERMS; ++k)

@@ -1,94 +1,101 @@
 #version 450 core
-// The sums along d of one corner's tiles for one image, blended over images: a tile's fragment projects each of its
-// texels, takes its pixel and adds its terms (Eq. 13). QUARTIC: the two further sums. COUNT: sum of L t and samples.
+// The sums along d of corners [FIRST, FIRST + CORNERS) of tiles for one image, blended over images: a tile's fragment
+// projects each of its texels, takes its pixel and adds its terms (Eq. 13). QUARTIC: with the two further sums. COUNT:
+// sum of L t and samples.
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
 #include "distribute/camera.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
 #include "combine/tile_at_one.glsl"
-layout(binding = 0) uniform usampler2D items;
-layout(binding = 1) uniform usampler2D image;
+#include "combine/take_item.glsl"
+#ifndef FIRST
+#define FIRST 0
+#define CORNERS 2
+#endif
 layout(binding = 2) uniform MAPS surface;
 layout(binding = 3) uniform MAPS surface_direction;
 layout(binding = 5) uniform sampler2DArray view_values;
 layout(binding = 6) uniform sampler2DArray view_slopes;
 layout(binding = 9) uniform sampler2DArray vertices;     // layer 0: position
-layout(binding = 10) uniform usampler2D tile_vertices;   // per tile
-layout(location = 5) uniform int layout_width;
-layout(location = 8) uniform int corner;
 layout(location = 9) uniform int columns;
-layout(location = 11) uniform float target_scale;
-layout(location = 12) uniform int widen;
 #ifdef COUNT
-layout(location = 0) out vec4 total;
+layout(location = 0) out vec4 total[CORNERS];
 #else
-layout(location = 0) out vec4 gauss_newton;
-layout(location = 1) out vec4 curvature;
+layout(location = 0) out vec4 gauss_newton[CORNERS];
+layout(location = CORNERS) out vec4 curvature[CORNERS];
 #ifdef QUARTIC
-layout(location = 2) out vec4 third;
-layout(location = 3) out vec4 fourth;
+layout(location = 2 * CORNERS) out vec4 third[CORNERS];
+layout(location = 3 * CORNERS) out vec4 fourth[CORNERS];
 #endif
 #endif
 
 ivec2 problem_of(uint vertex) { return ivec2(int(vertex) % columns, int(vertex) / columns); }
 
 void main() {
-    ivec3 frame = tile_frame(whole_tile(), SIDE);
-    uvec3 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0).xyz;
+    uvec4 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0);
+    ivec3 frame = tile_frame(int(of_tile.w), SIDE);
     vec3 q0 = project(texelFetch(vertices, ivec3(problem_of(of_tile.x), 0), 0).xyz);
     vec3 q1 = project(texelFetch(vertices, ivec3(problem_of(of_tile.y), 0), 0).xyz);
     vec3 q2 = project(texelFetch(vertices, ivec3(problem_of(of_tile.z), 0), 0).xyz);
-    ivec2 problem = problem_of(corner == 0 ? of_tile.x : corner == 1 ? of_tile.y : of_tile.z);
-    vec4 aa = vec4(0.0);
-    vec3 arb = vec3(0.0), ab = vec3(0.0), bb = vec3(0.0);
+    vec4 aa[CORNERS];
+    vec3 arb[CORNERS], ab[CORNERS], bb[CORNERS];
+    vec3 value[CORNERS * TERMS], slope[CORNERS * TERMS];
+    for (int c = 0; c < CORNERS; ++c) {
+        aa[c] = vec4(0.0);
+        arb[c] = ab[c] = bb[c] = vec3(0.0);
 #ifndef COUNT
-    vec3 value[TERMS], slope[TERMS];
-    for (int k = 0; k < TERMS; ++k) {
-        value[k] = texelFetch(view_values, ivec3(problem, k), 0).rgb;
-        slope[k] = texelFetch(view_slopes, ivec3(problem, k), 0).rgb;
-    }
+        ivec2 problem = problem_of(of_tile[FIRST + c]);
+        for (int k = 0; k < TERMS; ++k) {
+            value[c * TERMS + k] = texelFetch(view_values, ivec3(problem, k), 0).rgb;
+            slope[c * TERMS + k] = texelFetch(view_slopes, ivec3(problem, k), 0).rgb;
+        }
 #endif
+    }
     int rows = rows_to_visit();
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < SIDE - j; ++i) {
             ivec2 place = frame.xy + frame.z * ivec2(i, j);
             vec3 weights = cell_barycentric(ivec2(i, j));
-            precise vec3 q = weights.x * q0 + weights.y * q1 + weights.z * q2;
-            precise vec2 at = floor(q.xy / q.z);
-            bool inside = all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, image_size));
-            ivec2 pixel = inside ? ivec2(at) : ivec2(0);
-            uvec4 channels = texelFetch(image, pixel, 0);
-            bool present = inside && texelFetch(items, pixel, 0).r == uint(place.y * layout_width + place.x) &&
-                           channels.a != 0u;
-            vec3 t = (weights[corner] * target_scale) * vec3(channels.rgb * uint(widen));
+            vec3 target;
+            bool present = take_item(q0, q1, q2, weights, place, image_size, target);
+            for (int c = 0; c < CORNERS; ++c) {
+                vec3 t = weights[FIRST + c] * target;
 #ifdef COUNT
-            aa += present ? vec4(t, 1.0) : vec4(0.0);
+                aa[c] += present ? vec4(t, 1.0) : vec4(0.0);
 #else
-            vec3 r = -t, a = vec3(0.0), b = vec3(0.0);
-            for (int k = 0; k < TERMS; ++k) {
-                vec3 g = load(texelFetch(surface, ivec3(place, corner * TERMS + k), 0));
-                vec3 dg = load(texelFetch(surface_direction, ivec3(place, corner * TERMS + k), 0));
-                r += lfm_value(g, value[k]);
-                a += lfm_slope(g, value[k], dg, slope[k]);
-                b += lfm_bend(dg, slope[k]);
+                vec3 r = -t, a = vec3(0.0), b = vec3(0.0);
+                for (int k = 0; k < TERMS; ++k) {
+                    ivec3 at = ivec3(place, (FIRST + c) * TERMS + k);
+                    vec3 g = load(texelFetch(surface, at, 0)), h = value[c * TERMS + k];
+                    vec3 dg = load(texelFetch(surface_direction, at, 0)), dh = slope[c * TERMS + k];
+                    r += lfm_value(g, h);
+                    a += lfm_slope(g, h, dg, dh);
+                    b += lfm_bend(dg, dh);
+                }
+                // Where no pixel is taken all three are nothing, and so are their products.
+                r = present ? r : vec3(0.0);
+                a = present ? a : vec3(0.0);
+                b = present ? b : vec3(0.0);
+                aa[c].rgb += a * a;
+                arb[c] += a * a + 2.0 * r * b;
+#ifdef QUARTIC
+                ab[c] += a * b;
+                bb[c] += b * b;
+#endif
+#endif
             }
-            aa.rgb += present ? a * a : vec3(0.0);
-            arb += present ? a * a + 2.0 * r * b : vec3(0.0);
-#ifdef QUARTIC
-            ab += present ? a * b : vec3(0.0);
-            bb += present ? b * b : vec3(0.0);
-#endif
-#endif
         }
+    for (int c = 0; c < CORNERS; ++c) {
 #ifdef COUNT
-    total = aa;
+        total[c] = aa[c];
 #else
-    gauss_newton = vec4(aa.rgb, 0.0);
-    curvature = vec4(arb, 0.0);
+        gauss_newton[c] = vec4(aa[c].rgb, 0.0);
+        curvature[c] = vec4(arb[c], 0.0);
 #ifdef QUARTIC
-    third = vec4(ab, 0.0);
-    fourth = vec4(bb, 0.0);
+        third[c] = vec4(ab[c], 0.0);
+        fourth[c] = vec4(bb[c], 0.0);
 #endif
 #endif
+    }
 }

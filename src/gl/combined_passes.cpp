@@ -1,12 +1,9 @@
+#include <algorithm>
+
 #include "gl/image_passes.h"
 
 namespace radiafit {
 namespace {
-
-Defines operator+(Defines a, const Defines& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 // Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS keeps the targets and
 // blends the gradients of all corners; one fragment per tile then loops over the tile's texels; what need not be told
@@ -22,17 +19,29 @@ public:
     void end_sweep() override;
 
 private:
-    // Per tile sums over a sweep, [3 corners] in the layout of tiles of side 1.
+    // Per tile sums over a sweep, [3 corners] in the order of TileOrder::facing.
     enum TileSum { error, gauss_newton, curvature, third, fourth, target, tile_sums };
-    void begin_image(const ImageOnDevice& image, const Program& program);
+    void begin_image(const ImageOnDevice& image, const std::vector<const Program*>& programs);
     void look_up(const MapVector& x, const std::vector<Framebuffer>& targets);
     void further_terms(const MapVector& x, const std::vector<Framebuffer>& targets, MapSums& sums, bool squares,
                        int first_term);
     void ring_to_view(MapSums& sums, int term, bool squares);
-    void tile_pass(const ImageOnDevice& image, const Program& program, const std::vector<Framebuffer>& targets);
+    /// A pass of tile sums over some corners; at most 8 render targets allow no more than two with all quartic sums.
+    struct TilePass {
+        Program program;
+        Framebuffer target;
+    };
+    static std::vector<const Program*> programs_of(const std::vector<TilePass>& passes) {
+        std::vector<const Program*> programs;
+        for (const TilePass& pass : passes) programs.push_back(&pass.program);
+        return programs;
+    }
+    void make_tile_passes(std::vector<TilePass>& passes, const std::vector<TileSum>& sums, const Defines& defines);
+    void tile_passes(const std::vector<TilePass>& passes);
 
     PassWorld w_;
-    ItemBuffer items_;
+    ItemBuffer items_;  // with colours
+    TileMarks marks_;
     Texture taken_;                      // in SLS: the target of each texel in this image, alpha 1 where there is one
     Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
     Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
@@ -41,25 +50,25 @@ private:
     Texture tile_vertices_;
     Framebuffer footprint_target_, product_target_, product_error_target_;
     std::vector<Framebuffer> value_targets_, slope_targets_, sum_targets_[tile_sums];
-    std::vector<Framebuffer> line_targets_, quartic_targets_;                    // [corner]
+    std::vector<TilePass> line_passes_, quartic_passes_, count_passes_;
     std::vector<Framebuffer> direction_target_, term_targets_, square_targets_;  // [term]
     Program footprint_program_, look_up_program_, direction_program_, gradient_program_[2];
     Program tile_program_, tile_error_program_, tile_square_program_, scatter_program_[2];
-    Program line_program_, quartic_program_, count_program_;
     bool dirty_[tile_sums] = {};
 };
 
 CombinedPasses::CombinedPasses(const PassWorld& world)
     : w_(world),
-      items_(world.mesh, world.max_width, world.max_height),
+      items_(world.mesh, world.max_width, world.max_height, world.bits),
+      marks_(TilePlaces(*world.shape.atlas, TileOrder::facing)),
       taken_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height()),
       footprint_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, 2),
       view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
       view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
       footprint_target_({{&footprint_, 0}, {&footprint_, 1}}) {
     const int terms = w_.shape.terms();
-    const Texture& drawn = w_.gathers.drawn();
-    const auto per_tile = [&] { return Texture(GL_RGBA32F, drawn.width(), drawn.height(), 3); };
+    const TilePlaces& places = marks_.places();
+    const auto per_tile = [&] { return Texture(GL_RGBA32F, places.columns, places.rows, 3); };
     product_ = per_tile();
     for (Texture& sum : sums_) sum = per_tile();
     for (int sum = 0; sum < tile_sums; ++sum)
@@ -67,29 +76,22 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     product_target_ = Framebuffer({{&product_, 0}, {&product_, 1}, {&product_, 2}});
     product_error_target_ = Framebuffer(
         {{&product_, 0}, {&product_, 1}, {&product_, 2}, {&sums_[error], 0}, {&sums_[error], 1}, {&sums_[error], 2}});
-    for (int corner = 0; corner < 3; ++corner) {
-        line_targets_.push_back(Framebuffer({{&sums_[gauss_newton], corner}, {&sums_[curvature], corner}}));
-        quartic_targets_.push_back(Framebuffer({{&sums_[gauss_newton], corner},
-                                                {&sums_[curvature], corner},
-                                                {&sums_[third], corner},
-                                                {&sums_[fourth], corner}}));
-    }
     for (int term = 0; term < terms; ++term) {
         value_targets_.push_back(Framebuffer({{&view_values_, term}}));
         slope_targets_.push_back(Framebuffer({{&view_slopes_, term}}));
     }
 
     const TriangleAtlas& atlas = *w_.shape.atlas;
-    std::vector<uint32_t> of_tile(size_t(drawn.width()) * drawn.height() * 4);
+    std::vector<uint32_t> of_tile(size_t(places.columns) * size_t(places.rows) * 4);
     for (uint32_t t = 0; t < atlas.tile_count(); ++t) {
-        const uint32_t rectangle = t / 2, columns = uint32_t(drawn.width());
-        const size_t at = (2 * (rectangle / columns) + t % 2) * size_t(columns) + rectangle % columns;
-        for (size_t c = 0; c < 3; ++c) of_tile[4 * at + c] = atlas.mesh().triangles[t][c];
+        uint32_t* at = &of_tile[4 * size_t(places.of_tile[t])];
+        std::copy_n(atlas.mesh().triangles[t].begin(), 3, at);
+        at[3] = t;
     }
-    tile_vertices_ = Texture(GL_RGBA32UI, drawn.width(), drawn.height());
+    tile_vertices_ = Texture(GL_RGBA32UI, places.columns, places.rows);
     tile_vertices_.upload(GL_RGBA_INTEGER, GL_UNSIGNED_INT, of_tile.data());
 
-    const Defines shape = w_.shape.defines(w_.storage);
+    const Defines shape = w_.shape.defines(w_.storage) + Defines{{"COLOUR", std::to_string(w_.bits)}};
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
     const Defines square{{"DIAGONAL", ""}}, projected{{"PROJECTED", ""}};
     const auto whole = [&](const std::string& fragment, const Defines& more) {
@@ -101,9 +103,9 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     tile_program_ = whole("combine/tile_direction.frag", {});
     tile_error_program_ = whole("combine/tile_direction.frag", {{"WITH_ERROR", ""}});
     tile_square_program_ = whole("combine/tile_direction.frag", square);
-    line_program_ = whole("combine/tile_line.frag", {});
-    quartic_program_ = whole("combine/tile_line.frag", {{"QUARTIC", ""}});
-    count_program_ = whole("combine/tile_line.frag", {{"COUNT", ""}});
+    make_tile_passes(line_passes_, {gauss_newton, curvature}, shape);
+    make_tile_passes(quartic_passes_, {gauss_newton, curvature, third, fourth}, shape + Defines{{"QUARTIC", ""}});
+    make_tile_passes(count_passes_, {target}, shape + Defines{{"COUNT", ""}});
     const int m = w_.shape.grid.view_side;
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = squares ? square : Defines{};
@@ -111,13 +113,27 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
         scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", shape + what);
         scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
     }
-    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1], &line_program_,
-                             &quartic_program_, &count_program_})
+    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1]})
         w_.mesh.set_layout(*program);
-    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1], &line_program_,
-                             &quartic_program_, &count_program_, &scatter_program_[0], &scatter_program_[1],
-                             &tile_program_, &tile_error_program_, &tile_square_program_})
+    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1], &scatter_program_[0],
+                             &scatter_program_[1], &tile_program_, &tile_error_program_, &tile_square_program_})
         program->set(9, w_.shape.grid.columns);
+}
+
+void CombinedPasses::make_tile_passes(std::vector<TilePass>& passes, const std::vector<TileSum>& sums,
+                                      const Defines& defines) {
+    const int most = std::min(3, 8 / int(sums.size()));
+    for (int first = 0; first < 3; first += most) {
+        const int corners = std::min(most, 3 - first);
+        std::vector<Target> targets;
+        for (TileSum sum : sums)
+            for (int corner = first; corner < first + corners; ++corner) targets.push_back({&sums_[sum], corner});
+        const Defines which{{"FIRST", std::to_string(first)}, {"CORNERS", std::to_string(corners)}};
+        passes.push_back(
+            {Program::draw("common/whole.vert", "combine/tile_line.frag", defines + which), Framebuffer(targets)});
+        w_.mesh.set_layout(passes.back().program);
+        passes.back().program.set(9, w_.shape.grid.columns);
+    }
 }
 
 void CombinedPasses::begin_sweep(MapSums* gradient, MapSums* squares) {
@@ -145,18 +161,22 @@ void CombinedPasses::end_sweep() {
     constexpr Sum sums[tile_sums] = {Sum::residual, Sum::gauss_newton, Sum::curvature,
                                      Sum::third,    Sum::fourth,       Sum::target};
     for (int sum = 0; sum < tile_sums; ++sum)
-        if (dirty_[sum]) w_.gathers.rings(w_.run, sums_[sum], w_.problems.sum_target(sums[sum]), Gather::sum, true);
+        if (dirty_[sum])
+            w_.gathers.rings(w_.run, sums_[sum], w_.problems.sum_target(sums[sum]), Gather::sum, true,
+                             TileOrder::facing);
 }
 
-void CombinedPasses::begin_image(const ImageOnDevice& image, const Program& program) {
-    SlsMesh::set_camera(program, *image.camera);
-    program.set(11, image.target_scale);
-    program.set(12, image.bits == 8 ? 257 : 1);
+void CombinedPasses::begin_image(const ImageOnDevice& image, const std::vector<const Program*>& programs) {
+    for (const Program* program : programs) {
+        SlsMesh::set_camera(*program, *image.camera);
+        program->set(11, image.target_scale);
+    }
     w_.mesh.select(image.camera);
+    image.texture->bind(1);
     items_.draw(*image.camera);
     ++w_.run.counters.draws;
     ++w_.run.counters.framebuffer_switches;
-    w_.gathers.mark_tiles(w_.run);
+    marks_.update(w_.mesh);
     set_eye(footprint_program_, *image.camera);
     w_.vertices.bind(9);
     w_.run.bind(footprint_target_, footprint_program_);
@@ -173,17 +193,14 @@ void CombinedPasses::look_up(const MapVector& x, const std::vector<Framebuffer>&
     }
 }
 
-void CombinedPasses::tile_pass(const ImageOnDevice& image, const Program& program,
-                               const std::vector<Framebuffer>& targets) {
+void CombinedPasses::tile_passes(const std::vector<TilePass>& passes) {
     items_.items().bind(0);
-    image.texture->bind(1);
-    w_.gathers.drawn().bind(8);
+    marks_.bind(8);
     w_.vertices.bind(9);
     tile_vertices_.bind(10);
     w_.run.blend();
-    for (int corner = 0; corner < 3; ++corner) {
-        program.set(8, corner);
-        w_.run.bind(targets[size_t(corner)], program);
+    for (const TilePass& pass : passes) {
+        w_.run.bind(pass.target, pass.program);
         w_.run.draw_whole();
     }
     w_.run.no_blend();
@@ -192,13 +209,13 @@ void CombinedPasses::tile_pass(const ImageOnDevice& image, const Program& progra
 void CombinedPasses::count(const std::vector<ImageOnDevice>& images) {
     dirty_[target] = true;
     for (const ImageOnDevice& image : images) {
-        begin_image(image, count_program_);
-        tile_pass(image, count_program_, sum_targets_[target]);
+        begin_image(image, programs_of(count_passes_));
+        tile_passes(count_passes_);
     }
 }
 
 void CombinedPasses::ring_to_view(MapSums& sums, int term, bool squares) {
-    w_.gathers.rings(w_.run, product_, w_.problems.ring_target, Gather::sum, false);
+    w_.gathers.rings(w_.run, product_, w_.problems.ring_target, Gather::sum, false, TileOrder::facing);
     w_.problems.ring.bind(7);
     footprint_.bind(10);
     w_.run.bind(sums.view_targets[size_t(term)], scatter_program_[squares]);
@@ -221,7 +238,7 @@ void CombinedPasses::further_terms(const MapVector& x, const std::vector<Framebu
         w_.run.draw_tiles();
         w_.run.no_blend();
         tile_vertices_.bind(10);
-        w_.gathers.drawn().bind(8);
+        marks_.bind(8);
         tile.set(10, term);
         w_.run.bind(product_target_, tile);
         w_.run.draw_whole();
@@ -233,10 +250,9 @@ void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const M
                                MapSums* squares) {
     dirty_[error] = true;
     for (const ImageOnDevice& image : images) {
-        begin_image(image, direction_program_);
+        begin_image(image, {&direction_program_});
         look_up(x, value_targets_);
         items_.items().bind(0);
-        image.texture->bind(1);
         x.surface().bind(2);
         view_values_.bind(5);
         w_.run.bind(direction_target_.front(), direction_program_);
@@ -245,7 +261,7 @@ void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const M
         w_.run.no_blend();
         taken_.bind(4);
         tile_vertices_.bind(10);
-        w_.gathers.drawn().bind(8);
+        marks_.bind(8);
         w_.run.bind(product_error_target_, tile_error_program_);
         w_.run.blend_from(3, 6);
         w_.run.draw_whole();
@@ -260,16 +276,16 @@ void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVec
                           bool quartic) {
     dirty_[gauss_newton] = dirty_[curvature] = true;
     dirty_[third] = dirty_[fourth] = quartic;
-    const Program& program = quartic ? quartic_program_ : line_program_;
+    const std::vector<TilePass>& passes = quartic ? quartic_passes_ : line_passes_;
     for (const ImageOnDevice& image : images) {
-        begin_image(image, program);
+        begin_image(image, programs_of(passes));
         look_up(x, value_targets_);
         look_up(d, slope_targets_);
         x.surface().bind(2);
         d.surface().bind(3);
         view_values_.bind(5);
         view_slopes_.bind(6);
-        tile_pass(image, program, quartic ? quartic_targets_ : line_targets_);
+        tile_passes(passes);
     }
 }
 

@@ -57,7 +57,8 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     map_passes_->prepare(vectors_);
 
     const auto [width, height] = largest_image(dataset, views_);
-    const PassWorld world{shape_, mesh_, run_, gathers_, problems_, vertices_, storage, options.lookup, width, height};
+    const PassWorld world{shape_,  mesh_,          run_,  gathers_, problems_,     vertices_,
+                          storage, options.lookup, width, height,   stream_.bits()};
     image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
     // Two batches of slots: one is filled while the other is read.
     images_.resize(size_t(image_passes_->batch()));
@@ -97,7 +98,7 @@ void FragmentEngine::sweep(const Body& body) {
     }
     image_passes_->end_sweep();
     mesh_.select(nullptr);
-    gathers_.mark_tiles(run_);
+    gathers_.mark_tiles(mesh_);
     gl().Finish();
     ++times_.sweeps;
     times_.stream_s += stream_.seconds() - streamed;

@@ -20,10 +20,14 @@ uint32_t packed(int x, int y, int layer) { return uint32_t(x) | uint32_t(y) << 1
 
 }  // namespace
 
-Gathers::Gathers(const MapShape& shape) {
+Gathers::Gathers(const MapShape& shape) : marks_(TilePlaces(*shape.atlas, TileOrder::layout)) {
     make_tile_levels(shape);
-    make_marks(shape);
-    make_ring_levels(shape);
+    make_ring_levels(shape, TileOrder::layout);
+    make_ring_levels(shape, TileOrder::facing);
+    for (Gather gather : all_gathers)
+        ring_programs_[int(gather)] =
+            Program::draw("common/whole.vert", "gather/ring_sum.frag",
+                          with({}, gather == Gather::maximum ? Gather::maximum : Gather::sum));
     make_view_levels(shape);
 }
 
@@ -51,25 +55,15 @@ void Gathers::make_tile_levels(const MapShape& shape) {
     }
 }
 
-void Gathers::make_marks(const MapShape& shape) {
-    const int columns = shape.atlas->rectangles_per_row();
-    drawn_ = Texture(GL_R32F, columns, 2 * (shape.atlas->height() / (shape.atlas->side() + 1)));
-    drawn_target_ = Framebuffer({{&drawn_}});
-    drawn_program_ = Program::draw("distribute/tile.vert", "gather/drawn.frag",
-                                   {{"SIDE", "1"}, {"RECTANGLES", std::to_string(columns)}});
-    drawn_program_.set2(6, float(drawn_.width()), float(drawn_.height()));
-}
-
-void Gathers::make_ring_levels(const MapShape& shape) {
+void Gathers::make_ring_levels(const MapShape& shape, TileOrder order) {
     const size_t vertices = shape.layout->problem_count();
-    const int tile_columns = 2 * shape.atlas->rectangles_per_row();
+    const TilePlaces places(*shape.atlas, order);
     // entries[v]: places of what the next level sums for v
     std::vector<std::vector<uint32_t>> entries(vertices);
     for (size_t v = 0; v < vertices; ++v)
         for (const Corner& c : shape.rings->ring(v)) {
-            // A tile of side 1 in its rectangle of 1 x 2: the even tile on row 0, the odd one on row 1.
-            const int x = int(c.triangle) % tile_columns / 2, y = 2 * (int(c.triangle) / tile_columns);
-            entries[v].push_back(packed(x, y + int(c.triangle % 2), int(c.corner)));
+            const int place = int(places.of_tile[c.triangle]);
+            entries[v].push_back(packed(place % places.columns, place / places.columns, int(c.corner)));
         }
     for (bool last = false; !last;) {
         size_t longest = 0;
@@ -103,12 +97,8 @@ void Gathers::make_ring_levels(const MapShape& shape) {
                 for (size_t n : of_vertex[v]) entries[v].push_back(packed(int(n) % columns, int(n) / columns, 0));
             }
         }
-        ring_levels_.push_back(std::move(level));
+        ring_levels_[int(order)].push_back(std::move(level));
     }
-    for (Gather gather : all_gathers)
-        ring_programs_[int(gather)] =
-            Program::draw("common/whole.vert", "gather/ring_sum.frag",
-                          with({}, gather == Gather::maximum ? Gather::maximum : Gather::sum));
 }
 
 void Gathers::make_view_levels(const MapShape& shape) {
@@ -128,15 +118,9 @@ void Gathers::make_view_levels(const MapShape& shape) {
     }
 }
 
-void Gathers::mark_tiles(PassRunner& run) {
-    run.clear(drawn_target_);
-    run.bind(drawn_target_, drawn_program_);
-    run.draw_tiles();
-}
-
 void Gathers::tiles(PassRunner& run, const Texture& source, int corner, Gather gather) {
     const Texture* from = &source;
-    drawn_.bind(8);
+    marks_.bind(8);
     for (TileLevel& level : tile_levels_) {
         const Program& program = level.programs[int(gather)];
         from->bind(7);
@@ -147,12 +131,14 @@ void Gathers::tiles(PassRunner& run, const Texture& source, int corner, Gather g
     }
 }
 
-void Gathers::rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend) {
+void Gathers::rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend,
+                    TileOrder order) {
     const Texture* from = &source;
     const Program& program = ring_programs_[int(gather)];
-    for (size_t i = 0; i < ring_levels_.size(); ++i) {
-        RingLevel& level = ring_levels_[i];
-        const bool last = i + 1 == ring_levels_.size();
+    std::vector<RingLevel>& levels = ring_levels_[int(order)];
+    for (size_t i = 0; i < levels.size(); ++i) {
+        RingLevel& level = levels[i];
+        const bool last = i + 1 == levels.size();
         from->bind(7);
         level.table.bind(8);
         run.bind(last ? target : level.target, program);

@@ -3,6 +3,7 @@
 
 #include "gl/map_vector.h"
 #include "gl/pass_runner.h"
+#include "gl/tile_places.h"
 
 namespace radiafit {
 
@@ -17,13 +18,12 @@ public:
 
     /// The tile sums of one corner of `source` (a 3-layer array in the SLS layout), for the tiles that the mesh draws.
     /// mark_tiles() must be called whenever it draws others than before.
-    void mark_tiles(PassRunner& run);
-    const Texture& drawn() const { return drawn_; }
+    void mark_tiles(const SlsMesh& mesh) { marks_.update(mesh); }
     const Texture& tile_sums() const { return tile_levels_.back().sums; }
     void tiles(PassRunner& run, const Texture& source, int corner, Gather gather);
-    /// Ring sums of `source`, one value per tile and corner such as tile_sums(), into `target` (M texels), through
-    /// whatever blending is on.
-    void rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend);
+    /// Ring sums of `source`, one value per tile and corner such as tile_sums(), into `target` (M texels).
+    void rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend,
+               TileOrder order = TileOrder::layout);
     /// Sums over view maps (`source`: one layer) into `target` (M texels), blended.
     void views(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather);
 
@@ -45,17 +45,14 @@ private:
         Program programs[3];
     };
     void make_tile_levels(const MapShape& shape);
-    void make_marks(const MapShape& shape);
-    void make_ring_levels(const MapShape& shape);
+    void make_ring_levels(const MapShape& shape, TileOrder order);
     void make_view_levels(const MapShape& shape);
 
     std::vector<TileLevel> tile_levels_;
-    std::vector<RingLevel> ring_levels_;
+    std::vector<RingLevel> ring_levels_[2];  ///< by TileOrder
     std::vector<ViewLevel> view_levels_;
     Program ring_programs_[3];
-    Texture drawn_;  ///< one texel per tile, in the layout of tiles of side 1
-    Framebuffer drawn_target_;
-    Program drawn_program_;
+    TileMarks marks_;
 };
 
 }  // namespace radiafit

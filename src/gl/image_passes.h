@@ -54,6 +54,7 @@ struct PassWorld {
     Storage storage;
     ViewLookup lookup;
     int max_width, max_height;  ///< of the images
+    int bits;                   ///< per channel
 };
 
 /// The camera's centre for shaders/gather/footprint.frag: each coordinate as the sum of two floats.

@@ -61,11 +61,6 @@ private:
     Program line_program_[4];
 };
 
-Defines operator+(Defines a, const Defines& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
-
 PaperPasses::PaperPasses(const PassWorld& world)
     : w_(world),
       items_(world.mesh, world.max_width, world.max_height),
@@ -124,7 +119,7 @@ void PaperPasses::begin_image(const ImageOnDevice& image) {
     w_.vertices.bind(9);
     w_.run.bind(footprint_target_, footprint_program_);
     w_.run.draw_whole();
-    w_.gathers.mark_tiles(w_.run);
+    w_.gathers.mark_tiles(w_.mesh);
 }
 
 // h_k of every vertex, one pass per term.

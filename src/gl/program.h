@@ -10,6 +10,10 @@ namespace radiafit {
 
 /// Preprocessor definitions put before a shader's text.
 using Defines = std::vector<std::pair<std::string, std::string>>;
+inline Defines operator+(Defines a, const Defines& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
 
 /// Where shader texts live: RADIAFIT_SHADERS if set, else the shaders/ folder of the sources this was built from.
 std::string shader_folder();

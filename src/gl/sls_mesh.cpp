@@ -14,6 +14,7 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         if (atlas.degenerate(t)) continue;
         const auto& [i0, i1, i2] = mesh.triangles[t];
+        of_triangle_.push_back(t);
         points_.push_back(mesh.positions[i0]);
         normals_.push_back((mesh.positions[i1] - mesh.positions[i0]).cross(mesh.positions[i2] - mesh.positions[i0]));
         for (int repeat = 0; repeat < 3; ++repeat) {
@@ -23,6 +24,7 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
         }
     }
     count_ = static_cast<int>(tiles.size());
+    drawn_tiles_ = of_triangle_;
     elements_ = Buffer(tiles.size() * sizeof(uint32_t), nullptr, true);
     array_.elements(elements_);
     selected_.reserve(tiles.size());
@@ -38,15 +40,20 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
 
 void SlsMesh::select(const Camera* camera) {
     drawn_ = 0;
-    if (!camera) return;
+    if (!camera) {
+        drawn_tiles_ = of_triangle_;
+        return;
+    }
     const Vec3f eye = camera->center().cast<float>();
     selected_.clear();
+    drawn_tiles_.clear();
     for (uint32_t i = 0; i < points_.size(); ++i) {
         const Vec3f to_eye = eye - points_[i];
         // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
         const float facing = normals_[i].dot(to_eye);
         if (facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm()) continue;
         selected_.insert(selected_.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+        drawn_tiles_.push_back(of_triangle_[i]);
     }
     drawn_ = static_cast<int>(selected_.size());
     elements_.write(0, selected_.size() * sizeof(uint32_t), selected_.data());
@@ -79,12 +86,16 @@ void SlsMesh::set_camera(const Program& program, const Camera& camera) {
     program.set2(3, float(camera.width), float(camera.height));
 }
 
-ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height)
+ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits)
     : mesh_(&mesh),
-      items_(GL_R32UI, max_width, max_height),
+      items_(bits == 16  ? GL_RGBA32UI
+             : bits == 8 ? GL_RG32UI
+                         : GL_R32UI,
+             max_width, max_height),
       depth_(GL_DEPTH_COMPONENT32F, max_width, max_height),
       framebuffer_({{&items_}}, &depth_),
-      program_(Program::draw("distribute/item.vert", "distribute/item.frag", mesh.defines())) {
+      program_(Program::draw("distribute/item.vert", "distribute/item.frag",
+                             bits ? mesh.defines() + Defines{{"COLOUR", std::to_string(bits)}} : mesh.defines())) {
     mesh.set_layout(program_);
 }
 

@@ -16,6 +16,7 @@ public:
     void select(const Camera* camera);
     void draw() const;  ///< as triangles, with whatever program is in use
     const TriangleAtlas& atlas() const { return *atlas_; }
+    const std::vector<uint32_t>& drawn_tiles() const { return drawn_tiles_; }
     /// SIDE and RECTANGLES for shaders/distribute/tiles.glsl.
     Defines defines() const {
         return {{"SIDE", std::to_string(atlas_->side())}, {"RECTANGLES", std::to_string(atlas_->rectangles_per_row())}};
@@ -30,15 +31,19 @@ private:
     VertexArray array_;
     Buffer elements_;
     std::vector<Vec3f> normals_, points_;  ///< per drawn triangle: any length, and one of its vertices
-    std::vector<uint32_t> selected_;
+    std::vector<uint32_t> of_triangle_;    ///< per drawn triangle: its tile
+    std::vector<uint32_t> selected_, drawn_tiles_;
     int count_ = 0, drawn_ = 0;
 };
 
 /// Pass 1 of Section 5.1.1. Items are row * layout width + column of a texel's place in SLS; 0xffffffff is none.
 class ItemBuffer {
 public:
-    ItemBuffer(const SlsMesh& mesh, int max_width, int max_height);
-    /// Draws into rows [0, height) and columns [0, width); image row 0 is framebuffer row 0.
+    /// `bits` 8 or 16: items carry their pixels' colours, RG32UI (item, r | g << 8 | b << 16) or RGBA32UI (item, r | g
+    /// << 16, b), and a pixel outside the mask is none. 0: items alone, R32UI.
+    ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits = 0);
+    /// Draws into rows [0, height) and columns [0, width); image row 0 is framebuffer row 0. Colours come from the
+    /// image bound to unit 1.
     void draw(const Camera& camera) const;
     const Texture& items() const { return items_; }
 
