@@ -90,7 +90,11 @@ TEST(Parallel, NoWorkerIndexIsUsedTwiceAtOnceEvenWhenNested) {
     std::vector<std::atomic<int>> inside(4);
     std::atomic<int> inner_calls = 0;
     std::atomic<bool> kept = true;
+    std::atomic<int> arrived = 0;
     parallel_for(64, 1, [&](size_t, int worker) {
+        arrived++;  // no body ends before all four workers are inside one, so that worker 0 can't do it all
+        const Stopwatch watch;
+        while (arrived < 4 && watch.wall_s() < 20) std::this_thread::yield();
         if (inside[static_cast<size_t>(worker)]++ != 0) kept = false;
         parallel_for(5, 1, [&](size_t, int inner) {
             inner_calls++;
