@@ -26,7 +26,7 @@ import() {  # MODEL DATASET
         --mesh "$capture/mesh.obj" --gains estimate --name gold_cape -o "$2"
 }
 
-terms=3 surface=1e-2 view=0.1
+terms=3 surface=1e-3 view=0.1
 if [ $select = 1 ]; then
     # The training photographs alone, every eighth of them held out in turn.
     model=$(mktemp -d)

@@ -82,7 +82,7 @@ void save(const std::string& folder, const Dataset& dataset, const FitRequest& r
         {"optimization_s", t.optimization},
         {"total_s", t.total},
         {"sweep_cpu_ms_per_image", outcome.sweep_cpu_ms_per_image},
-                                                    {"unaccounted_s",
+        {"unaccounted_s",
          t.total - t.distribution - t.streaming -
              t.optimization}}.dump();
     write_fit(folder, outcome.fit, dataset.mesh, [&](const std::filesystem::path& inside) {
