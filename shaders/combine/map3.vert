@@ -4,7 +4,7 @@
 #include "gather/maps.glsl"
 #include "combine/values3.glsl"
 
-layout(location = 9) uniform int columns;
+const int columns = COLUMNS;
 layout(binding = 5) uniform sampler2DArray view_values;
 layout(location = 4) in uvec3 vertices;
 layout(location = 5) flat out vec3 value[VALUES];

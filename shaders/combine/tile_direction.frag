@@ -5,12 +5,17 @@
 #include "model/lfm.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
+#include "combine/target_of.glsl"
 #include "combine/tile_at_one.glsl"
 layout(binding = 2) uniform MAPS surface;
-layout(binding = 4) uniform sampler2D targets;
+layout(binding = 4) uniform usampler2D colours;  // that texels take; alpha 1 where one is
 layout(binding = 5) uniform sampler2DArray view_values;
-layout(location = 9) uniform int columns;
+const int columns = COLUMNS;
+#if defined(WITH_ERROR) || TERMS == 1
+const int term = 0;  // a constant, so that residuals and gradient share their look-ups
+#else
 layout(location = 10) uniform int term;
+#endif
 layout(location = 0) out vec4 product[3];
 #ifdef WITH_ERROR
 layout(location = 3) out vec4 error[3];
@@ -35,15 +40,16 @@ void main() {
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < SIDE - j; ++i) {
             ivec2 place = frame.xy + frame.z * ivec2(i, j);
-            vec4 taken = texelFetch(targets, place, 0);
+            uvec4 taken = texelFetch(colours, place, 0);
+            vec3 target = target_of(taken.rgb);
             vec3 weights = cell_barycentric(ivec2(i, j));
             for (int corner = 0; corner < 3; ++corner) {
                 vec3 g = load(texelFetch(surface, ivec3(place, corner * TERMS + term), 0));
 #ifdef DIAGONAL
-                products[corner] += taken.a > 0.0 ? g * g : vec3(0.0);
+                products[corner] += taken.a != 0u ? g * g : vec3(0.0);
 #else
-                vec3 r = residual_of(corner, taken.rgb, weights, place);
-                r = taken.a > 0.0 ? r : vec3(0.0);
+                vec3 r = residual_of(corner, target, weights, place);
+                r = taken.a != 0u ? r : vec3(0.0);
                 products[corner] += lfm_gradient_view(r, g);
                 errors[corner] += r * r;
 #endif

@@ -18,7 +18,7 @@ layout(binding = 3) uniform MAPS surface_direction;
 layout(binding = 5) uniform sampler2DArray view_values;
 layout(binding = 6) uniform sampler2DArray view_slopes;
 layout(binding = 9) uniform sampler2DArray vertices;     // layer 0: position
-layout(location = 9) uniform int columns;
+const int columns = COLUMNS;
 #ifdef COUNT
 layout(location = 0) out vec4 total[CORNERS];
 #else
@@ -57,8 +57,9 @@ void main() {
         for (int i = 0; i < SIDE - j; ++i) {
             ivec2 place = frame.xy + frame.z * ivec2(i, j);
             vec3 weights = cell_barycentric(ivec2(i, j));
-            vec3 target;
-            bool present = take_item(q0, q1, q2, weights, place, image_size, target);
+            uvec3 channels;
+            bool present = take_item(q0, q1, q2, weights, place, image_size, channels);
+            vec3 target = target_of(channels);
             for (int c = 0; c < CORNERS; ++c) {
                 vec3 t = weights[FIRST + c] * target;
 #ifdef COUNT

@@ -9,7 +9,7 @@
 #endif
 
 layout(location = 8) uniform int corner;
-layout(location = 9) uniform int columns;  // problems per row of M-texel textures
+const int columns = COLUMNS;
 layout(location = 10) uniform int term;
 
 layout(location = 4) in uvec3 vertices;

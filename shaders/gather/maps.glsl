@@ -11,6 +11,11 @@
 #define VIEW_SIDE 8
 #endif
 
+// Problems per row of M-texel textures; a constant, because dividing by a variable costs more than a look-up.
+#ifndef COLUMNS
+#define COLUMNS 64
+#endif
+
 #if STORAGE == 1
 #define MAPS usampler2DArray
 #define STORED uvec2

@@ -5,7 +5,7 @@
 namespace radiafit {
 namespace {
 
-// Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS keeps the targets and
+// Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS keeps the colours and
 // blends the gradients of all corners; one fragment per tile then loops over the tile's texels; what need not be told
 // apart by image is summed per tile over the whole sweep and gathered over the rings once, at its end.
 class CombinedPasses final : public ImagePasses {
@@ -42,8 +42,8 @@ private:
     PassWorld w_;
     ItemBuffer items_;  // with colours
     TileMarks marks_;
-    Texture taken_;                      // in SLS: the target of each texel in this image, alpha 1 where there is one
-    Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
+    Texture taken_;      // in SLS: the colour that each texel takes in this image, alpha 1 where it does
+    Texture footprint_;  // per vertex, in this image: weights of four view texels; the first of them
     Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
     Texture product_;                    // per tile and corner: sum of r g_k in this image
     Texture sums_[tile_sums];
@@ -61,7 +61,7 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     : w_(world),
       items_(world.mesh, world.max_width, world.max_height, world.bits),
       marks_(TilePlaces(*world.shape.atlas, TileOrder::facing)),
-      taken_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height()),
+      taken_(world.bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, world.shape.atlas->width(), world.shape.atlas->height()),
       footprint_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, 2),
       view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
       view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
@@ -115,9 +115,6 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     }
     for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1]})
         w_.mesh.set_layout(*program);
-    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1], &scatter_program_[0],
-                             &scatter_program_[1], &tile_program_, &tile_error_program_, &tile_square_program_})
-        program->set(9, w_.shape.grid.columns);
 }
 
 void CombinedPasses::make_tile_passes(std::vector<TilePass>& passes, const std::vector<TileSum>& sums,
@@ -132,7 +129,6 @@ void CombinedPasses::make_tile_passes(std::vector<TilePass>& passes, const std::
         passes.push_back(
             {Program::draw("common/whole.vert", "combine/tile_line.frag", defines + which), Framebuffer(targets)});
         w_.mesh.set_layout(passes.back().program);
-        passes.back().program.set(9, w_.shape.grid.columns);
     }
 }
 
@@ -220,7 +216,7 @@ void CombinedPasses::ring_to_view(MapSums& sums, int term, bool squares) {
     footprint_.bind(10);
     w_.run.bind(sums.view_targets[size_t(term)], scatter_program_[squares]);
     w_.run.blend();
-    w_.run.draw_quads(w_.shape.layout->problem_count());
+    w_.run.draw_points(w_.shape.layout->problem_count());
     w_.run.no_blend();
 }
 
@@ -250,7 +246,7 @@ void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const M
                                MapSums* squares) {
     dirty_[error] = true;
     for (const ImageOnDevice& image : images) {
-        begin_image(image, {&direction_program_});
+        begin_image(image, {&direction_program_, &gradient_program_[0], &tile_program_, &tile_error_program_});
         look_up(x, value_targets_);
         items_.items().bind(0);
         x.surface().bind(2);

@@ -21,7 +21,6 @@ MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run
         defines.insert(defines.end(), more.begin(), more.end());
         pair.program[surface] = Program::draw("gather/map.vert", "optimize/" + fragment, defines);
         mesh.set_layout(pair.program[surface]);
-        pair.program[surface].set(9, shape.grid.columns);
         defines.push_back({"VIEW_MAPS", ""});
         pair.program[view] = Program::draw("common/whole.vert", "optimize/" + fragment, defines);
         for (const Program& program : pair.program) {

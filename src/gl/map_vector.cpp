@@ -20,6 +20,7 @@ ProblemGrid::ProblemGrid(size_t vertices, int side) : view_side(side) {
 Defines MapShape::defines(Storage storage) const {
     return {{"TERMS", std::to_string(terms())},
             {"VIEW_SIDE", std::to_string(grid.view_side)},
+            {"COLUMNS", std::to_string(grid.columns)},
             {"SIDE", std::to_string(atlas->side())},
             {"RECTANGLES", std::to_string(atlas->rectangles_per_row())},
             {"STORAGE", std::to_string(int(storage))}};

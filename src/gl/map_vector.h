@@ -35,7 +35,7 @@ struct MapShape {
     ProblemGrid grid;
     int terms() const { return layout->terms(); }
     int surface_layers() const { return 3 * terms(); }
-    /// TERMS, VIEW_SIDE, SIDE, STORAGE
+    /// TERMS, VIEW_SIDE, COLUMNS, SIDE, RECTANGLES, STORAGE
     Defines defines(Storage storage) const;
 };
 

@@ -95,7 +95,6 @@ PaperPasses::PaperPasses(const PassWorld& world)
         scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
         const int m = w_.shape.grid.view_side;
         scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
-        scatter_program_[squares].set(9, w_.shape.grid.columns);
     }
     for (int quantity = 0; quantity < 4; ++quantity)
         line_program_[quantity] =
@@ -105,7 +104,6 @@ PaperPasses::PaperPasses(const PassWorld& world)
          {&target_program_, &residual_program_, &surface_program_[0], &surface_program_[1], &product_program_[0],
           &product_program_[1], &line_program_[0], &line_program_[1], &line_program_[2], &line_program_[3]}) {
         w_.mesh.set_layout(*program);
-        program->set(9, w_.shape.grid.columns);
     }
 }
 
@@ -184,7 +182,7 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
         footprint_.bind(10);
         w_.run.bind(sums.view_targets[size_t(term)], scatter);
         w_.run.blend();
-        w_.run.draw_quads(w_.shape.layout->problem_count());
+        w_.run.draw_points(w_.shape.layout->problem_count());
         w_.run.no_blend();
     }
 }

@@ -39,9 +39,11 @@ public:
         mesh_->draw();
         ++counters.draws;
     }
-    void draw_quads(size_t count) {
+    /// Points of the size that the vertex stage gives them.
+    void draw_points(size_t count) {
         empty_.bind();
-        gl().DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(6 * count));
+        gl().Enable(GL_PROGRAM_POINT_SIZE);
+        gl().DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count));
         ++counters.draws;
     }
     void blend(GLenum equation = GL_FUNC_ADD) {
