@@ -37,7 +37,10 @@ Dataset Experiment::dataset(const std::string& shape) const {
     SyntheticOptions options{.shape = shape, .scale = profile_};
     synthetic_size(options);  // an unknown name shows before any work
     const std::filesystem::path folder = root_ / "datasets" / "packed" / fmt::format("{}-{}", shape, profile_);
-    if (std::filesystem::exists(folder)) return open_dataset(folder);
+    if (std::filesystem::exists(folder)) {
+        Dataset dataset = open_dataset(folder);
+        if (dataset.source == synthetic_source(options)) return dataset;
+    }
     log_info(fmt::format("generating {} at {} scale", shape, profile_));
     generate_synthetic(options, folder);
     return open_dataset(folder);

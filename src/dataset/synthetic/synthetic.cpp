@@ -117,9 +117,14 @@ void generate_synthetic(const SyntheticOptions& options, const std::filesystem::
 
     header.name = options.shape;
     header.description = description(options);
-    header.source =
-        fmt::format("radiafit generate {} --scale {} --seed {}", options.shape, options.scale, options.seed);
+    header.source = synthetic_source(options);
     writer.finish(header);
+}
+
+std::string synthetic_source(const SyntheticOptions& options) {
+    constexpr int recipe = 1;  // count up whenever the same options begin to give other bytes
+    return fmt::format("radiafit generate {} --scale {} --seed {} (recipe {})", options.shape, options.scale,
+                       options.seed, recipe);
 }
 
 }  // namespace radiafit

@@ -26,4 +26,7 @@ SyntheticSize synthetic_size(const SyntheticOptions& options);
 /// any number of threads. Throws UserError for unknown names and for an output that cannot be written.
 void generate_synthetic(const SyntheticOptions& options, const std::filesystem::path& out);
 
+/// The Dataset::source that generate_synthetic() writes: tells whether a dataset at hand is what it would make today.
+std::string synthetic_source(const SyntheticOptions& options);
+
 }  // namespace radiafit
