@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/solver.h"
 #include "base/config.h"
 #include "base/error.h"
 
@@ -73,7 +74,9 @@ LfmOptions FitRequest::model_options() const {
 std::string FitRequest::label() const { return solver == "stream" ? optimizer + "-" + mode : solver; }
 
 void FitRequest::check() const {
-    choose<int>("solver", solver, {{"stream", 0}, {"mean", 1}});
+    std::vector<std::pair<std::string, int>> known;
+    for (const Solver& s : solvers()) known.emplace_back(s.name, 0);
+    choose("solver", solver, known);
     choose<int>("engine", engine, {{"cpu", 0}, {"fragment", 1}});
     choose_passes(passes);
     choose_storage(storage);

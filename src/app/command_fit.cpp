@@ -7,6 +7,7 @@
 
 #include "app/choices.h"
 #include "app/commands.h"
+#include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -18,7 +19,9 @@
 namespace radiafit {
 
 void add_fit_options(CLI::App& c, FitRequest& r) {
-    c.add_option("--solver", r.solver, "stream, or mean (the trivial baseline)")->capture_default_str();
+    std::string known;
+    for (const Solver& s : solvers()) known += fmt::format("{}{}: {}", known.empty() ? "" : "; ", s.name, s.help);
+    c.add_option("--solver", r.solver, known)->capture_default_str();
     c.add_option("--engine", r.engine, "cpu or fragment")->capture_default_str();
     c.add_option("--optimizer", r.optimizer, "cg or sd")->capture_default_str();
     c.add_option("--mode", r.mode, "paper or modern")->capture_default_str();

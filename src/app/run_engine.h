@@ -1,9 +1,7 @@
 #pragma once
 #include <algorithm>
 
-#include "app/solve.h"
-#include "geometry/atlas.h"
-#include "geometry/vertex_rings.h"
+#include "app/solver.h"
 #include "model/lfm_start.h"
 #include "model/penalty.h"
 
@@ -15,17 +13,20 @@ namespace radiafit {
 /// Starts, optimizes and reads back one engine. Terms are fitted together, or one after another with the earlier ones
 /// frozen (deflation).
 template <Engine E>
-void run_engine(E& engine, const Dataset& dataset, const LfmLayout& layout, const FitRequest& request,
-                const LfmOptions& options, const IterationHook& each_iteration, FitOutcome& out) {
+void run_engine(E& engine, const LfmLayout& layout, FitTask& task) {
+    const FitRequest& request = task.request;
+    const LfmOptions& options = task.options;
+    FitOutcome& out = task.out;
     const ProblemStatistics statistics = engine.count();
     if (std::all_of(statistics.samples.begin(), statistics.samples.end(), [](uint32_t n) { return n == 0; }))
-        reject_unseen(dataset);
+        reject_unseen(task.dataset);
     OptimizerOptions optimizer{.rule = request.rule(),
                                .iterations = request.iterations,
                                .stop_residual = float(request.stop_residual),
                                .stop_output_change = float(request.stop_output_change)};
     const auto hook = [&](int iteration) {
-        if (each_iteration) each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
+        if (task.each_iteration)
+            task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
     };
     std::vector<float> parameters = lfm_start(layout, statistics.mean, request.seed);
     const int stages = request.deflate ? options.terms : 1;
@@ -64,10 +65,5 @@ void run_engine(E& engine, const Dataset& dataset, const LfmLayout& layout, cons
         fit.error[i] = float(std::max(0.0, outcomes[i].error - penalty) * statistics.samples[v] / ring_texels);
     }
 }
-
-/// The fragment engine's part of solve(): its own context, images streamed in every pass.
-void solve_with_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-                                const std::vector<uint32_t>& views, const FitRequest& request,
-                                const IterationHook& each_iteration, FitOutcome& out);
 
 }  // namespace radiafit

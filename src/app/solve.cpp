@@ -6,14 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "app/choices.h"
-#include "app/run_engine.h"
+#include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "cpu/stream_engine.h"
 #include "gl/gl_distributor.h"
-#include "reference/mean_solver.h"
 #include "samples/raster_distributor.h"
 
 namespace radiafit {
@@ -47,73 +45,23 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
     return distribute(dataset, atlas, request, dataset.split(false));
 }
 
-namespace {
-
-/// What every solver leaves to say about its problems.
-void fill_fit(const Dataset& dataset, const FitRequest& request, const LfmOptions& options, LightFieldFit& fit) {
-    fit.options = options;
-    fit.space = choose_space(request.space);
-    fit.solver = request.solver;
-    fit.engine = request.engine;
-    fit.options_json = request.json();
-    set_dataset(fit, dataset);
-}
-
-void fill_mean(const SampleList& samples, const VertexRings& rings, LightFieldFit& fit) {
-    const size_t problems = 3 * rings.vertex_count();
-    fit.status.assign(problems, Status::no_samples);
-    fit.iterations.assign(problems, 0);
-    fit.samples.assign(problems, 0);
-    fit.error.assign(problems, 0.0f);
-    for (size_t i = 0; i < problems; ++i) {
-        for (const Corner& c : rings.ring(i / 3))
-            fit.samples[i] += samples.groups[samples.tile_groups[c.triangle + 1]].first -
-                              samples.groups[samples.tile_groups[c.triangle]].first;
-        if (fit.samples[i]) fit.status[i] = Status::stationary;
-    }
-}
-
-}  // namespace
-
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples,
                  const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
     request.check();
-    const LfmOptions options = request.model_options();
-    const TriangleAtlas atlas(dataset.mesh, options.surface_side);
+    const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
     const std::vector<uint32_t> training = views ? *views : dataset.split(false);
     Stopwatch clock;
     FitOutcome out;
-
-    if (request.solver == "stream" && request.engine == "fragment") {
-        solve_with_fragment_engine(dataset, atlas, rings, training, request, each_iteration, out);
-    } else {
-        SharedSamples own;
-        if (!samples) {
-            own = distribute(dataset, atlas, request, training);
-            samples = &own;
-            out.times.distribution = own.seconds;
-        }
-        out.distribution = samples->statistics;
-        if (request.solver == "mean") {
-            LfmOptions one = options;
-            one.terms = 1;
-            one.view_side = 2;
-            fill_fit(dataset, request, one, out.fit);
-            const LfmLayout layout(rings, int(atlas.texels_per_tile()), one.view_side, 1);
-            out.fit.parameters = mean_solver(atlas, rings, layout, samples->list);
-            fill_mean(samples->list, rings, out.fit);
-            out.times.total = clock.wall_s();
-            return out;
-        }
-        Stopwatch optimization;
-        LfmProblem<float> problem(dataset, atlas, rings, samples->list, options);
-        StreamEngine<float> engine(problem);
-        run_engine(engine, dataset, problem.layout(), request, options, each_iteration, out);
-        out.engine_bytes = engine.bytes();
-        out.times.optimization = optimization.wall_s();
-    }
-    fill_fit(dataset, request, options, out.fit);
+    FitTask task(dataset, request, atlas, rings, training, each_iteration, samples, out);
+    for (const Solver& solver : solvers())
+        if (request.solver == solver.name) solver.solve(task);
+    out.fit.options = task.options;
+    out.fit.space = choose_space(request.space);
+    out.fit.solver = request.solver;
+    out.fit.engine = request.engine;
+    out.fit.options_json = request.json();
+    set_dataset(out.fit, dataset);
     out.times.total = clock.wall_s();
     return out;
 }

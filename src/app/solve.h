@@ -16,7 +16,7 @@ namespace radiafit {
 /// What to fit with; names as on the command line. resolve() turns names into options and throws UserError for an
 /// unknown one, naming those that exist.
 struct FitRequest {
-    std::string solver = "stream";    ///< stream | mean
+    std::string solver = "stream";    ///< a name in solvers()
     std::string engine = "cpu";       ///< cpu | fragment
     std::string optimizer = "cg";     ///< cg | sd
     std::string mode = "modern";      ///< paper | modern: of the optimizer and of the bounds penalty

@@ -1,14 +1,17 @@
 #include "app/choices.h"
 #include "app/run_engine.h"
+#include "app/solver.h"
 #include "base/clock.h"
+#include "cpu/stream_engine.h"
 #include "gl/fragment_engine.h"
 
 namespace radiafit {
+namespace {
 
-void solve_with_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-                                const std::vector<uint32_t>& views, const FitRequest& request,
-                                const IterationHook& each_iteration, FitOutcome& out) {
+void with_fragment_engine(FitTask& task) {
     static_assert(Engine<FragmentEngine>);
+    const FitRequest& request = task.request;
+    FitOutcome& out = task.out;
     const auto context = Context::create(context_options(request));
     out.gl_vendor = context->vendor();
     out.gl_renderer = context->renderer();
@@ -19,13 +22,29 @@ void solve_with_fragment_engine(const Dataset& dataset, const TriangleAtlas& atl
     options.source = choose_source(request.source);
     options.space = choose_space(request.space);
     Stopwatch clock;
-    FragmentEngine engine(dataset, atlas, rings, views, request.model_options(), options);
-    run_engine(engine, dataset, engine.layout(), request, request.model_options(), each_iteration, out);
+    FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, options);
+    run_engine(engine, engine.layout(), task);
     const FragmentTimes& times = engine.times();
     out.times.streaming = times.stream_s + times.upload_s;
     out.times.optimization = clock.wall_s() - out.times.streaming;
     out.engine_bytes = engine.bytes();
     out.sweep_cpu_ms_per_image = times.images ? 1e3 * times.sweep_cpu_s / double(times.images) : 0;
+}
+
+void with_cpu_engine(FitTask& task) {
+    const SampleList& samples = task.samples();
+    Stopwatch clock;
+    LfmProblem<float> problem(task.dataset, task.atlas, task.rings, samples, task.options);
+    StreamEngine<float> engine(problem);
+    run_engine(engine, problem.layout(), task);
+    task.out.engine_bytes = engine.bytes();
+    task.out.times.optimization = clock.wall_s();
+}
+
+}  // namespace
+
+void solve_stream(FitTask& task) {
+    task.request.engine == "fragment" ? with_fragment_engine(task) : with_cpu_engine(task);
 }
 
 }  // namespace radiafit

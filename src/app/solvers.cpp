@@ -1,0 +1,85 @@
+#include "app/solver.h"
+#include "base/clock.h"
+#include "cpu/lfm_problem.h"
+#include "reference/mean_solver.h"
+
+namespace radiafit {
+
+FitTask::FitTask(const Dataset& dataset, const FitRequest& request, const TriangleAtlas& atlas,
+                 const VertexRings& rings, const std::vector<uint32_t>& views, const IterationHook& each_iteration,
+                 const SharedSamples* shared, FitOutcome& out)
+    : dataset(dataset),
+      request(request),
+      atlas(atlas),
+      rings(rings),
+      views(views),
+      each_iteration(each_iteration),
+      options(request.model_options()),
+      out(out),
+      shared_(shared) {}
+
+const SampleList& FitTask::samples() {
+    if (!shared_) {
+        own_ = distribute(dataset, atlas, request, views);
+        shared_ = &*own_;
+        out.times.distribution = own_->seconds;
+    }
+    out.distribution = shared_->statistics;
+    return shared_->list;
+}
+
+LfmLayout FitTask::layout() const {
+    return LfmLayout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
+}
+
+void fill_problems(FitTask& task, std::vector<float> parameters, Status status, uint32_t iterations) {
+    LfmOptions data_only = task.options;
+    data_only.lambda_surface = data_only.lambda_view = data_only.mu = 0;
+    LfmProblem<float> problem(task.dataset, task.atlas, task.rings, task.samples(), data_only);
+    const ProblemStatistics statistics = problem.count();
+    const LfmLayout& layout = problem.layout();
+    LightFieldFit& fit = task.out.fit;
+    const size_t problems = 3 * layout.problem_count();
+    fit.status.assign(problems, Status::no_samples);
+    fit.iterations.assign(problems, 0);
+    fit.samples.assign(problems, 0);
+    fit.error.assign(problems, 0.0f);
+    std::vector<Lanes<float>> p, gradient;
+    for (size_t v = 0; v < layout.problem_count(); ++v) {
+        if (!statistics.samples[v]) continue;
+        const size_t size = layout.block_size(v) / 4;
+        p.resize(size);
+        gradient.resize(size);
+        for (size_t i = 0; i < size; ++i)
+            for (int c = 0; c < 4; ++c) p[i][c] = parameters[layout.offset(v) + 4 * i + size_t(c)];
+        double error[3];
+        problem.direction(v, p.data(), gradient.data(), nullptr, error);
+        for (size_t c = 0; c < 3; ++c) {
+            fit.status[3 * v + c] = status;
+            fit.iterations[3 * v + c] = iterations;
+            fit.samples[3 * v + c] = statistics.samples[v];
+            fit.error[3 * v + c] = float(error[c] * statistics.samples[v] / double(problem.ring_texels(v)));
+        }
+    }
+    fit.parameters = std::move(parameters);
+}
+
+void solve_mean(FitTask& task) {
+    task.options.terms = 1;
+    task.options.view_side = 2;
+    const SampleList& samples = task.samples();
+    Stopwatch clock;
+    std::vector<float> parameters = mean_solver(task.atlas, task.rings, task.layout(), samples);
+    task.out.times.optimization = clock.wall_s();
+    fill_problems(task, std::move(parameters), Status::stationary, 0);
+}
+
+std::span<const Solver> solvers() {
+    static constexpr Solver table[] = {
+        {"stream", "the paper's optimizers over --engine", solve_stream},
+        {"mean", "the trivial baseline: one mean colour per texel", solve_mean},
+    };
+    return table;
+}
+
+}  // namespace radiafit
