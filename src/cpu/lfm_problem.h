@@ -2,20 +2,13 @@
 #include <span>
 #include <vector>
 
-#include "base/lanes.h"
+#include "cpu/lfm_kernels.h"
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
-#include "model/lfm.h"
-#include "model/penalty.h"
 #include "optim/engine.h"
 #include "samples/sample_list.h"
 
 namespace radiafit {
-
-/// Sums along d of one vertex, a lane per channel; see LineSums in shaders/optimize/problem_state.glsl.
-struct LineLanes {
-    Lanes<double> gauss_newton{}, curvature{}, third{}, fourth{};
-};
 
 /// Light field mapping, one vertex at a time over a sample list: errors, gradients and curvatures of the vertex's
 /// three problems (one per channel, in lanes). Samples are read by (triangle, image, texel), so view weights hoist out
@@ -24,6 +17,7 @@ struct LineLanes {
 template <class real>
 class LfmProblem {
 public:
+    using Real = real;
     using V = Lanes<real>;
     /// All arguments but options must outlive the problem.
     LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const SampleList& samples,
@@ -44,28 +38,18 @@ public:
     void line(size_t v, const V* p, const V* d, LineLanes& sums) const;
 
 private:
-    struct Footprint {
-        uint32_t texel;
-        real weight[4];
-    };
-    template <int K, bool Diagonal>
-    void accumulate_direction(size_t v, const V* p, V* g, V* diagonal, Lanes<double>& error) const;
-    template <int K>
-    void accumulate_line(size_t v, const V* p, const V* d, LineLanes& sums) const;
-    const Footprint& footprint(size_t v, uint32_t image) const {
+    const Footprint<real>& footprint(size_t v, uint32_t image) const {
         return footprints_[v * samples_->image_count() + image];
     }
-    void precondition(size_t v, V* diagonal) const;
 
     const VertexRings* rings_;
     const SampleList* samples_;
     LfmOptions options_;
     LfmLayout layout_;
-    MapNeighbours tile_neighbours_, view_neighbours_;
-    std::vector<V> target_weight_[3];    ///< per corner [tile texels]: Lambda at the centre, times the samples' scale
-    std::vector<Footprint> footprints_;  ///< [vertices][images]
-    std::vector<real> inverse_density_;  ///< [vertices] 1 / S-bar
-    std::vector<V> lambda_view_;         ///< [vertices]
+    LfmObjective<real> objective_;
+    std::vector<V> target_weight_[3];          ///< per corner [tile texels]: Lambda at the centre, times the scale
+    std::vector<Footprint<real>> footprints_;  ///< [vertices][images]
+    std::vector<typename LfmObjective<real>::Scale> scales_;  ///< [vertices]
 };
 
 extern template class LfmProblem<float>;

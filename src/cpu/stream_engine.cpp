@@ -2,27 +2,24 @@
 
 namespace radiafit {
 
-template <class real>
-StreamEngine<real>::StreamEngine(LfmProblem<real>& problem) : problem_(&problem) {}
-
-template <class real>
+template <class Problem>
 template <class Body>
-void StreamEngine<real>::for_active(const Body& body) {
-    const LfmLayout& layout = problem_->layout();
+void LfmEngine<Problem>::for_active(const Body& body) {
+    const auto& layout = problem_->layout();
     parallel_for(vertices_.size(), 8, [&](size_t v, int) {
         if (vertices_[v].active()) body(v, layout.offset(v) / 4, layout.offset(v + 1) / 4);
     });
 }
 
-template <class real>
-ProblemStatistics StreamEngine<real>::count() {
+template <class Problem>
+ProblemStatistics LfmEngine<Problem>::count() {
     ProblemStatistics statistics = problem_->count();
     samples_ = statistics.samples;
     return statistics;
 }
 
-template <class real>
-void StreamEngine<real>::reset(std::span<const float> start) {
+template <class Problem>
+void LfmEngine<Problem>::reset(std::span<const float> start) {
     const size_t n = problem_->layout().size() / 4;
     for (auto* vector : {&p_, &trial_, &d_, &g_, &trial_g_, &precondition_, &fresh_}) vector->assign(n, V{});
     for (size_t i = 0; i < n; ++i)
@@ -38,8 +35,8 @@ void StreamEngine<real>::reset(std::span<const float> start) {
         }
 }
 
-template <class real>
-void StreamEngine<real>::direction_pass(bool diagonal) {
+template <class Problem>
+void LfmEngine<Problem>::direction_pass(bool diagonal) {
     for_active([&](size_t v, size_t begin, size_t end) {
         double error[3];
         problem_->direction(v, &trial_[begin], &trial_g_[begin], diagonal ? &fresh_[begin] : nullptr, error);
@@ -53,8 +50,8 @@ void StreamEngine<real>::direction_pass(bool diagonal) {
     });
 }
 
-template <class real>
-void StreamEngine<real>::project(Rule rule, bool fresh) {
+template <class Problem>
+void LfmEngine<Problem>::project(Rule rule, bool fresh) {
     const V* weight = rule != Rule::cg_modern ? nullptr : fresh ? fresh_.data() : precondition_.data();
     for_active([&](size_t v, size_t begin, size_t end) {
         V norm{}, cross{}, conjugate{};
@@ -73,8 +70,8 @@ void StreamEngine<real>::project(Rule rule, bool fresh) {
     });
 }
 
-template <class real>
-void StreamEngine<real>::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
+template <class Problem>
+void LfmEngine<Problem>::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
     for (size_t v = 0; v < vertices_.size(); ++v)
         for (Channel& c : vertices_[v].channel)
             Text::after_direction(c.state, int(rule), restart, c.alpha, real(problem_->ring_texels(v)),
@@ -82,9 +79,9 @@ void StreamEngine<real>::after_direction(Rule rule, bool restart, ProblemText<fl
                                   c.conjugate);
 }
 
-template <class real>
-void StreamEngine<real>::update_direction(Rule rule, bool fresh) {
-    const LfmLayout& layout = problem_->layout();
+template <class Problem>
+void LfmEngine<Problem>::update_direction(Rule rule, bool fresh) {
+    const auto& layout = problem_->layout();
     parallel_for(vertices_.size(), 8, [&](size_t v, int) {
         V accepted{}, beta{};
         bool any = vertices_[v].active();
@@ -107,8 +104,8 @@ void StreamEngine<real>::update_direction(Rule rule, bool fresh) {
     });
 }
 
-template <class real>
-void StreamEngine<real>::line_pass() {
+template <class Problem>
+void LfmEngine<Problem>::line_pass() {
     for_active([&](size_t v, size_t begin, size_t) {
         LineLanes sums;
         problem_->line(v, &p_[begin], &d_[begin], sums);
@@ -118,16 +115,16 @@ void StreamEngine<real>::line_pass() {
     });
 }
 
-template <class real>
-void StreamEngine<real>::after_line(Rule rule, ProblemText<float>::StopRules stop) {
+template <class Problem>
+void LfmEngine<Problem>::after_line(Rule rule, ProblemText<float>::StopRules stop) {
     for (size_t v = 0; v < vertices_.size(); ++v)
         for (Channel& c : vertices_[v].channel)
             Text::after_line(c.state, c.alpha, int(rule), real(problem_->ring_texels(v)),
                              {stop.residual, stop.output_change}, c.sums);
 }
 
-template <class real>
-void StreamEngine<real>::advance() {
+template <class Problem>
+void LfmEngine<Problem>::advance() {
     for_active([&](size_t v, size_t begin, size_t end) {
         V step{};
         for (int c = 0; c < 3; ++c)
@@ -136,8 +133,8 @@ void StreamEngine<real>::advance() {
     });
 }
 
-template <class real>
-EngineSummary StreamEngine<real>::summary() const {
+template <class Problem>
+EngineSummary LfmEngine<Problem>::summary() const {
     EngineSummary sum;
     for (const Vertex& v : vertices_)
         for (const Channel& c : v.channel) {
@@ -148,8 +145,8 @@ EngineSummary StreamEngine<real>::summary() const {
     return sum;
 }
 
-template <class real>
-void StreamEngine<real>::outcomes(std::span<ProblemOutcome> out) const {
+template <class Problem>
+void LfmEngine<Problem>::outcomes(std::span<ProblemOutcome> out) const {
     for (size_t i = 0; i < problem_count(); ++i) {
         const auto& s = vertices_[i / 3].channel[i % 3].state;
         const bool none = s.status == real(Status::no_samples);
@@ -158,23 +155,23 @@ void StreamEngine<real>::outcomes(std::span<ProblemOutcome> out) const {
     }
 }
 
-template <class real>
-void StreamEngine<real>::read_errors(std::span<float> out) const {
+template <class Problem>
+void LfmEngine<Problem>::read_errors(std::span<float> out) const {
     for (size_t i = 0; i < problem_count(); ++i) out[i] = float(vertices_[i / 3].channel[i % 3].state.error);
 }
 
-template <class real>
-void StreamEngine<real>::read_parameters(std::span<float> out) const {
+template <class Problem>
+void LfmEngine<Problem>::read_parameters(std::span<float> out) const {
     for (size_t i = 0; i < p_.size(); ++i)
         for (int c = 0; c < 4; ++c) out[4 * i + c] = float(p_[i][c]);
 }
 
-template <class real>
-uint64_t StreamEngine<real>::bytes() const {
+template <class Problem>
+uint64_t LfmEngine<Problem>::bytes() const {
     return 7 * p_.size() * sizeof(V) + vertices_.size() * sizeof(Vertex);
 }
 
-template class StreamEngine<float>;
-template class StreamEngine<double>;
+template class LfmEngine<LfmProblem<float>>;
+template class LfmEngine<LfmProblem<double>>;
 
 }  // namespace radiafit

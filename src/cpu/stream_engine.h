@@ -9,15 +9,16 @@
 
 namespace radiafit {
 
-/// The CPU's Engine: every pass runs over the samples in memory, all cores, one vertex (three problems, in lanes) at a
-/// time. Vertices are independent, so results don't depend on the number of threads. Vertices whose three problems
-/// have stopped are skipped.
-template <class real>
-class StreamEngine {
+/// The CPU's Engine over the vertices of a Problem (LfmProblem, or VertexProblem's one): all cores, one vertex (three
+/// problems, in lanes) at a time. Vertices are independent, so results don't depend on the number of threads. Vertices
+/// whose three problems have stopped are skipped.
+template <class Problem>
+class LfmEngine {
 public:
+    using real = typename Problem::Real;
     using V = Lanes<real>;
     /// The problem must outlive the engine.
-    explicit StreamEngine(LfmProblem<real>& problem);
+    explicit LfmEngine(Problem& problem) : problem_(&problem) {}
 
     size_t problem_count() const { return 3 * problem_->vertex_count(); }
     ProblemStatistics count();
@@ -56,15 +57,19 @@ private:
     template <class Body>
     void for_active(const Body& body);
 
-    LfmProblem<real>* problem_;
+    Problem* problem_;
     int first_term_ = 0, last_term_ = 1 << 30;
     std::vector<uint32_t> samples_;
     std::vector<Vertex> vertices_;
     std::vector<V> p_, trial_, d_, g_, trial_g_, precondition_, fresh_;
 };
 
-extern template class StreamEngine<float>;
-extern template class StreamEngine<double>;
+/// Every pass runs over all samples in memory.
+template <class real>
+using StreamEngine = LfmEngine<LfmProblem<real>>;
+
+extern template class LfmEngine<LfmProblem<float>>;
+extern template class LfmEngine<LfmProblem<double>>;
 static_assert(Engine<StreamEngine<float>> && Engine<StreamEngine<double>>);
 
 }  // namespace radiafit

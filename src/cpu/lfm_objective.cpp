@@ -1,0 +1,86 @@
+#include "cpu/lfm_objective.h"
+
+#include <algorithm>
+
+#include "model/lfm_start.h"
+
+namespace radiafit {
+
+template <class real>
+LfmObjective<real>::LfmObjective(const LfmOptions& options, int tile_texels)
+    : options_(options),
+      tile_size_(size_t(tile_texels) * size_t(options.terms)),
+      view_size_(size_t(options.view_side) * size_t(options.view_side) * size_t(options.terms)),
+      tile_neighbours_(MapNeighbours::triangle(options.surface_side)),
+      view_neighbours_(MapNeighbours::square(options.view_side)) {}
+
+template <class real>
+typename LfmObjective<real>::Scale LfmObjective<real>::scale(size_t ring_texels, uint32_t samples,
+                                                             const float* mean) const {
+    Scale out;
+    if (samples == 0) return out;
+    out.inverse_density = real(double(ring_texels) / samples);
+    for (int c = 0; c < 3; ++c) out.lambda_view[c] = scaled_lambda_view(options_, ring_texels, mean[c]);
+    return out;
+}
+
+namespace {
+
+template <class real>
+Lanes<real>* scratch(size_t size) {
+    thread_local std::vector<Lanes<real>> lanes;
+    if (lanes.size() < size) lanes.resize(size);
+    return lanes.data();
+}
+
+}  // namespace
+
+template <class real>
+void LfmObjective<real>::finish_direction(const Scale& scale, size_t maps, const V* x, V* gradient, V* diagonal,
+                                          Lanes<double>& error) const {
+    const size_t size = maps * tile_size_ + view_size_;
+    for (size_t i = 0; i < size; ++i) gradient[i] *= scale.inverse_density;
+    error *= double(scale.inverse_density);
+    V* smooth = scratch<real>(2 * std::max(tile_size_, view_size_));
+    const V lambda = broadcast3(real(options_.lambda_surface));
+    size_t at = 0;
+    for (size_t map = 0; map < maps; ++map, at += tile_size_)
+        add_smoothness<real>(tile_neighbours_, options_.terms, lambda, x + at, gradient + at, error, smooth);
+    add_smoothness<real>(view_neighbours_, options_.terms, scale.lambda_view, x + at, gradient + at, error, smooth);
+    add_bounds<real>(options_, size / size_t(options_.terms), x, gradient, error);
+    if (diagonal) precondition(scale, maps, diagonal);
+}
+
+template <class real>
+void LfmObjective<real>::precondition(const Scale& scale, size_t maps, V* diagonal) const {
+    const size_t view_base = maps * tile_size_, size = view_base + view_size_;
+    const V lambda = broadcast3(real(options_.lambda_surface));
+    V largest{};
+    for (size_t i = 0; i < size; ++i) {
+        diagonal[i] = diagonal[i] * scale.inverse_density + real(20) * (i < view_base ? lambda : scale.lambda_view);
+        largest = diagonal[i] > largest ? diagonal[i] : largest;
+    }
+    const V floor = real(1e-4) * largest + V{real(1e-30), real(1e-30), real(1e-30), real(1)};
+    for (size_t i = 0; i < size; ++i) diagonal[i] = diagonal[i] > floor ? diagonal[i] : floor;
+}
+
+template <class real>
+void LfmObjective<real>::finish_line(const Scale& scale, size_t maps, const V* x, const V* d, LineLanes& sums) const {
+    for (Lanes<double>* sum : {&sums.gauss_newton, &sums.curvature, &sums.third, &sums.fourth})
+        *sum *= double(scale.inverse_density);
+    V* smooth = scratch<real>(std::max(tile_size_, view_size_));
+    const V lambda = broadcast3(real(options_.lambda_surface));
+    V penalty{};
+    size_t at = 0;
+    for (size_t map = 0; map < maps; ++map, at += tile_size_)
+        penalty += smoothness_curvature<real>(tile_neighbours_, options_.terms, lambda, d + at, smooth);
+    penalty += smoothness_curvature<real>(view_neighbours_, options_.terms, scale.lambda_view, d + at, smooth);
+    penalty += bounds_curvature<real>(options_, (at + view_size_) / size_t(options_.terms), x, d);
+    sums.gauss_newton += widen<real>(penalty);
+    sums.curvature += widen<real>(penalty);
+}
+
+template class LfmObjective<float>;
+template class LfmObjective<double>;
+
+}  // namespace radiafit
