@@ -1,19 +1,13 @@
 #include "dataset/image_stream.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <system_error>
 
 #include "base/clock.h"
-#include "base/error.h"
+#include "base/file.h"
 #include "base/half.h"
 #include "dataset/dataset_json.h"
 
@@ -21,33 +15,6 @@ namespace radiafit {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "pixels are widened by whole words");
-
-class File {
-public:
-    explicit File(std::string path) : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
-        if (file_ < 0) throw SystemError(fmt::format("open({}): {}", path_, std::generic_category().message(errno)));
-    }
-    ~File() { close(file_); }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-
-    void read(uint8_t* to, uint64_t offset, uint64_t bytes) const {
-        while (bytes > 0) {
-            const ssize_t got = pread(file_, to, bytes, off_t(offset));
-            if (got < 0 && errno == EINTR) continue;
-            if (got <= 0)
-                throw SystemError(fmt::format("pread({}, {} bytes at {}): {}", path_, bytes, offset,
-                                              got == 0 ? "end of file" : std::generic_category().message(errno)));
-            to += got;
-            offset += uint64_t(got);
-            bytes -= uint64_t(got);
-        }
-    }
-
-private:
-    std::string path_;
-    int file_;
-};
 
 template <class Word>
 inline Word load_word(const uint8_t* from) {
@@ -116,7 +83,7 @@ struct StreamedView {
 }  // namespace
 
 struct ImageStream::State {
-    std::shared_ptr<const File> file;
+    std::shared_ptr<const InputFile> file;
     std::shared_ptr<const std::vector<uint8_t>> kept;  ///< StreamSource::memory: the whole of images.bin, and a byte
     std::vector<uint8_t> buffer;                       ///< StreamSource::disk: one image, reused
     std::vector<uint8_t> mask_buffer;
@@ -168,7 +135,7 @@ ImageStream::ImageStream(const Dataset& dataset, StreamSource source, TargetSpac
     if (!(largest > 0)) largest = 1;  // black throughout
     scale_ = bits_ == 8 ? 1.0f / 255.0f : static_cast<float>(largest / 65535);
 
-    s.file = std::make_shared<File>((dataset.folder / dataset_images_name).string());
+    s.file = std::make_shared<InputFile>(dataset.folder / dataset_images_name);
     if (source == StreamSource::memory) {
         auto kept = std::make_shared<std::vector<uint8_t>>(end + 1);
         s.file->read(kept->data(), 0, end);

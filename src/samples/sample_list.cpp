@@ -2,79 +2,14 @@
 
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "samples/distributor.h"
+#include "samples/image_samples.h"
 
 namespace radiafit {
 
 namespace {
-
-/// What one image leaves, in ascending texel order, so tile by tile.
-struct ImageSamples {
-    struct Run {
-        uint32_t tile, first;  ///< first: into samples
-    };
-    std::vector<Run> runs;  ///< one per tile that has samples, and a sentinel
-    std::vector<Sample> samples;
-    uint32_t covered_pixels = 0;
-};
-
-ImageSamples collect(const Distribution& distribution, const TargetImage& image, uint32_t texels_per_tile) {
-    ImageSamples out;
-    out.covered_pixels = distribution.covered_pixels;
-    out.samples.reserve(distribution.kept_pixels);
-    const uint32_t tiles = static_cast<uint32_t>(distribution.texel_pixel.size() / texels_per_tile);
-    const uint32_t* pixel = distribution.texel_pixel.data();
-    for (uint32_t tile = 0; tile < tiles; ++tile, pixel += texels_per_tile) {
-        const size_t before = out.samples.size();
-        for (uint32_t local = 0; local < texels_per_tile; ++local) {
-            if (pixel[local] == no_pixel) continue;
-            const std::array<uint16_t, 4> c = image.channel16(pixel[local]);
-            out.samples.push_back({{c[0], c[1], c[2]}, static_cast<uint16_t>(local)});
-        }
-        if (out.samples.size() > before) out.runs.push_back({tile, static_cast<uint32_t>(before)});
-    }
-    out.runs.push_back({tiles, static_cast<uint32_t>(out.samples.size())});
-    return out;
-}
-
-/// Streams and distributes every view; one entry per view whatever the number of threads.
-std::vector<ImageSamples> collect_all(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
-                                      const std::vector<Distributor*>& workers, TargetSpace space, float& scale) {
-    if (workers.empty()) throw std::invalid_argument("build_sample_list: no distributor");
-    const bool alone = workers.size() == 1;
-    if (!alone && workers.size() < size_t(thread_count()))
-        throw std::invalid_argument("build_sample_list: fewer distributors than threads");
-
-    struct Worker {
-        ImageStream stream;
-        TargetImage image;
-        Distribution distribution;
-    };
-    std::vector<Worker> state;
-    for (size_t k = 0; k < (alone ? 1 : size_t(thread_count())); ++k)
-        state.push_back({ImageStream(dataset, StreamSource::disk, space), {}, {}});
-
-    const ImageStream& any = state.front().stream;
-    scale = any.bits() == 8 ? any.scale() / 257.0f : any.scale();  // TargetImage::scale16, one for all images
-
-    std::vector<ImageSamples> images(views.size());
-    const auto one = [&](size_t k, int worker) {
-        auto& [stream, image, distribution] = state[worker];
-        stream.load(views[k], image);
-        workers[worker]->distribute(dataset.views[views[k]].camera, image, distribution);
-        images[k] = collect(distribution, image, atlas.texels_per_tile());
-    };
-    if (alone) {
-        for (size_t k = 0; k < views.size(); ++k) one(k, 0);
-    } else {
-        parallel_for(views.size(), 1, one);
-    }
-    return images;
-}
 
 void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vector<ImageSamples>& images,
                      DistributionStatistics& statistics) {
@@ -105,11 +40,12 @@ void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vect
 
 SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                              std::vector<Distributor*> workers, TargetSpace space, DistributionStatistics* statistics) {
-    if (atlas.texels_per_tile() > 65536)
-        throw std::invalid_argument("build_sample_list: a tile of more than 65536 texels");
+    SampleCollector collector(dataset, atlas, std::move(workers), space);
     SampleList list;
     list.views = views;
-    std::vector<ImageSamples> images = collect_all(dataset, atlas, views, workers, space, list.scale);
+    list.scale = collector.scale();
+    std::vector<ImageSamples> images(views.size());
+    collector.collect(views, images);
 
     // Counting sort by tile, stable in the image: count, sum, place.
     const uint32_t tiles = atlas.tile_count();

@@ -1,0 +1,128 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+
+namespace radiafit {
+namespace {
+
+constexpr size_t buffer_bytes = size_t(1) << 20;
+
+std::string last_error() { return std::generic_category().message(errno); }
+
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, int error) {
+    const char* cure = error == ENOSPC || error == EDQUOT || error == EFBIG ? "make room or choose another folder"
+                                                                            : "choose a writable folder";
+    throw UserError(
+        fmt::format("cannot write {}: {}; {}", path.string(), std::generic_category().message(error), cure));
+}
+
+}  // namespace
+
+InputFile::InputFile(std::filesystem::path path)
+    : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (file_ < 0) throw SystemError(fmt::format("open({}): {}", path_.string(), last_error()));
+}
+
+InputFile::~InputFile() {
+    if (file_ >= 0) ::close(file_);
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+
+void InputFile::read(void* to, uint64_t offset, uint64_t bytes) const {
+    auto* at = static_cast<uint8_t*>(to);
+    while (bytes > 0) {
+        const ssize_t got = pread(file_, at, bytes, off_t(offset));
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0)
+            throw SystemError(fmt::format("pread({}, {} bytes at {}): {}", path_.string(), bytes, offset,
+                                          got == 0 ? "end of file" : last_error()));
+        at += got;
+        offset += uint64_t(got);
+        bytes -= uint64_t(got);
+    }
+}
+
+uint64_t InputFile::size() const {
+    struct stat status;
+    if (fstat(file_, &status) != 0) throw SystemError(fmt::format("fstat({}): {}", path_.string(), last_error()));
+    return uint64_t(status.st_size);
+}
+
+OutputFile::OutputFile(std::filesystem::path path)
+    : path_(std::move(path)), file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+    if (file_ < 0) fail_to_write(path_, errno);
+    buffer_.reserve(buffer_bytes);
+}
+
+OutputFile::~OutputFile() {
+    if (file_ >= 0) ::close(file_);
+}
+
+void OutputFile::write(const void* from, size_t bytes) {
+    const auto* at = static_cast<const uint8_t*>(from);
+    bytes_ += bytes;
+    if (buffer_.size() + bytes > buffer_bytes) {
+        flush(buffer_.data(), buffer_.size());
+        buffer_.clear();
+    }
+    if (bytes >= buffer_bytes) return flush(at, bytes);
+    buffer_.insert(buffer_.end(), at, at + bytes);
+}
+
+void OutputFile::flush(const uint8_t* from, size_t bytes) {
+    while (bytes > 0) {
+        const ssize_t put = ::write(file_, from, bytes);
+        if (put < 0 && errno == EINTR) continue;
+        if (put <= 0) fail_to_write(path_, put == 0 ? ENOSPC : errno);
+        from += put;
+        bytes -= size_t(put);
+    }
+}
+
+void OutputFile::close() {
+    flush(buffer_.data(), buffer_.size());
+    buffer_.clear();
+    if (::close(std::exchange(file_, -1)) != 0) fail_to_write(path_, errno);
+}
+
+double cached_share(const std::filesystem::path& path) {
+    const InputFile file(path);
+    const uint64_t bytes = file.size();
+    if (bytes == 0) return 0;
+    void* map = mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file.descriptor(), 0);
+    if (map == MAP_FAILED) throw SystemError(fmt::format("mmap({}): {}", path.string(), last_error()));
+    const uint64_t page = uint64_t(sysconf(_SC_PAGESIZE));
+    std::vector<unsigned char> resident((bytes + page - 1) / page);
+    const bool known = mincore(map, bytes, resident.data()) == 0;
+    const std::string reason = known ? "" : last_error();
+    munmap(map, bytes);
+    if (!known) throw SystemError(fmt::format("mincore({}): {}", path.string(), reason));
+    const auto count = std::count_if(resident.begin(), resident.end(), [](unsigned char r) { return r & 1; });
+    return double(count) / double(resident.size());
+}
+
+void drop_from_cache(const std::filesystem::path& path) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) throw SystemError(fmt::format("open({}): {}", path.string(), last_error()));
+    fdatasync(file);
+    const int error = posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
+    ::close(file);
+    if (error)
+        throw SystemError(fmt::format("posix_fadvise({}): {}", path.string(), std::generic_category().message(error)));
+}
+
+}  // namespace radiafit
