@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/parallel.h"
-#include "cpu/stream_engine.h"
+#include "cpu/lfm_engine.h"
 #include "lfm_oracle.h"
 #include "model/lfm_start.h"
 #include "optim/optimizer.h"

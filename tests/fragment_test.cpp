@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "cpu/stream_engine.h"
+#include "cpu/lfm_engine.h"
 #include "gl/fragment_engine.h"
 #include "gl/gl_distributor.h"
 #include "gl_scene.h"

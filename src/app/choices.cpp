@@ -39,6 +39,10 @@ StreamSource choose_source(const std::string& name) {
     return choose<StreamSource>("source", name, {{"disk", StreamSource::disk}, {"memory", StreamSource::memory}});
 }
 
+RecordKind choose_record(const std::string& name) {
+    return choose<RecordKind>("record", name, {{"compact", RecordKind::compact}, {"full", RecordKind::full}});
+}
+
 Passes choose_passes(const std::string& name) {
     return choose<Passes>("passes", name, {{"paper", Passes::paper}, {"combined", Passes::combined}});
 }
@@ -59,6 +63,28 @@ Rule FitRequest::rule() const {
     return descent ? Rule::steepest_descent : choose_mode(mode) == Mode::paper ? Rule::cg_paper : Rule::cg_modern;
 }
 
+OptimizerOptions FitRequest::optimizer_options() const {
+    return {.rule = rule(),
+            .iterations = iterations,
+            .stop_residual = float(stop_residual),
+            .stop_output_change = float(stop_output_change)};
+}
+
+uint64_t FitRequest::memory_bytes() const {
+    size_t end = 0;
+    double value = 0;
+    try {
+        value = std::stod(memory, &end);
+    } catch (const std::exception&) {
+    }
+    static constexpr std::string_view units = "KMG";
+    const std::string unit = memory.substr(end);
+    const size_t power = unit.empty() ? 0 : 1 + units.find(unit);
+    if (!(value > 0) || unit.size() > 1 || power > units.size() || !(value < 1e15))
+        throw UserError("memory '" + memory + "': give bytes, such as 64M or 2G");
+    return uint64_t(value * double(uint64_t(1) << (10 * power)));
+}
+
 LfmOptions FitRequest::model_options() const {
     LfmOptions options = model;
     options.mode = choose_mode(mode);
@@ -71,7 +97,10 @@ LfmOptions FitRequest::model_options() const {
     return options;
 }
 
-std::string FitRequest::label() const { return solver == "stream" ? optimizer + "-" + mode : solver; }
+std::string FitRequest::label() const {
+    if (solver == "stream") return optimizer + "-" + mode;
+    return solver == "two-step" ? "two-step-" + optimizer + "-" + mode : solver;
+}
 
 void FitRequest::check() const {
     std::vector<std::pair<std::string, int>> known;
@@ -83,8 +112,10 @@ void FitRequest::check() const {
     choose_distributor(distributor);
     choose_space(space);
     choose_source(source);
+    choose_record(record);
     context_kind_from(context);
     rule();
+    memory_bytes();
     model_options();
     if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
     if (!(stop_residual >= 0 && stop_output_change >= 0))
@@ -123,6 +154,8 @@ std::string FitRequest::json() const {
         {"stop_residual", stop_residual},
         {"stop_output_change", stop_output_change},
         {"seed", seed},
+        {"record", record},
+        {"memory", memory},
     };
     return object.dump();
 }

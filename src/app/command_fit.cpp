@@ -45,6 +45,11 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--stop-change", r.stop_output_change, "stop a problem when its output changes less; 0 is off")
         ->capture_default_str();
     c.add_option("--seed", r.seed, "of the start values of further terms")->capture_default_str();
+    c.add_option("--record", r.record, "compact or full (the paper's): what two-step writes of a sample")
+        ->capture_default_str();
+    c.add_option("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M")
+        ->capture_default_str();
+    c.add_option("--records", r.records, "folder to keep two-step's records in, or to find them");
     c.add_option("--context", r.context, "egl or osmesa")->capture_default_str();
     c.add_option("--device", r.device, "EGL device index, see radiafit devices; -1 chooses")->capture_default_str();
 }
@@ -179,6 +184,7 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
     command->add_option("-o,--output", *out, "folder of the fit")->required();
     command->callback([=] {
         request->check();
+        request->scratch = std::filesystem::absolute(*out).parent_path();
         check_fit_target(*out);
         AtomicFolder(*out,
                      AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end

@@ -21,21 +21,30 @@ void reject_unseen(const Dataset& dataset) {
                     ": no training view sees the mesh; check that mesh and calibration share one frame");
 }
 
+std::vector<Distributor*> Distributors::workers() const {
+    std::vector<Distributor*> out;
+    for (const auto& d : owned) out.push_back(d.get());
+    return out;
+}
+
+Distributors make_distributors(const TriangleAtlas& atlas, const FitRequest& request) {
+    Distributors out;
+    if (choose_distributor(request.distributor) == DistributorChoice::gl) {
+        out.context = Context::create(context_options(request));
+        out.owned.push_back(std::make_unique<GlDistributor>(atlas));
+    } else {
+        for (int i = 0; i < thread_count(); ++i) out.owned.push_back(std::make_unique<RasterDistributor>(atlas));
+    }
+    return out;
+}
+
 SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          const std::vector<uint32_t>& views) {
     Stopwatch clock;
     SharedSamples out;
-    std::unique_ptr<Context> context;
-    std::vector<std::unique_ptr<Distributor>> distributors;
-    if (choose_distributor(request.distributor) == DistributorChoice::gl) {
-        context = Context::create(context_options(request));
-        distributors.push_back(std::make_unique<GlDistributor>(atlas));
-    } else {
-        for (int i = 0; i < thread_count(); ++i) distributors.push_back(std::make_unique<RasterDistributor>(atlas));
-    }
-    std::vector<Distributor*> workers;
-    for (const auto& d : distributors) workers.push_back(d.get());
-    out.list = build_sample_list(dataset, atlas, views, workers, choose_space(request.space), &out.statistics);
+    const Distributors distributors = make_distributors(atlas, request);
+    out.list =
+        build_sample_list(dataset, atlas, views, distributors.workers(), choose_space(request.space), &out.statistics);
     out.seconds = clock.wall_s();
     if (out.list.samples.empty()) reject_unseen(dataset);
     return out;

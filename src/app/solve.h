@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "fit/fit_folder.h"
 #include "model/lfm.h"
 #include "optim/optimizer.h"
+#include "samples/disk_records.h"
 #include "samples/distributor.h"
 
 /// From a dataset and a choice of solver, optimizer and engine to a fit: the one way through the house, for the command
@@ -34,8 +36,16 @@ struct FitRequest {
     int iterations = 25;
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
+    // Of the two-step solver's first step.
+    std::string record = "compact";  ///< compact | full: what is written of a sample
+    std::string memory = "1G";       ///< bytes of samples held at a time; K, M, G are powers of 1024
+    std::string records;             ///< folder to keep the records in, or to find them; empty: they go again
+    std::filesystem::path scratch;   ///< where records go that don't stay; empty: the folder for such files
+    bool cold = false;               ///< records leave the page cache between the steps
 
     Rule rule() const;
+    OptimizerOptions optimizer_options() const;
+    uint64_t memory_bytes() const;
     LfmOptions model_options() const;  ///< model with mode and view look-up filled in, checked
     std::string label() const;         ///< "cg-modern", as the trace's solver column
     std::string json() const;          ///< every option, as one JSON object
@@ -55,6 +65,12 @@ struct FitOutcome {
     std::string gl_vendor, gl_renderer, gl_version;
     double sweep_cpu_ms_per_image = 0;  ///< process CPU time of the fragment engine's sweeps over images
     uint64_t engine_bytes = 0;          ///< device memory (or vectors) of the engine
+    // Of the two-step solver.
+    RecordStatistics records;
+    uint64_t record_bytes_read = 0;
+    uint64_t sample_iterations = 0;  ///< radiance samples of each vertex times its iterations
+    double record_cached_share = 0;  ///< of the records' pages, when step 2 began
+    uint64_t working_set_bytes = 0;  ///< of the largest vertex
 };
 
 /// Called after every iteration with a way to read each problem's E_t.

@@ -2,7 +2,7 @@
 #include "app/run_engine.h"
 #include "app/solver.h"
 #include "base/clock.h"
-#include "cpu/stream_engine.h"
+#include "cpu/lfm_engine.h"
 #include "gl/fragment_engine.h"
 
 namespace radiafit {

@@ -1,10 +1,12 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "app/solve.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
+#include "gl/context.h"
 
 /// The solvers that `--solver` names: one table, one function each.
 namespace radiafit {
@@ -33,6 +35,17 @@ private:
     std::optional<SharedSamples> own_;
 };
 
+/// Throws UserError: no training view has a sample.
+[[noreturn]] void reject_unseen(const Dataset& dataset);
+
+/// The distributors that a request names, one per thread (or one, with its own context), as SampleCollector takes them.
+struct Distributors {
+    std::unique_ptr<Context> context;
+    std::vector<std::unique_ptr<Distributor>> owned;
+    std::vector<Distributor*> workers() const;
+};
+Distributors make_distributors(const TriangleAtlas& atlas, const FitRequest& request);
+
 struct Solver {
     const char* name;
     const char* help;
@@ -42,6 +55,11 @@ std::span<const Solver> solvers();
 
 void solve_stream(FitTask& task);
 void solve_mean(FitTask& task);
+void solve_two_step(FitTask& task);
+
+/// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.
+void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
+                   std::span<const ProblemOutcome> outcomes, std::vector<float> parameters);
 
 /// For solvers that return parameters only: fills the fit's problems (raw E, samples, the given status and iterations)
 /// by evaluating the model once over the samples. Problems without samples say so whatever `status` is.

@@ -1,6 +1,7 @@
 #include "app/solver.h"
 #include "base/clock.h"
 #include "cpu/lfm_problem.h"
+#include "model/penalty.h"
 #include "reference/mean_solver.h"
 
 namespace radiafit {
@@ -30,6 +31,27 @@ const SampleList& FitTask::samples() {
 
 LfmLayout FitTask::layout() const {
     return LfmLayout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
+}
+
+void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
+                   std::span<const ProblemOutcome> outcomes, std::vector<float> parameters) {
+    LightFieldFit& fit = task.out.fit;
+    fit.parameters = std::move(parameters);
+    for (auto* list : {&fit.iterations, &fit.samples}) list->assign(outcomes.size(), 0);
+    fit.status.assign(outcomes.size(), Status::no_samples);
+    fit.error.assign(outcomes.size(), 0.0f);
+    for (size_t i = 0; i < outcomes.size(); ++i) {
+        const size_t v = i / 3;
+        fit.status[i] = outcomes[i].status;
+        fit.iterations[i] = outcomes[i].iterations;
+        fit.samples[i] = statistics.samples[v];
+        if (!statistics.samples[v]) continue;
+        // the engine's error is E / S-bar plus the penalties; problems.exr wants E itself
+        const double penalty =
+            penalty_error(layout, task.options, v, fit.parameters, {&statistics.mean[3 * v], 3})[i % 3];
+        const double ring_texels = double(layout.view_offset(v) - layout.offset(v)) / double(layout.stride());
+        fit.error[i] = float(std::max(0.0, outcomes[i].error - penalty) * statistics.samples[v] / ring_texels);
+    }
 }
 
 void fill_problems(FitTask& task, std::vector<float> parameters, Status status, uint32_t iterations) {
@@ -77,6 +99,7 @@ void solve_mean(FitTask& task) {
 std::span<const Solver> solvers() {
     static constexpr Solver table[] = {
         {"stream", "the paper's optimizers over --engine", solve_stream},
+        {"two-step", "distributed to disk first, then vertex by vertex (Section 4.3)", solve_two_step},
         {"mean", "the trivial baseline: one mean colour per texel", solve_mean},
     };
     return table;

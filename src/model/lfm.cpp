@@ -45,18 +45,27 @@ LfmLayout::LfmLayout(const VertexRings& rings, int tile_texels, int view_side, i
     }
 }
 
-ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side,
-                             ViewLookup lookup) {
-    using Text = LfmText<double>;
+std::array<double, 2> view_coordinate(const Frame& frame, const Vec3f& position, const Vec3d& camera_center) {
     const Vec3d d = (camera_center - position.cast<double>()).normalized();
     const auto along = [&](const Vec3f& axis) { return axis.cast<double>().dot(d); };
     const auto coordinate =
-        Text::lfm_view_coordinate({along(frame.tangent), along(frame.bitangent), along(frame.normal)});
-    const auto footprint = lookup == ViewLookup::bilinear ? Text::lfm_view_bilinear(coordinate, view_side)
-                                                          : Text::lfm_view_nearest(coordinate, view_side);
+        LfmText<double>::lfm_view_coordinate({along(frame.tangent), along(frame.bitangent), along(frame.normal)});
+    return {coordinate.x, coordinate.y};
+}
+
+ViewFootprint view_footprint(const std::array<double, 2>& coordinate, int view_side, ViewLookup lookup) {
+    using Text = LfmText<double>;
+    const auto [x, y] = coordinate;
+    const auto footprint = lookup == ViewLookup::bilinear ? Text::lfm_view_bilinear({x, y}, view_side)
+                                                          : Text::lfm_view_nearest({x, y}, view_side);
     const auto w = Text::lfm_view_weights(footprint);
     return {static_cast<uint16_t>(footprint.y * view_side + footprint.x),
             {float(w.x), float(w.y), float(w.z), float(w.w)}};
+}
+
+ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side,
+                             ViewLookup lookup) {
+    return view_footprint(view_coordinate(frame, position, camera_center), view_side, lookup);
 }
 
 std::string to_string(ViewLookup lookup) { return lookup == ViewLookup::bilinear ? "bilinear" : "nearest"; }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -66,7 +67,10 @@ struct ViewFootprint {
     uint16_t texel = 0;              ///< lower-left of four; the others are +1, +m, +m+1
     float weight[4] = {0, 0, 0, 0};  ///< of (x0, y0), (x0+1, y0), (x0, y0+1), (x0+1, y0+1)
 };
-/// From a camera centre (world) to the footprint of vertex `position` with frame `frame`.
+/// Where a camera centre (world) falls in the view map of vertex `position` with frame `frame`: in [0, 1]^2.
+std::array<double, 2> view_coordinate(const Frame& frame, const Vec3f& position, const Vec3d& camera_center);
+ViewFootprint view_footprint(const std::array<double, 2>& coordinate, int view_side, ViewLookup lookup);
+/// Both in one.
 ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side,
                              ViewLookup lookup);
 

@@ -4,6 +4,17 @@
 
 namespace radiafit {
 
+void Trace::append(const Trace& stage) {
+    const int before = rows.empty() ? 0 : rows.back().iteration;
+    const double time = rows.empty() ? 0 : rows.back().time_s;
+    for (size_t k = rows.empty() ? 0 : 1; k < stage.rows.size(); ++k) {
+        TraceRow row = stage.rows[k];
+        row.iteration += before;
+        row.time_s += time;
+        rows.push_back(row);
+    }
+}
+
 std::string trace_csv(const Trace& trace, const std::string& solver, const std::string& engine) {
     std::string csv = "solver,engine,iteration,time_s,error,accepted,active\n";
     for (const TraceRow& r : trace.rows)

@@ -17,6 +17,8 @@ struct TraceRow {
 
 struct Trace {
     std::vector<TraceRow> rows;
+    /// A further stage: iterations and times go on from the last row, which is the stage's start as well.
+    void append(const Trace& stage);
 };
 
 /// CSV with columns solver,engine,iteration,time_s,error,accepted,active.

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "cpu/lfm_problem.h"
+#include "cpu/vertex_problem.h"
 #include "optim/engine.h"
 
 namespace radiafit {
@@ -70,6 +71,7 @@ using StreamEngine = LfmEngine<LfmProblem<real>>;
 
 extern template class LfmEngine<LfmProblem<float>>;
 extern template class LfmEngine<LfmProblem<double>>;
-static_assert(Engine<StreamEngine<float>> && Engine<StreamEngine<double>>);
+extern template class LfmEngine<VertexProblem>;
+static_assert(Engine<StreamEngine<float>> && Engine<StreamEngine<double>> && Engine<LfmEngine<VertexProblem>>);
 
 }  // namespace radiafit

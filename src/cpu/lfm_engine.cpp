@@ -1,4 +1,4 @@
-#include "cpu/stream_engine.h"
+#include "cpu/lfm_engine.h"
 
 namespace radiafit {
 
@@ -173,5 +173,6 @@ uint64_t LfmEngine<Problem>::bytes() const {
 
 template class LfmEngine<LfmProblem<float>>;
 template class LfmEngine<LfmProblem<double>>;
+template class LfmEngine<VertexProblem>;
 
 }  // namespace radiafit

@@ -1,0 +1,122 @@
+#include "cpu/two_step_solver.h"
+
+#include <memory>
+
+#include "base/clock.h"
+#include "base/parallel.h"
+#include "cpu/lfm_engine.h"
+#include "model/lfm_start.h"
+
+namespace radiafit {
+namespace {
+
+constexpr size_t chunk = 16;  ///< vertices read in one piece
+
+/// What a chunk of vertices adds to the trace; added up in the order of chunks, whoever solved them.
+struct ChunkTrace {
+    std::vector<TraceRow> rows;
+    TraceRow& at(size_t k) {
+        // later rows repeat what the problems that ended before left
+        while (rows.size() <= k) {
+            rows.push_back(rows.empty() ? TraceRow{} : rows.back());
+            rows.back().iteration = int(rows.size()) - 1;
+            rows.back().accepted = rows.back().active = 0;
+        }
+        return rows[k];
+    }
+    void add(const Trace& trace) {
+        const std::vector<TraceRow>& r = trace.rows;
+        const size_t length = std::max(rows.size(), r.size());
+        if (r.empty()) return;
+        at(length - 1);
+        for (size_t k = 0; k < length; ++k) {
+            const TraceRow& row = r[std::min(k, r.size() - 1)];
+            rows[k].error += row.error;
+            rows[k].time_s += row.time_s;
+            if (k >= r.size()) continue;
+            rows[k].accepted += row.accepted;
+            rows[k].active += row.active;
+        }
+    }
+};
+
+struct Worker {
+    VertexProblem problem;
+    LfmEngine<VertexProblem> engine{problem};
+    std::vector<uint8_t> blocks;
+    double read_s = 0, solve_s = 0;
+    uint64_t bytes_read = 0, sample_iterations = 0, largest_working_set = 0;
+    explicit Worker(VertexProblem p) : problem(std::move(p)) {}
+};
+
+/// All stages of one vertex: one, or one per term.
+Trace solve_vertex(Worker& w, const LfmOptions& options, const TwoStepOptions& two_step, std::span<float> parameters) {
+    Trace whole;
+    w.engine.count();
+    for (int stage = 0; stage < (two_step.deflate ? options.terms : 1); ++stage) {
+        w.engine.fit_terms(two_step.deflate ? stage : 0, two_step.deflate ? stage + 1 : options.terms);
+        w.engine.reset(parameters);
+        const Trace trace = optimize(w.engine, two_step.optimizer);
+        whole.append(trace);
+        w.engine.read_parameters(parameters);
+    }
+    return whole;
+}
+
+}  // namespace
+
+TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                             const DiskRecords& records, const LfmOptions& options, const TwoStepOptions& two_step,
+                             const std::function<void()>& progress) {
+    const LfmLayout layout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
+    const size_t vertices = layout.problem_count();
+    TwoStepResult out;
+    for (size_t v = 0; v < vertices; ++v) {
+        out.statistics.samples.push_back(records.vertex(v).samples);
+        out.statistics.mean.insert(out.statistics.mean.end(), records.vertex(v).mean, records.vertex(v).mean + 3);
+    }
+    out.parameters = lfm_start(layout, out.statistics.mean, two_step.seed);
+    out.outcomes.resize(3 * vertices);
+
+    const VertexProblem fresh(dataset, atlas, rings, records, options);
+    std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
+    std::vector<ChunkTrace> traces((vertices + chunk - 1) / chunk);
+    parallel_for(traces.size(), 1, [&](size_t c, int worker) {
+        if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>(fresh);
+        Worker& w = *workers[size_t(worker)];
+        const size_t begin = c * chunk, end = std::min(begin + chunk, vertices);
+        Stopwatch reading;
+        records.read(begin, end, w.blocks);
+        w.read_s += reading.wall_s();
+        w.bytes_read += w.blocks.size();
+        for (size_t v = begin; v < end; ++v) {
+            Stopwatch solving;
+            w.problem.load(v, w.blocks.data() + (records.vertex(v).offset - records.vertex(begin).offset));
+            const Trace trace =
+                solve_vertex(w, options, two_step, {out.parameters.data() + layout.offset(v), layout.block_size(v)});
+            w.engine.outcomes({out.outcomes.data() + 3 * v, 3});
+            traces[c].add(trace);
+            w.solve_s += solving.wall_s();
+            w.sample_iterations += uint64_t(records.vertex(v).samples) * uint64_t(trace.rows.back().iteration);
+            w.largest_working_set = std::max(w.largest_working_set, w.problem.working_set_bytes());
+            if (progress) progress();
+        }
+    });
+
+    ChunkTrace sum;
+    for (const ChunkTrace& trace : traces) sum.add({trace.rows});
+    out.trace.rows = std::move(sum.rows);
+    const double threads = thread_count();
+    for (TraceRow& row : out.trace.rows) row.time_s /= threads;
+    for (const auto& w : workers) {
+        if (!w) continue;
+        out.read_s += w->read_s / threads;
+        out.solve_s += w->solve_s / threads;
+        out.bytes_read += w->bytes_read;
+        out.sample_iterations += w->sample_iterations;
+        out.largest_working_set = std::max(out.largest_working_set, w->largest_working_set);
+    }
+    return out;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,130 @@
+#include "cpu/vertex_problem.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace radiafit {
+
+VertexProblem::VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                             const DiskRecords& records, const LfmOptions& options)
+    : dataset_(&dataset),
+      atlas_(&atlas),
+      rings_(&rings),
+      records_(&records),
+      options_((check_options(options), options)),
+      objective_(options, int(atlas.texels_per_tile())),
+      frames_(vertex_frames(atlas.mesh())),
+      tile_texels_(atlas.texels_per_tile()) {
+    layout_.terms_ = options.terms;
+    for (uint32_t view : records.views()) centers_.push_back(dataset.views[view].camera.center());
+}
+
+void VertexProblem::load(size_t v, const uint8_t* block) {
+    const VertexRecord& record = records_->vertex(v);
+    vertex_ = v;
+    samples_ = record.samples;
+    maps_ = rings_->ring(v).size();
+    layout_.ends[1] =
+        4 * size_t(options_.terms) * (maps_ * tile_texels_ + size_t(options_.view_side) * size_t(options_.view_side));
+    std::copy_n(record.mean, 3, mean_);
+    scale_ = objective_.scale(ring_texels(0), samples_, mean_);
+
+    weights_.clear();
+    for (const Corner& corner : rings_->ring(v))
+        for (uint32_t local = 0; local < tile_texels_; ++local)
+            weights_.push_back(broadcast3(atlas_->barycentric(local)[corner.corner]));
+    groups_.resize(record.images + 1);
+    uint32_t first = 0;
+    for (uint32_t g = 0; g < record.images; ++g) {
+        RecordGroup group;
+        std::memcpy(&group, block + g * sizeof group, sizeof group);
+        groups_[g].first = first;
+        first += group.samples;
+        const ViewFootprint f = view_footprint(frames_[v], atlas_->mesh().positions[v], centers_[group.image],
+                                               options_.view_side, options_.lookup);
+        groups_[g].footprint = {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}};
+    }
+    groups_[record.images].first = first;
+    targets_.resize(samples_);
+    texels_.resize(samples_);
+    const uint8_t* samples = block + record.images * sizeof(RecordGroup);
+    records_->kind() == RecordKind::full ? take_full(record, samples) : take_compact(record, samples);
+}
+
+void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from) {
+    const auto take = [&](auto channel) {
+        using Channel = decltype(channel);
+        const float scale = records_->scale() * (sizeof(Channel) == 1 ? 257.0f : 1.0f);
+        for (uint32_t i = 0; i < samples_; ++i) {
+            Channel rgb[3];
+            uint32_t place = 0;
+            std::memcpy(rgb, from, sizeof rgb);
+            std::memcpy(&place, from + sizeof rgb, record.texel_bytes);
+            from += sizeof rgb + record.texel_bytes;
+            texels_[i] = place;
+            targets_[i] = weights_[place] * (scale * V{float(rgb[0]), float(rgb[1]), float(rgb[2]), 0});
+        }
+    };
+    records_->bits() == 8 ? take(uint8_t{}) : take(uint16_t{});
+}
+
+// Everything comes from the record itself, as in the paper: also where a sample falls in the vertex's view map.
+void VertexProblem::take_full(const VertexRecord&, const uint8_t* from) {
+    const float n = float(atlas_->side());
+    for (size_t g = 0; g + 1 < groups_.size(); ++g)
+        for (uint32_t i = groups_[g].first; i < groups_[g + 1].first; ++i, from += sizeof(FullRecord)) {
+            FullRecord full;
+            std::memcpy(&full, from, sizeof full);
+            const auto position = static_cast<uint32_t>(full.surface[0]);
+            const int column = int((full.surface[0] - float(position)) * n), row = int(full.surface[1] * n);
+            texels_[i] = position * uint32_t(tile_texels_) + atlas_->local_of_cell(column, row);
+            targets_[i] = weights_[texels_[i]] * V{full.target[0], full.target[1], full.target[2], 0};
+            if (i > groups_[g].first) continue;
+            const ViewFootprint f =
+                view_footprint({full.view[0][0], full.view[0][1]}, options_.view_side, options_.lookup);
+            groups_[g].footprint = {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}};
+        }
+}
+
+void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, double error[3]) const {
+    const size_t size = layout_.size() / 4, view = maps_ * tile_texels_ * size_t(options_.terms);
+    std::fill(gradient, gradient + size, V{});
+    if (diagonal) std::fill(diagonal, diagonal + size, V{});
+    Lanes<double> data{};
+    const auto sum = [&](auto kernel) {
+        for (size_t g = 0; g + 1 < groups_.size(); ++g) {
+            kernel.begin(groups_[g].footprint, x + view);
+            kernel.add(of_group(g), x, gradient, diagonal);
+            kernel.end(groups_[g].footprint, gradient + view, diagonal ? diagonal + view : nullptr, data);
+        }
+    };
+    with_terms(options_.terms, [&](auto terms) {
+        if (diagonal)
+            sum(DirectionKernel<float, terms, true>(options_.terms, options_.view_side));
+        else
+            sum(DirectionKernel<float, terms, false>(options_.terms, options_.view_side));
+    });
+    objective_.finish_direction(scale_, maps_, x, gradient, diagonal, data);
+    for (int c = 0; c < 3; ++c) error[c] = data[c];
+}
+
+void VertexProblem::line(size_t, const V* x, const V* d, LineLanes& sums) const {
+    sums = {};
+    const size_t view = maps_ * tile_texels_ * size_t(options_.terms);
+    with_terms(options_.terms, [&](auto terms) {
+        LineKernel<float, terms> kernel(options_.terms, options_.view_side);
+        for (size_t g = 0; g + 1 < groups_.size(); ++g) {
+            kernel.begin(groups_[g].footprint, x + view, d + view);
+            kernel.add(of_group(g), x, d);
+            kernel.end(sums);
+        }
+    });
+    objective_.finish_line(scale_, maps_, x, d, sums);
+}
+
+uint64_t VertexProblem::working_set_bytes() const {
+    return targets_.size() * (sizeof(V) + sizeof(uint32_t)) + groups_.size() * sizeof(Group) +
+           7 * layout_.size() * sizeof(float);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,81 @@
+#pragma once
+#include "cpu/lfm_kernels.h"
+#include "geometry/atlas.h"
+#include "geometry/vertex_rings.h"
+#include "optim/engine.h"
+#include "samples/disk_records.h"
+
+namespace radiafit {
+
+/// One vertex's problem, loaded from its record: what stays in the L2 cache while LfmEngine solves it. Samples stand by
+/// (image, ring position, texel), targets weighted and widened once, so a view look-up serves all of an image's
+/// samples. As LfmEngine's Problem it has one vertex, number 0.
+class VertexProblem {
+public:
+    using Real = float;
+    using V = Lanes<float>;
+    /// All arguments but options must outlive the problem.
+    VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                  const DiskRecords& records, const LfmOptions& options);
+
+    /// Takes vertex v from its block. Keeps storage.
+    void load(size_t v, const uint8_t* block);
+
+    struct Layout {
+        size_t ends[2] = {0, 0};  ///< floats
+        int terms_;
+        size_t offset(size_t v) const { return ends[v]; }
+        size_t size() const { return ends[1]; }
+        int terms() const { return terms_; }
+    };
+    const Layout& layout() const { return layout_; }
+    size_t vertex_count() const { return 1; }
+    size_t ring_texels(size_t) const { return maps_ * tile_texels_; }
+    ProblemStatistics count() const { return {{samples_}, {mean_[0], mean_[1], mean_[2]}}; }
+    void direction(size_t, const V* x, V* gradient, V* fresh_p, double error[3]) const;
+    void line(size_t, const V* x, const V* d, LineLanes& sums) const;
+
+    uint64_t working_set_bytes() const;  ///< samples, look-ups and the optimizer's seven vectors
+
+private:
+    struct Group {
+        uint32_t first;
+        Footprint<float> footprint;
+    };
+    struct Samples {
+        const V* targets;
+        const uint32_t* texels;
+        size_t count;
+        size_t size() const { return count; }
+        uint32_t texel(size_t i) const { return texels[i]; }
+        V target(size_t i) const { return targets[i]; }
+    };
+    Samples of_group(size_t g) const {
+        const uint32_t first = groups_[g].first;
+        return {targets_.data() + first, texels_.data() + first, groups_[g + 1].first - first};
+    }
+    void take_compact(const VertexRecord& record, const uint8_t* from);
+    void take_full(const VertexRecord& record, const uint8_t* from);
+
+    const Dataset* dataset_;
+    const TriangleAtlas* atlas_;
+    const VertexRings* rings_;
+    const DiskRecords* records_;
+    LfmOptions options_;
+    LfmObjective<float> objective_;
+    std::vector<Frame> frames_;
+    std::vector<Vec3d> centers_;  ///< of the images' cameras
+    size_t tile_texels_;
+
+    Layout layout_;
+    size_t vertex_ = 0, maps_ = 0;
+    uint32_t samples_ = 0;
+    float mean_[3] = {};
+    LfmObjective<float>::Scale scale_;
+    std::vector<Group> groups_;  ///< one more than there are groups
+    std::vector<V> targets_;
+    std::vector<uint32_t> texels_;  ///< place in the vertex's surface maps
+    std::vector<V> weights_;        ///< by place: Lambda at the texel's centre
+};
+
+}  // namespace radiafit

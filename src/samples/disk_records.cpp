@@ -1,0 +1,314 @@
+#include "samples/disk_records.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "model/lfm.h"
+#include "samples/image_samples.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* records_name = "records.bin";
+constexpr const char* index_name = "index.bin";
+constexpr const char* description_name = "records.json";
+
+template <class T>
+void append(std::vector<uint8_t>& out, const T* from, size_t count) {
+    const auto* bytes = reinterpret_cast<const uint8_t*>(from);
+    out.insert(out.end(), bytes, bytes + count * sizeof(T));
+}
+
+/// What tiles took from a range of images, by tile: where step 1 puts samples until their vertices' turn comes. A
+/// tile's part is a row of [RecordGroup][Sample...], images ascending.
+class TileStore {
+public:
+    /// In memory, or in a file if `path` is given.
+    TileStore(const std::vector<ImageSamples>& images, uint32_t first_image, uint32_t tiles, const fs::path* path) {
+        std::optional<OutputFile> out;
+        if (path) out.emplace(*path);
+        std::vector<uint32_t> next(images.size(), 0);  // run of each image
+        std::vector<uint8_t> part;
+        offsets_.push_back(0);
+        for (uint32_t tile = 0; tile < tiles; ++tile) {
+            part.clear();
+            for (size_t k = 0; k < images.size(); ++k) {
+                const ImageSamples::Run* run = &images[k].runs[next[k]];
+                if (run->tile != tile) continue;
+                ++next[k];
+                const RecordGroup group{first_image + uint32_t(k), run[1].first - run[0].first};
+                append(part, &group, 1);
+                append(part, images[k].samples.data() + run->first, group.samples);
+            }
+            offsets_.push_back(offsets_.back() + part.size());
+            out ? out->write(part.data(), part.size()) : append(memory_, part.data(), part.size());
+        }
+        if (!out) return;
+        out->close();
+        file_.emplace(*path);
+    }
+    uint64_t bytes() const { return offsets_.back(); }
+    uint64_t tile_bytes(uint32_t tile) const { return offsets_[tile + 1] - offsets_[tile]; }
+    bool on_disk() const { return file_.has_value(); }
+    void append_tile(uint32_t tile, std::vector<uint8_t>& out) const {
+        if (!file_) return append(out, memory_.data() + offsets_[tile], tile_bytes(tile));
+        out.resize(out.size() + tile_bytes(tile));
+        file_->read(out.data() + out.size() - tile_bytes(tile), offsets_[tile], tile_bytes(tile));
+    }
+
+private:
+    std::vector<uint64_t> offsets_;  ///< [tiles + 1]
+    std::vector<uint8_t> memory_;
+    std::optional<InputFile> file_;
+};
+
+/// Writes blocks of vertices from what the stores hold of their rings' tiles.
+class BlockWriter {
+public:
+    BlockWriter(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                const std::vector<uint32_t>& views, const RecordOptions& options, int bits, float scale)
+        : atlas_(&atlas),
+          rings_(&rings),
+          kind_(options.kind),
+          bits_(bits),
+          scale_(scale),
+          frames_(vertex_frames(atlas.mesh())) {
+        for (uint32_t view : views) centers_.push_back(dataset.views[view].camera.center());
+    }
+
+    void block(size_t v, const std::vector<TileStore>& stores, std::vector<uint8_t>& out, VertexRecord& record) const {
+        std::vector<uint8_t> tiles;
+        std::vector<Part> parts;
+        const auto ring = rings_->ring(v);
+        for (uint32_t position = 0; position < ring.size(); ++position)
+            for (const TileStore& store : stores) {
+                store.append_tile(ring[position].triangle, tiles);
+                find_parts(position, tiles, parts);
+            }
+        std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+            return std::pair(a.image, a.position) < std::pair(b.image, b.position);
+        });
+        record = {};
+        const uint64_t places = uint64_t(ring.size()) * atlas_->texels_per_tile();
+        record.texel_bytes = places <= 0x100 ? 1 : places <= 0x10000 ? 2 : 4;
+        out.clear();
+        for (size_t i = 0; i < parts.size();) {
+            RecordGroup group{parts[i].image, 0};
+            for (; i < parts.size() && parts[i].image == group.image; ++i) group.samples += parts[i].samples;
+            append(out, &group, 1);
+            ++record.images;
+            record.samples += group.samples;
+        }
+        double sum[3] = {};
+        for (const Part& part : parts) samples(v, part, tiles.data() + part.at, out, record, sum);
+        for (int c = 0; c < 3 && record.samples; ++c) record.mean[c] = float(sum[c] / record.samples);
+    }
+
+private:
+    struct Part {
+        uint32_t image, position, samples;
+        size_t at;  ///< of the first sample
+    };
+    /// Finds the groups between what `parts` know already and the end of `tiles`.
+    static void find_parts(uint32_t position, const std::vector<uint8_t>& tiles, std::vector<Part>& parts) {
+        size_t at = parts.empty() ? 0 : parts.back().at + parts.back().samples * sizeof(Sample);
+        while (at < tiles.size()) {
+            RecordGroup group;
+            std::memcpy(&group, tiles.data() + at, sizeof group);
+            at += sizeof group;
+            parts.push_back({group.image, position, group.samples, at});
+            at += group.samples * sizeof(Sample);
+        }
+    }
+    void samples(size_t v, const Part& part, const uint8_t* from, std::vector<uint8_t>& out, const VertexRecord& record,
+                 double sum[3]) const {
+        const Corner& corner = rings_->ring(v)[part.position];
+        FullRecord full{};
+        if (kind_ == RecordKind::full) {
+            const auto& triangle = atlas_->mesh().triangles[corner.triangle];
+            for (uint32_t j = 0; j < 3; ++j) {
+                const uint32_t vertex = triangle[(corner.corner + j) % 3];
+                const auto xy =
+                    view_coordinate(frames_[vertex], atlas_->mesh().positions[vertex], centers_[part.image]);
+                for (size_t i = 0; i < 2; ++i) full.view[j][i] = float(xy[i]);
+            }
+        }
+        for (uint32_t i = 0; i < part.samples; ++i) {
+            Sample sample;
+            std::memcpy(&sample, from + i * sizeof sample, sizeof sample);
+            const float weight = atlas_->barycentric(sample.local)[corner.corner];
+            for (int c = 0; c < 3; ++c) sum[c] += double(weight * scale_) * sample.rgb[c];
+            if (kind_ == RecordKind::full) {
+                const auto [column, row] = atlas_->cell(sample.local);
+                const float n = float(atlas_->side());
+                full.surface[0] = float(part.position) + (float(column) + 0.5f) / n;
+                full.surface[1] = (float(row) + 0.5f) / n;
+                for (int c = 0; c < 3; ++c) {
+                    full.target[c] = scale_ * float(sample.rgb[c]);
+                    full.residual[c] = -weight * full.target[c];
+                }
+                append(out, &full, 1);
+                continue;
+            }
+            if (bits_ == 8)
+                for (uint16_t channel : sample.rgb) out.push_back(uint8_t(channel / 257));
+            else
+                append(out, sample.rgb, 3);
+            const uint32_t place = part.position * atlas_->texels_per_tile() + sample.local;
+            append(out, reinterpret_cast<const uint8_t*>(&place), record.texel_bytes);  // little endian
+        }
+    }
+
+    const TriangleAtlas* atlas_;
+    const VertexRings* rings_;
+    RecordKind kind_;
+    int bits_;
+    float scale_;
+    std::vector<Frame> frames_;
+    std::vector<Vec3d> centers_;
+};
+
+uint64_t bytes_of(const ImageSamples& image) {
+    return image.samples.size() * sizeof(Sample) + image.runs.size() * sizeof(ImageSamples::Run);
+}
+
+/// First loop: images in, tiles out. Holds at most half of the memory in images; the other half is a store's.
+std::vector<TileStore> store_tiles(const fs::path& folder, SampleCollector& collector,
+                                   const std::vector<uint32_t>& views, uint32_t tiles, uint64_t memory,
+                                   RecordStatistics& statistics) {
+    std::vector<TileStore> stores;
+    std::vector<ImageSamples> waiting;
+    uint64_t bytes = 0;
+    uint32_t first = 0;
+    const auto store = [&](bool to_disk) {
+        const fs::path path = folder / fmt::format("waiting{}.bin", stores.size());
+        stores.emplace_back(waiting, first, tiles, to_disk ? &path : nullptr);
+        if (to_disk) {
+            statistics.bytes_written += stores.back().bytes();
+            ++statistics.waiting_files;
+        }
+        first += uint32_t(waiting.size());
+        waiting.clear();
+        bytes = 0;
+    };
+    std::vector<ImageSamples> batch(size_t(collector.at_once()));
+    for (size_t k = 0; k < views.size(); k += batch.size()) {
+        const size_t count = std::min(batch.size(), views.size() - k);
+        collector.collect({views.data() + k, count}, batch);
+        for (size_t i = 0; i < count; ++i) {
+            statistics.covered_pixels += batch[i].covered_pixels;
+            statistics.samples += batch[i].samples.size();
+            bytes += bytes_of(batch[i]);
+            waiting.push_back(std::move(batch[i]));
+        }
+        if (bytes > memory / 2) store(true);
+    }
+    if (!waiting.empty()) store(!stores.empty());
+    return stores;
+}
+
+}  // namespace
+
+RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
+                               const VertexRings& rings, const std::vector<uint32_t>& views,
+                               std::vector<Distributor*> workers, const RecordOptions& options) {
+    RecordStatistics statistics;
+    SampleCollector collector(dataset, atlas, std::move(workers), options.space);
+    const std::vector<TileStore> stores =
+        store_tiles(folder, collector, views, atlas.tile_count(), options.memory, statistics);
+
+    const BlockWriter writer(dataset, atlas, rings, views, options, collector.bits(), collector.scale());
+    OutputFile out(folder / records_name);
+    std::vector<VertexRecord> index(rings.vertex_count());
+    const uint64_t expansion = options.kind == RecordKind::full ? sizeof(FullRecord) / sizeof(Sample) : 1;
+    const auto ring_bytes = [&](size_t v) {
+        uint64_t bytes = 0;
+        for (const Corner& corner : rings.ring(v))
+            for (const TileStore& store : stores) bytes += store.tile_bytes(corner.triangle);
+        return bytes;
+    };
+    std::vector<std::vector<uint8_t>> blocks;
+    for (size_t begin = 0, end = 0; begin < index.size(); begin = end) {
+        // as many vertices at a time as a quarter of the memory holds, and their tiles
+        for (uint64_t bytes = 0; end < index.size() && end - begin < 256; ++end) {
+            bytes += (1 + expansion) * ring_bytes(end);
+            if (end > begin && bytes > options.memory / 4) break;
+        }
+        blocks.resize(std::max(blocks.size(), end - begin));
+        parallel_for(end - begin, 4,
+                     [&](size_t i, int) { writer.block(begin + i, stores, blocks[i], index[begin + i]); });
+        for (size_t v = begin; v < end; ++v) {
+            index[v].offset = out.bytes();
+            out.write(blocks[v - begin].data(), blocks[v - begin].size());
+            if (stores.size() > 1) statistics.bytes_read += ring_bytes(v);
+        }
+    }
+    out.close();
+    OutputFile index_file(folder / index_name);
+    index_file.write(index.data(), index.size() * sizeof(VertexRecord));
+    index_file.close();
+    statistics.bytes_written += out.bytes() + index_file.bytes();
+    for (uint64_t i = 0; i < statistics.waiting_files; ++i) fs::remove(folder / fmt::format("waiting{}.bin", i));
+    const nlohmann::ordered_json description = {{"format", "radiafit-records"},
+                                                {"version", 1},
+                                                {"kind", options.kind == RecordKind::full ? "full" : "compact"},
+                                                {"vertices", index.size()},
+                                                {"bytes", out.bytes()},
+                                                {"bits", collector.bits()},
+                                                {"scale", collector.scale()},
+                                                {"views", views},
+                                                {"key", options.key}};
+    write_file(folder / description_name, description.dump(1) + "\n");
+    return statistics;
+}
+
+namespace {
+
+nlohmann::json describe(const fs::path& folder, const std::string& key) {
+    const fs::path path = folder / description_name;
+    std::ifstream file(path);
+    const auto json = nlohmann::json::parse(file, nullptr, false);
+    const auto reject = [&](const char* why) {
+        throw UserError(fmt::format("{}: {}; remove it or choose another --records folder", folder.string(), why));
+    };
+    if (!file || !json.is_object() || json.value("format", "") != "radiafit-records" || json.value("version", 0) != 1)
+        reject("holds no whole records");
+    if (json.value("key", "") != key) reject("holds records of another dataset or with other options");
+    return json;
+}
+
+}  // namespace
+
+DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
+    : file_((describe(folder, key), folder / records_name)) {
+    const nlohmann::json json = describe(folder, key);
+    kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
+    bits_ = json.at("bits");
+    scale_ = json.at("scale");
+    bytes_ = json.at("bytes");
+    views_ = json.at("views").get<std::vector<uint32_t>>();
+    vertices_.resize(json.at("vertices").get<size_t>());
+    const InputFile index(folder / index_name);
+    if (index.size() != vertices_.size() * sizeof(VertexRecord) || file_.size() != bytes_)
+        throw UserError(fmt::format("{}: its files are cut short; remove it", folder.string()));
+    index.read(vertices_.data(), 0, index.size());
+}
+
+fs::path DiskRecords::file(const fs::path& folder) { return folder / records_name; }
+
+void DiskRecords::read(size_t begin, size_t end, std::vector<uint8_t>& blocks) const {
+    const uint64_t from = vertices_[begin].offset, to = this->end(end - 1);
+    blocks.resize(to - from);
+    file_.read(blocks.data(), from, to - from);
+}
+
+}  // namespace radiafit
