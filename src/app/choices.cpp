@@ -36,7 +36,9 @@ TargetSpace choose_space(const std::string& name) {
     return choose<TargetSpace>("space", name, {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}});
 }
 StreamSource choose_source(const std::string& name) {
-    return choose<StreamSource>("source", name, {{"disk", StreamSource::disk}, {"memory", StreamSource::memory}});
+    return choose<StreamSource>(
+        "source", name,
+        {{"disk", StreamSource::disk}, {"disk-cold", StreamSource::disk_cold}, {"memory", StreamSource::memory}});
 }
 
 RecordKind choose_record(const std::string& name) {

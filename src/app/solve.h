@@ -6,6 +6,7 @@
 
 #include "dataset/image_stream.h"
 #include "fit/fit_folder.h"
+#include "gl/fragment_engine.h"
 #include "model/lfm.h"
 #include "optim/optimizer.h"
 #include "samples/disk_records.h"
@@ -25,7 +26,7 @@ struct FitRequest {
     std::string passes = "combined";  ///< paper | combined, of the fragment engine
     std::string storage = "fp32";     ///< fp32 | fp16 | fp16-truncate, of the fragment engine
     std::string distributor = "cpu";  ///< cpu | gl, for engines that read a sample list
-    std::string source = "memory";    ///< disk | memory, of engines that stream images
+    std::string source = "memory";    ///< disk | disk-cold | memory, of engines that stream images
     std::string view = "bilinear";    ///< bilinear | nearest
     std::string space = "stored";     ///< stored | linear
     std::string context = "egl";      ///< egl | osmesa
@@ -36,7 +37,8 @@ struct FitRequest {
     int iterations = 25;
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
-    // Of the two-step solver's first step.
+    bool scissored = false;  ///< of the fragment engine, to measure switching: its image passes touch one texel each
+    // Of the two-step solver.
     std::string record = "compact";  ///< compact | full: what is written of a sample
     std::string memory = "1G";       ///< bytes of samples held at a time; K, M, G are powers of 1024
     std::string records;             ///< folder to keep the records in, or to find them; empty: they go again
@@ -64,6 +66,8 @@ struct FitOutcome {
     DistributionStatistics distribution;  ///< where a sample list was built
     std::string gl_vendor, gl_renderer, gl_version;
     double sweep_cpu_ms_per_image = 0;  ///< process CPU time of the fragment engine's sweeps over images
+    FragmentTimes sweeps;               ///< of the fragment engine
+    double images_cached_share = 0;     ///< of images.bin's pages, when the fragment engine was done
     uint64_t engine_bytes = 0;          ///< device memory (or vectors) of the engine
     // Of the two-step solver.
     RecordStatistics records;

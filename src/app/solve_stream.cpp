@@ -2,7 +2,9 @@
 #include "app/run_engine.h"
 #include "app/solver.h"
 #include "base/clock.h"
+#include "base/file.h"
 #include "cpu/lfm_engine.h"
+#include "dataset/dataset_json.h"
 #include "gl/fragment_engine.h"
 
 namespace radiafit {
@@ -20,6 +22,7 @@ void with_fragment_engine(FitTask& task) {
     options.passes = choose_passes(request.passes);
     options.storage = choose_storage(request.storage);
     options.source = choose_source(request.source);
+    options.scissored = request.scissored;
     options.space = choose_space(request.space);
     Stopwatch clock;
     FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, options);
@@ -28,6 +31,8 @@ void with_fragment_engine(FitTask& task) {
     out.times.streaming = times.stream_s + times.upload_s;
     out.times.optimization = clock.wall_s() - out.times.streaming;
     out.engine_bytes = engine.bytes();
+    out.sweeps = times;
+    out.images_cached_share = cached_share(task.dataset.folder / dataset_images_name);
     out.sweep_cpu_ms_per_image = times.images ? 1e3 * times.sweep_cpu_s / double(times.images) : 0;
 }
 

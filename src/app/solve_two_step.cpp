@@ -6,7 +6,6 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "cpu/two_step_solver.h"
-#include "cpu/two_step_solver.h"
 
 namespace radiafit {
 namespace {

@@ -62,6 +62,10 @@ uint64_t InputFile::size() const {
     return uint64_t(status.st_size);
 }
 
+void InputFile::forget(uint64_t offset, uint64_t bytes) const {
+    posix_fadvise(file_, off_t(offset), off_t(bytes), POSIX_FADV_DONTNEED);  // advice: cached_share() tells
+}
+
 OutputFile::OutputFile(std::filesystem::path path)
     : path_(std::move(path)), file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
     if (file_ < 0) fail_to_write(path_, errno);
@@ -116,13 +120,9 @@ double cached_share(const std::filesystem::path& path) {
 }
 
 void drop_from_cache(const std::filesystem::path& path) {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file < 0) throw SystemError(fmt::format("open({}): {}", path.string(), last_error()));
-    fdatasync(file);
-    const int error = posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
-    ::close(file);
-    if (error)
-        throw SystemError(fmt::format("posix_fadvise({}): {}", path.string(), std::generic_category().message(error)));
+    const InputFile file(path);
+    fdatasync(file.descriptor());  // dirty pages stay
+    file.forget(0, 0);             // 0 bytes: to the end
 }
 
 }  // namespace radiafit

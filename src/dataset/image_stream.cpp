@@ -84,6 +84,7 @@ struct StreamedView {
 
 struct ImageStream::State {
     std::shared_ptr<const InputFile> file;
+    bool cold = false;
     std::shared_ptr<const std::vector<uint8_t>> kept;  ///< StreamSource::memory: the whole of images.bin, and a byte
     std::vector<uint8_t> buffer;                       ///< StreamSource::disk: one image, reused
     std::vector<uint8_t> mask_buffer;
@@ -103,6 +104,7 @@ struct ImageStream::State {
         if (kept) return kept->data() + offset;
         if (to.size() < bytes + 1) to.resize(bytes + 1);
         file->read(to.data(), offset, bytes);
+        if (cold) file->forget(offset, bytes);
         bytes_read += bytes;
         return to.data();
     }
@@ -136,6 +138,8 @@ ImageStream::ImageStream(const Dataset& dataset, StreamSource source, TargetSpac
     scale_ = bits_ == 8 ? 1.0f / 255.0f : static_cast<float>(largest / 65535);
 
     s.file = std::make_shared<InputFile>(dataset.folder / dataset_images_name);
+    s.cold = source == StreamSource::disk_cold;
+    if (s.cold) s.file->forget(0, end);
     if (source == StreamSource::memory) {
         auto kept = std::make_shared<std::vector<uint8_t>>(end + 1);
         s.file->read(kept->data(), 0, end);

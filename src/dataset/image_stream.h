@@ -10,8 +10,9 @@ namespace radiafit {
 
 /// Where every load() gets its pixels from.
 enum class StreamSource {
-    disk,   ///< read from images.bin each time, as the paper did
-    memory  ///< read once, kept in host memory
+    disk,       ///< read from images.bin each time, as the paper did
+    disk_cold,  ///< likewise, and out of the page cache again: every time means from the disk itself
+    memory      ///< read once, kept in host memory
 };
 
 /// The space residuals are formed in.
