@@ -9,6 +9,7 @@
 #include "cpu/lfm_engine.h"
 #include "gl/fragment_engine.h"
 #include "gl/gl_distributor.h"
+#include "gl/view_order.h"
 #include "gl_scene.h"
 #include "lfm_oracle.h"
 #include "model/lfm_start.h"
@@ -315,6 +316,29 @@ TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {
         }
     }
     EXPECT_GT(moving, gradient.size() / 20);
+}
+
+TEST(Fragment, BatchesAreNeighboursAndLoseNoView) {
+    Dataset dataset;
+    dataset.mesh = awkward_mesh(0);
+    // Five clusters of four views, each within a degree, the clusters far apart; shuffled.
+    std::mt19937 rng(3);
+    std::vector<uint32_t> views;
+    for (int i = 0; i < 20; ++i) {
+        View view;
+        view.camera = orbit_camera(i / 4, 5, width, height);
+        view.camera.cam_from_world_translation += 0.02 * Vec3d(i % 4, i % 3, 0);
+        dataset.views.push_back(view);
+        views.push_back(uint32_t(i));
+    }
+    std::shuffle(views.begin(), views.end(), rng);
+    for (int batch : {4, 3, 7}) {
+        const std::vector<uint32_t> order = batches_of_neighbours(dataset, views, batch);
+        EXPECT_TRUE(std::is_permutation(order.begin(), order.end(), views.begin(), views.end()));
+        EXPECT_EQ(order, batches_of_neighbours(dataset, views, batch));
+        for (size_t i = 0; i < order.size() && batch == 4; ++i)
+            EXPECT_EQ(order[i] / 4, order[i / 4 * 4] / 4) << "place " << i;
+    }
 }
 
 TEST(Fragment, CountsItsBytesAndReturnsThem) {

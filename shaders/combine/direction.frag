@@ -1,31 +1,42 @@
 #version 450 core
-// One pass into SLS for one image: the colour that each texel takes, alpha 1 where there is one, and the surface
-// gradient of the first term for all three corners, blended.
+// variants: BATCH=1,2,4 TERMS=1,2 COLOUR=8,16
+// One pass into SLS for a batch of images: the colours that each texel takes, and the surface gradient of the first term
+// for all three corners, summed over the batch and blended.
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
 #include "combine/value_of.glsl"
 #include "combine/take_item.glsl"
-layout(binding = 2) uniform MAPS surface;
 #include "combine/residual3.glsl"
-layout(location = 3) uniform vec2 image_size;  // pixels
-layout(location = 0) flat in vec3 corner0;
-layout(location = 1) flat in vec3 corner1;
-layout(location = 2) flat in vec3 corner2;
-layout(location = 3) flat in ivec3 frame;
+layout(binding = 2) uniform MAPS surface;
+layout(location = 0) flat in ivec3 frame;
+layout(location = 1 + VALUES) flat in vec3 projected[3 * BATCH];  // as combine/map3.vert has it
 layout(location = 0) out uvec4 taken;
 layout(location = 1) out vec4 gradient[3];
+
+#define ADD(image) add(image, place, weights, g, sum, colours)
+void add(int image, ivec2 place, vec3 weights, vec3 g[3 * TERMS], inout vec3 sum[3], inout Colours colours) {
+    uvec2 colour;
+    bool present = take_item(image, projected[3 * image], projected[3 * image + 1], projected[3 * image + 2], weights,
+                             place, colour);
+    keep(colours, image, present, colour);
+    vec3 target = target_of(image, colour);
+    for (int corner = 0; corner < 3; ++corner) {
+        vec3 r = residual_of(image, corner, target, weights, g);
+        vec3 slope = lfm_gradient_surface(r, value_of(image, corner, 0));
+        sum[corner] += present ? slope : vec3(0.0);
+    }
+}
 
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
     vec3 weights = cell_barycentric((place - frame.xy) * frame.z);
-    uvec3 channels;
-    bool present = take_item(corner0, corner1, corner2, weights, place, image_size, channels);
-    taken = present ? uvec4(channels, 1u) : uvec4(0u);
-    vec3 target = target_of(channels);
-    for (int corner = 0; corner < 3; ++corner) {
-        vec3 r = residual_of(corner, target, weights, place);
-        gradient[corner] = present ? vec4(lfm_gradient_surface(r, value_of(corner, 0)), 0.0) : vec4(0.0);
-    }
+    vec3 g[3 * TERMS];
+    for (int i = 0; i < 3 * TERMS; ++i) g[i] = load(texelFetch(surface, ivec3(place, i), 0));
+    vec3 sum[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
+    Colours colours = Colours(uint[4](0u, 0u, 0u, 0u));
+    FOR_EACH_IMAGE(ADD)
+    taken = uvec4(colours.part[0], colours.part[1], colours.part[2], colours.part[3]);
+    for (int corner = 0; corner < 3; ++corner) gradient[corner] = vec4(sum[corner], 0.0);
 }

@@ -1,7 +1,7 @@
-// Residuals of a texel's three corners from its target. The includer defines value_of(corner, k) and `surface`.
-vec3 residual_of(int corner, vec3 target, vec3 weights, ivec2 place) {
+// Residuals of a texel's three corners from its target in an image. The includer defines value_of(image, corner, k);
+// `surface`: g_k of the texel, [corner][term].
+vec3 residual_of(int image, int corner, vec3 target, vec3 weights, vec3 surface[3 * TERMS]) {
     vec3 r = -weights[corner] * target;
-    for (int k = 0; k < TERMS; ++k)
-        r += lfm_value(load(texelFetch(surface, ivec3(place, corner * TERMS + k), 0)), value_of(corner, k));
+    for (int k = 0; k < TERMS; ++k) r += lfm_value(surface[corner * TERMS + k], value_of(image, corner, k));
     return r;
 }

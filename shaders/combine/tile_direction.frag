@@ -1,14 +1,19 @@
 #version 450 core
-// Per tile and corner, over its texels: sum of r g_k of one term, and with WITH_ERROR sum of r^2, blended over images.
-// DIAGONAL: sum of g_k^2 where a sample is.
+// variants: BATCH=1,2 TERMS=1,2 COLOUR=8,16 DIAGONAL=-,1
+// Corners [FIRST, FIRST + CORNERS) of tiles, over their texels: for every image of a batch the sum of r g_k of one term;
+// and with WITH_ERROR the sum of r^2 over all of them, blended. DIAGONAL: sum of g_k^2 where a sample is.
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
-#include "combine/target_of.glsl"
+#include "combine/colours.glsl"
 #include "combine/tile_at_one.glsl"
+#ifndef FIRST
+#define FIRST 0
+#define CORNERS 1
+#endif
 layout(binding = 2) uniform MAPS surface;
-layout(binding = 4) uniform usampler2D colours;  // that texels take; alpha 1 where one is
+layout(binding = 4) uniform usampler2D colours;  // that texels take
 layout(binding = 5) uniform sampler2DArray view_values;
 const int columns = COLUMNS;
 #if defined(WITH_ERROR) || TERMS == 1
@@ -16,49 +21,66 @@ const int term = 0;  // a constant, so that residuals and gradient share their l
 #else
 layout(location = 10) uniform int term;
 #endif
-layout(location = 0) out vec4 product[3];
+layout(location = 0) out vec4 product[BATCH * CORNERS];  // [image][corner]
 #ifdef WITH_ERROR
-layout(location = 3) out vec4 error[3];
+layout(location = BATCH * CORNERS) out vec4 error[CORNERS];
 #endif
 
-vec3 values[3 * TERMS];
-vec3 value_of(int corner, int k) { return values[corner * TERMS + k]; }
-#include "combine/residual3.glsl"
+vec3 values[BATCH * CORNERS * TERMS];
+
+#define LOOK_UP(image) look_up(image, of_tile)
+void look_up(int image, uvec4 of_tile) {
+    for (int c = 0; c < CORNERS; ++c) {
+        int vertex = int(of_tile[FIRST + c]);
+        for (int k = 0; k < TERMS; ++k)
+            values[(image * CORNERS + c) * TERMS + k] =
+                texelFetch(view_values, ivec3(vertex % columns, vertex / columns, image * TERMS + k), 0).rgb;
+    }
+}
+
+#define ADD(image) add(image, taken, weights, g, of_term, products, errors)
+void add(int image, uvec4 taken, vec3 weights, vec3 g[CORNERS * TERMS], vec3 of_term[CORNERS],
+         inout vec3 products[BATCH * CORNERS], inout vec3 errors[CORNERS]) {
+    uvec2 colour;
+    bool present = kept(taken, image, colour);
+    vec3 target = target_of(image, colour);
+    for (int c = 0; c < CORNERS; ++c) {
+#ifdef DIAGONAL
+        products[image * CORNERS + c] += present ? of_term[c] * of_term[c] : vec3(0.0);
+#else
+        vec3 r = -weights[FIRST + c] * target;
+        for (int k = 0; k < TERMS; ++k)
+            r += lfm_value(g[c * TERMS + k], values[(image * CORNERS + c) * TERMS + k]);
+        r = present ? r : vec3(0.0);
+        products[image * CORNERS + c] += lfm_gradient_view(r, of_term[c]);
+        errors[c] += r * r;
+#endif
+    }
+}
 
 void main() {
     uvec4 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0);
     ivec3 frame = tile_frame(int(of_tile.w), SIDE);
-    for (int corner = 0; corner < 3; ++corner) {
-        int vertex = int(of_tile[corner]);
-        for (int k = 0; k < TERMS; ++k)
-            values[corner * TERMS + k] =
-                texelFetch(view_values, ivec3(vertex % columns, vertex / columns, k), 0).rgb;
-    }
-    vec3 products[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 errors[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
+    FOR_EACH_IMAGE(LOOK_UP)
+    vec3 products[BATCH * CORNERS], errors[CORNERS];
+    for (int i = 0; i < BATCH * CORNERS; ++i) products[i] = vec3(0.0);
+    for (int c = 0; c < CORNERS; ++c) errors[c] = vec3(0.0);
     int rows = rows_to_visit();
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < SIDE - j; ++i) {
             ivec2 place = frame.xy + frame.z * ivec2(i, j);
             uvec4 taken = texelFetch(colours, place, 0);
-            vec3 target = target_of(taken.rgb);
             vec3 weights = cell_barycentric(ivec2(i, j));
-            for (int corner = 0; corner < 3; ++corner) {
-                vec3 g = load(texelFetch(surface, ivec3(place, corner * TERMS + term), 0));
-#ifdef DIAGONAL
-                products[corner] += taken.a != 0u ? g * g : vec3(0.0);
-#else
-                vec3 r = residual_of(corner, target, weights, place);
-                r = taken.a != 0u ? r : vec3(0.0);
-                products[corner] += lfm_gradient_view(r, g);
-                errors[corner] += r * r;
-#endif
+            vec3 g[CORNERS * TERMS], of_term[CORNERS];
+            for (int c = 0; c < CORNERS; ++c) {
+                for (int k = 0; k < TERMS; ++k)
+                    g[c * TERMS + k] = load(texelFetch(surface, ivec3(place, (FIRST + c) * TERMS + k), 0));
+                of_term[c] = load(texelFetch(surface, ivec3(place, (FIRST + c) * TERMS + term), 0));
             }
+            FOR_EACH_IMAGE(ADD)
         }
-    for (int corner = 0; corner < 3; ++corner) {
-        product[corner] = vec4(products[corner], 0.0);
+    for (int i = 0; i < BATCH * CORNERS; ++i) product[i] = vec4(products[i], 0.0);
 #ifdef WITH_ERROR
-        error[corner] = vec4(errors[corner], 0.0);
+    for (int c = 0; c < CORNERS; ++c) error[c] = vec4(errors[c], 0.0);
 #endif
-    }
 }

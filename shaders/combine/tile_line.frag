@@ -1,10 +1,11 @@
 #version 450 core
-// The sums along d of corners [FIRST, FIRST + CORNERS) of tiles for one image, blended over images: a tile's fragment
-// projects each of its texels, takes its pixel and adds its terms (Eq. 13). QUARTIC: with the two further sums. COUNT:
-// sum of L t and samples.
+// variants: BATCH=1,2 TERMS=1,2 QUARTIC=-,1
+// The sums along d of corners [FIRST, FIRST + CORNERS) of tiles for a batch of images, blended over batches: a tile's
+// fragment projects each of its texels, takes its pixels and adds its terms (Eq. 13). QUARTIC: with the two further sums.
+// COUNT: sum of L t and samples.
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
-#include "distribute/camera.glsl"
+#include "combine/cameras.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
 #include "combine/tile_at_one.glsl"
@@ -32,70 +33,93 @@ layout(location = 3 * CORNERS) out vec4 fourth[CORNERS];
 
 ivec2 problem_of(uint vertex) { return ivec2(int(vertex) % columns, int(vertex) / columns); }
 
+vec3 values[BATCH * CORNERS * TERMS], slopes[BATCH * CORNERS * TERMS];
+vec3 projected[3 * BATCH];
+
+#define LOOK_UP(image) look_up(image, of_tile)
+void look_up(int image, uvec4 of_tile) {
+    for (int corner = 0; corner < 3; ++corner)
+        projected[3 * image + corner] =
+            project(image, texelFetch(vertices, ivec3(problem_of(of_tile[corner]), 0), 0).xyz);
+#ifndef COUNT
+    for (int c = 0; c < CORNERS; ++c)
+        for (int k = 0; k < TERMS; ++k) {
+            ivec3 at = ivec3(problem_of(of_tile[FIRST + c]), image * TERMS + k);
+            values[(image * CORNERS + c) * TERMS + k] = texelFetch(view_values, at, 0).rgb;
+            slopes[(image * CORNERS + c) * TERMS + k] = texelFetch(view_slopes, at, 0).rgb;
+        }
+#endif
+}
+
+struct Sums {
+    vec4 aa[CORNERS];  // COUNT: of L t, and samples
+    vec3 arb[CORNERS], ab[CORNERS], bb[CORNERS];
+};
+
+#define ADD(image) add(image, place, weights, g, dg, sums)
+void add(int image, ivec2 place, vec3 weights, vec3 g[CORNERS * TERMS], vec3 dg[CORNERS * TERMS], inout Sums sums) {
+    uvec2 colour;
+    bool present = take_item(image, projected[3 * image], projected[3 * image + 1], projected[3 * image + 2], weights,
+                             place, colour);
+    vec3 target = target_of(image, colour);
+    for (int c = 0; c < CORNERS; ++c) {
+        vec3 t = weights[FIRST + c] * target;
+#ifdef COUNT
+        sums.aa[c] += present ? vec4(t, 1.0) : vec4(0.0);
+#else
+        vec3 r = -t, a = vec3(0.0), b = vec3(0.0);
+        for (int k = 0; k < TERMS; ++k) {
+            vec3 h = values[(image * CORNERS + c) * TERMS + k], dh = slopes[(image * CORNERS + c) * TERMS + k];
+            r += lfm_value(g[c * TERMS + k], h);
+            a += lfm_slope(g[c * TERMS + k], h, dg[c * TERMS + k], dh);
+            b += lfm_bend(dg[c * TERMS + k], dh);
+        }
+        // Where no pixel is taken all three are nothing, and so are their products.
+        r = present ? r : vec3(0.0);
+        a = present ? a : vec3(0.0);
+        b = present ? b : vec3(0.0);
+        sums.aa[c].rgb += a * a;
+        sums.arb[c] += a * a + 2.0 * r * b;
+#ifdef QUARTIC
+        sums.ab[c] += a * b;
+        sums.bb[c] += b * b;
+#endif
+#endif
+    }
+}
+
 void main() {
     uvec4 of_tile = texelFetch(tile_vertices, ivec2(gl_FragCoord.xy), 0);
     ivec3 frame = tile_frame(int(of_tile.w), SIDE);
-    vec3 q0 = project(texelFetch(vertices, ivec3(problem_of(of_tile.x), 0), 0).xyz);
-    vec3 q1 = project(texelFetch(vertices, ivec3(problem_of(of_tile.y), 0), 0).xyz);
-    vec3 q2 = project(texelFetch(vertices, ivec3(problem_of(of_tile.z), 0), 0).xyz);
-    vec4 aa[CORNERS];
-    vec3 arb[CORNERS], ab[CORNERS], bb[CORNERS];
-    vec3 value[CORNERS * TERMS], slope[CORNERS * TERMS];
+    FOR_EACH_IMAGE(LOOK_UP)
+    Sums sums;
     for (int c = 0; c < CORNERS; ++c) {
-        aa[c] = vec4(0.0);
-        arb[c] = ab[c] = bb[c] = vec3(0.0);
-#ifndef COUNT
-        ivec2 problem = problem_of(of_tile[FIRST + c]);
-        for (int k = 0; k < TERMS; ++k) {
-            value[c * TERMS + k] = texelFetch(view_values, ivec3(problem, k), 0).rgb;
-            slope[c * TERMS + k] = texelFetch(view_slopes, ivec3(problem, k), 0).rgb;
-        }
-#endif
+        sums.aa[c] = vec4(0.0);
+        sums.arb[c] = sums.ab[c] = sums.bb[c] = vec3(0.0);
     }
     int rows = rows_to_visit();
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < SIDE - j; ++i) {
             ivec2 place = frame.xy + frame.z * ivec2(i, j);
             vec3 weights = cell_barycentric(ivec2(i, j));
-            uvec3 channels;
-            bool present = take_item(q0, q1, q2, weights, place, image_size, channels);
-            vec3 target = target_of(channels);
-            for (int c = 0; c < CORNERS; ++c) {
-                vec3 t = weights[FIRST + c] * target;
-#ifdef COUNT
-                aa[c] += present ? vec4(t, 1.0) : vec4(0.0);
-#else
-                vec3 r = -t, a = vec3(0.0), b = vec3(0.0);
-                for (int k = 0; k < TERMS; ++k) {
-                    ivec3 at = ivec3(place, (FIRST + c) * TERMS + k);
-                    vec3 g = load(texelFetch(surface, at, 0)), h = value[c * TERMS + k];
-                    vec3 dg = load(texelFetch(surface_direction, at, 0)), dh = slope[c * TERMS + k];
-                    r += lfm_value(g, h);
-                    a += lfm_slope(g, h, dg, dh);
-                    b += lfm_bend(dg, dh);
-                }
-                // Where no pixel is taken all three are nothing, and so are their products.
-                r = present ? r : vec3(0.0);
-                a = present ? a : vec3(0.0);
-                b = present ? b : vec3(0.0);
-                aa[c].rgb += a * a;
-                arb[c] += a * a + 2.0 * r * b;
-#ifdef QUARTIC
-                ab[c] += a * b;
-                bb[c] += b * b;
-#endif
-#endif
+            vec3 g[CORNERS * TERMS], dg[CORNERS * TERMS];
+#ifndef COUNT
+            for (int c = 0; c < CORNERS * TERMS; ++c) {
+                g[c] = load(texelFetch(surface, ivec3(place, FIRST * TERMS + c), 0));
+                dg[c] = load(texelFetch(surface_direction, ivec3(place, FIRST * TERMS + c), 0));
             }
+#endif
+            FOR_EACH_IMAGE(ADD)
         }
     for (int c = 0; c < CORNERS; ++c) {
 #ifdef COUNT
-        total[c] = aa[c];
+        total[c] = sums.aa[c];
 #else
-        gauss_newton[c] = vec4(aa[c].rgb, 0.0);
-        curvature[c] = vec4(arb[c], 0.0);
+        gauss_newton[c] = vec4(sums.aa[c].rgb, 0.0);
+        curvature[c] = vec4(sums.arb[c], 0.0);
 #ifdef QUARTIC
-        third[c] = vec4(ab[c], 0.0);
-        fourth[c] = vec4(bb[c], 0.0);
+        third[c] = vec4(sums.ab[c], 0.0);
+        fourth[c] = vec4(sums.bb[c], 0.0);
 #endif
 #endif
     }

@@ -1,9 +1,11 @@
-// Fragment side of combine/map3.vert: h_k of a corner's vertex in this image.
+// Fragment side of combine/map3.vert: h_k of a corner's vertex in an image.
 #include "combine/values3.glsl"
-layout(location = 5) flat in vec3 value[VALUES];
+layout(location = 1) flat in vec3 value[VALUES];
 #ifdef VALUES_FETCHED
 layout(binding = 5) uniform sampler2DArray view_values;
-vec3 value_of(int corner, int k) { return texelFetch(view_values, ivec3(ivec2(value[corner].xy), k), 0).rgb; }
+vec3 value_of(int image, int corner, int k) {
+    return texelFetch(view_values, ivec3(ivec2(value[corner].xy), image * TERMS + k), 0).rgb;
+}
 #else
-vec3 value_of(int corner, int k) { return value[corner * TERMS + k]; }
+vec3 value_of(int image, int corner, int k) { return value[(image * 3 + corner) * TERMS + k]; }
 #endif

@@ -1,8 +1,9 @@
-// What combine/map3.vert hands to fragments for its three corners: values of view maps; beyond 8 terms, which would not
-// fit into varyings, the places to fetch them from.
+// What combine/map3.vert hands to fragments for its three corners and every image: values of view maps,
+// [image][corner][term]; beyond 8 terms, which would not fit into varyings, the places to fetch them from.
+#include "combine/batch.glsl"
 #if TERMS > 8
 #define VALUES 3
 #define VALUES_FETCHED
 #else
-#define VALUES (3 * TERMS)
+#define VALUES (BATCH * 3 * TERMS)
 #endif

@@ -2,6 +2,7 @@
 // triangles that face away (SlsMesh::select); what it lets through needlessly finds no item of its own and takes no
 // pixel. PROJECTED: with the vertices' pixel coordinates, for passes that take pixels.
 #include "distribute/tiles.glsl"
+#include "distribute/cover_tile.glsl"
 
 layout(location = 6) uniform vec2 layout_size;  // texels
 layout(location = 3) in uint tile;
@@ -26,8 +27,5 @@ void place_tile() {
 #endif
     frame = tile_frame(int(tile), SIDE);
     tile_index = int(tile);
-    // The hypotenuse runs half a texel beyond the diagonal cells' centres, so exactly the tile's texels are covered.
-    vec2 corner = vec2(gl_VertexID % 3 == 1, gl_VertexID % 3 == 2) * (float(SIDE) + 0.5);
-    vec2 start = vec2(frame.xy) + (frame.z > 0 ? 0.0 : 1.0);
-    gl_Position = vec4((start + float(frame.z) * corner) / layout_size * 2.0 - 1.0, 0.0, 1.0);
+    gl_Position = cover_tile(frame, gl_VertexID % 3, layout_size);
 }

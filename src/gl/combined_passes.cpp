@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <functional>
 
+#include "gl/context.h"
 #include "gl/image_passes.h"
 
 namespace radiafit {
@@ -11,6 +13,7 @@ namespace {
 class CombinedPasses final : public ImagePasses {
 public:
     explicit CombinedPasses(const PassWorld& world);
+    int batch() const override { return batch_; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
                    MapSums* squares) override;
@@ -21,64 +24,83 @@ public:
 private:
     // Per tile sums over a sweep, [3 corners] in the order of TileOrder::facing.
     enum TileSum { error, gauss_newton, curvature, third, fourth, target, tile_sums };
-    void begin_image(const ImageOnDevice& image, const std::vector<const Program*>& programs);
-    void look_up(const MapVector& x, const std::vector<Framebuffer>& targets);
-    void further_terms(const MapVector& x, const std::vector<Framebuffer>& targets, MapSums& sums, bool squares,
-                       int first_term);
-    void ring_to_view(MapSums& sums, int term, bool squares);
-    /// A pass of tile sums over some corners; at most 8 render targets allow no more than two with all quartic sums.
+    /// A pass of tile sums over some corners, as many as 8 render targets allow.
     struct TilePass {
         Program program;
         Framebuffer target;
+        unsigned own, all;  ///< targets [own, all) are blended over batches
     };
-    static std::vector<const Program*> programs_of(const std::vector<TilePass>& passes) {
-        std::vector<const Program*> programs;
+    /// What every vertex has in one image of the batch.
+    struct InImage {
+        Texture footprint;  ///< weights of four view texels; the first of them
+        Texture product;    ///< per tile and corner: sum of r g_k in this image
+        Framebuffer footprint_target;
+        std::vector<Framebuffer> value_targets, slope_targets;  ///< [term], layers of the batch's textures
+    };
+    std::vector<TilePass> line_passes(const std::vector<TileSum>& sums, const Defines& defines);
+    std::vector<TilePass> direction_passes(bool with_error, const Defines& defines);
+    std::vector<TilePass> tile_passes(size_t per_corner, const std::string& shader, const Defines& defines,
+                                      const std::function<unsigned(int, int, std::vector<Target>&)>& targets);
+    void begin_images(const std::vector<ImageOnDevice>& images, const std::vector<const Program*>& programs);
+    void look_up(size_t images, const MapVector& x, std::vector<Framebuffer> InImage::*targets);
+    void further_terms(size_t images, const MapVector& x, const std::vector<Framebuffer>& targets, MapSums& sums,
+                       bool squares, int first_term);
+    void ring_to_view(size_t images, MapSums& sums, int term, bool squares);
+    void draw_tiles(const std::vector<TilePass>& passes, int term = 0);
+    static void add_to(std::vector<const Program*>& programs, const std::vector<TilePass>& passes) {
         for (const TilePass& pass : passes) programs.push_back(&pass.program);
-        return programs;
     }
-    void make_tile_passes(std::vector<TilePass>& passes, const std::vector<TileSum>& sums, const Defines& defines);
-    void tile_passes(const std::vector<TilePass>& passes);
 
     PassWorld w_;
-    ItemBuffer items_;  // with colours
+    int batch_;
+    ItemBuffer items_;  // with colours, a layer per image
     TileMarks marks_;
-    Texture taken_;      // in SLS: the colour that each texel takes in this image, alpha 1 where it does
-    Texture footprint_;  // per vertex, in this image: weights of four view texels; the first of them
-    Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
-    Texture product_;                    // per tile and corner: sum of r g_k in this image
+    Texture taken_;                      // in SLS: the colours that each texel takes in the images of the batch
+    Texture view_values_, view_slopes_;  // [image][term] per vertex: h_k and dh_k
+    std::vector<InImage> in_image_;      // [image]
     Texture sums_[tile_sums];
     Texture tile_vertices_;
-    Framebuffer footprint_target_, product_target_, product_error_target_;
-    std::vector<Framebuffer> value_targets_, slope_targets_, sum_targets_[tile_sums];
-    std::vector<TilePass> line_passes_, quartic_passes_, count_passes_;
-    std::vector<Framebuffer> direction_target_, term_targets_, square_targets_;  // [term]
-    Program footprint_program_, look_up_program_, direction_program_, gradient_program_[2];
-    Program tile_program_, tile_error_program_, tile_square_program_, scatter_program_[2];
+    std::vector<Framebuffer> sum_targets_[tile_sums];
+    std::vector<TilePass> line_passes_, quartic_passes_, count_passes_, error_passes_, product_passes_[2];
+    std::vector<Framebuffer> direction_target_, term_targets_, square_targets_;              // [term]
+    Program footprint_program_, look_up_program_, direction_program_, gradient_program_[2];  // [1]: squares
+    Program scatter_program_[2];
     bool dirty_[tile_sums] = {};
 };
 
+// Images at a time: as many as one RGBA32UI texel holds the colours of, and as varyings have room for, whose number per
+// image is that of the corners and their values in map3.vert.
+int batch_of(const PassWorld& world) {
+    const int locations = std::min(31, Context::current().limits().varying_components / 4);
+    return std::clamp((locations - 1) / (3 * (world.shape.terms() + 1)), 1, world.bits == 8 ? 4 : 2);
+}
+
+GLenum colours_format(int parts) { return parts == 1 ? GL_R32UI : parts == 2 ? GL_RG32UI : GL_RGBA32UI; }
+
 CombinedPasses::CombinedPasses(const PassWorld& world)
     : w_(world),
-      items_(world.mesh, world.max_width, world.max_height, world.bits),
+      batch_(batch_of(world)),
+      items_(world.mesh, world.max_width, world.max_height, world.bits, batch_),
       marks_(TilePlaces(*world.shape.atlas, TileOrder::facing)),
-      taken_(world.bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, world.shape.atlas->width(), world.shape.atlas->height()),
-      footprint_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, 2),
-      view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
-      view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
-      footprint_target_({{&footprint_, 0}, {&footprint_, 1}}) {
+      taken_(colours_format(batch_ * world.bits / 8), world.shape.atlas->width(), world.shape.atlas->height()),
+      view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()),
+      view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()) {
     const int terms = w_.shape.terms();
     const TilePlaces& places = marks_.places();
     const auto per_tile = [&] { return Texture(GL_RGBA32F, places.columns, places.rows, 3); };
-    product_ = per_tile();
     for (Texture& sum : sums_) sum = per_tile();
     for (int sum = 0; sum < tile_sums; ++sum)
         for (int corner = 0; corner < 3; ++corner) sum_targets_[sum].push_back(Framebuffer({{&sums_[sum], corner}}));
-    product_target_ = Framebuffer({{&product_, 0}, {&product_, 1}, {&product_, 2}});
-    product_error_target_ = Framebuffer(
-        {{&product_, 0}, {&product_, 1}, {&product_, 2}, {&sums_[error], 0}, {&sums_[error], 1}, {&sums_[error], 2}});
-    for (int term = 0; term < terms; ++term) {
-        value_targets_.push_back(Framebuffer({{&view_values_, term}}));
-        slope_targets_.push_back(Framebuffer({{&view_slopes_, term}}));
+    in_image_.resize(size_t(batch_));
+    for (int i = 0; i < batch_; ++i) {
+        InImage& own = in_image_[size_t(i)];
+        own.footprint = Texture(GL_RGBA32F, w_.shape.grid.columns, w_.shape.grid.rows, 2);
+        own.footprint_target = Framebuffer({{&own.footprint, 0}, {&own.footprint, 1}});
+        own.product = per_tile();
+        for (int term = 0; term < terms; ++term) {
+            own.value_targets.push_back(Framebuffer({{&view_values_, i * terms + term}}));
+            own.slope_targets.push_back(Framebuffer({{&view_slopes_, i * terms + term}}));
+        }
     }
 
     const TriangleAtlas& atlas = *w_.shape.atlas;
@@ -91,45 +113,67 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     tile_vertices_ = Texture(GL_RGBA32UI, places.columns, places.rows);
     tile_vertices_.upload(GL_RGBA_INTEGER, GL_UNSIGNED_INT, of_tile.data());
 
-    const Defines shape = w_.shape.defines(w_.storage) + Defines{{"COLOUR", std::to_string(w_.bits)}};
+    const Defines shape =
+        w_.shape.defines(w_.storage) + Defines{{"COLOUR", std::to_string(w_.bits)}, {"BATCH", std::to_string(batch_)}};
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
     const Defines square{{"DIAGONAL", ""}}, projected{{"PROJECTED", ""}};
-    const auto whole = [&](const std::string& fragment, const Defines& more) {
-        return Program::draw("common/whole.vert", fragment, shape + more);
-    };
-    footprint_program_ = whole("gather/footprint.frag", nearest);
-    look_up_program_ = whole("gather/look_up.frag", {});
+    footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest);
+    look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);
     direction_program_ = Program::draw("combine/map3.vert", "combine/direction.frag", shape + projected);
-    tile_program_ = whole("combine/tile_direction.frag", {});
-    tile_error_program_ = whole("combine/tile_direction.frag", {{"WITH_ERROR", ""}});
-    tile_square_program_ = whole("combine/tile_direction.frag", square);
-    make_tile_passes(line_passes_, {gauss_newton, curvature}, shape);
-    make_tile_passes(quartic_passes_, {gauss_newton, curvature, third, fourth}, shape + Defines{{"QUARTIC", ""}});
-    make_tile_passes(count_passes_, {target}, shape + Defines{{"COUNT", ""}});
+    line_passes_ = line_passes({gauss_newton, curvature}, shape);
+    quartic_passes_ = line_passes({gauss_newton, curvature, third, fourth}, shape + Defines{{"QUARTIC", ""}});
+    count_passes_ = line_passes({target}, shape + Defines{{"COUNT", ""}});
+    error_passes_ = direction_passes(true, shape + Defines{{"WITH_ERROR", ""}});
     const int m = w_.shape.grid.view_side;
     for (int squares = 0; squares < 2; ++squares) {
-        const Defines what = squares ? square : Defines{};
-        gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", shape + what);
-        scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", shape + what);
+        const Defines what = squares ? shape + square : shape;
+        product_passes_[squares] = direction_passes(false, what);
+        gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", what);
+        scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
         scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
     }
     for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1]})
         w_.mesh.set_layout(*program);
 }
 
-void CombinedPasses::make_tile_passes(std::vector<TilePass>& passes, const std::vector<TileSum>& sums,
-                                      const Defines& defines) {
-    const int most = std::min(3, 8 / int(sums.size()));
+// targets(first corner, corners, list): fills the list, returns how many are not blended.
+std::vector<CombinedPasses::TilePass> CombinedPasses::tile_passes(
+    size_t per_corner, const std::string& shader, const Defines& defines,
+    const std::function<unsigned(int, int, std::vector<Target>&)>& targets) {
+    std::vector<TilePass> passes;
+    const int most = std::min(3, 8 / int(per_corner));
     for (int first = 0; first < 3; first += most) {
         const int corners = std::min(most, 3 - first);
-        std::vector<Target> targets;
-        for (TileSum sum : sums)
-            for (int corner = first; corner < first + corners; ++corner) targets.push_back({&sums_[sum], corner});
+        std::vector<Target> list;
+        const unsigned own = targets(first, corners, list);
         const Defines which{{"FIRST", std::to_string(first)}, {"CORNERS", std::to_string(corners)}};
-        passes.push_back(
-            {Program::draw("common/whole.vert", "combine/tile_line.frag", defines + which), Framebuffer(targets)});
+        passes.push_back({Program::draw("common/whole.vert", shader, defines + which), Framebuffer(list), own,
+                          unsigned(list.size())});
         w_.mesh.set_layout(passes.back().program);
     }
+    return passes;
+}
+
+std::vector<CombinedPasses::TilePass> CombinedPasses::line_passes(const std::vector<TileSum>& sums,
+                                                                  const Defines& defines) {
+    return tile_passes(sums.size(), "combine/tile_line.frag", defines,
+                       [&](int first, int corners, std::vector<Target>& list) {
+                           for (TileSum sum : sums)
+                               for (int c = first; c < first + corners; ++c) list.push_back({&sums_[sum], c});
+                           return 0u;
+                       });
+}
+
+std::vector<CombinedPasses::TilePass> CombinedPasses::direction_passes(bool with_error, const Defines& defines) {
+    return tile_passes(size_t(batch_) + with_error, "combine/tile_direction.frag", defines,
+                       [&](int first, int corners, std::vector<Target>& list) {
+                           for (const InImage& own : in_image_)
+                               for (int c = first; c < first + corners; ++c) list.push_back({&own.product, c});
+                           const auto own = unsigned(list.size());
+                           if (with_error)
+                               for (int c = first; c < first + corners; ++c) list.push_back({&sums_[error], c});
+                           return own;
+                       });
 }
 
 void CombinedPasses::begin_sweep(MapSums* gradient, MapSums* squares) {
@@ -162,68 +206,87 @@ void CombinedPasses::end_sweep() {
                              TileOrder::facing);
 }
 
-void CombinedPasses::begin_image(const ImageOnDevice& image, const std::vector<const Program*>& programs) {
-    for (const Program* program : programs) {
-        SlsMesh::set_camera(*program, *image.camera);
-        program->set(11, image.target_scale);
+void CombinedPasses::begin_images(const std::vector<ImageOnDevice>& images,
+                                  const std::vector<const Program*>& programs) {
+    std::vector<float> cameras, pictures(4 * size_t(batch_), 0.0f);
+    std::vector<const Camera*> eyes;
+    for (size_t i = 0; i < images.size(); ++i) {
+        const auto rows = SlsMesh::camera_rows(*images[i].camera);
+        cameras.insert(cameras.end(), rows.begin(), rows.end());
+        pictures[4 * i] = float(images[i].camera->width);
+        pictures[4 * i + 1] = float(images[i].camera->height);
+        pictures[4 * i + 2] = images[i].target_scale;
+        eyes.push_back(images[i].camera);
     }
-    w_.mesh.select(image.camera);
-    image.texture->bind(1);
-    items_.draw(*image.camera);
-    ++w_.run.counters.draws;
-    ++w_.run.counters.framebuffer_switches;
+    for (const Program* program : programs) {
+        program->set4(24, int(cameras.size() / 4), cameras.data());
+        program->set4(40, batch_, pictures.data());
+    }
+    w_.mesh.select(eyes);
     marks_.update(w_.mesh);
-    set_eye(footprint_program_, *image.camera);
     w_.vertices.bind(9);
-    w_.run.bind(footprint_target_, footprint_program_);
-    w_.run.draw_whole();
-}
-
-void CombinedPasses::look_up(const MapVector& x, const std::vector<Framebuffer>& targets) {
-    x.view().bind(2);
-    footprint_.bind(10);
-    for (int term = 0; term < w_.shape.terms(); ++term) {
-        look_up_program_.set(10, term);
-        w_.run.bind(targets[size_t(term)], look_up_program_);
+    for (size_t i = 0; i < images.size(); ++i) {
+        images[i].texture->bind(1);
+        items_.draw(*images[i].camera, int(i));
+        ++w_.run.counters.draws;
+        ++w_.run.counters.framebuffer_switches;
+    }
+    for (size_t i = 0; i < images.size(); ++i) {
+        set_eye(footprint_program_, *images[i].camera);
+        w_.run.bind(in_image_[i].footprint_target, footprint_program_);
         w_.run.draw_whole();
     }
 }
 
-void CombinedPasses::tile_passes(const std::vector<TilePass>& passes) {
-    items_.items().bind(0);
+void CombinedPasses::look_up(size_t images, const MapVector& x, std::vector<Framebuffer> InImage::*targets) {
+    x.view().bind(2);
+    for (size_t i = 0; i < images; ++i) {
+        in_image_[i].footprint.bind(10);
+        for (int term = 0; term < w_.shape.terms(); ++term) {
+            look_up_program_.set(10, term);
+            w_.run.bind((in_image_[i].*targets)[size_t(term)], look_up_program_);
+            w_.run.draw_whole();
+        }
+    }
+}
+
+void CombinedPasses::draw_tiles(const std::vector<TilePass>& passes, int term) {
     marks_.bind(8);
     w_.vertices.bind(9);
     tile_vertices_.bind(10);
-    w_.run.blend();
     for (const TilePass& pass : passes) {
+        pass.program.set(10, term);
         w_.run.bind(pass.target, pass.program);
+        w_.run.blend_from(pass.own, pass.all);
         w_.run.draw_whole();
+        w_.run.no_blend();
     }
-    w_.run.no_blend();
 }
 
 void CombinedPasses::count(const std::vector<ImageOnDevice>& images) {
     dirty_[target] = true;
-    for (const ImageOnDevice& image : images) {
-        begin_image(image, programs_of(count_passes_));
-        tile_passes(count_passes_);
+    std::vector<const Program*> programs;
+    add_to(programs, count_passes_);
+    begin_images(images, programs);
+    items_.items().bind(0);
+    draw_tiles(count_passes_);
+}
+
+void CombinedPasses::ring_to_view(size_t images, MapSums& sums, int term, bool squares) {
+    for (size_t i = 0; i < images; ++i) {
+        w_.gathers.rings(w_.run, in_image_[i].product, w_.problems.ring_target, Gather::sum, false, TileOrder::facing);
+        w_.problems.ring.bind(7);
+        in_image_[i].footprint.bind(10);
+        w_.run.bind(sums.view_targets[size_t(term)], scatter_program_[squares]);
+        w_.run.blend();
+        w_.run.draw_points(w_.shape.layout->problem_count());
+        w_.run.no_blend();
     }
 }
 
-void CombinedPasses::ring_to_view(MapSums& sums, int term, bool squares) {
-    w_.gathers.rings(w_.run, product_, w_.problems.ring_target, Gather::sum, false, TileOrder::facing);
-    w_.problems.ring.bind(7);
-    footprint_.bind(10);
-    w_.run.bind(sums.view_targets[size_t(term)], scatter_program_[squares]);
-    w_.run.blend();
-    w_.run.draw_points(w_.shape.layout->problem_count());
-    w_.run.no_blend();
-}
-
-void CombinedPasses::further_terms(const MapVector& x, const std::vector<Framebuffer>& targets, MapSums& sums,
-                                   bool squares, int first_term) {
+void CombinedPasses::further_terms(size_t images, const MapVector& x, const std::vector<Framebuffer>& targets,
+                                   MapSums& sums, bool squares, int first_term) {
     const Program& surface = gradient_program_[squares];
-    const Program& tile = squares ? tile_square_program_ : tile_program_;
     for (int term = first_term; term < w_.shape.terms(); ++term) {
         taken_.bind(4);
         view_values_.bind(5);
@@ -233,39 +296,31 @@ void CombinedPasses::further_terms(const MapVector& x, const std::vector<Framebu
         w_.run.blend();
         w_.run.draw_tiles();
         w_.run.no_blend();
-        tile_vertices_.bind(10);
-        marks_.bind(8);
-        tile.set(10, term);
-        w_.run.bind(product_target_, tile);
-        w_.run.draw_whole();
-        ring_to_view(sums, term, squares);
+        draw_tiles(product_passes_[squares], term);
+        ring_to_view(images, sums, term, squares);
     }
 }
 
 void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
                                MapSums* squares) {
     dirty_[error] = true;
-    for (const ImageOnDevice& image : images) {
-        begin_image(image, {&direction_program_, &gradient_program_[0], &tile_program_, &tile_error_program_});
-        look_up(x, value_targets_);
-        items_.items().bind(0);
-        x.surface().bind(2);
-        view_values_.bind(5);
-        w_.run.bind(direction_target_.front(), direction_program_);
-        w_.run.blend_from(1, 4);
-        w_.run.draw_tiles();
-        w_.run.no_blend();
-        taken_.bind(4);
-        tile_vertices_.bind(10);
-        marks_.bind(8);
-        w_.run.bind(product_error_target_, tile_error_program_);
-        w_.run.blend_from(3, 6);
-        w_.run.draw_whole();
-        w_.run.no_blend();
-        ring_to_view(gradient, 0, false);
-        further_terms(x, term_targets_, gradient, false, 1);
-        if (squares) further_terms(x, square_targets_, *squares, true, 0);
-    }
+    std::vector<const Program*> programs{&direction_program_, &gradient_program_[0], &gradient_program_[1]};
+    for (const std::vector<TilePass>* passes : {&error_passes_, &product_passes_[0], &product_passes_[1]})
+        add_to(programs, *passes);
+    begin_images(images, programs);
+    look_up(images.size(), x, &InImage::value_targets);
+    items_.items().bind(0);
+    x.surface().bind(2);
+    view_values_.bind(5);
+    w_.run.bind(direction_target_.front(), direction_program_);
+    w_.run.blend_from(1, 4);
+    w_.run.draw_tiles();
+    w_.run.no_blend();
+    taken_.bind(4);
+    draw_tiles(error_passes_);
+    ring_to_view(images.size(), gradient, 0, false);
+    further_terms(images.size(), x, term_targets_, gradient, false, 1);
+    if (squares) further_terms(images.size(), x, square_targets_, *squares, true, 0);
 }
 
 void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
@@ -273,16 +328,17 @@ void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVec
     dirty_[gauss_newton] = dirty_[curvature] = true;
     dirty_[third] = dirty_[fourth] = quartic;
     const std::vector<TilePass>& passes = quartic ? quartic_passes_ : line_passes_;
-    for (const ImageOnDevice& image : images) {
-        begin_image(image, programs_of(passes));
-        look_up(x, value_targets_);
-        look_up(d, slope_targets_);
-        x.surface().bind(2);
-        d.surface().bind(3);
-        view_values_.bind(5);
-        view_slopes_.bind(6);
-        tile_passes(passes);
-    }
+    std::vector<const Program*> programs;
+    add_to(programs, passes);
+    begin_images(images, programs);
+    look_up(images.size(), x, &InImage::value_targets);
+    look_up(images.size(), d, &InImage::slope_targets);
+    items_.items().bind(0);
+    x.surface().bind(2);
+    d.surface().bind(3);
+    view_values_.bind(5);
+    view_slopes_.bind(6);
+    draw_tiles(passes);
 }
 
 }  // namespace

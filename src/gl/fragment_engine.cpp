@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "gl/view_order.h"
 #include "model/lfm_start.h"
 
 namespace radiafit {
@@ -60,6 +61,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     const PassWorld world{shape_,  mesh_,          run_,  gathers_, problems_,     vertices_,
                           storage, options.lookup, width, height,   stream_.bits()};
     image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
+    if (image_passes_->batch() > 1) views_ = batches_of_neighbours(dataset, views_, image_passes_->batch());
     // Two batches of slots: one is filled while the other is read.
     images_.resize(size_t(image_passes_->batch()));
     for (size_t i = 0; i < 2 * images_.size(); ++i) slots_.emplace_back(width, height, stream_.bits());
@@ -97,7 +99,7 @@ void FragmentEngine::sweep(const Body& body) {
         times_.images += on_device.size();
     }
     image_passes_->end_sweep();
-    mesh_.select(nullptr);
+    mesh_.select({});
     gathers_.mark_tiles(mesh_);
     gl().Finish();
     ++times_.sweeps;

@@ -28,7 +28,7 @@ void GlDistributor::distribute(const Camera& camera, const TargetImage& image, D
         bits_ = image.bits;
     }
     slot_->upload(image);
-    mesh_.select(&camera);
+    mesh_.select({{&camera}});
     items_->draw(camera);
 
     SlsMesh::set_camera(program_, camera);

@@ -1,6 +1,7 @@
 #include "gl/sls_mesh.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "dataset/image_stream.h"
 
@@ -38,20 +39,24 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
     array_.integers(4, 3, vertices_);
 }
 
-void SlsMesh::select(const Camera* camera) {
+void SlsMesh::select(std::span<const Camera* const> cameras) {
     drawn_ = 0;
-    if (!camera) {
+    if (cameras.empty()) {
         drawn_tiles_ = of_triangle_;
         return;
     }
-    const Vec3f eye = camera->center().cast<float>();
+    eyes_.clear();
+    for (const Camera* camera : cameras) eyes_.push_back(camera->center().cast<float>());
     selected_.clear();
     drawn_tiles_.clear();
     for (uint32_t i = 0; i < points_.size(); ++i) {
-        const Vec3f to_eye = eye - points_[i];
-        // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
-        const float facing = normals_[i].dot(to_eye);
-        if (facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm()) continue;
+        const bool seen = std::any_of(eyes_.begin(), eyes_.end(), [&](const Vec3f& eye) {
+            const Vec3f to_eye = eye - points_[i];
+            // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
+            const float facing = normals_[i].dot(to_eye);
+            return !(facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm());
+        });
+        if (!seen) continue;
         selected_.insert(selected_.end(), {3 * i, 3 * i + 1, 3 * i + 2});
         drawn_tiles_.push_back(of_triangle_[i]);
     }
@@ -72,41 +77,47 @@ void SlsMesh::set_layout(const Program& program) const {
     program.set2(6, float(atlas_->width()), float(atlas_->height()));
 }
 
-void SlsMesh::set_camera(const Program& program, const Camera& camera) {
+std::array<float, 12> SlsMesh::camera_rows(const Camera& camera) {
     Mat3d intrinsics;
     intrinsics << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
     const Mat3d rotation = intrinsics * camera.cam_from_world_rotation;
     const Vec3d translation = intrinsics * camera.cam_from_world_translation;
-    float rows[12];
+    std::array<float, 12> rows;
     for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) rows[4 * r + c] = float(rotation(r, c));
-        rows[4 * r + 3] = float(translation(r));
+        for (int c = 0; c < 3; ++c) rows[size_t(4 * r + c)] = float(rotation(r, c));
+        rows[size_t(4 * r + 3)] = float(translation(r));
     }
-    program.set4(0, 3, rows);
+    return rows;
+}
+
+void SlsMesh::set_camera(const Program& program, const Camera& camera) {
+    program.set4(0, 3, camera_rows(camera).data());
     program.set2(3, float(camera.width), float(camera.height));
 }
 
-ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits)
+ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits, int layers)
     : mesh_(&mesh),
       items_(bits == 16  ? GL_RGBA32UI
              : bits == 8 ? GL_RG32UI
                          : GL_R32UI,
-             max_width, max_height),
+             max_width, max_height, layers),
       depth_(GL_DEPTH_COMPONENT32F, max_width, max_height),
-      framebuffer_({{&items_}}, &depth_),
       program_(Program::draw("distribute/item.vert", "distribute/item.frag",
                              bits ? mesh.defines() + Defines{{"COLOUR", std::to_string(bits)}} : mesh.defines())) {
+    for (int layer = 0; layer < std::max(1, layers); ++layer)
+        framebuffers_.push_back(Framebuffer({{&items_, layer}}, &depth_));
     mesh.set_layout(program_);
 }
 
-void ItemBuffer::draw(const Camera& camera) const {
+void ItemBuffer::draw(const Camera& camera, int layer) const {
+    const Framebuffer& framebuffer = framebuffers_[size_t(layer)];
     mesh_->set_camera(program_, camera);
-    framebuffer_.bind(camera.width, camera.height);
+    framebuffer.bind(camera.width, camera.height);
     const GLuint none[4] = {no_texel, no_texel, no_texel, no_texel};
     const float far = 0;
     gl().DepthMask(GL_TRUE);
-    gl().ClearNamedFramebufferuiv(framebuffer_.name(), GL_COLOR, 0, none);
-    gl().ClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &far);
+    gl().ClearNamedFramebufferuiv(framebuffer.name(), GL_COLOR, 0, none);
+    gl().ClearNamedFramebufferfv(framebuffer.name(), GL_DEPTH, 0, &far);
     gl().ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl().Enable(GL_DEPTH_TEST);
     gl().DepthFunc(GL_GREATER);

@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <span>
+
 #include "geometry/atlas.h"
 #include "geometry/camera.h"
 #include "gl/program.h"
@@ -12,8 +15,8 @@ namespace radiafit {
 class SlsMesh {
 public:
     explicit SlsMesh(const TriangleAtlas& atlas);
-    /// Leaves out of what draw() draws the triangles that surely face away from the camera; null: draws all again.
-    void select(const Camera* camera);
+    /// Leaves out of what draw() draws the triangles that surely face away from every camera; none: draws all again.
+    void select(std::span<const Camera* const> cameras);
     void draw() const;  ///< as triangles, with whatever program is in use
     const TriangleAtlas& atlas() const { return *atlas_; }
     const std::vector<uint32_t>& drawn_tiles() const { return drawn_tiles_; }
@@ -24,6 +27,8 @@ public:
     /// Sets the uniforms of shaders/distribute/*: those of the atlas once, those of the camera per image.
     void set_layout(const Program& program) const;
     static void set_camera(const Program& program, const Camera& camera);
+    /// The rows that shaders/distribute/camera.glsl describes.
+    static std::array<float, 12> camera_rows(const Camera& camera);
 
 private:
     const TriangleAtlas* atlas_;
@@ -33,6 +38,7 @@ private:
     std::vector<Vec3f> normals_, points_;  ///< per drawn triangle: any length, and one of its vertices
     std::vector<uint32_t> of_triangle_;    ///< per drawn triangle: its tile
     std::vector<uint32_t> selected_, drawn_tiles_;
+    std::vector<Vec3f> eyes_;
     int count_ = 0, drawn_ = 0;
 };
 
@@ -41,16 +47,17 @@ class ItemBuffer {
 public:
     /// `bits` 8 or 16: items carry their pixels' colours, RG32UI (item, r | g << 8 | b << 16) or RGBA32UI (item, r | g
     /// << 16, b), and a pixel outside the mask is none. 0: items alone, R32UI.
-    ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits = 0);
+    /// layers: 0, or that many in an array, which one depth buffer serves.
+    ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits = 0, int layers = 0);
     /// Draws into rows [0, height) and columns [0, width); image row 0 is framebuffer row 0. Colours come from the
     /// image bound to unit 1.
-    void draw(const Camera& camera) const;
+    void draw(const Camera& camera, int layer = 0) const;
     const Texture& items() const { return items_; }
 
 private:
     const SlsMesh* mesh_;
     Texture items_, depth_;
-    Framebuffer framebuffer_;
+    std::vector<Framebuffer> framebuffers_;  ///< [layer]
     Program program_;
 };
 
