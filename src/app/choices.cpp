@@ -60,6 +60,15 @@ ContextOptions context_options(const FitRequest& request) {
     return options;
 }
 
+FragmentOptions fragment_options(const FitRequest& request) {
+    FragmentOptions options;
+    options.passes = choose_passes(request.passes);
+    options.storage = choose_storage(request.storage);
+    options.source = choose_source(request.source);
+    options.space = choose_space(request.space);
+    return options;
+}
+
 Rule FitRequest::rule() const {
     const bool descent = choose<bool>("optimizer", optimizer, {{"cg", false}, {"sd", true}});
     return descent ? Rule::steepest_descent : choose_mode(mode) == Mode::paper ? Rule::cg_paper : Rule::cg_modern;

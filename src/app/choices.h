@@ -16,5 +16,6 @@ RecordKind choose_record(const std::string& name);
 Passes choose_passes(const std::string& name);
 Storage choose_storage(const std::string& name);
 ContextOptions context_options(const FitRequest& request);
+FragmentOptions fragment_options(const FitRequest& request);
 
 }  // namespace radiafit

@@ -37,7 +37,6 @@ struct FitRequest {
     int iterations = 25;
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
-    bool scissored = false;  ///< of the fragment engine, to measure switching: its image passes touch one texel each
     // Of the two-step solver.
     std::string record = "compact";  ///< compact | full: what is written of a sample
     std::string memory = "1G";       ///< bytes of samples held at a time; K, M, G are powers of 1024

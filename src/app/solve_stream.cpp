@@ -18,12 +18,7 @@ void with_fragment_engine(FitTask& task) {
     out.gl_vendor = context->vendor();
     out.gl_renderer = context->renderer();
     out.gl_version = context->version();
-    FragmentOptions options;
-    options.passes = choose_passes(request.passes);
-    options.storage = choose_storage(request.storage);
-    options.source = choose_source(request.source);
-    options.scissored = request.scissored;
-    options.space = choose_space(request.space);
+    const FragmentOptions options = fragment_options(request);
     Stopwatch clock;
     FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, options);
     run_engine(engine, engine.layout(), task);

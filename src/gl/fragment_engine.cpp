@@ -90,7 +90,7 @@ void FragmentEngine::sweep(const Body& body) {
             on_device.push_back(
                 {&dataset_->views[view].camera, &slot.texture(), images_[i].scale16(), images_[i].bits});
         }
-        if (fragment_options_.scissored) {
+        if (fragment_options_.scissored && !samples_.empty()) {  // count() is spared
             gl().Enable(GL_SCISSOR_TEST);
             gl().Scissor(0, 0, 1, 1);
         }

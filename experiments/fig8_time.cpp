@@ -1,0 +1,196 @@
+// Figure 8 of the paper: the time of the CPU baseline, distribution and optimization, against OpenGL's, image
+// streaming, computation and switching; conjugate gradients and steepest descent in the paper's mode.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/choices.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "experiment.h"
+#include "model/lfm_start.h"
+#include "report/csv.h"
+#include "report/table.h"
+
+namespace radiafit {
+namespace {
+
+struct Options {
+    std::string dataset = "star", source = "disk-cold";
+    int surface_side = 8, view_side = 8, iterations = 100, record_iterations = 100;
+    int repetitions = 1;
+    double lambda = 1e-3;
+
+    explicit Options(Config& c) {
+        c.read("dataset", dataset);
+        c.read("surface_side", surface_side);
+        c.read("view_side", view_side);
+        c.read("lambda", lambda);
+        c.read("iterations", iterations);
+        c.read("record_iterations", record_iterations);
+        c.read("source", source);
+        c.read("repetitions", repetitions);
+        c.finish();
+        if (iterations < 1) c.reject("iterations", "needs at least 1");
+        if (repetitions < 1) c.reject("repetitions", "needs at least 1");
+    }
+    FitRequest request(const std::string& optimizer) const {
+        FitRequest r;
+        r.optimizer = optimizer;
+        r.mode = "paper";
+        r.view = "nearest";
+        r.source = source;
+        r.model.surface_side = surface_side;
+        r.model.view_side = view_side;
+        r.model.lambda_surface = r.model.lambda_view = float(lambda);
+        r.iterations = iterations;
+        return r;
+    }
+};
+
+/// One bar. Seconds; what the parts leave of the total is the remainder.
+struct Bar {
+    std::string method, optimizer, renderer;
+    int iterations = 0;
+    double distribution = 0, streaming = 0, computation = 0, switching = 0, total = 0;
+    double cached_share = 0;  ///< of the pages that were read from disk
+    double error = 0;         ///< sum of E_t at the end
+    uint64_t bytes_written = 0, bytes_read = 0;
+    double remainder() const { return total - distribution - streaming - computation - switching; }
+};
+
+Bar two_step(const Dataset& dataset, FitRequest request, const std::string& record, const std::string& cpu) {
+    request.solver = "two-step";
+    request.record = record;
+    request.cold = request.source == "disk-cold";
+    request.scratch = dataset.folder.parent_path();  // a disk, which the system's temporary folder need not be
+    const FitOutcome out = solve(dataset, request);
+    Bar bar{.method = "two-step (" + record + " record)", .optimizer = request.optimizer, .renderer = cpu};
+    bar.iterations = request.iterations;
+    bar.distribution = out.times.distribution;
+    bar.streaming = out.times.streaming;
+    bar.computation = out.times.optimization;
+    bar.total = out.times.total;
+    bar.cached_share = out.record_cached_share;
+    bar.error = out.trace.rows.back().error;
+    bar.bytes_written = out.records.bytes_written;
+    bar.bytes_read = out.record_bytes_read;
+    return bar;
+}
+
+/// Seconds per image of the commands alone: the same sweeps, cut to one texel. The first of each also compiles.
+struct Switching {
+    double direction = 1e9, line = 1e9;
+};
+Switching switching_of(const Dataset& dataset, const FitRequest& request) {
+    const auto context = Context::create(context_options(request));
+    const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
+    const VertexRings rings(dataset.mesh);
+    FragmentOptions options = fragment_options(request);
+    options.source = StreamSource::memory;
+    options.scissored = true;
+    FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(), options);
+    const ProblemStatistics statistics = engine.count();
+    engine.reset(lfm_start(engine.layout(), statistics.mean, 1));
+    const auto per_image = [&](const auto& sweep) {
+        const FragmentTimes before = engine.times();
+        sweep();
+        const FragmentTimes& after = engine.times();
+        const double streaming = after.stream_s - before.stream_s + after.upload_s - before.upload_s;
+        return (after.sweep_s - before.sweep_s - streaming) / double(after.images - before.images);
+    };
+    Switching least;
+    for (int i = 0; i < 4; ++i) {
+        least.direction = std::min(least.direction, per_image([&] { engine.direction_pass(false); }));
+        least.line = std::min(least.line, per_image([&] { engine.line_pass(); }));
+    }
+    return least;
+}
+
+Bar fragment(const Dataset& dataset, FitRequest request, const std::string& passes) {
+    request.engine = "fragment";
+    request.passes = passes;
+    const Switching switching = switching_of(dataset, request);
+    const FitOutcome out = solve(dataset, request);
+    Bar bar{.method = "OpenGL (" + passes + " passes)", .optimizer = request.optimizer, .renderer = out.gl_renderer};
+    bar.iterations = request.iterations;
+    bar.streaming = out.times.streaming;
+    // one sweep of lines for each iteration, but one alone for steepest descent; one of directions more than iterations
+    const double images = double(out.sweeps.images) / double(out.sweeps.sweeps);
+    const int lines = request.optimizer == "sd" ? 1 : request.iterations;
+    bar.switching = images * (switching.direction * (request.iterations + 1) + switching.line * lines);
+    bar.computation = out.times.optimization - bar.switching;
+    bar.total = out.times.total;
+    bar.cached_share = out.images_cached_share;
+    bar.error = out.trace.rows.back().error;
+    return bar;
+}
+
+/// The run with the median total of several.
+template <class Run>
+Bar median_of(int repetitions, const Run& run) {
+    std::vector<Bar> bars;
+    for (int i = 0; i < repetitions; ++i) bars.push_back(run());
+    std::sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.total < b.total; });
+    return bars[bars.size() / 2];
+}
+
+void fig8(Experiment& experiment) {
+    const Options o(experiment.config());
+    const Dataset dataset = experiment.dataset(o.dataset);
+    std::vector<Bar> bars, records;
+    const std::string cpu = experiment.cpu_name();
+    for (const char* optimizer : {"cg", "sd"}) {
+        const FitRequest request = o.request(optimizer);
+        const auto add = [&](std::vector<Bar>& to, const Bar& bar) {
+            to.push_back(bar);
+            log_info(fmt::format("{}, {}, {} iterations: {:.2f} s", bar.method, optimizer, bar.iterations, bar.total));
+        };
+        for (const char* record : {"full", "compact"})
+            add(bars, median_of(o.repetitions, [&] { return two_step(dataset, request, record, cpu); }));
+        for (const char* passes : {"paper", "combined"})
+            add(bars, median_of(o.repetitions, [&] { return fragment(dataset, request, passes); }));
+        FitRequest longer = request;
+        longer.iterations = o.record_iterations;
+        for (const char* record : {"full", "compact"})
+            add(records, median_of(o.repetitions, [&] { return two_step(dataset, longer, record, cpu); }));
+    }
+    // Agree before you time: the bars of one optimizer end at the same error.
+    for (const Bar& bar : bars)
+        for (const Bar& other : bars)
+            if (bar.optimizer == other.optimizer && std::abs(bar.error - other.error) > 5e-3 * other.error)
+                throw SystemError(fmt::format("{} and {} disagree: {:.6g}, {:.6g}", bar.method, other.method, bar.error,
+                                              other.error));
+
+    const std::string renderer = bars[2].renderer;
+    ResultFolder results = experiment.open_results(renderer);
+    CsvWriter rows(
+        results.path() / "times.csv",
+        {"part", "method", "optimizer", "iterations", "distribution_s", "streaming_s", "computation_s", "switching_s",
+         "remainder_s", "total_s", "cached_share", "error", "bytes_written", "bytes_read", "source", "renderer"});
+    Table table({"method", "iterations", "distribution", "streaming, reading", "computation", "switching", "remainder",
+                 "total"});
+    const auto write = [&](const char* part, const Bar& b) {
+        const auto s = [](double x) { return fmt::format("{:.4f}", x); };
+        rows.row({part, b.method, b.optimizer, std::to_string(b.iterations), s(b.distribution), s(b.streaming),
+                  s(b.computation), s(b.switching), s(b.remainder()), s(b.total), s(b.cached_share),
+                  fmt::format("{:.8g}", b.error), std::to_string(b.bytes_written), std::to_string(b.bytes_read),
+                  o.source, b.renderer});
+        const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
+        table.add({fmt::format("{}, {}", b.method, b.optimizer), std::to_string(b.iterations), seconds(b.distribution),
+                   seconds(b.streaming), seconds(b.computation), seconds(b.switching), seconds(b.remainder()),
+                   seconds(b.total)});
+    };
+    for (const Bar& bar : bars) write("figure", bar);
+    for (const Bar& bar : records) write("record", bar);
+    rows.commit();
+    results.commit();
+    log_info("where the time goes\n" + table.text());
+    experiment.draw(results, fmt::format("{} ({} scale), {} iterations; OpenGL: {}; CPU: {}", dataset.name,
+                                         experiment.profile(), o.iterations, renderer, cpu));
+}
+
+}  // namespace
+}  // namespace radiafit
+
+int main(int argc, char** argv) { return radiafit::run_experiment("fig8_time", argc, argv, radiafit::fig8); }
