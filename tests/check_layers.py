@@ -37,7 +37,7 @@ LIBRARIES = [
     (r"assimp/", {"capture"}),
     (r"(OpenEXR/|Imf|Imath|Iex)", {"fit"}),
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
-    (r"ceres/", {"reference"}),
+    (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"app"}),
 ]

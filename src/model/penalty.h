@@ -17,6 +17,9 @@ public:
     static MapNeighbours triangle(int side);  ///< tile of n(n+1)/2 texels, TriangleAtlas's local order
     static MapNeighbours square(int side);    ///< m x m, row by row
     size_t texel_count() const { return first_.size() - 1; }
+    std::span<const uint16_t> of(size_t texel) const {
+        return {neighbour_.data() + first_[texel], neighbour_.data() + first_[texel + 1]};
+    }
 
     /// y = L x for term k of a map of `terms` terms. x [texel][term], y [texel].
     template <class real>

@@ -1,0 +1,49 @@
+#pragma once
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "optim/trace.h"
+#include "reference/lfm_vertex.h"
+
+/// Solvers that take one vertex after another, and how each went.
+namespace radiafit {
+
+/// One vertex's three problems. Row 0 is the start.
+struct VertexRun {
+    struct Channel {
+        std::vector<double> error;   ///< [rows] E_t
+        std::vector<double> time_s;  ///< [rows] since the solver got the problem
+        Status status = Status::no_samples;
+        uint32_t iterations() const { return error.empty() ? 0 : uint32_t(error.size() - 1); }
+        /// First row with an error of at most `level`; -1 if none.
+        int first_below(double level) const;
+    };
+    Channel channel[3];
+    bool joint = false;  ///< the channels went side by side on one clock, not one after another
+    double setup_s = 0;  ///< spent before: building the solver's own structures
+
+    /// Seconds until all channels had done `rows` rows, or as many as they have; set-up not counted.
+    double time_at(int row) const { return time_at({row, row, row}); }
+    double time_at(const std::array<int, 3>& rows) const;
+};
+
+struct RunsResult {
+    std::vector<float> parameters;  ///< [layout.size()]
+    std::vector<VertexRun> runs;    ///< [vertices]
+};
+
+/// Improves p (a vertex's block, lanes) from the start and says how it went.
+using VertexSolver = std::function<void(const LfmVertex& vertex, std::span<Lanes<double>> p, VertexRun& run)>;
+
+/// From lfm_start(seed), every vertex with samples, or the chosen ones; the others keep the start. Threads over
+/// vertices.
+RunsResult solve_vertices(const LfmVertices& vertices, uint64_t seed, const VertexSolver& solver,
+                          const std::vector<uint32_t>* chosen = nullptr);
+
+/// Row k: the sum of E_t after k iterations of every problem, and the time to it summed over vertices, set-up included,
+/// divided by the number of threads.
+Trace trace_of(std::span<const VertexRun> runs, int threads);
+
+}  // namespace radiafit
