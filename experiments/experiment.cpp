@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -31,6 +32,7 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
     root_ = std::filesystem::absolute(config).parent_path().parent_path();
     config_ = std::make_unique<Config>(config, profile_, overrides);
     record_ = make_record(argc, argv);
+    AtomicFolder(root_ / "results" / name_ / "probe");  // a folder that can't be written shows before any work
 }
 
 Dataset Experiment::dataset(const std::string& shape) const {

@@ -16,7 +16,7 @@ struct FragmentOptions {
     Storage storage = Storage::fp32;
     StreamSource source = StreamSource::memory;
     TargetSpace space = TargetSpace::stored;
-    bool scissored = false;  ///< passes over images, but for count(), cut to 1 x 1 texel: what remains is switching (C7)
+    bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };
 
 /// Where the time of the sweeps over images went, since construction.
