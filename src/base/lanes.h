@@ -9,15 +9,38 @@ struct LanesOf;
 template <>
 struct LanesOf<float> {
     using type = float __attribute__((vector_size(16)));
+    using pair = float __attribute__((vector_size(32)));
 };
 template <>
 struct LanesOf<double> {
     using type = double __attribute__((vector_size(32)));
+    using pair = double __attribute__((vector_size(64)));
 };
 }  // namespace detail
 
 template <class real>
 using Lanes = typename detail::LanesOf<real>::type;
+
+/// Two of them side by side.
+template <class real>
+using PairLanes = typename detail::LanesOf<real>::pair;
+
+template <class real>
+inline PairLanes<real> join(const Lanes<real>& a, const Lanes<real>& b) {
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+template <class real>
+inline Lanes<real> lower(const PairLanes<real>& x) {
+    return __builtin_shufflevector(x, x, 0, 1, 2, 3);
+}
+template <class real>
+inline Lanes<real> upper(const PairLanes<real>& x) {
+    return __builtin_shufflevector(x, x, 4, 5, 6, 7);
+}
+template <class real>
+inline Lanes<real> fold(const PairLanes<real>& x) {
+    return lower<real>(x) + upper<real>(x);
+}
 
 template <class real>
 inline Lanes<real> broadcast3(real x) {

@@ -5,8 +5,8 @@
 #include "model/lfm_text.h"
 
 /// The two loops over samples (Eq. 12-13), written once for every way to hold them. View look-ups hoist: a kernel takes
-/// the samples of one (vertex, image) between begin() and end(). Two samples go side by side, so that their sums don't
-/// wait for one another; they are of different texels, as every two samples of one image are.
+/// the samples of one (vertex, image) between begin() and end(). Two samples share a register of twice four lanes; they
+/// are of different texels, as every two samples of one image are.
 ///
 /// Samples: size(); target(i), a lane per channel, the vertex's weight included; texel(i), a place in the surface maps
 /// that surface() and surface_gradient() address.
@@ -39,7 +39,8 @@ template <class real, int K>
 class LfmKernel {
 protected:
     using V = Lanes<real>;
-    using Text = LfmText<real, V>;
+    using Pair = PairLanes<real>;
+    using Text = LfmText<real, Pair>;
     static constexpr int most = K ? K : 16;
 
     LfmKernel(int terms, int view_side) : terms_(terms), row_(size_t(view_side) * size_t(terms)) {}
@@ -47,11 +48,32 @@ protected:
     size_t corner(const Footprint<real>& f, int j) const {
         return size_t(f.texel) * size_t(terms()) + size_t(j & 1) * size_t(terms()) + (j & 2 ? row_ : 0);
     }
-    void look_up(const Footprint<real>& f, const V* view, V* h) const {
+    /// Twice the same, for both samples of a pair.
+    void look_up(const Footprint<real>& f, const V* view, Pair* h) const {
         for (int k = 0; k < terms(); ++k) {
-            h[k] = V{};
-            for (int j = 0; j < 4; ++j) h[k] += f.weight[j] * view[corner(f, j) + size_t(k)];
+            V sum{};
+            for (int j = 0; j < 4; ++j) sum += f.weight[j] * view[corner(f, j) + size_t(k)];
+            h[k] = join<real>(sum, sum);
         }
+    }
+    /// body(pair of places, pair of targets, whether there is a second sample): all samples, two by two. A missing one
+    /// stands at the first one's place with maps and a target of zero, so it adds nothing.
+    template <class Samples, class Body>
+    static void for_pairs(const Samples& samples, size_t terms, const Body& body) {
+        const size_t count = samples.size();
+        size_t i = 0;
+        for (; i + 2 <= count; i += 2)
+            body(size_t(samples.texel(i)) * terms, size_t(samples.texel(i + 1)) * terms,
+                 join<real>(samples.target(i), samples.target(i + 1)), std::true_type{});
+        if (i < count) {
+            const size_t at = size_t(samples.texel(i)) * terms;
+            body(at, at, join<real>(samples.target(i), V{}), std::false_type{});
+        }
+    }
+    template <class Two>
+    static Pair load(const V* maps, size_t first, size_t second, Two) {
+        if constexpr (Two::value) return join<real>(maps[first], maps[second]);
+        return join<real>(maps[first], V{});
     }
 
 private:
@@ -65,6 +87,7 @@ class DirectionKernel : LfmKernel<real, K> {
     using Base = LfmKernel<real, K>;
     using Base::corner, Base::terms;
     using Text = typename Base::Text;
+    using Pair = typename Base::Pair;
 
 public:
     using V = Lanes<real>;
@@ -72,54 +95,46 @@ public:
 
     void begin(const Footprint<real>& f, const V* view) {
         Base::look_up(f, view, now_.h);
-        for (int side = 0; side < 2; ++side) {
-            now_.part[side] = V{};
-            for (int k = 0; k < terms(); ++k) now_.scatter[side][k] = now_.squares[side][k] = V{};
-        }
+        now_.part = Pair{};
+        for (int k = 0; k < terms(); ++k) now_.scatter[k] = now_.squares[k] = Pair{};
     }
     template <class Samples>
     void add(const Samples& samples, const V* surface, V* gradient, V* diagonal) {
         Sums s = now_;  // a copy stays in registers: no store through `gradient` can touch it
-        const size_t count = samples.size();
-        size_t i = 0;
-        for (; i + 2 <= count; i += 2) {
-            one<0>(s, samples, i, surface, gradient, diagonal);
-            one<1>(s, samples, i + 1, surface, gradient, diagonal);
-        }
-        if (i < count) one<0>(s, samples, i, surface, gradient, diagonal);
+        Base::for_pairs(samples, size_t(terms()), [&](size_t first, size_t second, const Pair& target, auto two) {
+            Pair r = -target;
+            for (int k = 0; k < terms(); ++k) r += Text::lfm_value(Base::load(surface + k, first, second, two), s.h[k]);
+            s.part += r * r;
+            const auto accumulate = [&](V* sums, const Pair& x) {
+                sums[first] += lower<real>(x);
+                if constexpr (decltype(two)::value) sums[second] += upper<real>(x);
+            };
+            for (int k = 0; k < terms(); ++k) {
+                const Pair g = Base::load(surface + k, first, second, two);
+                accumulate(gradient + k, Text::lfm_gradient_surface(r, s.h[k]));
+                s.scatter[k] += Text::lfm_gradient_view(r, g);
+                if constexpr (Diagonal) {
+                    accumulate(diagonal + k, s.h[k] * s.h[k]);
+                    s.squares[k] += g * g;
+                }
+            }
+        });
         now_ = s;
     }
     void end(const Footprint<real>& f, V* gradient, V* diagonal, Lanes<double>& error) const {
-        error += 0.5 * widen<real>(now_.part[0] + now_.part[1]);
+        error += 0.5 * widen<real>(fold<real>(now_.part));
         for (int k = 0; k < terms(); ++k)
             for (int j = 0; j < 4; ++j) {
-                gradient[corner(f, j) + size_t(k)] += f.weight[j] * (now_.scatter[0][k] + now_.scatter[1][k]);
+                gradient[corner(f, j) + size_t(k)] += f.weight[j] * fold<real>(now_.scatter[k]);
                 if constexpr (Diagonal)
-                    diagonal[corner(f, j) + size_t(k)] +=
-                        f.weight[j] * f.weight[j] * (now_.squares[0][k] + now_.squares[1][k]);
+                    diagonal[corner(f, j) + size_t(k)] += f.weight[j] * f.weight[j] * fold<real>(now_.squares[k]);
             }
     }
 
 private:
     struct Sums {
-        V h[Base::most], part[2], scatter[2][Base::most], squares[2][Base::most];
+        Pair h[Base::most], part, scatter[Base::most], squares[Base::most];
     };
-    template <int side, class Samples>
-    void one(Sums& s, const Samples& samples, size_t i, const V* surface, V* gradient, V* diagonal) const {
-        const size_t at = size_t(samples.texel(i)) * size_t(terms());
-        V r = -samples.target(i);
-        for (int k = 0; k < terms(); ++k) r += Text::lfm_value(surface[at + size_t(k)], s.h[k]);
-        s.part[side] += r * r;
-        for (int k = 0; k < terms(); ++k) {
-            const V g = surface[at + size_t(k)];
-            gradient[at + size_t(k)] += Text::lfm_gradient_surface(r, s.h[k]);
-            s.scatter[side][k] += Text::lfm_gradient_view(r, g);
-            if constexpr (Diagonal) {
-                diagonal[at + size_t(k)] += s.h[k] * s.h[k];
-                s.squares[side][k] += g * g;
-            }
-        }
-    }
     Sums now_;
 };
 
@@ -129,6 +144,7 @@ class LineKernel : LfmKernel<real, K> {
     using Base = LfmKernel<real, K>;
     using Base::terms;
     using Text = typename Base::Text;
+    using Pair = typename Base::Pair;
 
 public:
     using V = Lanes<real>;
@@ -137,23 +153,29 @@ public:
     void begin(const Footprint<real>& f, const V* view, const V* view_direction) {
         Base::look_up(f, view, now_.h);
         Base::look_up(f, view_direction, now_.dh);
-        for (auto& side : now_.sum)
-            for (V& sum : side) sum = V{};
+        for (Pair& sum : now_.sum) sum = Pair{};
     }
     template <class Samples>
     void add(const Samples& samples, const V* surface, const V* direction) {
         Sums s = now_;
-        const size_t count = samples.size();
-        size_t i = 0;
-        for (; i + 2 <= count; i += 2) {
-            one<0>(s, samples, i, surface, direction);
-            one<1>(s, samples, i + 1, surface, direction);
-        }
-        if (i < count) one<0>(s, samples, i, surface, direction);
+        Base::for_pairs(samples, size_t(terms()), [&](size_t first, size_t second, const Pair& target, auto two) {
+            Pair r = -target, a{}, b{};
+            for (int k = 0; k < terms(); ++k) {
+                const Pair g = Base::load(surface + k, first, second, two);
+                const Pair dg = Base::load(direction + k, first, second, two);
+                r += Text::lfm_value(g, s.h[k]);
+                a += Text::lfm_slope(g, s.h[k], dg, s.dh[k]);
+                b += Text::lfm_bend(dg, s.dh[k]);
+            }
+            s.sum[0] += a * a;
+            s.sum[1] += r * b;
+            s.sum[2] += a * b;
+            s.sum[3] += b * b;
+        });
         now_ = s;
     }
     void end(LineLanes& line) const {
-        const auto sum = [&](int which) { return widen<real>(now_.sum[0][which] + now_.sum[1][which]); };
+        const auto sum = [&](int which) { return widen<real>(fold<real>(now_.sum[which])); };
         line.gauss_newton += sum(0);
         line.curvature += sum(0) + 2.0 * sum(1);
         line.third += sum(2);
@@ -162,23 +184,8 @@ public:
 
 private:
     struct Sums {
-        V h[Base::most], dh[Base::most], sum[2][4];
+        Pair h[Base::most], dh[Base::most], sum[4];
     };
-    template <int side, class Samples>
-    void one(Sums& s, const Samples& samples, size_t i, const V* surface, const V* direction) const {
-        const size_t at = size_t(samples.texel(i)) * size_t(terms());
-        V r = -samples.target(i), a{}, b{};
-        for (int k = 0; k < terms(); ++k) {
-            const V g = surface[at + size_t(k)], dg = direction[at + size_t(k)];
-            r += Text::lfm_value(g, s.h[k]);
-            a += Text::lfm_slope(g, s.h[k], dg, s.dh[k]);
-            b += Text::lfm_bend(dg, s.dh[k]);
-        }
-        s.sum[side][0] += a * a;
-        s.sum[side][1] += r * b;
-        s.sum[side][2] += a * b;
-        s.sum[side][3] += b * b;
-    }
     Sums now_;
 };
 
