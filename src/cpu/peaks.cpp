@@ -1,0 +1,86 @@
+#include "cpu/peaks.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/parallel.h"
+
+namespace radiafit {
+namespace {
+
+using Wide = float __attribute__((vector_size(64)));
+
+/// Keeps a value that nothing else reads.
+template <class T>
+void keep(T& value) {
+    asm volatile("" : "+m"(value) : : "memory");
+}
+
+/// Best rate of `amount` per second over repetitions of about 20 ms in all.
+template <class Body>
+double best_rate(double amount, const Body& body) {
+    double best = 0;
+    for (int i = 0; i < 8; ++i) {
+        const double begin = wall_time_s();
+        body();
+        best = std::max(best, amount / (wall_time_s() - begin));
+    }
+    return best;
+}
+
+double triad() {
+    const size_t count = size_t(1) << 23;  // 3 x 64 MB of doubles, beyond any cache
+    std::vector<double> a(count), b(count, 1.0), c(count, 2.0);
+    const auto run = [&] {
+        parallel_chunks(count, 1 << 16, [&](size_t begin, size_t end, int) {
+            for (size_t i = begin; i < end; ++i) a[i] = b[i] + 3.0 * c[i];
+        });
+        keep(a[0]);
+    };
+    run();
+    return best_rate(24.0 * double(count), run) * 1e-9;
+}
+
+double l2_reads() {
+    const size_t count = 192 * 1024 / sizeof(Wide);
+    std::vector<Wide> data(count, Wide{});
+    const int rounds = 200;
+    return best_rate(double(rounds) * double(count) * sizeof(Wide),
+                     [&] {
+                         Wide sum[8] = {};
+                         for (int r = 0; r < rounds; ++r) {
+                             for (size_t i = 0; i < count; i += 8)
+                                 for (size_t k = 0; k < 8; ++k) sum[k] += data[i + k];
+                             keep(data[0]);
+                         }
+                         for (Wide& s : sum) keep(s);
+                     }) *
+           1e-9;
+}
+
+// The compiler may fuse here, and here alone: the rest of the library keeps its roundings apart.
+__attribute__((optimize("fp-contract=fast"))) double fused() {
+    const int rounds = 200'000, chains = 16;
+    return best_rate(
+               2.0 * 16 * chains * rounds,
+               [&]() __attribute__((optimize("fp-contract=fast"))) {
+                   Wide sum[chains];
+                   Wide factor, term;
+                   for (int i = 0; i < 16; ++i) factor[i] = 0.999f, term[i] = 1e-3f;
+                   keep(factor);
+                   keep(term);
+                   for (Wide& s : sum) s = factor;
+                   for (int r = 0; r < rounds; ++r)
+                       for (Wide& s : sum) s = s * factor + term;
+                   for (Wide& s : sum) keep(s);
+               }) *
+           1e-9;
+}
+
+}  // namespace
+
+CpuPeaks measure_cpu_peaks() { return {triad(), l2_reads(), fused()}; }
+
+}  // namespace radiafit
