@@ -110,6 +110,7 @@ LfmOptions FitRequest::model_options() const {
 
 std::string FitRequest::label() const {
     if (solver == "stream") return optimizer + "-" + mode;
+    if (solver == "ceres") return "ceres-" + ceres;
     return solver == "two-step" ? "two-step-" + optimizer + "-" + mode : solver;
 }
 
@@ -124,6 +125,9 @@ void FitRequest::check() const {
     choose_space(space);
     choose_source(source);
     choose_record(record);
+    known.clear();
+    for (const CeresSetting& s : ceres_settings()) known.emplace_back(s.name, 0);
+    choose("ceres setting", ceres, known);
     context_kind_from(context);
     rule();
     memory_bytes();
@@ -167,6 +171,7 @@ std::string FitRequest::json() const {
         {"seed", seed},
         {"record", record},
         {"memory", memory},
+        {"ceres", ceres},
     };
     return object.dump();
 }

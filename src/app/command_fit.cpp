@@ -51,6 +51,10 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M")
         ->capture_default_str();
     c.add_option("--records", r.records, "folder to keep two-step's records in, or to find them");
+    std::string settings;
+    for (const CeresSetting& s : ceres_settings())
+        settings += fmt::format("{}{}: {}", settings.empty() ? "" : "; ", s.name, s.help);
+    c.add_option("--ceres", r.ceres, settings)->capture_default_str();
     c.add_option("--context", r.context, "egl or osmesa")->capture_default_str();
     c.add_option("--device", r.device, "EGL device index, see radiafit devices; -1 chooses")->capture_default_str();
 }

@@ -9,6 +9,7 @@
 #include "gl/fragment_engine.h"
 #include "model/lfm.h"
 #include "optim/optimizer.h"
+#include "reference/ceres_solver.h"
 #include "samples/disk_records.h"
 #include "samples/distributor.h"
 
@@ -43,6 +44,8 @@ struct FitRequest {
     std::string records;             ///< folder to keep the records in, or to find them; empty: they go again
     std::filesystem::path scratch;   ///< where records go that don't stay; empty: the folder for such files
     bool cold = false;               ///< records leave the page cache between the steps
+    // Of the ceres solver.
+    std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
 
     Rule rule() const;
     OptimizerOptions optimizer_options() const;

@@ -56,6 +56,9 @@ std::span<const Solver> solvers();
 void solve_stream(FitTask& task);
 void solve_mean(FitTask& task);
 void solve_two_step(FitTask& task);
+void solve_ceres(FitTask& task);
+void solve_als(FitTask& task);
+void solve_pca(FitTask& task);
 
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.
 void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,

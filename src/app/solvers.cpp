@@ -99,7 +99,10 @@ void solve_mean(FitTask& task) {
 std::span<const Solver> solvers() {
     static constexpr Solver table[] = {
         {"stream", "the paper's optimizers over --engine", solve_stream},
+        {"pca", "factorization of the resampled light field, Chen et al. 2002", solve_pca},
         {"two-step", "distributed to disk first, then vertex by vertex (Section 4.3)", solve_two_step},
+        {"ceres", "the Ceres library, vertex by vertex", solve_ceres},
+        {"als", "alternating least squares, vertex by vertex", solve_als},
         {"mean", "the trivial baseline: one mean colour per texel", solve_mean},
     };
     return table;

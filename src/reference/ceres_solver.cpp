@@ -126,7 +126,6 @@ ceres::Solver::Options trust_region_options(const Method& method, CeresVertex& b
     // By measurement: CXSparse is the fastest at some hundred unknowns; the default radius of 1e4 wastes steps.
     o.sparse_linear_algebra_library_type = ceres::CX_SPARSE;
     o.initial_trust_region_radius = 100;
-    o.eta = 0.01;
     if (method.blocks == CeresBlocks::maps) {  // else Ceres finds an independent set itself
         o.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
         for (double* block : blocks.surface()) o.linear_solver_ordering->AddElementToGroup(block, 0);
@@ -222,8 +221,6 @@ std::span<const CeresSetting> ceres_settings() {
     }();
     return faces;
 }
-
-const char* default_ceres_setting() { return "lbfgs"; }
 
 VertexSolver ceres_solver(const LfmOptions& model, const CeresOptions& options) {
     const Method& method = find(options.setting);

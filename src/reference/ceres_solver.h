@@ -12,11 +12,9 @@ struct CeresSetting {
     const char* help;
 };
 std::span<const CeresSetting> ceres_settings();
-/// The fastest by measurement (experiments/solvers).
-const char* default_ceres_setting();
 
 struct CeresOptions {
-    std::string setting = default_ceres_setting();
+    std::string setting = "lbfgs";  ///< a name in ceres_settings(); the default is the fastest by measurement
     int iterations = 25;
     double stop_residual = 0;  ///< root mean square residual; 0 = off
 };

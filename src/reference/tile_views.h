@@ -1,0 +1,42 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "dataset/image_stream.h"
+#include "geometry/atlas.h"
+
+namespace radiafit {
+
+/// Every triangle as every image sees it, resampled to its tile: what factorization starts from (Chen et al. 2002).
+struct TileViews {
+    /// r, g, b; value = channel * scale. seen: the triangle shows at the texel's centre.
+    struct Texel {
+        uint16_t rgb[3];
+        uint16_t seen;
+    };
+    std::vector<uint32_t> views;       ///< dataset view index of each image [L]
+    std::vector<uint32_t> tile_first;  ///< [tiles + 1] into images
+    std::vector<uint32_t> images;      ///< position in views, ascending within a tile: those that see any of its texels
+    std::vector<Texel> texels;         ///< [images of all tiles][texels per tile]
+    float scale = 1.0f / 65535.0f;
+    uint32_t texels_per_tile = 0;
+
+    std::span<const uint32_t> images_of(uint32_t tile) const {
+        return {images.data() + tile_first[tile], images.data() + tile_first[tile + 1]};
+    }
+    /// Texels of the i-th image of a tile.
+    std::span<const Texel> of(uint32_t tile, size_t i) const {
+        return {texels.data() + (tile_first[tile] + i) * texels_per_tile, texels_per_tile};
+    }
+};
+
+/// Bilinear look-ups at the texels' projected centres, among the four pixels around that show the triangle or one that
+/// shares a vertex with it, inside the mask. A texel is seen where the pixel that holds its centre is such a pixel.
+/// 8 bytes per tile, image that sees it and texel.
+TileViews resample_tiles(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
+                         TargetSpace space);
+
+}  // namespace radiafit

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/linear.h"
+
+namespace radiafit {
+
+/// Delaunay triangulation of scattered points in the plane, for piecewise linear interpolation of what is known at
+/// them (by Qhull). Points nearer to each other than 1e-6 of the set's extent are one.
+class Triangulation {
+public:
+    /// At least one finite point; std::invalid_argument otherwise. Points on one line have no triangles: what is known
+    /// then is what lies on the line.
+    explicit Triangulation(std::span<const Vec2d> points);
+
+    const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }  ///< counter-clockwise
+    /// Segments of the convex hull; of points on one line, the segments between neighbours; of one point, {i, i}.
+    const std::vector<std::array<uint32_t, 2>>& border() const { return border_; }
+
+    /// A value at a place is the weighted sum of the values at three points; weights are >= 0 and sum to 1.
+    struct Weights {
+        std::array<uint32_t, 3> point;
+        std::array<double, 3> weight;
+        bool inside;  ///< in a triangle; else the place is outside the hull and stands for the hull's nearest point
+    };
+    Weights at(const Vec2d& place) const;
+
+private:
+    Weights nearest_on_border(const Vec2d& place) const;
+
+    std::vector<Vec2d> points_;
+    std::vector<std::array<uint32_t, 3>> triangles_;
+    std::vector<std::array<uint32_t, 2>> border_;
+};
+
+}  // namespace radiafit
