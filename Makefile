@@ -3,13 +3,16 @@
 #   ONLY=fig7                      only experiments whose names contain this
 #   PRESET=release|asan            see CMakePresets.json
 #   BUILD=FOLDER                   where to build
+#   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
 PROFILE ?= standard
 ONLY ?=
 PRESET ?= release
 BUILD ?= build/$(PRESET)
 JOBS ?= $(shell nproc)
+BENCH_DATASET ?= datasets/packed/star-standard
+BENCH_FLAGS ?=
 
-.PHONY: build test experiments smoke configure packages format format-check clean
+.PHONY: build test experiments bench smoke configure packages format format-check clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -24,6 +27,12 @@ experiments: configure
 	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \
 	    cmake --build $(BUILD) --parallel $(JOBS) --target radiafit $$names
 	@scripts/run-experiments.sh $(BUILD) $(PROFILE) $(ONLY)
+
+# Kernels alone, by Google Benchmark; BENCH_FLAGS such as --benchmark_filter=line.
+bench: configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit bench_kernels
+	@[ -d $(BENCH_DATASET) ] || $(BUILD)/src/app/radiafit generate star --scale standard -o $(BENCH_DATASET)
+	@$(BUILD)/experiments/bench/bench_kernels $(BENCH_DATASET) $(BENCH_FLAGS)
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke

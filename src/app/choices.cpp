@@ -90,10 +90,12 @@ uint64_t FitRequest::memory_bytes() const {
     }
     static constexpr std::string_view units = "KMG";
     const std::string unit = memory.substr(end);
-    const size_t power = unit.empty() ? 0 : 1 + units.find(unit);
-    if (!(value > 0) || unit.size() > 1 || power > units.size() || !(value < 1e15))
+    const size_t power = unit.empty() ? 0 : units.find(unit) + 1;
+    const double bytes = value * double(uint64_t(1) << (10 * std::min(power, units.size())));
+    const bool known_unit = unit.empty() || (unit.size() == 1 && power > 0);
+    if (!known_unit || !(bytes >= 1 && bytes < 1e18))
         throw UserError("memory '" + memory + "': give bytes, such as 64M or 2G");
-    return uint64_t(value * double(uint64_t(1) << (10 * power)));
+    return uint64_t(bytes);
 }
 
 LfmOptions FitRequest::model_options() const {

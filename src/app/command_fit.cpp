@@ -89,15 +89,22 @@ void save(const std::string& folder, const Dataset& dataset, const FitRequest& r
     record.gl_version = outcome.gl_version;
     outcome.fit.provenance_json = record_json(record);
     const FitTimes& t = outcome.times;
-    outcome.fit.times_json = nlohmann::ordered_json{
+    nlohmann::ordered_json times = {
         {"distribution_s", t.distribution},
         {"streaming_s", t.streaming},
         {"optimization_s", t.optimization},
         {"total_s", t.total},
         {"sweep_cpu_ms_per_image", outcome.sweep_cpu_ms_per_image},
-        {"unaccounted_s",
-         t.total - t.distribution - t.streaming -
-             t.optimization}}.dump();
+        {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
+    };
+    if (request.solver == "two-step")
+        times["records"] = {
+            {"bytes_written", outcome.records.bytes_written}, {"waiting_bytes_read", outcome.records.bytes_read},
+            {"waiting_files", outcome.records.waiting_files}, {"bytes_read", outcome.record_bytes_read},
+            {"cached_share", outcome.record_cached_share},    {"sample_iterations", outcome.sample_iterations},
+            {"working_set_bytes", outcome.working_set_bytes},
+        };
+    outcome.fit.times_json = times.dump();
     write_fit(folder, outcome.fit, dataset.mesh, [&](const std::filesystem::path& inside) {
         write_file(inside / "trace.csv", trace_csv(outcome.trace, request.label(), request.engine));
     });

@@ -40,6 +40,7 @@ void solve_from(const fs::path& folder, FitTask& task) {
         {.optimizer = task.request.optimizer_options(), .deflate = task.request.deflate, .seed = task.request.seed},
         [&] { progress.advance(); });
     progress.finish();
+    if (out.records.bytes_written == 0) log_info(fmt::format("records of an earlier run: {}", folder.string()));
     if (std::all_of(result.statistics.samples.begin(), result.statistics.samples.end(),
                     [](uint32_t n) { return n == 0; }))
         reject_unseen(task.dataset);
@@ -59,10 +60,7 @@ void solve_two_step(FitTask& task) {
     const bool keep = !request.records.empty();
     const fs::path scratch = request.scratch.empty() ? fs::temp_directory_path() : request.scratch;
     const fs::path folder = keep ? fs::path(request.records) : scratch / "radiafit-records";
-    if (keep && fs::exists(folder)) {
-        log_info(fmt::format("records of an earlier run: {}", folder.string()));
-        return solve_from(folder, task);
-    }
+    if (keep && fs::exists(folder)) return solve_from(folder, task);
     Stopwatch clock;
     AtomicFolder records(folder, AtomicFolder::Existing::replace);  // goes again, unless it is to stay
     distribute_to(records.path(), task);

@@ -277,31 +277,52 @@ nlohmann::json describe(const fs::path& folder, const std::string& key) {
     const fs::path path = folder / description_name;
     std::ifstream file(path);
     const auto json = nlohmann::json::parse(file, nullptr, false);
-    const auto reject = [&](const char* why) {
-        throw UserError(fmt::format("{}: {}; remove it or choose another --records folder", folder.string(), why));
-    };
     if (!file || !json.is_object() || json.value("format", "") != "radiafit-records" || json.value("version", 0) != 1)
-        reject("holds no whole records");
-    if (json.value("key", "") != key) reject("holds records of another dataset or with other options");
+        throw UserError(fmt::format("{}: holds no whole records; delete the folder or choose another --records folder",
+                                    path.string()));
+    if (json.value("key", "") != key)
+        throw UserError(fmt::format(
+            "{}: records of another dataset or of other options; choose another --records folder", path.string()));
     return json;
+}
+
+[[noreturn]] void damaged(const fs::path& path, const char* how) {
+    throw UserError(fmt::format("{}: {}; delete the folder, it is made anew", path.string(), how));
 }
 
 }  // namespace
 
 DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
-    : file_((describe(folder, key), folder / records_name)) {
+    : file_((describe(folder, key), folder / records_name)), path_(folder / records_name) {
     const nlohmann::json json = describe(folder, key);
-    kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
-    bits_ = json.at("bits");
-    scale_ = json.at("scale");
-    bytes_ = json.at("bytes");
-    views_ = json.at("views").get<std::vector<uint32_t>>();
-    vertices_.resize(json.at("vertices").get<size_t>());
+    try {
+        kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
+        bits_ = json.at("bits");
+        scale_ = json.at("scale");
+        bytes_ = json.at("bytes");
+        views_ = json.at("views").get<std::vector<uint32_t>>();
+        vertices_.resize(json.at("vertices").get<size_t>());
+    } catch (const nlohmann::json::exception&) {
+        damaged(folder / description_name, "an entry is missing");
+    }
     const InputFile index(folder / index_name);
-    if (index.size() != vertices_.size() * sizeof(VertexRecord) || file_.size() != bytes_)
-        throw UserError(fmt::format("{}: its files are cut short; remove it", folder.string()));
+    if (file_.size() != bytes_) damaged(path_, "cut short");
+    if (index.size() != vertices_.size() * sizeof(VertexRecord)) damaged(folder / index_name, "cut short");
     index.read(vertices_.data(), 0, index.size());
+    uint64_t offset = 0;
+    for (const VertexRecord& vertex : vertices_) {
+        if (vertex.offset != offset || vertex.texel_bytes < 1 || vertex.texel_bytes > 4)
+            damaged(folder / index_name, "damaged");
+        offset += vertex.images * sizeof(RecordGroup) + uint64_t(vertex.samples) * sample_bytes(vertex);
+    }
+    if (offset != bytes_) damaged(folder / index_name, "damaged");
 }
+
+size_t DiskRecords::sample_bytes(const VertexRecord& vertex) const {
+    return kind_ == RecordKind::full ? sizeof(FullRecord) : size_t(3 * bits_ / 8) + vertex.texel_bytes;
+}
+
+void DiskRecords::reject() const { damaged(path_, "damaged"); }
 
 fs::path DiskRecords::file(const fs::path& folder) { return folder / records_name; }
 

@@ -51,7 +51,7 @@ RecordStatistics write_records(const std::filesystem::path& folder, const Datase
 /// Records on disk. Reading is thread-safe.
 class DiskRecords {
 public:
-    /// Throws UserError if `folder` holds no whole records, or records of another key.
+    /// Throws UserError if `folder` holds no whole records, damaged ones, or records of another key.
     DiskRecords(const std::filesystem::path& folder, const std::string& key);
 
     RecordKind kind() const { return kind_; }
@@ -66,8 +66,11 @@ public:
 
     /// Blocks of vertices [begin, end), one after another.
     void read(size_t begin, size_t end, std::vector<uint8_t>& blocks) const;
+    /// For readers that find a block to be nonsense: throws UserError.
+    [[noreturn]] void reject() const;
 
 private:
+    size_t sample_bytes(const VertexRecord& vertex) const;
     uint64_t end(size_t v) const { return v + 1 < vertices_.size() ? vertices_[v + 1].offset : bytes_; }
 
     RecordKind kind_;
@@ -77,6 +80,7 @@ private:
     std::vector<uint32_t> views_;
     std::vector<VertexRecord> vertices_;
     InputFile file_;
+    std::filesystem::path path_;
 };
 
 /// Header of a group in a block: all groups' headers first, then all samples.
