@@ -51,6 +51,7 @@ Dataset Experiment::dataset(const std::string& shape) const {
 ResultFolder Experiment::open_results(const std::string& device) const {
     Record record = record_;
     record.config = config_->resolved();
+    record.more.emplace_back("profile", json_string(profile_));
     return ResultFolder(root_ / "results", name_, device, record);
 }
 

@@ -30,6 +30,7 @@ public:
     ResultFolder open_results(const std::string& device) const;
     /// Draws paper_figs/NAME.gp over the rows in `results` and says where everything lies.
     void draw(const ResultFolder& results, const std::string& caption) const;
+    const std::filesystem::path& root() const { return root_; }  ///< the checkout
     std::filesystem::path figures() const { return root_ / "paper_figs"; }
     /// "cpu, 2 threads": what stands beside every figure.
     std::string cpu_name() const;

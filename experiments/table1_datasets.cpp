@@ -59,6 +59,18 @@ void draw_photographs(const std::vector<Dataset>& datasets, const std::filesyste
     write_png(file, width, height, rgb);
 }
 
+/// How often a texel takes two pixels of one image, which must not happen (Section 5.1.1, claim C17).
+uint64_t shared_texels(const SampleList& list) {
+    uint64_t shared = 0;
+    for (size_t group = 0; group + 1 < list.groups.size(); ++group) {
+        std::vector<uint16_t> texels;
+        for (const Sample& sample : list.of_group(group)) texels.push_back(sample.local);
+        std::sort(texels.begin(), texels.end());
+        for (size_t i = 1; i < texels.size(); ++i) shared += texels[i] == texels[i - 1];
+    }
+    return shared;
+}
+
 void table1(Experiment& experiment) {
     const Options o(experiment.config());
     FitRequest request;
@@ -70,7 +82,7 @@ void table1(Experiment& experiment) {
     CsvWriter rows(results.path() / "datasets.csv",
                    {"dataset", "triangles", "vertices", "images", "held_out", "image_bytes", "parameters",
                     "parameter_texels", "problems", "samples", "covered_pixels", "kept_share",
-                    "median_samples_per_texel", "paper_layout_bytes", "cpu_engine_bytes"});
+                    "median_samples_per_texel", "shared_texels", "paper_layout_bytes", "cpu_engine_bytes"});
     Table table({"dataset", "triangles (paper)", "vertices", "images (held out)", "raw images (paper)", "parameters",
                  "parameter texels", "problems", "samples", "pixels kept", "samples per texel (median)",
                  "memory, paper's layout", "memory, CPU engine"});
@@ -96,7 +108,7 @@ void table1(Experiment& experiment) {
              std::to_string(layout.parameter_count()), std::to_string(layout.size() / 4),
              std::to_string(3 * layout.problem_count()), std::to_string(s.samples), std::to_string(s.covered_pixels),
              fmt::format("{:.4f}", s.kept_share()), fmt::format("{:g}", s.median_samples_per_texel),
-             std::to_string(paper_bytes), std::to_string(engine_bytes)});
+             std::to_string(shared_texels(samples.list)), std::to_string(paper_bytes), std::to_string(engine_bytes)});
         const Stated stated = stated_in_paper(shape);
         const auto mega = [](double x, const char* unit) { return fmt::format("{:.2f} {}", x / 1e6, unit); };
         table.add({dataset.name, fmt::format("{} ({})", dataset.mesh.triangle_count(), stated.triangles),

@@ -161,6 +161,8 @@ TEST(ResultFolder, NewestOfEachDevice) {
     fs::create_directories(root.path() / "fig7" / "a" / "20990101T000000Z-without-record");
     EXPECT_EQ(newest_runs(root.path(), "fig7"),
               (std::vector{root.path() / "fig7/a/20200101T000000Z-z", root.path() / "fig7/b/20240101T000000Z-x"}));
+    write_file(root.path() / "fig7/b/20231231T235959Z-y/run.json", "{\"profile\": \"smoke\"}");
+    EXPECT_EQ(newest_runs(root.path(), "fig7", "smoke"), std::vector{root.path() / "fig7/b/20231231T235959Z-y"});
 }
 
 TEST(ResultFolder, AnUnwritableRootIsNamed) {

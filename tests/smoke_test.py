@@ -113,6 +113,21 @@ class Smoke(ProgramTest):
                 self.assertEqual(errors, sorted(errors, reverse=True))  # what raises the error is not accepted
                 self.assertGreaterEqual(errors[-1], 0.9999)
 
+    def check_fig8_time(self, tables):
+        rows = tables["times"]
+        figure = [row for row in rows if row["part"] == "figure"]
+        self.assertEqual(len({(row["method"], row["optimizer"]) for row in figure}), 8)
+        for row in rows:
+            parts = ("distribution_s", "streaming_s", "computation_s", "switching_s", "remainder_s")
+            self.assertAlmostEqual(sum(float(row[part]) for part in parts), float(row["total_s"]), delta=1e-3)
+            self.assertGreater(float(row["computation_s"]), 0)
+            self.assertEqual(row["method"].startswith("two-step"), int(row["bytes_written"]) > 0)
+        for row in figure:
+            self.assertGreater(float(row["agreeing_share"]), 0.95, "vertices that end where the cpu engine does")
+        full, compact = (sum(int(row["bytes_written"]) for row in rows if kind in row["method"])
+                         for kind in ("full", "compact"))
+        self.assertGreater(full, 5 * compact)
+
     def test_bad_config_and_unwritable_results(self):
         text = self.config.read_text()
         arguments = ("--config", f"experiments/{self.name}.toml", "--profile", "smoke")

@@ -56,7 +56,7 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
 void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from) {
     const auto take = [&](auto channel) {
         using Channel = decltype(channel);
-        const float scale = records_->scale() * (sizeof(Channel) == 1 ? 257.0f : 1.0f);
+        constexpr int unit = sizeof(Channel) == 1 ? 257 : 1;  // in 16 bits, as every engine's targets are
         for (uint32_t i = 0; i < samples_; ++i) {
             Channel rgb[3];
             uint32_t place = 0;
@@ -65,7 +65,8 @@ void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from
             from += sizeof rgb + record.texel_bytes;
             if (place >= weights_.size()) records_->reject();
             texels_[i] = place;
-            targets_[i] = weights_[place] * (scale * V{float(rgb[0]), float(rgb[1]), float(rgb[2]), 0});
+            targets_[i] = weights_[place] *
+                          (records_->scale() * V{float(unit * rgb[0]), float(unit * rgb[1]), float(unit * rgb[2]), 0});
         }
     };
     records_->bits() == 8 ? take(uint8_t{}) : take(uint16_t{});

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
 
@@ -63,12 +65,19 @@ void ResultFolder::commit() {
     committed_ = true;
 }
 
-std::vector<fs::path> newest_runs(const fs::path& root, const std::string& experiment) {
+std::vector<fs::path> newest_runs(const fs::path& root, const std::string& experiment, const std::string& profile) {
+    const auto wanted = [&](const fs::path& run) {
+        if (!fs::exists(run / "run.json")) return false;
+        if (profile.empty()) return true;
+        std::ifstream file(run / "run.json");
+        const auto json = nlohmann::json::parse(file, nullptr, false);
+        return json.is_object() && json.value("profile", "") == profile;
+    };
     std::vector<fs::path> result;
     for (const fs::path& device : folders_in(root / experiment)) {
         std::vector<fs::path> runs = folders_in(device);
         // Names start with the time in a form that sorts.
-        std::erase_if(runs, [](const fs::path& run) { return !fs::exists(run / "run.json"); });
+        std::erase_if(runs, [&](const fs::path& run) { return !wanted(run); });
         if (!runs.empty()) result.push_back(runs.back());
     }
     return result;

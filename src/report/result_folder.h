@@ -40,6 +40,8 @@ private:
 };
 
 /// The newest whole run of an experiment on each device, in the order of device names; empty if there is none.
-std::vector<std::filesystem::path> newest_runs(const std::filesystem::path& root, const std::string& experiment);
+/// `profile`: only runs whose run.json names it.
+std::vector<std::filesystem::path> newest_runs(const std::filesystem::path& root, const std::string& experiment,
+                                               const std::string& profile = "");
 
 }  // namespace radiafit

@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""The claims program over made-up results: every rule can hold and can fail.
+
+Arguments: the program, the checkout.
+"""
+import csv
+import json
+import shutil
+import unittest
+
+from cli_fixture import ProgramTest, take_arguments
+
+CHECKOUT = None
+LLVMPIPE = "llvmpipe (LLVM 15.0.6, 256 bits)"
+GPU = "NVIDIA H100/PCIe/SSE2"
+
+CONVERGENCE = {"dataset": "star", "problems": 90, "ratio_quartile1": 4, "ratio_median": 10, "ratio_quartile3": 20,
+               "sd_censored_share": 0.1, "cg_unfinished_share": 0.01, "cg_better_at_tenth_share": 0.9}
+DATASETS = {"dataset": "star", "median_samples_per_texel": 26, "kept_share": 0.44, "shared_texels": 0}
+
+
+def times(cpu=100.0, full=200.0, gl=10.0, combined=5.0, streaming=2.0, switching=(6.0, 5.0), distribution=80.0,
+          cached=0.0, renderer=GPU):
+    rows = []
+    for optimizer, switch in zip(("cg", "sd"), switching):
+        row = {"part": "figure", "optimizer": optimizer, "iterations": 100, "streaming_s": streaming,
+               "distribution_s": 0, "switching_s": switch, "cached_share": cached, "source": "disk-cold"}
+        rows += [
+            {**row, "method": "two-step (full record)", "total_s": full, "distribution_s": distribution, "renderer": "cpu"},
+            {**row, "method": "two-step (compact record)", "total_s": cpu, "renderer": "cpu"},
+            {**row, "method": "OpenGL (paper passes)", "total_s": gl, "renderer": renderer},
+            {**row, "method": "OpenGL (combined passes)", "total_s": combined, "renderer": renderer},
+        ]
+    return rows
+
+
+def errors(pca=30.0, high=31.0, low=29.0, half=28.9):
+    return [{"dataset": dataset, "method": method, "terms": 1, "train_psnr_db": psnr, "train_ape": 100 - psnr,
+             "renderer": "r"}
+            for dataset in ("star", "bust")
+            for method, psnr in (("pca", pca), ("cpu-high", high), ("cpu-low", low), ("fragment-fp16", half))]
+
+
+def memory(power=1.0, excess=1.0):
+    return [{"engine": "fragment", "passes": "paper", "storage": "fp32", "parameters": n, "planned_bytes": 8 * n**power,
+             "allocated_bytes": 8 * n**power * excess} for n in (1e5, 1e6, 1e7)]
+
+
+def costs(power=1.0):
+    return [{"engine": "cpu", "samples": s, "seconds_per_iteration": 1e-9 * s**power, "renderer": "cpu"}
+            for s in (1e5, 1e6, 1e7)]
+
+
+class Claims(ProgramTest):
+    def setUp(self):
+        for name in ("results", "experiments", "paper_figs"):
+            shutil.rmtree(self.root / name, ignore_errors=True)
+        (self.root / "experiments").mkdir()
+        (self.root / "paper_figs").mkdir()
+        shutil.copy(CHECKOUT / "experiments/claims.toml", self.root / "experiments")
+
+    def add(self, experiment, tables, *, device="cpu", time="20240101T000000Z", profile="standard", **config):
+        run = self.root / "results" / experiment / device / f"{time}-abc"
+        run.mkdir(parents=True)
+        (run / "run.json").write_text(json.dumps({"profile": profile, "cpu": "C", "threads": 2, "config": config}))
+        for name, rows in tables.items():
+            with open(run / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, rows[0], extrasaction="ignore")
+                writer.writeheader()
+                writer.writerows(rows)
+
+    def judge(self, *more):
+        self.good("--config", "experiments/claims.toml", *more)
+        rows = json.loads((self.root / "results/claims.json").read_text())["claims"]
+        table = (self.root / "paper_figs/claims.md").read_text()
+        for row in rows:
+            self.assertIn(f"| {row['id']} ", table)
+        return {row["id"]: row for row in rows}
+
+    def verdict(self, claim, experiment, tables, **more):
+        self.setUp()
+        self.add(experiment, tables, **more)
+        return self.judge()[claim]["verdict"]
+
+    def test_nothing_run(self):
+        rows = self.judge()
+        self.assertEqual({row["verdict"] for row in rows.values()}, {"not run"})
+        self.assertEqual(set(rows), {"C1", "C2", "C3", "C4", "C5", "C7", "C8", "C9", "C14", "C17", "C18"})
+        self.assertIn("make experiments PROFILE=standard ONLY=fig7_convergence", rows["C1"]["why"])
+
+    def test_convergence(self):
+        def both(**changed):
+            return {"summary": [CONVERGENCE, {**CONVERGENCE, "dataset": "bust", **changed}]}
+
+        self.assertEqual(self.verdict("C1", "fig7_convergence", both(), cap=3000), "holds")
+        self.assertEqual(self.verdict("C1", "fig7_convergence", both(ratio_median=4.9), cap=3000), "does not hold")
+        self.assertEqual(self.verdict("C1", "fig7_convergence", both(), cap=300), "not comparable")
+        self.assertEqual(self.verdict("C2", "fig7_convergence", both(), cap=3000), "holds")
+        bad = both(cg_better_at_tenth_share=0.5)
+        self.assertEqual(self.verdict("C2", "fig7_convergence", bad, cap=3000), "does not hold")
+
+    def test_time(self):
+        def verdict(claim, iterations=100, **changed):
+            return self.verdict(claim, "fig8_time", {"times": times(**changed)}, iterations=iterations)
+
+        self.assertEqual(verdict("C3"), "holds")
+        self.assertEqual(verdict("C3", gl=20.0), "does not hold")
+        self.assertEqual(verdict("C3", cpu=300.0, full=49.0), "does not hold", "the fastest baseline counts")
+        self.assertEqual(verdict("C3", renderer=LLVMPIPE), "not comparable")
+        self.assertEqual(verdict("C3", iterations=25), "not comparable")
+        self.assertEqual(verdict("C4"), "holds")
+        self.assertEqual(verdict("C4", distribution=39.0), "does not hold")
+        self.assertEqual(verdict("C5"), "holds")
+        self.assertEqual(verdict("C5", streaming=0.9), "does not hold")
+        self.assertEqual(verdict("C5", streaming=3.1), "does not hold")
+        self.assertEqual(verdict("C5", cached=0.02), "not run")
+        self.assertEqual(verdict("C7"), "holds")
+        self.assertEqual(verdict("C7", switching=(5.0, 6.0)), "does not hold")
+        self.assertEqual(verdict("C7", switching=(9.0, 7.0)), "does not hold")
+
+    def test_errors(self):
+        def verdict(claim, **changed):
+            return self.verdict(claim, "fig9_error", {"errors": errors(**changed)})
+
+        self.assertEqual(verdict("C8"), "holds")
+        self.assertEqual(verdict("C8", pca=31.5), "does not hold")
+        self.assertEqual(verdict("C9"), "holds")
+        self.assertEqual(verdict("C9", half=28.7), "does not hold")
+        self.assertEqual(verdict("C9", half=29.3), "does not hold")
+
+    def test_scaling(self):
+        def verdict(claim, cost=1.0, **changed):
+            return self.verdict(claim, "scaling", {"memory": memory(**changed), "time": costs(cost)})
+
+        self.assertEqual(verdict("C14"), "holds")
+        self.assertEqual(verdict("C14", power=1.08), "does not hold")
+        self.assertEqual(verdict("C14", excess=1.06), "does not hold")
+        self.assertEqual(verdict("C18"), "holds")
+        self.assertEqual(verdict("C18", power=1.08), "holds")
+        self.assertEqual(verdict("C18", power=0.85), "does not hold")
+        self.assertEqual(verdict("C18", cost=1.2), "does not hold")
+
+    def test_samples(self):
+        def verdict(**changed):
+            return self.verdict("C17", "table1_datasets", {"datasets": [DATASETS, {**DATASETS, **changed}]})
+
+        self.assertEqual(verdict(), "holds")
+        self.assertEqual(verdict(median_samples_per_texel=9.5), "does not hold")
+        self.assertEqual(verdict(shared_texels=1), "does not hold")
+
+    def test_newest_run_of_each_device_and_profile(self):
+        for time, median in (("20240103T000000Z", 9.0), ("20240102T000000Z", 30.0)):
+            self.add("table1_datasets", {"datasets": [{**DATASETS, "median_samples_per_texel": median}]}, time=time)
+        self.add("table1_datasets", {"datasets": [DATASETS]}, time="20250101T000000Z", profile="smoke")
+        self.add("table1_datasets", {"datasets": [DATASETS]}, device="other")
+        self.judge()
+        rows = [row for row in json.loads((self.root / "results/claims.json").read_text())["claims"] if row["id"] == "C17"]
+        self.assertEqual([row["verdict"] for row in rows], ["does not hold", "holds"])
+        self.assertEqual([row["run"].split("/")[1] for row in rows], ["cpu", "other"])
+
+    def test_damaged_results(self):
+        self.add("table1_datasets", {"datasets": [{"dataset": "star"}]})
+        self.refused("--config", "experiments/claims.toml", says=["table1_datasets/cpu", "median_samples_per_texel"])
+
+
+if __name__ == "__main__":
+    Claims.program, CHECKOUT = take_arguments(2)
+    unittest.main()
