@@ -1,5 +1,5 @@
 #version 450 core
-// One term of a sum along d for one corner (Eq. 13), before the gather. QUANTITY 0: a^2; 1: a^2 + 2 r b; 2: a b; 3: b^2.
+// One term of a sum along d for one corner (Eq. 13), before the gather. QUANTITY 0: a^2; 1: 2 r b, which with a^2 is d'Hd; 2: a b; 3: b^2.
 #define ALONG
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
@@ -29,7 +29,7 @@ void main() {
 #if QUANTITY == 0
     vec3 q = a * a;
 #elif QUANTITY == 1
-    vec3 q = a * a + 2.0 * sample_at.rgb * b;
+    vec3 q = 2.0 * sample_at.rgb * b;
 #elif QUANTITY == 2
     vec3 q = a * b;
 #else

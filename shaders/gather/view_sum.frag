@@ -1,6 +1,6 @@
 #version 450 core
 // One level of the gather inside view maps: a map of side SOURCE_SIDE becomes one of side TARGET_SIDE = ceil(/4), every
-// texel the sum of a block of 4 x 4. MAXIMUM as in tile_sum.frag.
+// texel the sum of a block of 4 x 4. MAXIMUM as in tile_texels.frag.
 #ifndef SOURCE_SIDE
 #define SOURCE_SIDE 8
 #define TARGET_SIDE 2

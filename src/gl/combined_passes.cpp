@@ -22,7 +22,7 @@ public:
     void end_sweep() override;
 
 private:
-    // Per tile sums over a sweep, [3 corners] in the order of TileOrder::facing.
+    // Per tile sums over a sweep, [3 corners] in the order of TilePlaces.
     enum TileSum { error, gauss_newton, curvature, third, fourth, target, tile_sums };
     /// A pass of tile sums over some corners, as many as 8 render targets allow.
     struct TilePass {
@@ -53,8 +53,7 @@ private:
 
     PassWorld w_;
     int batch_;
-    ItemBuffer items_;  // with colours, a layer per image
-    TileMarks marks_;
+    ItemBuffer items_;                   // with colours, a layer per image
     Texture taken_;                      // in SLS: the colours that each texel takes in the images of the batch
     Texture view_values_, view_slopes_;  // [image][term] per vertex: h_k and dh_k
     std::vector<InImage> in_image_;      // [image]
@@ -81,12 +80,11 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     : w_(world),
       batch_(batch_of(world)),
       items_(world.mesh, world.max_width, world.max_height, world.bits, batch_),
-      marks_(TilePlaces(*world.shape.atlas, TileOrder::facing)),
       taken_(colours_format(batch_ * world.bits / 8), world.shape.atlas->width(), world.shape.atlas->height()),
       view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()),
       view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()) {
     const int terms = w_.shape.terms();
-    const TilePlaces& places = marks_.places();
+    const TilePlaces& places = w_.gathers.marks().places();
     const auto per_tile = [&] { return Texture(GL_RGBA32F, places.columns, places.rows, 3); };
     for (Texture& sum : sums_) sum = per_tile();
     for (int sum = 0; sum < tile_sums; ++sum)
@@ -201,9 +199,7 @@ void CombinedPasses::end_sweep() {
     constexpr Sum sums[tile_sums] = {Sum::residual, Sum::gauss_newton, Sum::curvature,
                                      Sum::third,    Sum::fourth,       Sum::target};
     for (int sum = 0; sum < tile_sums; ++sum)
-        if (dirty_[sum])
-            w_.gathers.rings(w_.run, sums_[sum], w_.problems.sum_target(sums[sum]), Gather::sum, true,
-                             TileOrder::facing);
+        if (dirty_[sum]) w_.gathers.rings(w_.run, sums_[sum], w_.problems.sum_target(sums[sum]), Gather::sum, true);
 }
 
 void CombinedPasses::begin_images(const std::vector<ImageOnDevice>& images,
@@ -223,7 +219,7 @@ void CombinedPasses::begin_images(const std::vector<ImageOnDevice>& images,
         program->set4(40, batch_, pictures.data());
     }
     w_.mesh.select(eyes);
-    marks_.update(w_.mesh);
+    w_.gathers.mark_tiles(w_.mesh);
     w_.vertices.bind(9);
     for (size_t i = 0; i < images.size(); ++i) {
         images[i].texture->bind(1);
@@ -251,7 +247,7 @@ void CombinedPasses::look_up(size_t images, const MapVector& x, std::vector<Fram
 }
 
 void CombinedPasses::draw_tiles(const std::vector<TilePass>& passes, int term) {
-    marks_.bind(8);
+    w_.gathers.marks().bind(8);
     w_.vertices.bind(9);
     tile_vertices_.bind(10);
     for (const TilePass& pass : passes) {
@@ -274,7 +270,7 @@ void CombinedPasses::count(const std::vector<ImageOnDevice>& images) {
 
 void CombinedPasses::ring_to_view(size_t images, MapSums& sums, int term, bool squares) {
     for (size_t i = 0; i < images; ++i) {
-        w_.gathers.rings(w_.run, in_image_[i].product, w_.problems.ring_target, Gather::sum, false, TileOrder::facing);
+        w_.gathers.rings(w_.run, in_image_[i].product, w_.problems.ring_target, Gather::sum, false);
         w_.problems.ring.bind(7);
         in_image_[i].footprint.bind(10);
         w_.run.bind(sums.view_targets[size_t(term)], scatter_program_[squares]);

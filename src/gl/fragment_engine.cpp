@@ -36,7 +36,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       mesh_(atlas),
       run_(mesh_),
       problems_(shape_),
-      gathers_(shape_),
+      gathers_(shape_, fragment_options.storage),
       vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4) {
     const auto frames = vertex_frames(atlas.mesh());
     std::vector<float> layers[4];

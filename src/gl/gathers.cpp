@@ -20,10 +20,15 @@ uint32_t packed(int x, int y, int layer) { return uint32_t(x) | uint32_t(y) << 1
 
 }  // namespace
 
-Gathers::Gathers(const MapShape& shape) : marks_(TilePlaces(*shape.atlas, TileOrder::layout)) {
-    make_tile_levels(shape);
-    make_ring_levels(shape, TileOrder::layout);
-    make_ring_levels(shape, TileOrder::facing);
+Gathers::Gathers(const MapShape& shape, Storage storage)
+    : marks_(TilePlaces(*shape.atlas)), tile_sums_(GL_RGBA32F, marks_.places().columns, marks_.places().rows, 3) {
+    for (int corner = 0; corner < 3; ++corner) tile_targets_.push_back(Framebuffer({{&tile_sums_, corner}}));
+    const Defines defines = shape.defines(storage), product = defines + Defines{{"PRODUCT", ""}};
+    // 16 look-ups, one of them for the tile.
+    tile_gather_ =
+        make_tile_gather(shape, 15, {defines, with(defines, Gather::squares), with(defines, Gather::maximum)});
+    product_gather_ = make_tile_gather(shape, 7, {product, product + Defines{{"DIAGONAL", ""}}});
+    make_ring_levels(shape);
     for (Gather gather : all_gathers)
         ring_programs_[int(gather)] =
             Program::draw("common/whole.vert", "gather/ring_sum.frag",
@@ -31,33 +36,33 @@ Gathers::Gathers(const MapShape& shape) : marks_(TilePlaces(*shape.atlas, TileOr
     make_view_levels(shape);
 }
 
-void Gathers::make_tile_levels(const MapShape& shape) {
-    const int columns = shape.atlas->rectangles_per_row();
-    const int rows = shape.atlas->height() / (shape.atlas->side() + 1);
-    for (int source = shape.atlas->side(); source > 1;) {
-        TileLevel level;
-        level.source_side = source;
-        level.side = source <= 5 ? 1 : (source + 3) / 4;  // a tile of side 5 has 15 texels
-        level.sums = Texture(GL_RGBA32F, columns * level.side, rows * (level.side + 1), 3);
-        for (int corner = 0; corner < 3; ++corner) level.targets.push_back(Framebuffer({{&level.sums, corner}}));
-        for (Gather gather : all_gathers) {
-            // Only the first level squares.
-            const Gather own = !tile_levels_.empty() && gather == Gather::squares ? Gather::sum : gather;
-            Program& program = level.programs[int(gather)];
-            program = Program::draw("common/whole.vert", "gather/tile_sum.frag",
-                                    with({{"SIDE", std::to_string(level.side)},
-                                          {"RECTANGLES", std::to_string(columns)},
-                                          {"SOURCE_SIDE", std::to_string(level.source_side)}},
-                                         own));
-        }
-        source = level.side;
-        tile_levels_.push_back(std::move(level));
+Gathers::TileGather Gathers::make_tile_gather(const MapShape& shape, int entries,
+                                              const std::vector<Defines>& variants) {
+    const int columns = marks_.places().columns, rows = marks_.places().rows;
+    const Defines band_rows{{"ROWS", std::to_string(rows)}};
+    TileGather gather;
+    for (size_t i = 0; i < variants.size(); ++i)
+        gather.first[i] = Program::draw("common/whole.vert", "gather/tile_texels.frag",
+                                        variants[i] + band_rows + Defines{{"ENTRIES", std::to_string(entries)}});
+    const int texels = int(shape.atlas->texels_per_tile());
+    for (int bands = (texels + entries - 1) / entries; bands > 1; bands = (bands + 15) / 16) {
+        Bands level;
+        level.sums = Texture(GL_RGBA32F, columns, rows * bands, 1);
+        level.target = Framebuffer({{&level.sums, 0}});
+        gather.levels.push_back(std::move(level));
+        const Defines defines = band_rows + Defines{{"BANDS", std::to_string(bands)}};
+        std::array<Program, 2> programs;
+        for (int maximum = 0; maximum < 2; ++maximum)
+            programs[size_t(maximum)] = Program::draw("common/whole.vert", "gather/band_sum.frag",
+                                                      with(defines, maximum ? Gather::maximum : Gather::sum));
+        gather.further.push_back(std::move(programs));
     }
+    return gather;
 }
 
-void Gathers::make_ring_levels(const MapShape& shape, TileOrder order) {
+void Gathers::make_ring_levels(const MapShape& shape) {
     const size_t vertices = shape.layout->problem_count();
-    const TilePlaces places(*shape.atlas, order);
+    const TilePlaces& places = marks_.places();
     // entries[v]: places of what the next level sums for v
     std::vector<std::vector<uint32_t>> entries(vertices);
     for (size_t v = 0; v < vertices; ++v)
@@ -97,7 +102,7 @@ void Gathers::make_ring_levels(const MapShape& shape, TileOrder order) {
                 for (size_t n : of_vertex[v]) entries[v].push_back(packed(int(n) % columns, int(n) / columns, 0));
             }
         }
-        ring_levels_[int(order)].push_back(std::move(level));
+        ring_levels_.push_back(std::move(level));
     }
 }
 
@@ -118,27 +123,41 @@ void Gathers::make_view_levels(const MapShape& shape) {
     }
 }
 
-void Gathers::tiles(PassRunner& run, const Texture& source, int corner, Gather gather) {
-    const Texture* from = &source;
+void Gathers::gather_tiles(PassRunner& run, TileGather& gather, const Program& first, int corner, bool maximum) {
+    const auto target = [&](size_t level) -> const Framebuffer& {
+        return level < gather.levels.size() ? gather.levels[level].target : tile_targets_[size_t(corner)];
+    };
     marks_.bind(8);
-    for (TileLevel& level : tile_levels_) {
-        const Program& program = level.programs[int(gather)];
-        from->bind(7);
-        program.set(8, corner);
-        run.bind(level.targets[size_t(corner)], program);
+    first.set(8, corner);
+    run.bind(target(0), first);
+    run.draw_whole();
+    for (size_t i = 0; i < gather.levels.size(); ++i) {
+        gather.levels[i].sums.bind(7);
+        run.bind(target(i + 1), gather.further[i][maximum]);
         run.draw_whole();
-        from = &level.sums;
     }
 }
 
-void Gathers::rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend,
-                    TileOrder order) {
+void Gathers::tiles(PassRunner& run, const Texture& source, int corner, Gather gather) {
+    source.bind(7);
+    gather_tiles(run, tile_gather_, tile_gather_.first[int(gather)], corner, gather == Gather::maximum);
+}
+
+void Gathers::tile_products(PassRunner& run, const Texture& residuals, const Texture& surface, int corner, int term,
+                            bool squares) {
+    residuals.bind(7);
+    surface.bind(2);
+    const Program& program = product_gather_.first[squares];
+    program.set(10, term);
+    gather_tiles(run, product_gather_, program, corner, false);
+}
+
+void Gathers::rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend) {
     const Texture* from = &source;
     const Program& program = ring_programs_[int(gather)];
-    std::vector<RingLevel>& levels = ring_levels_[int(order)];
-    for (size_t i = 0; i < levels.size(); ++i) {
-        RingLevel& level = levels[i];
-        const bool last = i + 1 == levels.size();
+    for (size_t i = 0; i < ring_levels_.size(); ++i) {
+        RingLevel& level = ring_levels_[i];
+        const bool last = i + 1 == ring_levels_.size();
         from->bind(7);
         level.table.bind(8);
         run.bind(last ? target : level.target, program);

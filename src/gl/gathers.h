@@ -11,28 +11,38 @@ namespace radiafit {
 enum class Gather { sum, squares, maximum };
 
 /// The gathers of Section 5.2.1, at most 16 look-ups a pass: texels of a tile to one value per (triangle, corner) in
-/// levels (2 for n <= 20); corners of a ring to one value per vertex, any valence; and texels of a view map likewise.
+/// levels (2 for n <= 20, or n <= 14 where an entry takes two look-ups); corners of a ring to one value per vertex, any
+/// valence; and texels of a view map likewise.
 class Gathers {
 public:
-    explicit Gathers(const MapShape& shape);
+    Gathers(const MapShape& shape, Storage storage);
 
-    /// The tile sums of one corner of `source` (a 3-layer array in the SLS layout), for the tiles that the mesh draws.
-    /// mark_tiles() must be called whenever it draws others than before.
+    /// Which tiles count; to be called whenever the mesh draws others than before.
     void mark_tiles(const SlsMesh& mesh) { marks_.update(mesh); }
-    const Texture& tile_sums() const { return tile_levels_.back().sums; }
+    const TileMarks& marks() const { return marks_; }
+    /// The sums of tiles, [3 corners] in the order of TilePlaces.
+    const Texture& tile_sums() const { return tile_sums_; }
+    /// One corner of tile_sums() from `source`, a 3-layer array in the SLS layout.
     void tiles(PassRunner& run, const Texture& source, int corner, Gather gather);
+    /// The same from the products of residuals and one term of surface maps, two look-ups each. squares: of the square
+    /// of the map's texel where a sample is, alpha telling so.
+    void tile_products(PassRunner& run, const Texture& residuals, const Texture& surface, int corner, int term,
+                       bool squares);
     /// Ring sums of `source`, one value per tile and corner such as tile_sums(), into `target` (M texels).
-    void rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend,
-               TileOrder order = TileOrder::layout);
+    void rings(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather, bool blend);
     /// Sums over view maps (`source`: one layer) into `target` (M texels), blended.
     void views(PassRunner& run, const Texture& source, const Framebuffer& target, Gather gather);
 
 private:
-    struct TileLevel {
-        int source_side, side;
-        Texture sums;  ///< 3 layers
-        std::vector<Framebuffer> targets;
-        Program programs[3];
+    struct Bands {
+        Texture sums;
+        Framebuffer target;
+    };
+    /// One way to gather texels of tiles: levels until one band is left, which goes to tile_sums_.
+    struct TileGather {
+        std::vector<Bands> levels;                    ///< all but the last
+        Program first[3];                             ///< by Gather, or by `squares`
+        std::vector<std::array<Program, 2>> further;  ///< [level][maximum]
     };
     struct RingLevel {
         Texture table;
@@ -44,15 +54,18 @@ private:
         Framebuffer target;
         Program programs[3];
     };
-    void make_tile_levels(const MapShape& shape);
-    void make_ring_levels(const MapShape& shape, TileOrder order);
+    TileGather make_tile_gather(const MapShape& shape, int entries, const std::vector<Defines>& variants);
+    void gather_tiles(PassRunner& run, TileGather& gather, const Program& first, int corner, bool maximum);
+    void make_ring_levels(const MapShape& shape);
     void make_view_levels(const MapShape& shape);
 
-    std::vector<TileLevel> tile_levels_;
-    std::vector<RingLevel> ring_levels_[2];  ///< by TileOrder
+    TileMarks marks_;
+    Texture tile_sums_;
+    std::vector<Framebuffer> tile_targets_;  ///< [corner]
+    TileGather tile_gather_, product_gather_;
+    std::vector<RingLevel> ring_levels_;
     std::vector<ViewLevel> view_levels_;
     Program ring_programs_[3];
-    TileMarks marks_;
 };
 
 }  // namespace radiafit

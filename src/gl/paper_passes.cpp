@@ -57,7 +57,7 @@ private:
     std::vector<Framebuffer> residual_targets_, product_targets_, value_targets_, slope_targets_;
     Framebuffer footprint_target_;
     Program footprint_program_, look_up_program_, target_program_, residual_program_;
-    Program surface_program_[2], product_program_[2], scatter_program_[2];  // [1]: squares for diag(J'J)
+    Program surface_program_[2], scatter_program_[2];  // [1]: squares for diag(J'J)
     Program line_program_[4];
 };
 
@@ -91,7 +91,6 @@ PaperPasses::PaperPasses(const PassWorld& world)
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = shape + (squares ? Defines{{"DIAGONAL", ""}} : Defines{});
         surface_program_[squares] = Program::draw("gather/map.vert", "gather/surface_gradient.frag", what + one);
-        product_program_[squares] = Program::draw("distribute/tile.vert", "gather/view_product.frag", what);
         scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
         const int m = w_.shape.grid.view_side;
         scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
@@ -100,9 +99,8 @@ PaperPasses::PaperPasses(const PassWorld& world)
         line_program_[quantity] =
             Program::draw("gather/map.vert", "gather/line_term.frag",
                           shape + all + Defines{{"ALONG", ""}, {"QUANTITY", std::to_string(quantity)}});
-    for (Program* program :
-         {&target_program_, &residual_program_, &surface_program_[0], &surface_program_[1], &product_program_[0],
-          &product_program_[1], &line_program_[0], &line_program_[1], &line_program_[2], &line_program_[3]}) {
+    for (Program* program : {&target_program_, &residual_program_, &surface_program_[0], &surface_program_[1],
+                             &line_program_[0], &line_program_[1], &line_program_[2], &line_program_[3]}) {
         w_.mesh.set_layout(*program);
     }
 }
@@ -158,11 +156,9 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
     residual_.bind(4);
     view_values_.bind(5);
     const Program& surface = surface_program_[squares];
-    const Program& product = product_program_[squares];
     const Program& scatter = scatter_program_[squares];
     for (int term = 0; term < terms; ++term) {
         surface.set(10, term);
-        product.set(10, term);
         w_.run.blend();
         for (int corner = 0; corner < 3; ++corner) {
             surface.set(8, corner);
@@ -170,13 +166,8 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
             w_.run.draw_tiles();
         }
         w_.run.no_blend();
-        x.surface().bind(2);
-        for (int corner = 0; corner < 3; ++corner) {
-            product.set(8, corner);
-            w_.run.bind(product_targets_[size_t(corner)], product);
-            w_.run.draw_tiles();
-            w_.gathers.tiles(w_.run, product_, corner, Gather::sum);
-        }
+        for (int corner = 0; corner < 3; ++corner)
+            w_.gathers.tile_products(w_.run, residual_, x.surface(), corner, term, squares);
         w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.ring_target, Gather::sum, false);
         w_.problems.ring.bind(7);
         footprint_.bind(10);
@@ -224,7 +215,11 @@ void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector
                 w_.run.draw_tiles();
                 w_.gathers.tiles(w_.run, product_, corner, Gather::sum);
             }
-            w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(sums[quantity]), Gather::sum, true);
+            const auto add = [&](Sum sum) {
+                w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(sum), Gather::sum, true);
+            };
+            add(sums[quantity]);
+            if (quantity == 0) add(Sum::curvature);  // a^2, to which the next quantity adds 2 r b
         }
     }
 }

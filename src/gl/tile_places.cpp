@@ -26,16 +26,11 @@ uint32_t facing_key(const Vec3f& normal) {
 
 }  // namespace
 
-TilePlaces::TilePlaces(const TriangleAtlas& atlas, TileOrder order)
+TilePlaces::TilePlaces(const TriangleAtlas& atlas)
     : columns(atlas.rectangles_per_row()),
       rows(2 * (atlas.height() / (atlas.side() + 1))),
       of_tile(atlas.tile_count()) {
     const auto wide = uint32_t(columns);
-    if (order == TileOrder::layout) {
-        // A tile of side 1 in its rectangle of 1 x 2: the even tile on row 0, the odd one on row 1.
-        for (uint32_t t = 0; t < of_tile.size(); ++t) of_tile[t] = (2 * (t / 2 / wide) + t % 2) * wide + t / 2 % wide;
-        return;
-    }
     const Mesh& mesh = atlas.mesh();
     std::vector<uint32_t> keys(of_tile.size()), sorted(of_tile.size());
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -53,14 +48,14 @@ TilePlaces::TilePlaces(const TriangleAtlas& atlas, TileOrder order)
 
 TileMarks::TileMarks(TilePlaces places)
     : places_(std::move(places)), texels_(size_t(places_.columns) * size_t(places_.rows)) {
-    for (Texture& marks : marks_) marks = Texture(GL_R8, places_.columns, places_.rows);
+    for (Texture& marks : marks_) marks = Texture(GL_R32UI, places_.columns, places_.rows);
 }
 
 void TileMarks::update(const SlsMesh& mesh) {
     turn_ = 1 - turn_;
-    std::fill(texels_.begin(), texels_.end(), uint8_t(0));
-    for (uint32_t tile : mesh.drawn_tiles()) texels_[places_.of_tile[tile]] = 255;
-    marks_[turn_].upload_part(places_.columns, places_.rows, GL_RED, GL_UNSIGNED_BYTE, texels_.data());
+    std::fill(texels_.begin(), texels_.end(), 0u);
+    for (uint32_t tile : mesh.drawn_tiles()) texels_[places_.of_tile[tile]] = tile + 1;
+    marks_[turn_].upload_part(places_.columns, places_.rows, GL_RED_INTEGER, GL_UNSIGNED_INT, texels_.data());
 }
 
 }  // namespace radiafit

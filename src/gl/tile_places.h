@@ -9,21 +9,16 @@ namespace radiafit {
 
 class SlsMesh;
 
-/// The order of tiles in textures with one texel per tile.
-enum class TileOrder {
-    layout,  ///< as the atlas with tiles of side 1
-    facing   ///< neighbours in the texture face alike, so that fragments of tiles seen and unseen seldom share a vector
-};
-
-/// Where the texel of each tile stands in such a texture: y * columns + x.
+/// Where each tile stands in textures with one texel per tile: y * columns + x. Neighbours in the texture face alike,
+/// so that fragments of tiles seen and unseen seldom share a vector.
 struct TilePlaces {
     int columns, rows;
     std::vector<uint32_t> of_tile;
-    TilePlaces(const TriangleAtlas& atlas, TileOrder order);
+    explicit TilePlaces(const TriangleAtlas& atlas);
 };
 
-/// One texel per tile, 1 for those that the mesh draws. Two textures take turns, so that an upload doesn't wait for
-/// passes that still read the last one.
+/// One texel per tile, R32UI: 1 + the tile for those that the mesh draws, else 0. Two textures take turns, so that an
+/// upload doesn't wait for passes that still read the last one.
 class TileMarks {
 public:
     explicit TileMarks(TilePlaces places);
@@ -34,7 +29,7 @@ public:
 
 private:
     TilePlaces places_;
-    std::vector<uint8_t> texels_;
+    std::vector<uint32_t> texels_;
     Texture marks_[2];
     int turn_ = 0;
 };

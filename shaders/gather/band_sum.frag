@@ -1,0 +1,27 @@
+#version 450 core
+// A further level of the gather inside tiles: up to 16 of the BANDS bands of ROWS rows (see gather/tile_texels.frag) become
+// one. MAXIMUM: the largest instead of the sum.
+#ifndef BANDS
+#define BANDS 5
+#endif
+#ifndef ROWS
+#define ROWS 64
+#endif
+layout(binding = 7) uniform sampler2DArray source;
+layout(location = 0) out vec4 total;
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    int first = at.y / ROWS * 16;
+    int bands = min(16, BANDS - first);
+    at.y %= ROWS;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < bands; ++i) {
+        vec4 x = texelFetch(source, ivec3(at.x, at.y + (first + i) * ROWS, 0), 0);
+#ifdef MAXIMUM
+        sum = vec4(x.r > sum.r ? x.r : sum.r, x.g > sum.g ? x.g : sum.g, x.b > sum.b ? x.b : sum.b, 0.0);
+#else
+        sum += x;
+#endif
+    }
+    total = sum;
+}
