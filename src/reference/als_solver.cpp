@@ -3,7 +3,6 @@
 #include <cmath>
 #include <memory>
 
-#include "base/clock.h"
 #include "base/error.h"
 #include "model/lfm_text.h"
 #include "reference/lane_cholesky.h"
@@ -212,7 +211,7 @@ VertexSolver als_solver(const LfmOptions& model, const AlsOptions& options) {
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
-        const Stopwatch clock;
+        const double start = run.clock();
         Alternation alternation(vertex, *tile, *view);
         std::vector<V> trial(p.begin(), p.end());
         V error = lfm_error(vertex, p.data());
@@ -221,7 +220,7 @@ VertexSolver als_solver(const LfmOptions& model, const AlsOptions& options) {
         for (int c = 0; c < 3; ++c) {
             run.channel[c].status = std::isfinite(error[c]) ? Status::active : Status::not_finite;
             run.channel[c].error = {error[c]};
-            run.channel[c].time_s = {clock.wall_s()};
+            run.channel[c].time_s = {run.clock() - start};
         }
         for (int k = 0; k < options.iterations; ++k) {
             bool any = false;
@@ -242,7 +241,7 @@ VertexSolver als_solver(const LfmOptions& model, const AlsOptions& options) {
                 }
                 if (error[c] <= enough) channel.status = Status::residual;
                 channel.error.push_back(error[c]);
-                channel.time_s.push_back(clock.wall_s());
+                channel.time_s.push_back(run.clock() - start);
             }
             std::copy(p.begin(), p.end(), trial.begin());
         }

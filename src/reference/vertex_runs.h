@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "base/clock.h"
 #include "optim/trace.h"
 #include "reference/lfm_vertex.h"
 
@@ -21,8 +22,9 @@ struct VertexRun {
         int first_below(double level) const;
     };
     Channel channel[3];
-    bool joint = false;  ///< the channels went side by side on one clock, not one after another
-    double setup_s = 0;  ///< spent before: building the solver's own structures
+    bool joint = false;               ///< the channels went side by side on one clock, not one after another
+    double setup_s = 0;               ///< spent before: building the solver's own structures
+    double (*clock)() = wall_time_s;  ///< what times are taken with
 
     /// Seconds until all channels had done `rows` rows, or as many as they have; set-up not counted.
     double time_at(int row) const { return time_at({row, row, row}); }
