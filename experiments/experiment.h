@@ -34,6 +34,8 @@ public:
     std::filesystem::path figures() const { return root_ / "paper_figs"; }
     /// "cpu, 2 threads": what stands beside every figure.
     std::string cpu_name() const;
+    /// The processor's model name, or "unknown".
+    const std::string& cpu_model() const { return record_.cpu; }
 
 private:
     std::string name_, profile_ = "standard";

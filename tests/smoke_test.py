@@ -128,6 +128,33 @@ class Smoke(ProgramTest):
                          for kind in ("full", "compact"))
         self.assertGreater(full, 5 * compact)
 
+    def check_solvers(self, tables):
+        rows = tables["solvers"]
+        self.assertEqual({r["setting"] for r in rows if r["solver"] == "two-step"}, {"cg modern", "cg paper", "sd"})
+        self.assertEqual({r["solver"] for r in rows}, {"two-step", "als", "ceres"})
+        times = [float(r["times_cg_modern"]) for r in rows]
+        self.assertEqual(times, sorted(times))
+        self.assertEqual([r["times_cg_modern"] for r in rows if r["setting"] == "cg modern"], ["1"])
+        least = {}  # (vertex, channel): the least error of any solver
+        for p in tables["problems"]:
+            key = p["vertex"], p["channel"]
+            least[key] = min(least.get(key, math.inf), float(p["error"]))
+        for row in rows:
+            own = [p for p in tables["problems"] if (p["solver"], p["setting"]) == (row["solver"], row["setting"])]
+            self.assertEqual(len(own), int(row["problems"]))
+            self.assertEqual(len(own), 3 * int(row["vertices"]))
+            reached = [p for p in own if p["reached"] == "1"]
+            self.assertAlmostEqual(float(row["reached_share"]), len(reached) / len(own), places=4)
+            self.assertGreaterEqual(float(row["final_over_best_median"]), 1)
+            self.assertLessEqual(float(row["seconds_to_101"]), float(row["seconds_total"]) * 1.001)
+            for p in own:
+                self.assertEqual(float(p["best_error"]), least[p["vertex"], p["channel"]])
+                self.assertLessEqual(int(p["iterations_to_101"]), int(p["iterations"]))
+                if p["reached"] == "1":  # an error never rises; 32-bit parameters round it
+                    self.assertLessEqual(float(p["error"]), 1.0101 * float(p["best_error"]))
+        newton = next(r for r in rows if r["setting"] == "sparse-normal-cholesky")
+        self.assertEqual(float(newton["reached_share"]), 1)
+
     def test_bad_config_and_unwritable_results(self):
         text = self.config.read_text()
         arguments = ("--config", f"experiments/{self.name}.toml", "--profile", "smoke")
