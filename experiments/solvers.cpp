@@ -324,9 +324,10 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
                   number(s.to_end), std::to_string(c.to_101.size())});
         const auto per_vertex = [&](double seconds) { return fmt::format("{:.3g} ms", 1e3 * s.per_vertex(seconds)); };
         text.add({c.name(), std::to_string(c.vertices()), per_vertex(s.seconds),
-                  fmt::format("{:.1f} %", 50 * (s.most - s.least) / s.seconds), fmt::format("{:.2f}", s.times),
-                  fmt::format("{:.2f}", s.times_median), fmt::format("{:.1f} %", 100 * s.reached_share),
-                  fmt::format("{:g}", s.iterations), fmt::format("{:.4f}", s.final_over_best), per_vertex(s.to_end)});
+                  c.to_101.size() > 1 ? fmt::format("{:.1f} %", 50 * (s.most - s.least) / s.seconds) : "one run",
+                  fmt::format("{:.2f}", s.times), fmt::format("{:.2f}", s.times_median),
+                  fmt::format("{:.1f} %", 100 * s.reached_share), fmt::format("{:g}", s.iterations),
+                  fmt::format("{:.4f}", s.final_over_best), per_vertex(s.to_end)});
     }
     rows.commit();
     write_problems(results, o, table, vertices);
