@@ -175,6 +175,17 @@ class Options(BadInput):
     def test_engine_and_storage_that_do_not_go_together(self):
         self.fit_refused("--storage", "fp16", says=["storage 'fp16'", "fragment engine"])
 
+    def test_options_that_mean_nothing_to_a_solver(self):
+        for solver, *option in (
+            ("two-step", "--engine", "fragment"), ("two-step", "--passes", "paper"), ("two-step", "--source", "disk"),
+            ("pca", "--deflate"), ("pca", "--optimizer", "sd"), ("pca", "--mu", "2"), ("pca", "--records", "r"),
+            ("mean", "--terms", "3"), ("als", "--optimizer", "sd"), ("ceres", "--record", "full"),
+            ("stream", "--memory", "64M"), ("stream", "--ceres", "cgnr"), ("stream", "--passes", "paper"),
+        ):
+            self.fit_refused("--solver", solver, *option,
+                             says=[f"{option[0]} means nothing to ", solver.replace("stream", "engine"), "leave it out"])
+        self.fit_refused("--engine", "fragment", "--distributor", "gl", says=["--distributor", "engine fragment"])
+
     def test_unknown_option_and_missing_ones(self):
         self.fit_refused("--itterations", "3", says=["--itterations", "see radiafit --help"])
         self.refused("fit", "star", says=["--output is required", "see radiafit --help"])

@@ -53,21 +53,37 @@ class TwoStep(ProgramTest):
             self.refused("fit", "star", *FIT, *other, "--records", "records", "-o", "other",
                          says=["records/records.json: ", "choose another --records folder"])
 
+    def test_records_of_other_pixels(self):
+        shutil.copytree(self.root / "star", self.root / "other")
+        self.good("fit", "other", *FIT, "--records", "records", "-o", "fit")
+        images = self.root / "other/images.bin"
+        images.write_bytes(bytes(byte // 2 for byte in images.read_bytes()))
+        self.refused("fit", "other", *FIT, "--records", "records", "-o", "again",
+                     says=["records/records.json: ", "choose another --records folder"])
+
     def test_damaged_records(self):
         self.good("fit", "star", *FIT, "--records", "records", "-o", "fit")
-        arguments = ("fit", "star", *FIT, "--records", "records", "-o", "other")
-        large = self.root / "records/records.bin"
-        whole = large.read_bytes()
-        large.write_bytes(whole[:-1])
-        self.refused(*arguments, says=["records/records.bin: ", "delete the folder"])
-        large.write_bytes(whole)
-        large.write_bytes(b"\xff" * len(whole))
-        self.refused(*arguments, says=["records/records.bin: damaged", "delete the folder"])
-        index = self.root / "records/index.bin"
-        index.write_bytes(b"\xff" * index.stat().st_size)
-        self.refused(*arguments, says=["records/index.bin: ", "delete the folder"])
-        (self.root / "records/records.json").unlink()
-        self.refused(*arguments, says=["records/records.json: ", "delete the folder"])
+        for name in ("records.bin", "index.bin", "records.json"):
+            path = self.root / "records" / name
+            whole = path.read_bytes()
+            # cut short, a bit changed somewhere
+            middle = len(whole) // 2
+            for bad in (whole[:-1], whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]):
+                path.write_bytes(bad)
+                with self.subTest(name=name, length=len(bad) - len(whole)):
+                    if name == "records.json" and len(bad) < len(whole):
+                        continue  # the last byte is a line's end
+                    self.refused("fit", "star", *FIT, "--records", "records", "-o", "other", says=[f"records/{name}: "])
+            path.write_bytes(whole)
+        self.good("fit", "star", *FIT, "--records", "records", "-o", "other")
+
+    def test_folders_that_are_no_records(self):
+        (self.root / "empty").mkdir()
+        for folder in ("empty", "star"):
+            self.refused("fit", "star", *FIT, "--records", folder, "-o", "fit",
+                         says=[f"{folder}/records.json: holds no whole records", "choose another --records folder"])
+        for records, output in (("same", "same"), ("a", "a/fit"), ("fit/records", "fit/")):
+            self.refused("fit", "star", *FIT, "--records", records, "-o", output, says=["one inside the other"])
 
     def test_options(self):
         for memory in ("nonsense", "-1", "0", "12Q", ""):
@@ -101,7 +117,7 @@ class TwoStep(ProgramTest):
         finally:
             process.kill()
             process.wait()
-        self.assertTrue(list(self.root.glob(".tmp-*")), "killed too late")
+        self.assertTrue(list(self.root.glob(".tmp-*/*")), "killed too late")
         self.assertFalse((self.root / "records").exists())
         self.assertFalse((self.root / "killed").exists())
         again = self.good("fit", "star", *FIT, "--memory", "20K", "--records", "records", "-o", "killed")

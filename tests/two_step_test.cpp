@@ -83,8 +83,8 @@ TEST(DiskRecords, DoNotDependOnMemoryOrThreads) {
         set_thread_count(1);
         const Written alone(atlas, {.kind = kind, .memory = 200'000});
         set_thread_count(0);
-        EXPECT_EQ(all.statistics.waiting_files, 0u);
-        EXPECT_GT(little.statistics.waiting_files, 3u);
+        EXPECT_EQ(all.statistics.waiting_parts, 0u);
+        EXPECT_GT(little.statistics.waiting_parts, 3u);
         EXPECT_GT(little.statistics.bytes_read, 0u);
         for (const char* name : {"records.bin", "index.bin", "records.json"}) {
             const std::string expected = contents(all.folder.path() / name);

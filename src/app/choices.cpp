@@ -173,6 +173,7 @@ std::string FitRequest::json() const {
         {"seed", seed},
         {"record", record},
         {"memory", memory},
+        {"records", records},
         {"ceres", ceres},
     };
     return object.dump();

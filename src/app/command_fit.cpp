@@ -80,6 +80,18 @@ Split choose_split(const std::string& name) {
     throw UserError("split '" + name + "' does not exist; choose train or test");
 }
 
+/// Throws UserError if the fit's folder and the records' lie one inside the other.
+void check_apart(const std::string& output, const std::string& records) {
+    if (records.empty()) return;
+    const auto whole = [](const std::string& path) {
+        return (std::filesystem::weakly_canonical(path) / "").lexically_normal().string();
+    };
+    const std::string a = whole(output), b = whole(records);
+    if (a.starts_with(b) || b.starts_with(a))
+        throw UserError(
+            fmt::format("{}: the records' folder and the fit's lie one inside the other; choose another", records));
+}
+
 /// Everything run_fit leaves, in one folder.
 void save(const std::string& folder, const Dataset& dataset, const FitRequest& request, FitOutcome& outcome,
           const Invocation& invocation) {
@@ -100,13 +112,13 @@ void save(const std::string& folder, const Dataset& dataset, const FitRequest& r
     if (request.solver == "two-step")
         times["records"] = {
             {"bytes_written", outcome.records.bytes_written}, {"waiting_bytes_read", outcome.records.bytes_read},
-            {"waiting_files", outcome.records.waiting_files}, {"bytes_read", outcome.record_bytes_read},
+            {"waiting_parts", outcome.records.waiting_parts}, {"bytes_read", outcome.record_bytes_read},
             {"cached_share", outcome.record_cached_share},    {"sample_iterations", outcome.sample_iterations},
             {"working_set_bytes", outcome.working_set_bytes},
         };
     outcome.fit.times_json = times.dump();
     write_fit(folder, outcome.fit, dataset.mesh, [&](const std::filesystem::path& inside) {
-        write_file(inside / "trace.csv", trace_csv(outcome.trace, request.label(), request.engine));
+        write_file(inside / "trace.csv", trace_csv(outcome.trace, request.label(), outcome.fit.engine));
     });
 }
 
@@ -196,7 +208,9 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
     command->add_option("-o,--output", *out, "folder of the fit")->required();
     command->callback([=] {
         request->check();
-        request->scratch = std::filesystem::absolute(*out).parent_path();
+        reject_idle_options(*request);
+        check_apart(*out, request->records);
+        request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         check_fit_target(*out);
         AtomicFolder(*out,
                      AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end
@@ -206,12 +220,12 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
         progress.finish();
         save(*out, dataset, *request, outcome, invocation);
         const auto counts = outcome.fit.status_counts();
-        const double first = outcome.trace.rows.empty() ? 0 : outcome.trace.rows.front().error;
-        const double last = outcome.trace.rows.empty() ? 0 : outcome.trace.rows.back().error;
-        log_info(
-            fmt::format("{} in {:.1f} s: error {:.6g} -> {:.6g}, {} problems without samples, {} not finite; see {}",
-                        request->label(), outcome.times.total, first, last, counts[size_t(Status::no_samples)],
-                        counts[size_t(Status::not_finite)], *out));
+        const auto& rows = outcome.trace.rows;
+        const std::string error =
+            rows.empty() ? "" : fmt::format("error {:.6g} -> {:.6g}, ", rows.front().error, rows.back().error);
+        log_info(fmt::format("{} in {:.1f} s: {}{} problems without samples, {} not finite; see {}", request->label(),
+                             outcome.times.total, error, counts[size_t(Status::no_samples)],
+                             counts[size_t(Status::not_finite)], *out));
     });
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 
 #include "app/commands.h"
@@ -11,6 +12,7 @@
 /// Exit status: 0 done, 1 the machine failed (GL, I/O), 2 the user's mistake.
 int main(int argc, char** argv) {
     using namespace radiafit;
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write(), with a line of its own
     CLI::App app("radiafit fits image-based models to posed photographs by streaming them through OpenGL.", "radiafit");
     app.require_subcommand(1);
     app.set_version_flag("--version", "radiafit " + make_record(1, argv).version + " (" + git_revision() + ")");

@@ -68,10 +68,10 @@ FitOutcome solve(const Dataset& dataset, const FitRequest& request, const Shared
     out.fit.options = task.options;
     out.fit.space = choose_space(request.space);
     out.fit.solver = request.solver;
-    out.fit.engine = request.engine;
+    out.fit.engine = request.solver == "stream" ? request.engine : "cpu";
     out.fit.options_json = request.json();
     set_dataset(out.fit, dataset);
-    out.times.total = clock.wall_s();
+    out.times.total = clock.wall_s() - out.times.outside;
     return out;
 }
 

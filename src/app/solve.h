@@ -59,6 +59,7 @@ struct FitRequest {
 /// Seconds by activity; what is not named is unaccounted.
 struct FitTimes {
     double distribution = 0, streaming = 0, optimization = 0, total = 0;
+    double outside = 0;  ///< emptying the page cache, which is no part of the total
 };
 
 struct FitOutcome {

@@ -50,8 +50,12 @@ struct Solver {
     const char* name;
     const char* help;
     void (*solve)(FitTask& task);  ///< fills out.fit's parameters and problems, and out.times
+    const char* options;           ///< names of FitRequest::json() that mean something to it, between blanks
 };
 std::span<const Solver> solvers();
+
+/// Throws UserError if an option has another value than its default and means nothing to the solver.
+void reject_idle_options(const FitRequest& request);
 
 void solve_stream(FitTask& task);
 void solve_mean(FitTask& task);

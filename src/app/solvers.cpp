@@ -1,5 +1,11 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
 #include "app/solver.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "cpu/lfm_problem.h"
 #include "model/penalty.h"
 #include "reference/mean_solver.h"
@@ -96,16 +102,49 @@ void solve_mean(FitTask& task) {
     fill_problems(task, std::move(parameters), Status::stationary, 0);
 }
 
+#define MODEL " space terms surface_side view_side view "
+#define PENALTY " mode lambda_surface lambda_view mu lower upper "
+#define OPTIMIZER " optimizer iterations stop_residual stop_output_change seed deflate "
+#define SAMPLES " distributor context device "
 std::span<const Solver> solvers() {
     static constexpr Solver table[] = {
-        {"stream", "the paper's optimizers over --engine", solve_stream},
-        {"pca", "factorization of the resampled light field, Chen et al. 2002", solve_pca},
-        {"two-step", "distributed to disk first, then vertex by vertex (Section 4.3)", solve_two_step},
-        {"ceres", "the Ceres library, vertex by vertex", solve_ceres},
-        {"als", "alternating least squares, vertex by vertex", solve_als},
-        {"mean", "the trivial baseline: one mean colour per texel", solve_mean},
+        {"stream", "the paper's optimizers over --engine", solve_stream, MODEL PENALTY OPTIMIZER " engine "},
+        {"two-step", "distributed to disk first, then vertex by vertex (Section 4.3)", solve_two_step,
+         MODEL PENALTY OPTIMIZER SAMPLES " record memory records "},
+        {"pca", "factorization of the resampled light field, Chen et al. 2002", solve_pca, MODEL},
+        {"ceres", "the Ceres library, vertex by vertex", solve_ceres,
+         MODEL PENALTY SAMPLES " iterations stop_residual seed ceres "},
+        {"als", "alternating least squares, vertex by vertex", solve_als,
+         MODEL PENALTY SAMPLES " iterations stop_residual seed "},
+        {"mean", "the trivial baseline: one mean colour per texel", solve_mean, SAMPLES " space surface_side "},
     };
     return table;
 }
+#undef MODEL
+#undef PENALTY
+#undef OPTIMIZER
+
+void reject_idle_options(const FitRequest& request) {
+    std::string options, what = "solver " + request.solver;
+    for (const Solver& solver : solvers())
+        if (request.solver == solver.name) options = solver.options;
+    if (request.solver == "stream") {
+        options += request.engine == "fragment" ? " passes storage source context device " : SAMPLES;
+        what = "engine " + request.engine;
+    }
+    const auto given = nlohmann::json::parse(request.json());
+    FitRequest plain;
+    plain.mode = request.mode;  // mu's default depends on it
+    auto defaults = nlohmann::json::parse(plain.json());
+    defaults["mode"] = FitRequest().mode;
+    for (const auto& [name, value] : given.items()) {
+        if (name == "solver" || value == defaults.at(name) || options.find(" " + name + " ") != std::string::npos)
+            continue;
+        std::string option = name == "stop_output_change" ? "stop_change" : name;
+        std::replace(option.begin(), option.end(), '_', '-');
+        throw UserError(fmt::format("--{} means nothing to {}; leave it out", option, what));
+    }
+}
+#undef SAMPLES
 
 }  // namespace radiafit

@@ -62,6 +62,8 @@ uint64_t InputFile::size() const {
     return uint64_t(status.st_size);
 }
 
+void InputFile::no_readahead() const { posix_fadvise(file_, 0, 0, POSIX_FADV_RANDOM); }
+
 void InputFile::forget(uint64_t offset, uint64_t bytes) const {
     posix_fadvise(file_, off_t(offset), off_t(bytes), POSIX_FADV_DONTNEED);  // advice: cached_share() tells
 }

@@ -19,6 +19,8 @@ public:
     /// Thread-safe.
     void read(void* to, uint64_t offset, uint64_t bytes) const;
     uint64_t size() const;
+    /// Asks the kernel to read no further than it is told.
+    void no_readahead() const;
     /// Asks the kernel to drop these bytes from its page cache.
     void forget(uint64_t offset, uint64_t bytes) const;
     int descriptor() const { return file_; }

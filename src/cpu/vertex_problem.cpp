@@ -39,13 +39,11 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
         RecordGroup group;
         std::memcpy(&group, block + g * sizeof group, sizeof group);
         groups_[g].first = first;
-        if (group.image >= centers_.size() || group.samples > samples_ - first) records_->reject();
         first += group.samples;
         const ViewFootprint f = view_footprint(frames_[v], atlas_->mesh().positions[v], centers_[group.image],
                                                options_.view_side, options_.lookup);
         groups_[g].footprint = {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}};
     }
-    if (first != samples_) records_->reject();
     groups_[record.images].first = first;
     targets_.resize(samples_);
     texels_.resize(samples_);
@@ -63,7 +61,6 @@ void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from
             std::memcpy(rgb, from, sizeof rgb);
             std::memcpy(&place, from + sizeof rgb, record.texel_bytes);
             from += sizeof rgb + record.texel_bytes;
-            if (place >= weights_.size()) records_->reject();
             texels_[i] = place;
             targets_[i] = weights_[place] *
                           (records_->scale() * V{float(unit * rgb[0]), float(unit * rgb[1]), float(unit * rgb[2]), 0});
@@ -79,10 +76,8 @@ void VertexProblem::take_full(const VertexRecord&, const uint8_t* from) {
         for (uint32_t i = groups_[g].first; i < groups_[g + 1].first; ++i, from += sizeof(FullRecord)) {
             FullRecord full;
             std::memcpy(&full, from, sizeof full);
-            if (!(full.surface[0] >= 0 && full.surface[0] < float(maps_) && full.surface[1] >= 0)) records_->reject();
             const auto position = static_cast<uint32_t>(full.surface[0]);
             const int column = int((full.surface[0] - float(position)) * n), row = int(full.surface[1] * n);
-            if (column + row >= atlas_->side()) records_->reject();
             texels_[i] = position * uint32_t(tile_texels_) + atlas_->local_of_cell(column, row);
             targets_[i] = weights_[texels_[i]] * V{full.target[0], full.target[1], full.target[2], 0};
             if (i > groups_[g].first) continue;

@@ -139,7 +139,10 @@ ImageStream::ImageStream(const Dataset& dataset, StreamSource source, TargetSpac
 
     s.file = std::make_shared<InputFile>(dataset.folder / dataset_images_name);
     s.cold = source == StreamSource::disk_cold;
-    if (s.cold) s.file->forget(0, end);
+    if (s.cold) {
+        s.file->no_readahead();  // or pages of images that come later stay
+        s.file->forget(0, end);
+    }
     if (source == StreamSource::memory) {
         auto kept = std::make_shared<std::vector<uint8_t>>(end + 1);
         s.file->read(kept->data(), 0, end);

@@ -10,6 +10,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/parallel.h"
 #include "model/lfm.h"
 #include "samples/image_samples.h"
@@ -21,6 +22,17 @@ namespace {
 constexpr const char* records_name = "records.bin";
 constexpr const char* index_name = "index.bin";
 constexpr const char* description_name = "records.json";
+constexpr const char* waiting_name = "waiting.bin";
+
+uint64_t index_checksum(const std::vector<VertexRecord>& index) {
+    return hash_bytes(index.data(), index.size() * sizeof(VertexRecord));
+}
+/// Of everything but the checksum itself.
+uint64_t checksum_of(nlohmann::ordered_json description) {
+    description.erase("checksum");
+    const std::string text = description.dump();
+    return hash_bytes(text.data(), text.size());
+}
 
 template <class T>
 void append(std::vector<uint8_t>& out, const T* from, size_t count) {
@@ -32,10 +44,9 @@ void append(std::vector<uint8_t>& out, const T* from, size_t count) {
 /// tile's part is a row of [RecordGroup][Sample...], images ascending.
 class TileStore {
 public:
-    /// In memory, or in a file if `path` is given.
-    TileStore(const std::vector<ImageSamples>& images, uint32_t first_image, uint32_t tiles, const fs::path* path) {
-        std::optional<OutputFile> out;
-        if (path) out.emplace(*path);
+    /// In memory, or behind what `out` holds already.
+    TileStore(const std::vector<ImageSamples>& images, uint32_t first_image, uint32_t tiles, OutputFile* out)
+        : on_disk_(out), begin_(out ? out->bytes() : 0) {
         std::vector<uint32_t> next(images.size(), 0);  // run of each image
         std::vector<uint8_t> part;
         offsets_.push_back(0);
@@ -52,23 +63,36 @@ public:
             offsets_.push_back(offsets_.back() + part.size());
             out ? out->write(part.data(), part.size()) : append(memory_, part.data(), part.size());
         }
-        if (!out) return;
-        out->close();
-        file_.emplace(*path);
     }
     uint64_t bytes() const { return offsets_.back(); }
     uint64_t tile_bytes(uint32_t tile) const { return offsets_[tile + 1] - offsets_[tile]; }
-    bool on_disk() const { return file_.has_value(); }
-    void append_tile(uint32_t tile, std::vector<uint8_t>& out) const {
-        if (!file_) return append(out, memory_.data() + offsets_[tile], tile_bytes(tile));
+    /// `file`: what was written to `out`.
+    void append_tile(uint32_t tile, const std::optional<InputFile>& file, std::vector<uint8_t>& out) const {
+        if (!on_disk_) return append(out, memory_.data() + offsets_[tile], tile_bytes(tile));
         out.resize(out.size() + tile_bytes(tile));
-        file_->read(out.data() + out.size() - tile_bytes(tile), offsets_[tile], tile_bytes(tile));
+        file->read(out.data() + out.size() - tile_bytes(tile), begin_ + offsets_[tile], tile_bytes(tile));
     }
 
 private:
+    bool on_disk_;
+    uint64_t begin_;
     std::vector<uint64_t> offsets_;  ///< [tiles + 1]
     std::vector<uint8_t> memory_;
-    std::optional<InputFile> file_;
+};
+
+/// All stores, and the one file that those on disk share.
+struct TileStores {
+    std::vector<TileStore> parts;
+    std::optional<InputFile> file;
+
+    void append_tile(uint32_t tile, std::vector<uint8_t>& out, size_t part) const {
+        parts[part].append_tile(tile, file, out);
+    }
+    uint64_t tile_bytes(uint32_t tile) const {
+        uint64_t bytes = 0;
+        for (const TileStore& part : parts) bytes += part.tile_bytes(tile);
+        return bytes;
+    }
 };
 
 /// Writes blocks of vertices from what the stores hold of their rings' tiles.
@@ -85,13 +109,13 @@ public:
         for (uint32_t view : views) centers_.push_back(dataset.views[view].camera.center());
     }
 
-    void block(size_t v, const std::vector<TileStore>& stores, std::vector<uint8_t>& out, VertexRecord& record) const {
+    void block(size_t v, const TileStores& stores, std::vector<uint8_t>& out, VertexRecord& record) const {
         std::vector<uint8_t> tiles;
         std::vector<Part> parts;
         const auto ring = rings_->ring(v);
         for (uint32_t position = 0; position < ring.size(); ++position)
-            for (const TileStore& store : stores) {
-                store.append_tile(ring[position].triangle, tiles);
+            for (size_t part = 0; part < stores.parts.size(); ++part) {
+                stores.append_tile(ring[position].triangle, tiles, part);
                 find_parts(position, tiles, parts);
             }
         std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
@@ -111,6 +135,7 @@ public:
         double sum[3] = {};
         for (const Part& part : parts) samples(v, part, tiles.data() + part.at, out, record, sum);
         for (int c = 0; c < 3 && record.samples; ++c) record.mean[c] = float(sum[c] / record.samples);
+        record.checksum = hash_bytes(out.data(), out.size());
     }
 
 private:
@@ -182,20 +207,17 @@ uint64_t bytes_of(const ImageSamples& image) {
 }
 
 /// First loop: images in, tiles out. Holds at most half of the memory in images; the other half is a store's.
-std::vector<TileStore> store_tiles(const fs::path& folder, SampleCollector& collector,
-                                   const std::vector<uint32_t>& views, uint32_t tiles, uint64_t memory,
-                                   RecordStatistics& statistics) {
-    std::vector<TileStore> stores;
+TileStores store_tiles(const fs::path& folder, SampleCollector& collector, const std::vector<uint32_t>& views,
+                       uint32_t tiles, uint64_t memory, RecordStatistics& statistics) {
+    TileStores stores;
+    std::optional<OutputFile> file;
     std::vector<ImageSamples> waiting;
     uint64_t bytes = 0;
     uint32_t first = 0;
     const auto store = [&](bool to_disk) {
-        const fs::path path = folder / fmt::format("waiting{}.bin", stores.size());
-        stores.emplace_back(waiting, first, tiles, to_disk ? &path : nullptr);
-        if (to_disk) {
-            statistics.bytes_written += stores.back().bytes();
-            ++statistics.waiting_files;
-        }
+        if (to_disk && !file) file.emplace(folder / waiting_name);
+        stores.parts.emplace_back(waiting, first, tiles, to_disk ? &*file : nullptr);
+        statistics.waiting_parts += to_disk;
         first += uint32_t(waiting.size());
         waiting.clear();
         bytes = 0;
@@ -212,7 +234,12 @@ std::vector<TileStore> store_tiles(const fs::path& folder, SampleCollector& coll
         }
         if (bytes > memory / 2) store(true);
     }
-    if (!waiting.empty()) store(!stores.empty());
+    if (!waiting.empty()) store(!stores.parts.empty());
+    if (file) {
+        statistics.bytes_written += file->bytes();
+        file->close();
+        stores.file.emplace(folder / waiting_name);
+    }
     return stores;
 }
 
@@ -223,8 +250,7 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
                                std::vector<Distributor*> workers, const RecordOptions& options) {
     RecordStatistics statistics;
     SampleCollector collector(dataset, atlas, std::move(workers), options.space);
-    const std::vector<TileStore> stores =
-        store_tiles(folder, collector, views, atlas.tile_count(), options.memory, statistics);
+    const TileStores stores = store_tiles(folder, collector, views, atlas.tile_count(), options.memory, statistics);
 
     const BlockWriter writer(dataset, atlas, rings, views, options, collector.bits(), collector.scale());
     OutputFile out(folder / records_name);
@@ -232,8 +258,7 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
     const uint64_t expansion = options.kind == RecordKind::full ? sizeof(FullRecord) / sizeof(Sample) : 1;
     const auto ring_bytes = [&](size_t v) {
         uint64_t bytes = 0;
-        for (const Corner& corner : rings.ring(v))
-            for (const TileStore& store : stores) bytes += store.tile_bytes(corner.triangle);
+        for (const Corner& corner : rings.ring(v)) bytes += stores.tile_bytes(corner.triangle);
         return bytes;
     };
     std::vector<std::vector<uint8_t>> blocks;
@@ -249,7 +274,7 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
         for (size_t v = begin; v < end; ++v) {
             index[v].offset = out.bytes();
             out.write(blocks[v - begin].data(), blocks[v - begin].size());
-            if (stores.size() > 1) statistics.bytes_read += ring_bytes(v);
+            if (stores.file) statistics.bytes_read += ring_bytes(v);
         }
     }
     out.close();
@@ -257,72 +282,62 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
     index_file.write(index.data(), index.size() * sizeof(VertexRecord));
     index_file.close();
     statistics.bytes_written += out.bytes() + index_file.bytes();
-    for (uint64_t i = 0; i < statistics.waiting_files; ++i) fs::remove(folder / fmt::format("waiting{}.bin", i));
-    const nlohmann::ordered_json description = {{"format", "radiafit-records"},
-                                                {"version", 1},
-                                                {"kind", options.kind == RecordKind::full ? "full" : "compact"},
-                                                {"vertices", index.size()},
-                                                {"bytes", out.bytes()},
-                                                {"bits", collector.bits()},
-                                                {"scale", collector.scale()},
-                                                {"views", views},
-                                                {"key", options.key}};
+    if (stores.file) fs::remove(folder / waiting_name);
+    nlohmann::ordered_json description = {{"format", "radiafit-records"},
+                                          {"version", 1},
+                                          {"kind", options.kind == RecordKind::full ? "full" : "compact"},
+                                          {"vertices", index.size()},
+                                          {"bytes", out.bytes()},
+                                          {"bits", collector.bits()},
+                                          {"scale", collector.scale()},
+                                          {"views", views},
+                                          {"index_checksum", index_checksum(index)},
+                                          {"key", options.key}};
+    description["checksum"] = checksum_of(description);
     write_file(folder / description_name, description.dump(1) + "\n");
     return statistics;
 }
 
 namespace {
 
-nlohmann::json describe(const fs::path& folder, const std::string& key) {
+[[noreturn]] void damaged(const fs::path& path) {
+    throw UserError(
+        fmt::format("{}: damaged; delete the folder {}, it is made anew", path.string(), path.parent_path().string()));
+}
+
+nlohmann::ordered_json describe(const fs::path& folder, const std::string& key) {
     const fs::path path = folder / description_name;
     std::ifstream file(path);
-    const auto json = nlohmann::json::parse(file, nullptr, false);
-    if (!file || !json.is_object() || json.value("format", "") != "radiafit-records" || json.value("version", 0) != 1)
-        throw UserError(fmt::format("{}: holds no whole records; delete the folder or choose another --records folder",
-                                    path.string()));
-    if (json.value("key", "") != key)
+    const auto json = nlohmann::ordered_json::parse(file, nullptr, false);
+    const auto is = [&](const char* name, const nlohmann::ordered_json& value) {
+        return json.is_object() && json.contains(name) && json.at(name) == value;
+    };
+    if (!is("format", "radiafit-records") || !is("version", 1))
+        throw UserError(fmt::format("{}: holds no whole records; choose another --records folder", path.string()));
+    if (!is("checksum", checksum_of(json))) damaged(path);
+    if (!is("key", key))
         throw UserError(fmt::format(
             "{}: records of another dataset or of other options; choose another --records folder", path.string()));
     return json;
-}
-
-[[noreturn]] void damaged(const fs::path& path, const char* how) {
-    throw UserError(fmt::format("{}: {}; delete the folder, it is made anew", path.string(), how));
 }
 
 }  // namespace
 
 DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
     : file_((describe(folder, key), folder / records_name)), path_(folder / records_name) {
-    const nlohmann::json json = describe(folder, key);
-    try {
-        kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
-        bits_ = json.at("bits");
-        scale_ = json.at("scale");
-        bytes_ = json.at("bytes");
-        views_ = json.at("views").get<std::vector<uint32_t>>();
-        vertices_.resize(json.at("vertices").get<size_t>());
-    } catch (const nlohmann::json::exception&) {
-        damaged(folder / description_name, "an entry is missing");
-    }
+    const nlohmann::ordered_json json = describe(folder, key);
+    kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
+    bits_ = json.at("bits");
+    scale_ = json.at("scale");
+    bytes_ = json.at("bytes");
+    views_ = json.at("views").get<std::vector<uint32_t>>();
+    vertices_.resize(json.at("vertices").get<size_t>());
     const InputFile index(folder / index_name);
-    if (file_.size() != bytes_) damaged(path_, "cut short");
-    if (index.size() != vertices_.size() * sizeof(VertexRecord)) damaged(folder / index_name, "cut short");
+    if (file_.size() != bytes_) damaged(path_);
+    if (index.size() != vertices_.size() * sizeof(VertexRecord)) damaged(folder / index_name);
     index.read(vertices_.data(), 0, index.size());
-    uint64_t offset = 0;
-    for (const VertexRecord& vertex : vertices_) {
-        if (vertex.offset != offset || vertex.texel_bytes < 1 || vertex.texel_bytes > 4)
-            damaged(folder / index_name, "damaged");
-        offset += vertex.images * sizeof(RecordGroup) + uint64_t(vertex.samples) * sample_bytes(vertex);
-    }
-    if (offset != bytes_) damaged(folder / index_name, "damaged");
+    if (json.at("index_checksum") != index_checksum(vertices_)) damaged(folder / index_name);
 }
-
-size_t DiskRecords::sample_bytes(const VertexRecord& vertex) const {
-    return kind_ == RecordKind::full ? sizeof(FullRecord) : size_t(3 * bits_ / 8) + vertex.texel_bytes;
-}
-
-void DiskRecords::reject() const { damaged(path_, "damaged"); }
 
 fs::path DiskRecords::file(const fs::path& folder) { return folder / records_name; }
 
@@ -330,6 +345,9 @@ void DiskRecords::read(size_t begin, size_t end, std::vector<uint8_t>& blocks) c
     const uint64_t from = vertices_[begin].offset, to = this->end(end - 1);
     blocks.resize(to - from);
     file_.read(blocks.data(), from, to - from);
+    const uint8_t* block = blocks.data();
+    for (size_t v = begin; v < end; block += block_bytes(v), ++v)
+        if (hash_bytes(block, block_bytes(v)) != vertices_[v].checksum) damaged(path_);
 }
 
 }  // namespace radiafit

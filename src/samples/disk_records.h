@@ -33,12 +33,13 @@ struct VertexRecord {
     uint32_t samples = 0;      ///< radiance samples: pixels in the ring's texels
     float mean[3] = {};        ///< of the targets L t
     uint32_t texel_bytes = 1;  ///< compact: size of a place in the maps
+    uint64_t checksum = 0;     ///< of its block
 };
 
 struct RecordStatistics {
     uint64_t bytes_written = 0;  ///< records and waiting files
     uint64_t bytes_read = 0;     ///< of waiting files
-    uint64_t waiting_files = 0;
+    uint64_t waiting_parts = 0;  ///< ranges of images whose samples waited on disk
     uint64_t covered_pixels = 0, samples = 0;
 };
 
@@ -51,7 +52,8 @@ RecordStatistics write_records(const std::filesystem::path& folder, const Datase
 /// Records on disk. Reading is thread-safe.
 class DiskRecords {
 public:
-    /// Throws UserError if `folder` holds no whole records, damaged ones, or records of another key.
+    /// Throws UserError if `folder` holds no whole records, damaged ones, or records of another key. Blocks are checked
+    /// when they are read.
     DiskRecords(const std::filesystem::path& folder, const std::string& key);
 
     RecordKind kind() const { return kind_; }
@@ -64,13 +66,10 @@ public:
     uint64_t bytes() const { return bytes_; }
     static std::filesystem::path file(const std::filesystem::path& folder);  ///< the large one
 
-    /// Blocks of vertices [begin, end), one after another.
+    /// Blocks of vertices [begin, end), one after another. Throws UserError if one isn't what was written.
     void read(size_t begin, size_t end, std::vector<uint8_t>& blocks) const;
-    /// For readers that find a block to be nonsense: throws UserError.
-    [[noreturn]] void reject() const;
 
 private:
-    size_t sample_bytes(const VertexRecord& vertex) const;
     uint64_t end(size_t v) const { return v + 1 < vertices_.size() ? vertices_[v + 1].offset : bytes_; }
 
     RecordKind kind_;
