@@ -155,6 +155,28 @@ class Smoke(ProgramTest):
         newton = next(r for r in rows if r["setting"] == "sparse-normal-cholesky")
         self.assertEqual(float(newton["reached_share"]), 1)
 
+    def check_fig9_error(self, tables):
+        rows = {(r["dataset"], r["method"], int(r["terms"])): r for r in tables["errors"]}
+        methods = [(m, k) for k in (1, 2) for m in ("pca", "cpu-high", "cpu-low", "fragment-fp16")]
+        self.assertEqual(set(rows), {(d, m, k) for d in ("star", "bust") for m, k in methods + [("mean", 1)]})
+        for (dataset, method, k), row in rows.items():
+            side = "16" if method in ("pca", "cpu-high", "mean") else "8"
+            self.assertEqual(row["surface_side"], side)
+            self.assertEqual(row["storage"], "fp16" if method == "fragment-fp16" else "fp32")
+            self.assertEqual(row["renderer"].startswith("cpu"), method != "fragment-fp16")
+            self.assertEqual(row["invented_share"] != "", method == "pca")
+            self.assertEqual(row["lambda_surface"] != "", method not in ("pca", "mean"))
+            if method == "pca":
+                self.assertTrue(0 < float(row["invented_share"]) < 1)
+            if method != "mean":  # fitted to the training views, and better than no view dependence on the others
+                self.assertGreater(float(row["train_psnr_db"]), float(row["held_psnr_db"]))
+                self.assertGreater(float(row["held_psnr_db"]), float(rows[dataset, "mean", 1]["held_psnr_db"]))
+            if method == "cpu-high":  # the same model, and this one is fitted to what is judged
+                self.assertGreater(float(row["train_psnr_db"]), float(rows[dataset, "pca", k]["train_psnr_db"]))
+            if method == "fragment-fp16":
+                self.assertAlmostEqual(float(row["train_psnr_db"]),
+                                       float(rows[dataset, "cpu-low", k]["train_psnr_db"]), delta=0.5)
+
     def test_bad_config_and_unwritable_results(self):
         text = self.config.read_text()
         arguments = ("--config", f"experiments/{self.name}.toml", "--profile", "smoke")

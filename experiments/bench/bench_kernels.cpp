@@ -14,6 +14,7 @@
 #include "dataset/synthetic/synthetic.h"
 #include "model/lfm_start.h"
 #include "model/lfm_text.h"
+#include "reference/ring_resampler.h"
 #include "samples/raster_distributor.h"
 
 namespace radiafit {
@@ -267,6 +268,18 @@ void distribution(benchmark::State& state) {
     state.counters["ns_per_sample"] = 1e9 * (cpu_time_s() - begin) / kept;
 }
 
+/// What factorization starts from, dense: of the median vertex, at the paper's high resolution.
+void resampling(benchmark::State& state) {
+    const TriangleAtlas atlas(scene->dataset.mesh, 16);
+    const TileViews tiles = resample_tiles(scene->dataset, atlas, scene->dataset.split(false), TargetSpace::stored);
+    const RingResampler resampler(scene->dataset, atlas, scene->rings, tiles, 16);
+    DenseLightField field;
+    const double begin = cpu_time_s();
+    for (auto _ : state) benchmark::DoNotOptimize(resampler.resample(scene->vertex, field));
+    state.counters["ns_per_entry"] =
+        1e9 * (cpu_time_s() - begin) / double(state.iterations()) / double(field.counts.entries);
+}
+
 BENCHMARK(direction);
 BENCHMARK(line);
 BENCHMARK(straightforward);
@@ -274,6 +287,7 @@ BENCHMARK(two_step)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond
 BENCHMARK(stream_iteration)->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK(rasterizer)->Unit(benchmark::kMicrosecond);
 BENCHMARK(distribution)->Unit(benchmark::kMicrosecond);
+BENCHMARK(resampling)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace radiafit

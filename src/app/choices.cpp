@@ -135,6 +135,7 @@ void FitRequest::check() const {
     memory_bytes();
     model_options();
     if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
+    if (refills < 0) throw UserError(fmt::format("refills = {}: choose 0 or more", refills));
     if (!(stop_residual >= 0 && stop_output_change >= 0))
         throw UserError(fmt::format("stop-residual = {}, stop-change = {}: choose 0 (off) or more", stop_residual,
                                     stop_output_change));
@@ -174,6 +175,7 @@ std::string FitRequest::json() const {
         {"record", record},
         {"memory", memory},
         {"records", records},
+        {"refills", refills},
         {"ceres", ceres},
     };
     return object.dump();

@@ -51,6 +51,9 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M")
         ->capture_default_str();
     c.add_option("--records", r.records, "folder to keep two-step's records in, or to find them");
+    c.add_option("--refills", r.refills,
+                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms")
+        ->capture_default_str();
     std::string settings;
     for (const CeresSetting& s : ceres_settings())
         settings += fmt::format("{}{}: {}", settings.empty() ? "" : "; ", s.name, s.help);
@@ -115,6 +118,13 @@ void save(const std::string& folder, const Dataset& dataset, const FitRequest& r
             {"waiting_parts", outcome.records.waiting_parts}, {"bytes_read", outcome.record_bytes_read},
             {"cached_share", outcome.record_cached_share},    {"sample_iterations", outcome.sample_iterations},
             {"working_set_bytes", outcome.working_set_bytes},
+        };
+    if (const ResamplingCounts& r = outcome.resampling; r.entries)
+        times["resampling"] = {
+            {"entries", r.entries},
+            {"outside_hull", r.outside_hull},
+            {"unseen_texels", r.unseen_texels},
+            {"invented_share", r.invented_share()},
         };
     outcome.fit.times_json = times.dump();
     write_fit(folder, outcome.fit, dataset.mesh, [&](const std::filesystem::path& inside) {
@@ -220,12 +230,15 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
         progress.finish();
         save(*out, dataset, *request, outcome, invocation);
         const auto counts = outcome.fit.status_counts();
-        const auto& rows = outcome.trace.rows;
-        const std::string error =
-            rows.empty() ? "" : fmt::format("error {:.6g} -> {:.6g}, ", rows.front().error, rows.back().error);
-        log_info(fmt::format("{} in {:.1f} s: {}{} problems without samples, {} not finite; see {}", request->label(),
-                             outcome.times.total, error, counts[size_t(Status::no_samples)],
-                             counts[size_t(Status::not_finite)], *out));
+        std::string line = fmt::format("{} in {:.1f} s: ", request->label(), outcome.times.total);
+        if (!outcome.trace.rows.empty())
+            line += fmt::format("error {:.6g} -> {:.6g}, ", outcome.trace.rows.front().error,
+                                outcome.trace.rows.back().error);
+        if (const ResamplingCounts& r = outcome.resampling; r.entries)
+            line += fmt::format("{} of {} resampled entries ({:.1f}%) invented, ", r.outside_hull + r.unseen_texels,
+                                r.entries, 100 * r.invented_share());
+        log_info(fmt::format("{}{} problems without samples, {} not finite; see {}", line,
+                             counts[size_t(Status::no_samples)], counts[size_t(Status::not_finite)], *out));
     });
 }
 

@@ -10,6 +10,7 @@
 #include "model/lfm.h"
 #include "optim/optimizer.h"
 #include "reference/ceres_solver.h"
+#include "reference/ring_resampler.h"
 #include "samples/disk_records.h"
 #include "samples/distributor.h"
 
@@ -44,6 +45,7 @@ struct FitRequest {
     std::string records;             ///< folder to keep the records in, or to find them; empty: they go again
     std::filesystem::path scratch;   ///< where records go that don't stay; empty: the folder for such files
     bool cold = false;               ///< records leave the page cache between the steps
+    int refills = 0;                 ///< of the pca solver: 0 is the published method
     // Of the ceres solver.
     std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
 
@@ -78,6 +80,7 @@ struct FitOutcome {
     uint64_t sample_iterations = 0;  ///< radiance samples of each vertex times its iterations
     double record_cached_share = 0;  ///< of the records' pages, when step 2 began
     uint64_t working_set_bytes = 0;  ///< of the largest vertex
+    ResamplingCounts resampling;     ///< of the pca solver
 };
 
 /// Called after every iteration with a way to read each problem's E_t.

@@ -111,7 +111,7 @@ std::span<const Solver> solvers() {
         {"stream", "the paper's optimizers over --engine", solve_stream, MODEL PENALTY OPTIMIZER " engine "},
         {"two-step", "distributed to disk first, then vertex by vertex (Section 4.3)", solve_two_step,
          MODEL PENALTY OPTIMIZER SAMPLES " record memory records "},
-        {"pca", "factorization of the resampled light field, Chen et al. 2002", solve_pca, MODEL},
+        {"pca", "factorization of the resampled light field, Chen et al. 2002", solve_pca, MODEL " refills "},
         {"ceres", "the Ceres library, vertex by vertex", solve_ceres,
          MODEL PENALTY SAMPLES " iterations stop_residual seed ceres "},
         {"als", "alternating least squares, vertex by vertex", solve_als,

@@ -1,37 +1,24 @@
 #pragma once
+#include <functional>
 #include <vector>
 
-#include "geometry/atlas.h"
-#include "geometry/vertex_rings.h"
 #include "model/lfm.h"
-#include "reference/tile_views.h"
+#include "reference/ring_resampler.h"
 
 namespace radiafit {
 
 struct PcaFit {
     std::vector<float> parameters;  ///< LfmLayout's order
-    // Entries of the factorized matrices [ring surface texels x view texels that a look-up can reach], over all
-    // vertices; one entry is three values.
-    uint64_t entries = 0;
-    uint64_t outside_hull = 0;   ///< of these, view texels outside the hull of the directions a texel is seen from
-    uint64_t unseen_texels = 0;  ///< of these, of surface texels that no image sees
-    double invented_share() const { return entries ? double(outside_hull + unseen_texels) / double(entries) : 0; }
+    ResamplingCounts resampling;    ///< over all vertices that some image sees
 };
 
-/// Light field mapping by matrix factorization, as in Chen et al. 2002 ("Light Field Mapping"). For every vertex and
-/// channel the ring's light field is resampled to a dense matrix of surface texels times view texels and factorized
-/// by a truncated, uncentred singular value decomposition, joint over the ring, so that its triangles share view maps.
-///   - Directions: the images that see a surface texel lie scattered in the vertex's view map; their Delaunay
-///     triangulation is interpolated linearly at the view texels' centres. Texels of a triangle that the same images
-///     see share it.
-///   - View texels outside the hull take the value at the hull's nearest point.
-///   - Surface texels that no image sees take the mean of their neighbours in the tile, ring by ring; a tile that no
-///     image sees the mean over the seen texels of the vertex's ring. A vertex with none keeps zeros.
-///   - Targets are weighted by L, as in Eq. 14.
-PcaFit pca_solver(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const LfmLayout& layout,
-                  const TileViews& tiles);
-
-/// Which of m x m view texels have a weight in some look-up: those whose bilinear support meets the view map's disc.
-std::vector<uint32_t> reachable_view_texels(int view_side);
+/// Light field mapping by matrix factorization, as in Chen et al. 2002 ("Light Field Mapping"). Every vertex's ring is
+/// resampled to a dense matrix for each channel and factorized by a truncated, uncentred singular value decomposition,
+/// joint over the ring, so that its triangles share view maps. A vertex that no image sees keeps zeros.
+/// refills: how often invented entries are set to what the terms say there and the factorization is refined on it; 0
+/// is the published method, with invented entries as RingResampler leaves them.
+/// vertex_done is called after every vertex, from any thread.
+PcaFit pca_solver(const RingResampler& resampler, const LfmLayout& layout, int refills,
+                  const std::function<void()>& vertex_done = {});
 
 }  // namespace radiafit

@@ -9,11 +9,11 @@
 namespace radiafit {
 
 /// Delaunay triangulation of scattered points in the plane, for piecewise linear interpolation of what is known at
-/// them (by Qhull). Points nearer to each other than 1e-6 of the set's extent are one.
+/// them (by Qhull). Points in one cell of a grid of 1e-6 of the set's extent are one: the first stands for all.
 class Triangulation {
 public:
-    /// At least one finite point; std::invalid_argument otherwise. Points on one line have no triangles: what is known
-    /// then is what lies on the line.
+    /// At least one point, all finite; std::invalid_argument otherwise. Points on one line have no triangles, so that
+    /// no place is inside: all take the value at the nearest point between neighbours on the line.
     explicit Triangulation(std::span<const Vec2d> points);
 
     const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }  ///< counter-clockwise
