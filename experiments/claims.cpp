@@ -52,6 +52,10 @@ public:
             throw UserError(fmt::format("{}: config.{} is missing; run the experiment again", name(), key));
         return config.at(key).get<double>();
     }
+    std::string text(const char* key) const {
+        const Json config = json_.value("config", Json::object());
+        return config.contains(key) && config.at(key).is_string() ? config.at(key).get<std::string>() : "";
+    }
     CsvTable table(const char* file) const { return CsvTable(folder_ / file); }
 
 private:
@@ -67,7 +71,24 @@ struct Claim {
 std::string verdict(bool holds) { return holds ? "holds" : "does not hold"; }
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 bool software(const std::string& renderer) {
-    return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+    for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader"})
+        if (renderer.find(name) != std::string::npos) return true;
+    return false;
+}
+/// What a rule demands of a run's configuration and the run hasn't: the claim is not comparable then.
+void demand(Judgement& j, bool given, const std::string& what) {
+    if (given) return;
+    j.verdict = "not comparable";
+    j.why += "; the rule asks for " + what;
+}
+/// Whether a table has rows of both stand-ins.
+bool has_star_and_bust(const CsvTable& t) {
+    bool star = false, bust = false;
+    for (size_t i = 0; i < t.row_count(); ++i) {
+        star = star || t.text(i, "dataset") == "star";
+        bust = bust || t.text(i, "dataset") == "bust";
+    }
+    return star && bust;
 }
 std::string join(const std::vector<std::string>& parts) {
     std::string text;
@@ -108,10 +129,9 @@ Judgement iteration_ratio(const Run& run) {
     j.verdict = verdict(holds);
     j.value = join(values);
     j.why = join(why);
-    if (run.setting("cap") < 3000) {
-        j.verdict = "not comparable";
-        j.why += fmt::format("; caps of {:g} iterations, the rule asks for 3000", run.setting("cap"));
-    }
+    demand(j, run.setting("cap") >= 3000, fmt::format("caps of 3000 iterations, not {:g}", run.setting("cap")));
+    demand(j, run.setting("lambda") == 1e-4 && run.setting("tolerance") == 1.01, "lambda = 1e-4 and 1.01 E_best");
+    demand(j, has_star_and_bust(t), "star and bust");
     return j;
 }
 
@@ -130,6 +150,7 @@ Judgement better_minimum(const Run& run) {
     j.value = join(values);
     const double cap = run.setting("cap");
     j.why = fmt::format("share of problems where CG after {:g} iterations is below SD after {:g}", cap / 10, cap);
+    demand(j, has_star_and_bust(t), "star and bust");
     return j;
 }
 
@@ -165,13 +186,9 @@ Judgement faster_than_cpu(const Run& run) {
     j.verdict = verdict(holds);
     j.value = "CPU time over OpenGL's: " + join(values);
     j.why = fmt::format("{:g} iterations on {} CPU threads; {}", run.setting("iterations"), run.threads(), join(why));
-    if (software(j.renderer)) {
-        j.verdict = "not comparable";
-        j.why += "; the renderer is this CPU itself";
-    } else if (run.setting("iterations") != 100) {
-        j.verdict = "not comparable";
-        j.why += "; the rule asks for 100 iterations";
-    }
+    demand(j, !software(j.renderer), "a GPU, and this renderer is the CPU itself");
+    demand(j, run.setting("iterations") == 100, "100 iterations");
+    demand(j, run.text("dataset") == "star", "the star");
     return j;
 }
 
@@ -219,6 +236,25 @@ Judgement streaming_share(const Run& run) {
         cold ? fmt::format("images from disk, {} of their pages in the page cache", percent(cached))
              : fmt::format("the images did not come from a cold disk: {} of their pages were cached", percent(cached));
     if (software(j.renderer)) j.why += "; a software renderer computes slowly, so streaming weighs less";
+    return j;
+}
+
+Judgement combined_ratio(const Run& run) {
+    const CsvTable t = run.table("times.csv");
+    Judgement j;
+    bool holds = true;
+    std::vector<std::string> values;
+    for (const std::string optimizer : {"cg", "sd"}) {
+        const double ratio = t.number(time_row(t, "figure", combined_passes, optimizer), "total_s") /
+                             t.number(time_row(t, "figure", paper_passes, optimizer), "total_s");
+        holds = holds && ratio <= 0.95;
+        values.push_back(fmt::format("{} {:.2f}", optimizer, ratio));
+        j.values[optimizer] = ratio;
+    }
+    j.renderer = t.text(time_row(t, "figure", paper_passes, "cg"), "renderer");
+    j.verdict = verdict(holds);
+    j.value = join(values);
+    j.why = "time of the combined passes over that of the paper's, the same problems to the same end";
     return j;
 }
 
@@ -370,6 +406,7 @@ Judgement pixels_and_texels(const Run& run) {
     j.verdict = verdict(holds);
     j.value = join(values);
     j.why = join(why);
+    demand(j, has_star_and_bust(t), "star and bust");
     return j;
 }
 
@@ -387,14 +424,28 @@ constexpr Claim claims[] = {
      "at least 20 % in some run with the paper's record", "fig8_time", distribution_share},
     {"C5", "6.2", "streaming images takes about 20 % of the GPU's time", "10 to 30 %, from disk with a cold page cache",
      "fig8_time", streaming_share},
+    {"C6", "6.5", "streaming from disk takes about 70 % of the time for the Lafortune model",
+     "50 to 90 %, from disk with a cold page cache", nullptr, nullptr},
     {"C7", "6.2", "context switches take about half of SD's time, almost 66 % of CG's",
      "the same commands cut to one texel take 35 to 65 % of SD's time, and more of CG's", "fig8_time", switching_share},
     {"C8", "6.4, Fig. 9", "nonlinear optimization beats PCA at the same high resolution",
      "PSNR higher and APE lower on training photographs", "fig9_error", above_pca},
     {"C9", "6.4, Fig. 9", "the GPU at 16-bit floats about equals the CPU at low resolution",
      "PSNR differs by at most 0.2 dB", "fig9_error", half_as_good},
+    {"C10", "6.5, Fig. 10", "29 % utilization for the light field map",
+     "not comparable; operations counted over the peaks of the same device", nullptr, nullptr},
+    {"C11", "6.5", "streaming from host memory raises utilization", "ratio of times at most 0.95", nullptr, nullptr},
+    {"C12", "6.5", "combining passes cuts the switch overhead and redundant reads", "ratio of times at most 0.95",
+     "fig8_time", combined_ratio},
+    {"C13", "4.3", "redistributing every iteration costs almost nothing",
+     "time with redistribution over time with cached samples at most 1.1", nullptr, nullptr},
     {"C14", "6.3", "memory is O(N)",
      "bytes allocated = radiafit plan within 5 %; slope of log bytes over log N = 1 ± 0.05", "scaling", memory_linear},
+    {"C15", "6.6", "limited scatter and gather would remove the dependence on the sampling rate",
+     "slope of log time over log texels: gather at least 0.5, scatter at most 0.2", nullptr, nullptr},
+    {"C16", "5.3.2", "threshold stopping rules are too restrictive, and utilization falls as problems finish",
+     "under a threshold rule less than half of the problems are active before the median one is within 1.01 E_best",
+     nullptr, nullptr},
     {"C17", "5.1.1", "a pixel lands in one texel, and every parameter still gets many samples",
      "no texel takes two pixels of one image; median of at least 10 samples per texel", "table1_datasets",
      pixels_and_texels},
@@ -412,12 +463,17 @@ std::vector<Row> judge_all(const fs::path& results, const std::string& profile) 
     std::vector<Row> rows;
     for (const Claim& claim : claims) {
         const size_t before = rows.size();
+        if (!claim.experiment) {
+            rows.push_back({&claim, {"not run", "", "no experiment judges it yet", "", {}}, "", profile});
+            continue;
+        }
         for (const fs::path& folder : newest_runs(results, claim.experiment, profile)) {
             const Run run(folder, results);
+            rows.push_back({&claim, {}, run.name(), run.profile()});
             try {
-                rows.push_back({&claim, claim.judge(run), run.name(), run.profile()});
-            } catch (const UserError& e) {
-                throw UserError(fmt::format("{}: {}", run.name(), e.what()));
+                rows.back().judgement = claim.judge(run);
+            } catch (const UserError& e) {  // a run of an older version, or a damaged one
+                rows.back().judgement = {"not run", "", e.what(), "", {}};
             }
             Judgement& j = rows.back().judgement;
             if (j.renderer.empty()) j.renderer = run.device();

@@ -120,7 +120,7 @@ class Smoke(ProgramTest):
         for row in rows:
             parts = ("distribution_s", "streaming_s", "computation_s", "switching_s", "remainder_s")
             self.assertAlmostEqual(sum(float(row[part]) for part in parts), float(row["total_s"]), delta=1e-3)
-            self.assertGreater(float(row["computation_s"]), 0)
+            self.assertGreaterEqual(float(row["computation_s"]), 0)
             self.assertEqual(row["method"].startswith("two-step"), int(row["bytes_written"]) > 0)
         for row in figure:
             self.assertGreater(float(row["agreeing_share"]), 0.95, "vertices that end where the cpu engine does")
