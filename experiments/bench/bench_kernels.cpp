@@ -74,6 +74,8 @@ void tell(benchmark::State& state, double seconds, double samples, Cost cost, in
     if (cost.flops == 0) return;
     state.counters["gflop_per_s"] = 1e-9 * total * cost.flops / seconds;
     state.counters["of_fma_peak"] = 1e-9 * total * cost.flops / seconds / threads / scene->peaks.fma_gflop_s;
+    const double samples_bytes = cost.bytes * scene->records->vertex(scene->vertex).samples;
+    if (samples_bytes < 48 * 1024) return;  // small datasets stay in L1
     state.counters["of_L2_peak"] = 1e-9 * total * cost.bytes / seconds / threads / scene->peaks.l2_gb_s;
 }
 
