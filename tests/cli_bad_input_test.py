@@ -166,6 +166,7 @@ class Options(BadInput):
             ("--engine", "foo", "cpu, fragment"), ("--solver", "strem", "nearest: stream"),
             ("--optimizer", "gc", "cg, sd"), ("--mode", "papers", "nearest: paper"),
             ("--passes", "combine", "nearest: combined"), ("--storage", "fp8", "nearest: fp"),
+            ("--sums", "fp8", "nearest: fp"),
             ("--distributor", "gpu", "cpu, gl"), ("--source", "disc", "nearest: disk"),
             ("--view", "linear", "nearest: "), ("--space", "srgb", "stored, linear"), ("--context", "glx", "egl or osmesa"),
         ):  # fmt: skip
@@ -173,7 +174,8 @@ class Options(BadInput):
                 self.fit_refused(option, value, says=[f"'{value}'", nearest])
 
     def test_engine_and_storage_that_do_not_go_together(self):
-        self.fit_refused("--storage", "fp16", says=["storage 'fp16'", "fragment engine"])
+        for what in ("storage", "sums"):
+            self.fit_refused(f"--{what}", "fp16", says=[f"{what} 'fp16'", "fragment engine"])
 
     def test_options_that_mean_nothing_to_a_solver(self):
         for solver, *option in (

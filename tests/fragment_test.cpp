@@ -250,7 +250,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, FragmentAgreement, ::testing::ValuesIn(cases()),
                          [](const auto& info) { return info.param.name; });
 
 std::vector<float> run(ContextKind kind, Passes passes, Storage storage, const Dataset& dataset,
-                       StreamSource source = StreamSource::memory) {
+                       StreamSource source = StreamSource::memory, Sums sums = Sums::fp32) {
     const auto context = make_context(kind);
     const TriangleAtlas atlas(dataset.mesh, 8);
     const VertexRings rings(dataset.mesh);
@@ -258,6 +258,7 @@ std::vector<float> run(ContextKind kind, Passes passes, Storage storage, const D
     fragment.passes = passes;
     fragment.storage = storage;
     fragment.source = source;
+    fragment.sums = sums;
     FragmentEngine engine(dataset, atlas, rings, all_views(), {}, fragment);
     engine.reset(lfm_start(engine.layout(), engine.count().mean, 3));
     OptimizerOptions optimizer;
@@ -291,6 +292,19 @@ TEST(Fragment, HalfStorageStaysNearSingle) {
     EXPECT_NEAR(truncated, single, 2e-2f * single);
     EXPECT_NE(half, single);
     EXPECT_NE(half, truncated);
+}
+
+TEST(Fragment, HalfSumsStayNearSingleInBothKindsOfPasses) {
+    const NoiseDataset noise(awkward_mesh(1));
+    for (Passes passes : {Passes::paper, Passes::combined}) {
+        const auto error_with = [&](Sums sums) {
+            return run(ContextKind::osmesa, passes, Storage::fp32, noise.dataset, StreamSource::memory, sums).back();
+        };
+        const float single = error_with(Sums::fp32), half = error_with(Sums::fp16);
+        // Up to 7 truncated additions of 2^-10 each to a vertex's sum, and as much again by way of the parameters.
+        EXPECT_NEAR(half, single, 14.0f / 1024 * single);
+        EXPECT_NE(half, single);
+    }
 }
 
 TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {

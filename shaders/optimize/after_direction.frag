@@ -12,9 +12,9 @@ void main() {
     for (int i = 0; i < 8; ++i) result[i] = vec4(0.0);
     for (int c = 0; c < 3; ++c) {
         ProblemState s = read_state(at, c);
-        float trial_error = 0.5 * constant.r * sum_of(0, at, c) + sum_of(1, at, c);
+        float trial_error = 0.5 * constant.r * sum_over_samples(0, at, c) + sum_over_maps(5, at, c);
         after_direction(s, rule, restart != 0, texelFetch(steps, at, 0)[c], constant.g, StopRules(stop.x, stop.y),
-                        trial_error, sum_of(2, at, c), sum_of(3, at, c), sum_of(4, at, c));
+                        trial_error, sum_over_maps(6, at, c), sum_over_maps(7, at, c), sum_over_maps(8, at, c));
         result[0][c] = s.error;
         result[1][c] = s.norm;
         result[2][c] = s.slope;

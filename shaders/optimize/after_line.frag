@@ -13,9 +13,10 @@ void main() {
     alpha = vec4(0.0);
     for (int c = 0; c < 3; ++c) {
         ProblemState s = read_state(at, c);
-        float penalty = sum_of(9, at, c);
-        LineSums q = LineSums(constant.r * sum_of(5, at, c) + penalty, constant.r * sum_of(6, at, c) + penalty,
-                              constant.r * sum_of(7, at, c), constant.r * sum_of(8, at, c));
+        float penalty = sum_over_maps(9, at, c);
+        LineSums q = LineSums(constant.r * sum_over_samples(1, at, c) + penalty,
+                              constant.r * sum_over_samples(2, at, c) + penalty,
+                              constant.r * sum_over_samples(3, at, c), constant.r * sum_over_samples(4, at, c));
         float step = old_alpha[c];
         after_line(s, step, rule, constant.g, StopRules(stop.x, stop.y), q);
         status[c] = s.status;

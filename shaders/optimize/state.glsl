@@ -4,7 +4,8 @@
 #include "optimize/after_direction.glsl"
 #include "optimize/after_line.glsl"
 layout(binding = 7) uniform sampler2DArray state;
-layout(binding = 8) uniform sampler2DArray sums;       // layers: see gl/problem_textures.h
+layout(binding = 8) uniform sampler2DArray sample_sums;  // layers: Sum in gl/problem_textures.h
+layout(binding = 9) uniform sampler2DArray map_sums;
 layout(binding = 12) uniform sampler2DArray constants;  // layer 0: 1/S-bar, ring texels
 layout(binding = 14) uniform sampler2D steps;          // alpha
 
@@ -20,4 +21,5 @@ ProblemState read_state(ivec2 at, int c) {
     s.iterations = texelFetch(state, ivec3(at, 7), 0)[c];
     return s;
 }
-float sum_of(int layer, ivec2 at, int c) { return texelFetch(sums, ivec3(at, layer), 0)[c]; }
+float sum_over_samples(int sum, ivec2 at, int c) { return texelFetch(sample_sums, ivec3(at, sum), 0)[c]; }
+float sum_over_maps(int sum, ivec2 at, int c) { return texelFetch(map_sums, ivec3(at, sum - 5), 0)[c]; }

@@ -52,6 +52,9 @@ Storage choose_storage(const std::string& name) {
     return choose<Storage>(
         "storage", name, {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}});
 }
+Sums choose_sums(const std::string& name) {
+    return choose<Sums>("sums", name, {{"fp32", Sums::fp32}, {"fp16", Sums::fp16}});
+}
 
 ContextOptions context_options(const FitRequest& request) {
     ContextOptions options;
@@ -64,6 +67,7 @@ FragmentOptions fragment_options(const FitRequest& request) {
     FragmentOptions options;
     options.passes = choose_passes(request.passes);
     options.storage = choose_storage(request.storage);
+    options.sums = choose_sums(request.sums);
     options.source = choose_source(request.source);
     options.space = choose_space(request.space);
     return options;
@@ -123,6 +127,7 @@ void FitRequest::check() const {
     choose<int>("engine", engine, {{"cpu", 0}, {"fragment", 1}});
     choose_passes(passes);
     choose_storage(storage);
+    choose_sums(sums);
     choose_distributor(distributor);
     choose_space(space);
     choose_source(source);
@@ -141,8 +146,10 @@ void FitRequest::check() const {
                                     stop_output_change));
     if (device < -1)
         throw UserError(fmt::format("device = {}: choose -1 (any) or an index that radiafit devices lists", device));
-    if (engine == "cpu" && storage != "fp32")
-        throw UserError("storage '" + storage + "' belongs to the fragment engine; the cpu engine computes in fp32");
+    for (const auto& [what, name] : {std::pair{"storage", storage}, {"sums", sums}})
+        if (engine == "cpu" && name != "fp32")
+            throw UserError(
+                fmt::format("{} '{}' belongs to the fragment engine; the cpu engine computes in fp32", what, name));
 }
 
 std::string FitRequest::json() const {
@@ -153,6 +160,7 @@ std::string FitRequest::json() const {
         {"mode", mode},
         {"passes", passes},
         {"storage", storage},
+        {"sums", sums},
         {"distributor", distributor},
         {"source", source},
         {"view", view},

@@ -15,6 +15,7 @@ StreamSource choose_source(const std::string& name);
 RecordKind choose_record(const std::string& name);
 Passes choose_passes(const std::string& name);
 Storage choose_storage(const std::string& name);
+Sums choose_sums(const std::string& name);
 ContextOptions context_options(const FitRequest& request);
 FragmentOptions fragment_options(const FitRequest& request);
 

@@ -27,6 +27,7 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--mode", r.mode, "paper or modern")->capture_default_str();
     c.add_option("--passes", r.passes, "paper or combined, of the fragment engine")->capture_default_str();
     c.add_option("--storage", r.storage, "fp32, fp16 or fp16-truncate, of the fragment engine")->capture_default_str();
+    c.add_option("--sums", r.sums, "fp32 or fp16: sums over samples, of the fragment engine")->capture_default_str();
     c.add_option("--distributor", r.distributor, "gl or cpu, for engines that read a sample list")
         ->capture_default_str();
     c.add_option("--source", r.source, "disk, disk-cold (past the page cache) or memory, of engines that stream images")

@@ -27,6 +27,7 @@ struct FitRequest {
     std::string mode = "modern";      ///< paper | modern: of the optimizer and of the bounds penalty
     std::string passes = "combined";  ///< paper | combined, of the fragment engine
     std::string storage = "fp32";     ///< fp32 | fp16 | fp16-truncate, of the fragment engine
+    std::string sums = "fp32";        ///< fp32 | fp16: sums over samples, of the fragment engine
     std::string distributor = "cpu";  ///< cpu | gl, for engines that read a sample list
     std::string source = "memory";    ///< disk | disk-cold | memory, of engines that stream images
     std::string view = "bilinear";    ///< bilinear | nearest

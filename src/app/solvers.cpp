@@ -129,7 +129,7 @@ void reject_idle_options(const FitRequest& request) {
     for (const Solver& solver : solvers())
         if (request.solver == solver.name) options = solver.options;
     if (request.solver == "stream") {
-        options += request.engine == "fragment" ? " passes storage source context device " : SAMPLES;
+        options += request.engine == "fragment" ? " passes storage sums source context device " : SAMPLES;
         what = "engine " + request.engine;
     }
     const auto given = nlohmann::json::parse(request.json());

@@ -67,26 +67,20 @@ private:
     bool dirty_[tile_sums] = {};
 };
 
-// Images at a time: as many as one RGBA32UI texel holds the colours of, and as varyings have room for, whose number per
-// image is that of the corners and their values in map3.vert.
-int batch_of(const PassWorld& world) {
-    const int locations = std::min(31, Context::current().limits().varying_components / 4);
-    return std::clamp((locations - 1) / (3 * (world.shape.terms() + 1)), 1, world.bits == 8 ? 4 : 2);
-}
-
 GLenum colours_format(int parts) { return parts == 1 ? GL_R32UI : parts == 2 ? GL_RG32UI : GL_RGBA32UI; }
 
 CombinedPasses::CombinedPasses(const PassWorld& world)
     : w_(world),
-      batch_(batch_of(world)),
+      batch_(combined_batch(world.shape.terms(), world.bits, Context::current().limits().varying_components)),
       items_(world.mesh, world.max_width, world.max_height, world.bits, batch_),
       taken_(colours_format(batch_ * world.bits / 8), world.shape.atlas->width(), world.shape.atlas->height()),
       view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()),
       view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()) {
     const int terms = w_.shape.terms();
     const TilePlaces& places = w_.gathers.marks().places();
-    const auto per_tile = [&] { return Texture(GL_RGBA32F, places.columns, places.rows, 3); };
-    for (Texture& sum : sums_) sum = per_tile();
+    const auto per_tile = [&](GLenum format) { return Texture(format, places.columns, places.rows, 3); };
+    for (int sum = 0; sum < tile_sums; ++sum)
+        sums_[sum] = per_tile(sum == target ? GLenum(GL_RGBA32F) : sums_format(w_.sums));
     for (int sum = 0; sum < tile_sums; ++sum)
         for (int corner = 0; corner < 3; ++corner) sum_targets_[sum].push_back(Framebuffer({{&sums_[sum], corner}}));
     in_image_.resize(size_t(batch_));
@@ -94,7 +88,7 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
         InImage& own = in_image_[size_t(i)];
         own.footprint = Texture(GL_RGBA32F, w_.shape.grid.columns, w_.shape.grid.rows, 2);
         own.footprint_target = Framebuffer({{&own.footprint, 0}, {&own.footprint, 1}});
-        own.product = per_tile();
+        own.product = per_tile(GL_RGBA32F);
         for (int term = 0; term < terms; ++term) {
             own.value_targets.push_back(Framebuffer({{&view_values_, i * terms + term}}));
             own.slope_targets.push_back(Framebuffer({{&view_slopes_, i * terms + term}}));
@@ -338,6 +332,13 @@ void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVec
 }
 
 }  // namespace
+
+// As many as one RGBA32UI texel holds the colours of, and as varyings have room for, whose number per image is that of
+// the corners and their values in map3.vert.
+int combined_batch(int terms, int bits, int varying_components) {
+    const int locations = std::min(31, varying_components / 4);
+    return std::clamp((locations - 1) / (3 * (terms + 1)), 1, bits == 8 ? 4 : 2);
+}
 
 std::unique_ptr<ImagePasses> make_combined_passes(const PassWorld& world) {
     return std::make_unique<CombinedPasses>(world);

@@ -35,7 +35,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       stream_(dataset, fragment_options.source, fragment_options.space),
       mesh_(atlas),
       run_(mesh_),
-      problems_(shape_),
+      problems_(shape_, fragment_options.sums),
       gathers_(shape_, fragment_options.storage),
       vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4) {
     const auto frames = vertex_frames(atlas.mesh());
@@ -52,14 +52,15 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     MapPasses::Vectors& v = vectors_;
     for (MapVector* vector : {&v.p, &v.trial, &v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d})
         *vector = MapVector(shape_, storage);
-    gradient_sums_ = MapSums(shape_);
-    square_sums_ = MapSums(shape_);
+    gradient_sums_ = MapSums(shape_, fragment_options.sums);
+    square_sums_ = MapSums(shape_, fragment_options.sums);
     map_passes_ = std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, options_, storage);
     map_passes_->prepare(vectors_);
 
     const auto [width, height] = largest_image(dataset, views_);
-    const PassWorld world{shape_,  mesh_,          run_,  gathers_, problems_,     vertices_,
-                          storage, options.lookup, width, height,   stream_.bits()};
+    const PassWorld world{shape_,         mesh_,     run_,    gathers_,
+                          problems_,      vertices_, storage, fragment_options.sums,
+                          options.lookup, width,     height,  stream_.bits()};
     image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
     if (image_passes_->batch() > 1) views_ = batches_of_neighbours(dataset, views_, image_passes_->batch());
     // Two batches of slots: one is filled while the other is read.
@@ -117,7 +118,7 @@ ProblemStatistics FragmentEngine::count() {
     problems_.clear({Sum::target});
     image_passes_->begin_sweep(nullptr, nullptr);
     sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->count(images); });
-    const std::vector<float> sums = problems_.read(problems_.sums(), int(Sum::target));
+    const std::vector<float> sums = problems_.read(Sum::target);
     const size_t vertices = layout_.problem_count();
     ProblemStatistics statistics;
     statistics.samples.resize(vertices);
@@ -181,7 +182,7 @@ void FragmentEngine::after_direction(Rule rule, bool restart, ProblemText<float>
     after_direction_.set(21, restart ? 1 : 0);
     after_direction_.set2(22, stop.residual, stop.output_change);
     problems_.state.bind(7);
-    problems_.sums().bind(8);
+    problems_.bind_sums();
     problems_.constants.bind(12);
     problems_.alpha.bind(14);
     run_.bind(problems_.state_target, after_direction_);
@@ -208,7 +209,7 @@ void FragmentEngine::after_line(Rule rule, ProblemText<float>::StopRules stop) {
     after_line_.set(20, int(rule));
     after_line_.set2(22, stop.residual, stop.output_change);
     problems_.state.bind(7);
-    problems_.sums().bind(8);
+    problems_.bind_sums();
     problems_.constants.bind(12);
     problems_.alpha.bind(14);
     run_.bind(problems_.line_target, after_line_);
@@ -258,8 +259,8 @@ void FragmentEngine::read_parameters(std::span<float> out) const {
 
 FragmentEngine::Evaluation FragmentEngine::read_evaluation() const {
     Evaluation result;
-    const auto residual = problems_.read(problems_.sums(), int(Sum::residual));
-    const auto penalty = problems_.read(problems_.sums(), int(Sum::penalty));
+    const auto residual = problems_.read(Sum::residual);
+    const auto penalty = problems_.read(Sum::penalty);
     const auto constants = problems_.read(problems_.constants, 0);
     for (size_t i = 0; i < problem_count(); ++i) {
         const size_t at = 4 * (i / 3) + i % 3;
@@ -279,9 +280,9 @@ void FragmentEngine::set_line(std::span<const float> p, std::span<const float> d
 
 FragmentEngine::Line FragmentEngine::read_line() const {
     const auto constants = problems_.read(problems_.constants, 0);
-    const auto penalty = problems_.read(problems_.sums(), int(Sum::penalty_curvature));
+    const auto penalty = problems_.read(Sum::penalty_curvature);
     const auto sums = [&](Sum sum, bool penalized) {
-        const auto layer = problems_.read(problems_.sums(), int(sum));
+        const auto layer = problems_.read(sum);
         std::vector<float> out;
         for (size_t i = 0; i < problem_count(); ++i) {
             const size_t at = 4 * (i / 3) + i % 3;

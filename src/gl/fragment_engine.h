@@ -14,6 +14,7 @@ std::string to_string(Passes passes);
 struct FragmentOptions {
     Passes passes = Passes::paper;
     Storage storage = Storage::fp32;
+    Sums sums = Sums::fp32;
     StreamSource source = StreamSource::memory;
     TargetSpace space = TargetSpace::stored;
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
@@ -73,7 +74,9 @@ public:
     void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for line_pass()
 
     const FragmentTimes& times() const;
-    uint64_t bytes() const { return bytes_; }  ///< allocated on the device by this engine
+    uint64_t bytes() const {
+        return bytes_;
+    }  ///< allocated on the device by this engine; gl/fragment_plan.h foretells it
 
 private:
     template <class Body>

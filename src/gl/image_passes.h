@@ -8,10 +8,10 @@ namespace radiafit {
 
 /// What the passes over images work on: N-texel arrays, sums, and where they accumulate.
 struct MapSums {
-    Texture surface, view;  ///< RGBA32F, layers as MapVector's
+    Texture surface, view;  ///< layers as MapVector's
     std::vector<Framebuffer> surface_targets, view_targets;
     MapSums() = default;
-    explicit MapSums(const MapShape& shape);
+    MapSums(const MapShape& shape, Sums sums);
     void clear(PassRunner& run) const;
 };
 
@@ -52,6 +52,7 @@ struct PassWorld {
     ProblemTextures& problems;
     const Texture& vertices;  ///< 4 layers: position, tangent, bitangent, normal
     Storage storage;
+    Sums sums;
     ViewLookup lookup;
     int max_width, max_height;  ///< of the images
     int bits;                   ///< per channel
@@ -63,6 +64,8 @@ void set_eye(const Program& program, const Camera& camera);
 /// Section 5 as it stands: one image at a time; item buffer; residuals in SLS for each corner; gradients by blending
 /// and gather. One render target a pass.
 std::unique_ptr<ImagePasses> make_paper_passes(const PassWorld& world);
+/// Images that a combined pass takes at a time.
+int combined_batch(int terms, int bits, int varying_components);
 /// The same sums in few passes: several images at a time, up to 8 render targets (Section 6.5's proposal).
 std::unique_ptr<ImagePasses> make_combined_passes(const PassWorld& world);
 

@@ -5,9 +5,9 @@
 
 namespace radiafit {
 
-MapSums::MapSums(const MapShape& shape)
-    : surface(GL_RGBA32F, shape.atlas->width(), shape.atlas->height(), shape.surface_layers()),
-      view(GL_RGBA32F, shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side,
+MapSums::MapSums(const MapShape& shape, Sums sums)
+    : surface(sums_format(sums), shape.atlas->width(), shape.atlas->height(), shape.surface_layers()),
+      view(sums_format(sums), shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side,
            shape.terms()) {
     for (int layer = 0; layer < surface.layers(); ++layer) surface_targets.push_back(Framebuffer({{&surface, layer}}));
     for (int layer = 0; layer < view.layers(); ++layer) view_targets.push_back(Framebuffer({{&view, layer}}));

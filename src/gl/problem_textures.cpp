@@ -2,7 +2,7 @@
 
 namespace radiafit {
 
-ProblemTextures::ProblemTextures(const MapShape& shape)
+ProblemTextures::ProblemTextures(const MapShape& shape, Sums sums)
     : state(GL_RGBA32F, shape.grid.columns, shape.grid.rows, 8),
       alpha(GL_RGBA32F, shape.grid.columns, shape.grid.rows),
       constants(GL_RGBA32F, shape.grid.columns, shape.grid.rows, 2),
@@ -11,14 +11,22 @@ ProblemTextures::ProblemTextures(const MapShape& shape)
       vertices_(shape.layout->problem_count()),
       columns_(shape.grid.columns),
       rows_(shape.grid.rows),
-      sums_(GL_RGBA32F, columns_, rows_, int(Sum::count)) {
+      sample_sums_(sums_format(sums), columns_, rows_, int(Sum::penalty)),
+      map_sums_(GL_RGBA32F, columns_, rows_, int(Sum::count) - int(Sum::penalty)) {
     std::vector<Target> fields;
     for (int field = 0; field < 8; ++field) fields.push_back({&state, field});
     state_target = Framebuffer(fields);
     line_target = Framebuffer({{&state, 6}, {&alpha}});
     largest_target = Framebuffer({{&largest}});
     ring_target = Framebuffer({{&ring}});
-    for (int sum = 0; sum < int(Sum::count); ++sum) sum_targets_.push_back(Framebuffer({{&sums_, sum}}));
+    for (int layer = 0; layer < sample_sums_.layers(); ++layer)
+        sum_targets_.push_back(Framebuffer({{&sample_sums_, layer}}));
+    for (int layer = 0; layer < map_sums_.layers(); ++layer) sum_targets_.push_back(Framebuffer({{&map_sums_, layer}}));
+}
+
+std::vector<float> ProblemTextures::read(Sum sum) const {
+    const int first = int(Sum::penalty);
+    return sum < Sum::penalty ? read(sample_sums_, int(sum)) : read(map_sums_, int(sum) - first);
 }
 
 std::vector<float> ProblemTextures::read(const Texture& texture, int layer) const {
