@@ -58,7 +58,9 @@ class Files(CommandLine):
         self.assertIn("320 triangles", self.good("info", "star").stdout)
 
     def test_plan_adds_up(self):
-        tables = self.good("plan", "star").stdout.split("\n\n")
+        tables = []
+        for engine in ("cpu", "fragment"):
+            tables += self.good("plan", "star", "--engine", engine).stdout.split("\n\n")
         for table in filter(str.strip, tables):
             megabytes = [float(line.split()[-1]) for line in table.splitlines() if re.search(r"\d$", line)]
             self.assertGreater(len(megabytes), 3, table)

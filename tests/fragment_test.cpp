@@ -8,6 +8,7 @@
 
 #include "cpu/lfm_engine.h"
 #include "gl/fragment_engine.h"
+#include "gl/fragment_plan.h"
 #include "gl/gl_distributor.h"
 #include "gl/view_order.h"
 #include "gl_scene.h"
@@ -353,6 +354,30 @@ TEST(Fragment, BatchesAreNeighboursAndLoseNoView) {
         for (size_t i = 0; i < order.size() && batch == 4; ++i)
             EXPECT_EQ(order[i] / 4, order[i / 4 * 4] / 4) << "place " << i;
     }
+}
+
+TEST(Fragment, AllocatesWhatThePlanSays) {
+    const NoiseDataset noise(awkward_mesh(1)), deep(awkward_mesh(0), Encoding::u16_linear);
+    const auto context = make_context(ContextKind::osmesa);
+    for (const Dataset* dataset : {&noise.dataset, &deep.dataset})
+        for (Passes passes : {Passes::paper, Passes::combined})
+            for (Storage storage : {Storage::fp32, Storage::fp16, Storage::fp16_truncate})
+                for (Sums sums : {Sums::fp32, Sums::fp16}) {
+                    LfmOptions options;
+                    options.terms = dataset == &deep.dataset ? 2 : 1;
+                    options.surface_side = dataset == &deep.dataset ? 22 : 8;
+                    options.view_side = dataset == &deep.dataset ? 17 : 8;
+                    const FragmentOptions fragment{.passes = passes, .storage = storage, .sums = sums};
+                    const TriangleAtlas atlas(dataset->mesh, options.surface_side);
+                    const VertexRings rings(dataset->mesh);
+                    uint64_t planned = 0;
+                    for (const PlannedArray& row :
+                         plan_fragment_engine(*dataset, atlas, rings, all_views(), options, fragment))
+                        planned += row.bytes;
+                    const FragmentEngine engine(*dataset, atlas, rings, all_views(), options, fragment);
+                    EXPECT_EQ(planned, engine.bytes())
+                        << to_string(passes) << " " << to_string(storage) << " sums " << int(sums);
+                }
 }
 
 TEST(Fragment, CountsItsBytesAndReturnsThem) {

@@ -1,19 +1,27 @@
 #include <fmt/format.h>
 
-#include "app/solve.h"
+#include "app/choices.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
+#include "gl/fragment_plan.h"
 
 namespace radiafit {
 
 std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
     const LfmOptions options = request.model_options();
     const VertexRings rings(dataset.mesh);
+    std::vector<PlanRow> rows;
+    if (request.engine == "fragment") {
+        const TriangleAtlas atlas(dataset.mesh, options.surface_side);
+        for (PlannedArray& a :
+             plan_fragment_engine(dataset, atlas, rings, dataset.split(false), options, fragment_options(request)))
+            rows.push_back({std::move(a.array), std::move(a.shape), a.count, a.bytes});
+        return rows;
+    }
     const int tile_texels = options.surface_side * (options.surface_side + 1) / 2;
     const LfmLayout layout(rings, tile_texels, options.view_side, options.terms);
     const size_t training = dataset.split(false).size();
     const uint64_t vector_bytes = layout.size() * sizeof(float);
-    std::vector<PlanRow> rows;
     const auto add = [&](std::string name, std::string shape, uint64_t count, uint64_t bytes) {
         rows.push_back({std::move(name), std::move(shape), count, bytes});
     };

@@ -1,0 +1,20 @@
+#pragma once
+#include <span>
+
+#include "gl/fragment_engine.h"
+
+namespace radiafit {
+
+/// One kind of array that the fragment engine holds on the device.
+struct PlannedArray {
+    std::string array, shape;
+    uint64_t count, bytes;  ///< count: texels, or bytes of buffers
+};
+
+/// What FragmentEngine would allocate, without a context: the sum is what its bytes() would say, but for combined
+/// passes on a device with fewer than 124 varying components.
+std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
+                                               const VertexRings& rings, std::span<const uint32_t> views,
+                                               const LfmOptions& options, const FragmentOptions& fragment_options);
+
+}  // namespace radiafit
