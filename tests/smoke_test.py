@@ -177,6 +177,20 @@ class Smoke(ProgramTest):
                 self.assertAlmostEqual(float(row["train_psnr_db"]),
                                        float(rows[dataset, "cpu-low", k]["train_psnr_db"]), delta=0.5)
 
+    def check_precision(self, tables):
+        kinds = {(s, k) for s in ("fp32", "fp16", "fp16-truncate") for k in ("fp32", "fp16")}
+        for optimizer in ("cg", "sd"):
+            finals = {(r["storage"], r["sums"]): r for r in tables["finals"] if r["optimizer"] == optimizer}
+            self.assertEqual(set(finals), kinds)
+            self.assertEqual(float(finals["fp32", "fp32"]["error_over_fp32"]), 1)
+            self.assertEqual(len({float(r["error"]) for r in finals.values()}), len(kinds), "a choice without effect")
+            for kind, row in finals.items():
+                errors = [float(c["error"]) for c in tables["curves"]
+                          if (c["optimizer"], c["storage"], c["sums"]) == (optimizer, *kind)]  # fmt: skip
+                self.assertEqual(len(errors), 4)
+                self.assertLess(errors[-1], 0.5 * errors[0])
+                self.assertLess(abs(float(row["psnr_less_fp32"])), 0.2)  # claim C9's bound
+
     def test_bad_config_and_unwritable_results(self):
         text = self.config.read_text()
         arguments = ("--config", f"experiments/{self.name}.toml", "--profile", "smoke")

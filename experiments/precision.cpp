@@ -1,0 +1,126 @@
+// What 16-bit floats cost: the fragment engine with parameters and sums over samples in 32 and 16 bits, conjugate
+// gradients and steepest descent in the paper's mode (Sections 6.3 and 6.4; behind claim C9).
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/choices.h"
+#include "base/log.h"
+#include "eval/judge.h"
+#include "experiment.h"
+#include "report/csv.h"
+#include "report/table.h"
+
+namespace radiafit {
+namespace {
+
+struct Options {
+    std::string dataset = "star", passes = "combined";
+    std::vector<std::string> storage = {"fp32", "fp16", "fp16-truncate"}, sums = {"fp32", "fp16"};
+    int surface_side = 8, view_side = 8, iterations = 25, images = 0;
+    double lambda = 1e-3;
+
+    explicit Options(Config& c) {
+        c.read("dataset", dataset);
+        c.read("passes", passes);
+        c.read("storage", storage);
+        c.read("sums", sums);
+        c.read("surface_side", surface_side);
+        c.read("view_side", view_side);
+        c.read("lambda", lambda);
+        c.read("iterations", iterations);
+        c.read("images", images);
+        c.finish();
+        if (iterations < 1) c.reject("iterations", "needs at least 1");
+        if (images < 0) c.reject("images", "choose 0 (all) or more");
+        // The others are measured against 32 bits throughout.
+        if (storage.empty() || storage[0] != "fp32") c.reject("storage", "begin with fp32");
+        if (sums.empty() || sums[0] != "fp32") c.reject("sums", "begin with fp32");
+    }
+};
+
+struct Run {
+    std::string optimizer, storage, sums, renderer;
+    Trace trace;
+    JudgeResult judged;
+    size_t not_finite = 0;
+    double seconds = 0;
+};
+
+/// `count` training views, evenly spread; 0: all.
+std::vector<uint32_t> spread(const std::vector<uint32_t>& views, int count) {
+    if (count == 0 || size_t(count) >= views.size()) return views;
+    std::vector<uint32_t> some;
+    for (int i = 0; i < count; ++i) some.push_back(views[size_t(i) * views.size() / size_t(count)]);
+    return some;
+}
+
+void precision(Experiment& experiment) {
+    const Options o(experiment.config());
+    const Dataset dataset = experiment.dataset(o.dataset);
+    const std::vector<uint32_t> views = spread(dataset.split(false), o.images);
+    std::vector<Run> runs;
+    for (const char* optimizer : {"cg", "sd"})
+        for (const std::string& storage : o.storage)
+            for (const std::string& sums : o.sums) {
+                FitRequest request;
+                request.engine = "fragment";
+                request.mode = "paper";
+                request.optimizer = optimizer;
+                request.passes = o.passes;
+                request.storage = storage;
+                request.sums = sums;
+                request.model.surface_side = o.surface_side;
+                request.model.view_side = o.view_side;
+                request.model.lambda_surface = request.model.lambda_view = float(o.lambda);
+                request.iterations = o.iterations;
+                FitOutcome out = solve(dataset, request, nullptr, {}, &views);
+                runs.push_back({.optimizer = optimizer,
+                                .storage = storage,
+                                .sums = sums,
+                                .renderer = out.gl_renderer,
+                                .trace = out.trace,
+                                .judged = judge(out.fit, dataset, Split::train),
+                                .not_finite = out.fit.status_counts()[size_t(Status::not_finite)],
+                                .seconds = out.times.total});
+                log_info(fmt::format("{}, parameters {}, sums {}: {:.2f} dB", optimizer, storage, sums,
+                                     runs.back().judged.psnr()));
+            }
+
+    ResultFolder results = experiment.open_results(runs[0].renderer);
+    CsvWriter curves(results.path() / "curves.csv",
+                     {"optimizer", "storage", "sums", "iteration", "error", "error_over_fp32", "active"});
+    CsvWriter finals(results.path() / "finals.csv",
+                     {"optimizer", "storage", "sums", "iterations", "images", "error", "error_over_fp32", "psnr", "ape",
+                      "psnr_less_fp32", "problems_not_finite", "seconds", "renderer"});
+    Table table({"optimizer", "parameters", "sums", "error / fp32's", "PSNR", "less fp32's", "not finite"});
+    const Run* single = nullptr;
+    for (const Run& r : runs) {
+        if (r.storage == "fp32" && r.sums == "fp32") single = &r;
+        for (size_t i = 0; i < r.trace.rows.size(); ++i) {
+            const TraceRow& row = r.trace.rows[i];
+            const size_t same = std::min(i, single->trace.rows.size() - 1);
+            curves.row({r.optimizer, r.storage, r.sums, std::to_string(row.iteration), fmt::format("{:.8g}", row.error),
+                        fmt::format("{:.8g}", row.error / single->trace.rows[same].error), std::to_string(row.active)});
+        }
+        const double error = r.trace.rows.back().error, ratio = error / single->trace.rows.back().error;
+        const double psnr = r.judged.psnr(), less = psnr - single->judged.psnr();
+        finals.row({r.optimizer, r.storage, r.sums, std::to_string(o.iterations), std::to_string(views.size()),
+                    fmt::format("{:.8g}", error), fmt::format("{:.6f}", ratio), fmt::format("{:.4f}", psnr),
+                    fmt::format("{:.4f}", r.judged.ape()), fmt::format("{:.4f}", less), std::to_string(r.not_finite),
+                    fmt::format("{:.3f}", r.seconds), r.renderer});
+        table.add({r.optimizer, r.storage, r.sums, fmt::format("{:.4f}", ratio), fmt::format("{:.2f} dB", psnr),
+                   fmt::format("{:+.3f} dB", less), std::to_string(r.not_finite)});
+    }
+    curves.commit();
+    finals.commit();
+    results.commit();
+    log_info("what 16-bit floats cost\n" + table.text());
+    experiment.draw(results, fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name,
+                                         experiment.profile(), views.size(), o.passes, runs[0].renderer));
+}
+
+}  // namespace
+}  // namespace radiafit
+
+int main(int argc, char** argv) { return radiafit::run_experiment("precision", argc, argv, radiafit::precision); }

@@ -1,0 +1,56 @@
+# What parameters and sums in 16 bits change: the error by iteration, and the judge's PSNR at the end, both against those
+# of 32 bits throughout.
+# -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
+set datafile separator comma
+if (terminal eq 'svg') {
+    set terminal svg size 1200,560 font 'DejaVu Sans,13' background 'white'
+} else {
+    set terminal pngcairo size 1200,560 font 'DejaVu Sans,11'
+}
+set output output
+curves = rows . '/curves.csv'
+finals = rows . '/finals.csv'
+array color[3] = ['#000000', '#0072b2', '#d55e00']
+stored = 'fp32 fp16 fp16-truncate'
+kept = 'fp32 fp16'
+same(s, k, optimizer) = strcol(1) eq optimizer && strcol(2) eq word(stored, s) && strcol(3) eq word(kept, k)
+set multiplot title "{/:Bold What 16-bit floats cost, against 32 bits throughout: the paper's mode}\n" . caption
+set tmargin at screen 0.72
+set bmargin at screen 0.13
+set grid lc rgb '#dddddd'
+set border 3
+set tics nomirror
+unset key
+array at[3] = [0.075, 0.30, 0.56]
+do for [s=1:3] {
+    do for [k=1:2] {
+        set label 10 * s + k sprintf('%s parameters %s, sums %s', k == 1 ? '——' : '· · ·', word(stored, s), word(kept, k)) \
+            at screen at[s],(k == 1 ? 0.84 : 0.80) tc rgb color[s]
+    }
+}
+set xlabel 'iteration'
+set format y '%+g'
+do for [panel=1:2] {
+    optimizer = word('cg sd', panel)
+    set lmargin at screen (panel == 1 ? 0.075 : 0.395)
+    set rmargin at screen (panel == 1 ? 0.335 : 0.655)
+    set title panel == 1 ? 'conjugate gradients' : 'steepest descent'
+    set ylabel panel == 1 ? "E_t as the engine sums it, against 32 bits, %" : ''
+    plot for [k=1:2] for [s=1:3] curves using (same(s, k, optimizer) ? $4 : NaN):(100 * ($6 - 1)) \
+        with lines lw (k == 1 ? 2 : 3) dt 2 * k - 1 lc rgb color[s]
+    do for [s=1:3] { unset label 10 * s + 1; unset label 10 * s + 2 }
+}
+set lmargin at screen 0.735
+set rmargin at screen 0.985
+set title 'the judge, at the end (hatched: sums fp16)'
+set xlabel ''
+set ylabel 'PSNR on training images less that of 32 bits, dB' offset 0.5
+set xrange [-0.7:12.7]
+single(optimizer) = system(sprintf("awk -F, '$1 == \"%s\" && $2 == \"fp32\" && $3 == \"fp32\" {printf \"%%.2f\", $8}' '%s'", optimizer, finals))
+set xtics (sprintf("CG\n32 bits: %s dB", single('cg')) 2.5, sprintf("SD\n32 bits: %s dB", single('sd')) 9.5) scale 0
+set style fill solid border -1
+place(optimizer, s, k) = (optimizer eq 'cg' ? 0 : 7) + 2 * (s - 1) + (k - 1)
+in_group(s, k) = same(s, k, 'cg') || same(s, k, 'sd') ? place(strcol(1), s, k) : NaN
+plot for [s=1:3] finals using (in_group(s, 1)):10:(0.7) with boxes fs solid lc rgb color[s], \
+    for [s=1:3] finals using (in_group(s, 2)):10:(0.7) with boxes fs pattern 4 lc rgb color[s]
+unset multiplot
