@@ -96,17 +96,6 @@ std::string join(const std::vector<std::string>& parts) {
     return text;
 }
 
-/// Least-squares slope of log y over log x.
-double log_slope(const std::vector<std::pair<double, double>>& points) {
-    double x = 0, y = 0, xx = 0, xy = 0;
-    const double n = double(points.size());
-    for (const auto& [a, b] : points) {
-        const double u = std::log(a), v = std::log(b);
-        x += u, y += v, xx += u * u, xy += u * v;
-    }
-    return (n * xy - x * y) / (n * xx - x * x);
-}
-
 // Figure 7.
 
 Judgement iteration_ratio(const Run& run) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -64,6 +65,23 @@ void Experiment::draw(const ResultFolder& results, const std::string& caption) c
 }
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
+
+double log_slope(const std::vector<std::pair<double, double>>& points) {
+    double x = 0, y = 0, xx = 0, xy = 0;
+    const double n = double(points.size());
+    for (const auto& [a, b] : points) {
+        const double u = std::log(a), v = std::log(b);
+        x += u, y += v, xx += u * u, xy += u * v;
+    }
+    return (n * xy - x * y) / (n * xx - x * x);
+}
+
+std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count) {
+    if (count == 0 || size_t(count) >= views.size()) return views;
+    std::vector<uint32_t> some;
+    for (int i = 0; i < count; ++i) some.push_back(views[size_t(i) * views.size() / size_t(count)]);
+    return some;
+}
 
 int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body) {

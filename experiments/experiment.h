@@ -44,6 +44,12 @@ private:
     Record record_;
 };
 
+/// Least-squares slope of log y over log x; points: (x, y), at least two different x.
+double log_slope(const std::vector<std::pair<double, double>>& points);
+
+/// `count` of the views, evenly spread; 0, or more than there are: all.
+std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count);
+
 /// Runs body and turns exceptions into one line and an exit status (2: the user's mistake).
 int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body);

@@ -47,18 +47,10 @@ struct Run {
     double seconds = 0;
 };
 
-/// `count` training views, evenly spread; 0: all.
-std::vector<uint32_t> spread(const std::vector<uint32_t>& views, int count) {
-    if (count == 0 || size_t(count) >= views.size()) return views;
-    std::vector<uint32_t> some;
-    for (int i = 0; i < count; ++i) some.push_back(views[size_t(i) * views.size() / size_t(count)]);
-    return some;
-}
-
 void precision(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
-    const std::vector<uint32_t> views = spread(dataset.split(false), o.images);
+    const std::vector<uint32_t> views = spread_views(dataset.split(false), o.images);
     std::vector<Run> runs;
     for (const char* optimizer : {"cg", "sd"})
         for (const std::string& storage : o.storage)

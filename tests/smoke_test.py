@@ -177,6 +177,26 @@ class Smoke(ProgramTest):
                 self.assertAlmostEqual(float(row["train_psnr_db"]),
                                        float(rows[dataset, "cpu-low", k]["train_psnr_db"]), delta=0.5)
 
+    def check_scaling(self, tables):
+        for row in tables["memory"]:
+            self.assertEqual(row["planned_bytes"], row["allocated_bytes"])
+            self.assertGreater(int(row["allocated_bytes"]), 7 * int(row["parameters"]) * (4 if row["storage"] == "fp32" else 2))
+        kinds = [f"fragment {p} {s}" for p in ("paper", "combined") for s in ("fp32", "fp16")]
+        slopes = {(r["of"], r["engine"]): float(r["slope"]) for r in tables["slopes"]}
+        for kind in kinds:  # what doesn't grow is a few images: the slope tends to 1 from below
+            self.assertTrue(0.9 < slopes["bytes", kind] < 1.01, kind)
+        engines = {}
+        for row in tables["time"]:
+            engines.setdefault(row["engine"], []).append(row)
+        self.assertEqual(set(engines), {"cpu", "fragment paper", "fragment combined"})
+        self.assertEqual(set(slopes), {("bytes", k) for k in kinds} | {("seconds", e) for e in engines})
+        for rows in engines.values():
+            self.assertEqual(len({r["parameters"] for r in rows}), 1)
+            samples = [int(r["samples"]) for r in rows]
+            self.assertEqual(samples, sorted(samples))
+            per_image = [s / int(r["images"]) for s, r in zip(samples, rows)]
+            self.assertLess(max(per_image), 1.2 * min(per_image))  # any spread of views sees as much
+
     def check_precision(self, tables):
         kinds = {(s, k) for s in ("fp32", "fp16", "fp16-truncate") for k in ("fp32", "fp16")}
         for optimizer in ("cg", "sd"):

@@ -1,0 +1,208 @@
+// Memory and time against the size of the problem: bytes of the fragment engine over parameters, planned and allocated,
+// beside Section 6.3's accounting; seconds of an iteration over radiance samples (claims C14 and C18).
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/choices.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "experiment.h"
+#include "geometry/atlas.h"
+#include "geometry/vertex_rings.h"
+#include "report/csv.h"
+#include "report/table.h"
+
+namespace radiafit {
+namespace {
+
+struct Options {
+    std::string dataset = "star";
+    std::vector<int> sides = {16, 20, 24, 32}, images = {22, 44, 87};
+    int time_side = 8, iterations = 4, repeat_cpu = 1, repeat_paper = 1, repeat_combined = 1;
+    double lambda = 1e-3;
+
+    explicit Options(Config& c) {
+        c.read("dataset", dataset);
+        c.read("sides", sides);
+        c.read("images", images);
+        c.read("time_side", time_side);
+        c.read("iterations", iterations);
+        c.read("repeat_cpu", repeat_cpu);
+        c.read("repeat_paper", repeat_paper);
+        c.read("repeat_combined", repeat_combined);
+        c.read("lambda", lambda);
+        c.finish();
+        if (sides.size() < 3) c.reject("sides", "a slope needs at least 3");
+        if (images.size() < 3) c.reject("images", "a slope needs at least 3");
+        for (int n : images)
+            if (n < 1) c.reject("images", "choose 1 or more of each");
+        for (const auto& [key, repeat] : {std::pair{"repeat_cpu", repeat_cpu},
+                                          {"repeat_paper", repeat_paper},
+                                          {"repeat_combined", repeat_combined}})
+            if (repeat < 1) c.reject(key, "choose 1 or more");
+        if (iterations < 1) c.reject("iterations", "needs at least 1");
+    }
+    /// The paper's conjugate gradients with surface and view maps of one side.
+    FitRequest request(int side) const {
+        FitRequest r;
+        r.mode = "paper";
+        r.model.surface_side = r.model.view_side = side;
+        r.model.lambda_surface = r.model.lambda_view = float(lambda);
+        r.iterations = iterations;
+        return r;
+    }
+};
+
+/// Points of one line of a figure.
+struct Line {
+    std::string name;
+    std::vector<std::pair<double, double>> points;
+};
+Line& line_of(std::vector<Line>& lines, const std::string& name) {
+    for (Line& line : lines)
+        if (line.name == name) return line;
+    return lines.emplace_back(Line{name, {}});
+}
+
+uint64_t bytes_of(const std::vector<PlanRow>& rows) {
+    uint64_t sum = 0;
+    for (const PlanRow& row : rows) sum += row.bytes;
+    return sum;
+}
+
+struct Memory {
+    std::string passes, storage;
+    int side;
+    uint64_t parameters = 0, planned = 0, allocated = 0, paper_layout = 0;
+};
+
+Memory memory_of(const Dataset& dataset, const FitRequest& request) {
+    const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
+    const VertexRings rings(dataset.mesh);
+    Memory m{.passes = request.passes, .storage = request.storage, .side = request.model.surface_side};
+    m.planned = bytes_of(plan(dataset, request));
+    m.paper_layout = bytes_of(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
+                                           request.model.surface_side, request.model.view_side));
+    const auto context = Context::create(context_options(request));
+    const FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),
+                                fragment_options(request));
+    m.parameters = engine.layout().parameter_count();
+    m.allocated = engine.bytes();
+    return m;
+}
+
+/// The fastest iteration of a fit: all do the same work, and what else the machine does only adds to it.
+double seconds_per_iteration(const Trace& trace) {
+    double least = 1e300;
+    for (size_t i = 1; i < trace.rows.size(); ++i)
+        least = std::min(least, trace.rows[i].time_s - trace.rows[i - 1].time_s);
+    return least;
+}
+
+struct Time {
+    std::string engine, renderer;
+    size_t images;
+    uint64_t samples, parameters;
+    double seconds;
+};
+
+/// An engine and how often it takes each image.
+struct Contestant {
+    std::string name, engine, passes;
+    int repeat;
+};
+
+std::vector<Time> times_of(const Dataset& dataset, const Options& o, const std::string& cpu) {
+    const FitRequest defaults = o.request(o.time_side);
+    const TriangleAtlas atlas(dataset.mesh, o.time_side);
+    std::vector<Time> times;
+    for (const Contestant& c : {Contestant{"cpu", "cpu", defaults.passes, o.repeat_cpu},
+                                Contestant{"fragment paper", "fragment", "paper", o.repeat_paper},
+                                Contestant{"fragment combined", "fragment", "combined", o.repeat_combined}})
+        for (int count : o.images) {
+            const std::vector<uint32_t> some = spread_views(dataset.split(false), count);
+            if (some.size() < size_t(count))
+                throw UserError(fmt::format("images {}: {} has {} training views", count, dataset.name, some.size()));
+            std::vector<uint32_t> views;
+            for (uint32_t view : some) views.insert(views.end(), size_t(c.repeat), view);
+            const SharedSamples once = distribute(dataset, atlas, defaults, some);
+            FitRequest request = defaults;
+            request.engine = c.engine;
+            request.passes = c.passes;
+            FitOutcome out;
+            if (c.engine == "cpu") {
+                const SharedSamples shared = distribute(dataset, atlas, defaults, views);
+                out = solve(dataset, request, &shared, {}, &views);
+            } else {
+                out = solve(dataset, request, nullptr, {}, &views);
+            }
+            times.push_back({c.name, c.engine == "cpu" ? cpu : out.gl_renderer, views.size(),
+                             uint64_t(c.repeat) * once.list.samples.size(), uint64_t(out.fit.parameters.size()) / 4 * 3,
+                             seconds_per_iteration(out.trace)});
+            log_info(fmt::format("{}, {} images: {:.4f} s per iteration", c.name, views.size(), times.back().seconds));
+        }
+    return times;
+}
+
+void scaling(Experiment& experiment) {
+    const Options o(experiment.config());
+    const Dataset dataset = experiment.dataset(o.dataset);
+    std::vector<Memory> memory;
+    for (const char* passes : {"paper", "combined"})
+        for (const char* storage : {"fp32", "fp16"})
+            for (int side : o.sides) {
+                FitRequest request = o.request(side);
+                request.engine = "fragment";
+                request.source = "disk";  // images are not part of the engine's memory
+                request.passes = passes;
+                request.storage = storage;
+                memory.push_back(memory_of(dataset, request));
+            }
+    const std::vector<Time> times = times_of(dataset, o, experiment.cpu_name());
+
+    const std::string renderer = times.back().renderer;
+    ResultFolder results = experiment.open_results(renderer);
+    std::vector<Line> bytes, seconds;
+    CsvWriter memory_rows(results.path() / "memory.csv", {"engine", "storage", "passes", "side", "parameters",
+                                                          "planned_bytes", "allocated_bytes", "paper_layout_bytes"});
+    Table table({"engine", "side of maps", "parameters", "plan", "allocated", "Section 6.3's accounting"});
+    const auto megabytes = [](uint64_t b) { return fmt::format("{:.2f} MB", double(b) / 1e6); };
+    for (const Memory& m : memory) {
+        memory_rows.row({"fragment", m.storage, m.passes, std::to_string(m.side), std::to_string(m.parameters),
+                         std::to_string(m.planned), std::to_string(m.allocated), std::to_string(m.paper_layout)});
+        const std::string name = fmt::format("fragment {} {}", m.passes, m.storage);
+        table.add({name, std::to_string(m.side), std::to_string(m.parameters), megabytes(m.planned),
+                   megabytes(m.allocated), megabytes(m.paper_layout)});
+        line_of(bytes, name).points.emplace_back(double(m.parameters), double(m.allocated));
+    }
+    CsvWriter time_rows(results.path() / "time.csv",
+                        {"engine", "images", "samples", "parameters", "seconds_per_iteration", "renderer"});
+    for (const Time& t : times) {
+        time_rows.row({t.engine, std::to_string(t.images), std::to_string(t.samples), std::to_string(t.parameters),
+                       fmt::format("{:.6f}", t.seconds), t.renderer});
+        line_of(seconds, t.engine).points.emplace_back(double(t.samples), t.seconds);
+    }
+    CsvWriter slope_rows(results.path() / "slopes.csv", {"of", "engine", "slope"});
+    Table slopes({"slope of log", "engine", ""});
+    for (const auto& [what, lines] :
+         {std::pair<std::string, const std::vector<Line>&>{"bytes", bytes}, {"seconds", seconds}})
+        for (const Line& line : lines) {
+            const std::string slope = fmt::format("{:.3f}", log_slope(line.points));
+            slope_rows.row({what, line.name, slope});
+            slopes.add({what == "bytes" ? "bytes over parameters" : "seconds over samples", line.name, slope});
+        }
+    memory_rows.commit();
+    time_rows.commit();
+    slope_rows.commit();
+    results.commit();
+    log_info("memory, the same for either optimizer\n" + table.text());
+    log_info("slopes\n" + slopes.text());
+    experiment.draw(results, fmt::format("{} ({} scale); OpenGL: {}; CPU: {}", dataset.name, experiment.profile(),
+                                         renderer, experiment.cpu_name()));
+}
+
+}  // namespace
+}  // namespace radiafit
+
+int main(int argc, char** argv) { return radiafit::run_experiment("scaling", argc, argv, radiafit::scaling); }
