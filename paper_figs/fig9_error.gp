@@ -35,7 +35,7 @@ do for [k=1:4] {
     stats of('[^,]*', method[k]) using 4:5 nooutput name 'side'
     set label k sprintf("%s\n%s", what[k], texels(side_max_x, side_max_y)) at screen at[k],1-62.0/height tc rgb color[k] point pt point[k] ps size[k] lc rgb color[k] offset 1.2,0
 }
-set label 5 "mean colour\nper texel" at screen at[5],1-62.0/height tc rgb '#777777'
+set label 5 "– – mean colour\nper texel" at screen at[5],1-62.0/height tc rgb '#777777'
 stats of('[^,]*', 'pca') using 3 nooutput name 'terms'
 do for [d=1:count] {
     name = word(names, d)

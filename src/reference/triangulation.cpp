@@ -135,12 +135,18 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
         }
     }
     std::sort(triangles_.begin(), triangles_.end());
+    for (const Triangle& t : triangles_) {
+        boxes_.emplace_back(points_[t[0]]);
+        boxes_.back().extend(points_[t[1]]).extend(points_[t[2]]);
+    }
     for (const auto& [side, count] : sides)
         if (count == 1) border_.push_back(side);
 }
 
 Triangulation::Weights Triangulation::at(const Vec2d& place) const {
-    for (const Triangle& t : triangles_) {
+    for (size_t i = 0; i < triangles_.size(); ++i) {
+        if (!boxes_[i].contains(place)) continue;
+        const Triangle& t = triangles_[i];
         const Vec2d &a = points_[t[0]], &b = points_[t[1]], &c = points_[t[2]];
         const double wa = twice_area(b, c, place), wb = twice_area(c, a, place), wc = twice_area(a, b, place);
         const double sum = wa + wb + wc;

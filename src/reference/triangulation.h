@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -33,6 +34,7 @@ private:
 
     std::vector<Vec2d> points_;
     std::vector<std::array<uint32_t, 3>> triangles_;
+    std::vector<Eigen::AlignedBox2d> boxes_;  ///< of the triangles: most places miss most of them
     std::vector<std::array<uint32_t, 2>> border_;
 };
 
