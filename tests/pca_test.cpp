@@ -542,8 +542,7 @@ TEST(Pca, BetweenTheMeanAndTheNonlinearOptimum) {
     generate_synthetic({.shape = "star", .scale = "smoke"}, folder.path() / "star");
     const Dataset dataset = open_dataset(folder.path() / "star");
     FitRequest request;
-    request.model.lambda_surface = request.model.lambda_view = 0;
-    request.iterations = 60;
+    request.iterations = 100;  // the smoothness that it pays for as well leaves it far below
     const auto fitted = [&](const char* solver, int terms) {
         request.solver = solver;
         request.model.terms = terms;
