@@ -15,6 +15,7 @@ struct OptimizerOptions {
     /// Iterations between fresh preconditioners (cg_modern). Each restarts, and hard problems need long runs of
     /// conjugate directions: on the star, 10 takes two to three times as long to 1.01 of the least error.
     int refresh_every = 100;
+    int first_refresh = 10;  ///< and once early: terms that start at zero tell nothing of their partners before
 };
 
 /// Steepest descent and conjugate gradients with an explicit d'Hd (Section 3), for all problems of an engine at once.
@@ -31,7 +32,7 @@ Trace optimize(E& engine, const OptimizerOptions& options,
     Stopwatch clock;
     double paused = 0;
     for (int k = 0;; ++k) {
-        const bool fresh = modern && k % options.refresh_every == 0;
+        const bool fresh = modern && (k % options.refresh_every == 0 || k == options.first_refresh);
         engine.direction_pass(fresh);
         engine.project(options.rule, fresh);
         engine.after_direction(options.rule, fresh, stop);
