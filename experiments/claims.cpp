@@ -40,10 +40,11 @@ public:
     }
     std::string name() const { return name_.generic_string(); }
     int threads() const { return json_.value("threads", 0); }
+    std::string cpu() const { return json_.value("cpu", "unknown CPU"); }
     std::string profile() const { return json_.value("profile", ""); }
     std::string device() const {
         if (json_.contains("gl_renderer")) return json_.at("gl_renderer").get<std::string>();
-        return fmt::format("{}, {} threads", json_.value("cpu", "unknown CPU"), threads());
+        return fmt::format("{}, {} threads", cpu(), threads());
     }
     /// A number of the resolved config. Throws UserError.
     double setting(const char* key) const {
@@ -353,6 +354,9 @@ Judgement memory_linear(const Run& run) {
     bool holds = worst <= 0.05;
     const auto slopes = judge_slopes(memory_series(t), 0.05, holds, j.values);
     j.values["worst_deviation_from_plan"] = worst;
+    const CsvTable times = run.table("time.csv");
+    for (size_t i = 0; i < times.row_count(); ++i)
+        if (times.text(i, "engine").starts_with("fragment")) j.renderer = times.text(i, "renderer");
     j.verdict = verdict(holds);
     j.value = "slope of bytes over parameters: " + join(slopes);
     j.why = fmt::format("allocations are within {} of radiafit plan", percent(worst));
@@ -466,6 +470,9 @@ std::vector<Row> judge_all(const fs::path& results, const std::string& profile) 
             }
             Judgement& j = rows.back().judgement;
             if (j.renderer.empty()) j.renderer = run.device();
+            // rows say "cpu, 2 threads"
+            if (const size_t at = j.renderer.find("cpu,"); at != std::string::npos)
+                j.renderer.replace(at, 3, run.cpu());
         }
         if (rows.size() == before)
             rows.push_back(

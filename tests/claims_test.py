@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The claims program over made-up results: every rule can hold and can fail.
+"""The claims program over made-up results: every rule can hold and can fail; and the README's table is what the program
+finds in results/reference.
 
 Arguments: the program, the checkout.
 """
@@ -171,6 +172,17 @@ class Claims(ProgramTest):
         row = self.judge()["C17"]
         self.assertEqual(row["verdict"], "not run")
         self.assertIn("median_samples_per_texel", row["why"])
+
+    def test_the_readme_shows_the_reference(self):
+        shutil.copytree(CHECKOUT / "results/reference", self.root / "results/reference")
+        self.good("--config", "experiments/claims.toml", "--set", 'results="results/reference"')
+        claims = json.loads((self.root / "results/reference/claims.json").read_text())["claims"]
+        readme = (CHECKOUT / "README.md").read_text()
+        judged = [row for row in claims if row["run"]]
+        self.assertGreater(len(judged), 10)
+        for row in judged:
+            cells = (row["id"], row["paper"], row["value"], row["verdict"], row["renderer"])
+            self.assertIn(f"| {' | '.join(cells)} |", readme, "the README's line is another")
 
 
 if __name__ == "__main__":
