@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "reference/lfm_vertex.h"
@@ -27,7 +28,7 @@ public:
     /// From now on the residuals are those of channel c.
     void set_channel(int c);
     ceres::Problem& problem() { return *problem_; }
-    std::vector<double>& x() { return x_; }
+    std::span<double> x() { return x_; }
     /// The blocks of surface parameters (to be eliminated first) and of view parameters.
     const std::vector<double*>& surface() const { return surface_; }
     const std::vector<double*>& view() const { return view_; }

@@ -125,10 +125,10 @@ private:
     double start_ = 0;
 };
 
-void take_channel(std::span<const V> p, int c, std::vector<double>& x) {
+void take_channel(std::span<const V> p, int c, std::span<double> x) {
     for (size_t i = 0; i < p.size(); ++i) x[i] = p[i][c];
 }
-void give_channel(const std::vector<double>& x, int c, std::span<V> p) {
+void give_channel(std::span<const double> x, int c, std::span<V> p) {
     for (size_t i = 0; i < p.size(); ++i) p[i][c] = x[i];
 }
 

@@ -47,7 +47,8 @@ struct LfmVertex {
     /// Texels that the look-up reads: bit j for corner j. Nearest look-up reads one.
     static unsigned corners_read(const Group& g) {
         unsigned read = 0;
-        for (int j = 0; j < 4; ++j) read |= unsigned(g.weight[j] != 0) << j;
+        for (int j = 0; j < 4; ++j)
+            if (g.weight[j] != 0) read |= 1u << j;  // as one shift of a truth value, GCC 12's sanitizers read weight[?]
         return read;
     }
 };
