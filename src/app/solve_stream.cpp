@@ -1,14 +1,32 @@
 #include "app/choices.h"
-#include "app/run_engine.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "cpu/lfm_engine.h"
 #include "dataset/dataset_json.h"
 #include "gl/fragment_engine.h"
+#include "model/lfm_start.h"
 
 namespace radiafit {
 namespace {
+
+/// Starts, optimizes and reads back one engine.
+template <Engine E>
+void run_engine(E& engine, const LfmLayout& layout, FitTask& task) {
+    const FitRequest& request = task.request;
+    const ProblemStatistics statistics = engine.count();
+    if (!statistics.any()) reject_unseen(task.dataset);
+    const auto hook = [&](int iteration) {
+        if (task.each_iteration)
+            task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
+    };
+    std::vector<float> parameters = lfm_start(layout, statistics.mean, request.seed);
+    task.out.trace =
+        optimize_terms(engine, request.optimizer_options(), task.options.terms, request.deflate, parameters, hook);
+    std::vector<ProblemOutcome> outcomes(engine.problem_count());
+    engine.outcomes(outcomes);
+    fill_outcomes(task, layout, statistics, outcomes, std::move(parameters));
+}
 
 void with_fragment_engine(FitTask& task) {
     static_assert(Engine<FragmentEngine>);

@@ -67,9 +67,7 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
         [&] { progress.advance(); });
     progress.finish();
     if (out.records.bytes_written == 0) log_info(fmt::format("records of an earlier run: {}", folder.string()));
-    if (std::all_of(result.statistics.samples.begin(), result.statistics.samples.end(),
-                    [](uint32_t n) { return n == 0; }))
-        reject_unseen(task.dataset);
+    if (!result.statistics.any()) reject_unseen(task.dataset);
     out.times.streaming = result.read_s;
     out.times.optimization = clock.wall_s() - result.read_s;
     out.trace = std::move(result.trace);

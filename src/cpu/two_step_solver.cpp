@@ -44,24 +44,10 @@ struct Worker {
     VertexProblem problem;
     LfmEngine<VertexProblem> engine{problem};
     std::vector<uint8_t> blocks;
-    double read_s = 0, solve_s = 0;
+    double read_s = 0;
     uint64_t bytes_read = 0, sample_iterations = 0, largest_working_set = 0;
     explicit Worker(VertexProblem p) : problem(std::move(p)) {}
 };
-
-/// All stages of one vertex: one, or one per term.
-Trace solve_vertex(Worker& w, const LfmOptions& options, const TwoStepOptions& two_step, std::span<float> parameters) {
-    Trace whole;
-    w.engine.count();
-    for (int stage = 0; stage < (two_step.deflate ? options.terms : 1); ++stage) {
-        w.engine.fit_terms(two_step.deflate ? stage : 0, two_step.deflate ? stage + 1 : options.terms);
-        w.engine.reset(parameters);
-        const Trace trace = optimize(w.engine, two_step.optimizer);
-        whole.append(trace);
-        w.engine.read_parameters(parameters);
-    }
-    return whole;
-}
 
 }  // namespace
 
@@ -90,13 +76,12 @@ TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas,
         w.read_s += reading.wall_s();
         w.bytes_read += w.blocks.size();
         for (size_t v = begin; v < end; ++v) {
-            Stopwatch solving;
             w.problem.load(v, w.blocks.data() + (records.vertex(v).offset - records.vertex(begin).offset));
-            const Trace trace =
-                solve_vertex(w, options, two_step, {out.parameters.data() + layout.offset(v), layout.block_size(v)});
+            w.engine.count();
+            const Trace trace = optimize_terms(w.engine, two_step.optimizer, options.terms, two_step.deflate,
+                                               {out.parameters.data() + layout.offset(v), layout.block_size(v)});
             w.engine.outcomes({out.outcomes.data() + 3 * v, 3});
             traces[c].add(trace);
-            w.solve_s += solving.wall_s();
             w.sample_iterations += uint64_t(records.vertex(v).samples) * uint64_t(trace.rows.back().iteration);
             w.largest_working_set = std::max(w.largest_working_set, w.problem.working_set_bytes());
             if (progress) progress();
@@ -111,7 +96,6 @@ TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas,
     for (const auto& w : workers) {
         if (!w) continue;
         out.read_s += w->read_s / threads;
-        out.solve_s += w->solve_s / threads;
         out.bytes_read += w->bytes_read;
         out.sample_iterations += w->sample_iterations;
         out.largest_working_set = std::max(out.largest_working_set, w->largest_working_set);

@@ -19,7 +19,6 @@ struct TwoStepResult {
     double read_s = 0;  ///< of the threads, reading records, over the threads
     uint64_t bytes_read = 0;
     uint64_t sample_iterations = 0;  ///< radiance samples times iterations, over all vertices
-    double solve_s = 0;              ///< of the threads, in the optimizer, over the threads
     uint64_t largest_working_set = 0;
 };
 

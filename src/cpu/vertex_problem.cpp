@@ -48,7 +48,7 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
     targets_.resize(samples_);
     texels_.resize(samples_);
     const uint8_t* samples = block + record.images * sizeof(RecordGroup);
-    records_->kind() == RecordKind::full ? take_full(record, samples) : take_compact(record, samples);
+    records_->kind() == RecordKind::full ? take_full(samples) : take_compact(record, samples);
 }
 
 void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from) {
@@ -70,7 +70,7 @@ void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from
 }
 
 // Everything comes from the record itself, as in the paper: also where a sample falls in the vertex's view map.
-void VertexProblem::take_full(const VertexRecord&, const uint8_t* from) {
+void VertexProblem::take_full(const uint8_t* from) {
     const float n = float(atlas_->side());
     for (size_t g = 0; g + 1 < groups_.size(); ++g)
         for (uint32_t i = groups_[g].first; i < groups_[g + 1].first; ++i, from += sizeof(FullRecord)) {

@@ -55,7 +55,7 @@ private:
         return {targets_.data() + first, texels_.data() + first, groups_[g + 1].first - first};
     }
     void take_compact(const VertexRecord& record, const uint8_t* from);
-    void take_full(const VertexRecord& record, const uint8_t* from);
+    void take_full(const uint8_t* from);
 
     const Dataset* dataset_;
     const TriangleAtlas* atlas_;

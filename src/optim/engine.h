@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <span>
@@ -12,6 +13,10 @@ namespace radiafit {
 struct ProblemStatistics {
     std::vector<uint32_t> samples;  ///< [problems] pixels in the problem's texels (one pixel = three residuals)
     std::vector<float> mean;        ///< [problems][3] mean of the target the problem fits (light field map: of L t)
+    /// Whether some problem has a sample.
+    bool any() const {
+        return std::any_of(samples.begin(), samples.end(), [](uint32_t n) { return n > 0; });
+    }
 };
 
 /// What is left of a problem when the optimizer stops; a vertex (or texel) has one per channel of its state.
