@@ -173,16 +173,13 @@ class Options(BadInput):
             with self.subTest(option=option):
                 self.fit_refused(option, value, says=[f"'{value}'", nearest])
 
-    def test_engine_and_storage_that_do_not_go_together(self):
-        for what in ("storage", "sums"):
-            self.fit_refused(f"--{what}", "fp16", says=[f"{what} 'fp16'", "fragment engine"])
-
     def test_options_that_mean_nothing_to_a_solver(self):
         for solver, *option in (
             ("two-step", "--engine", "fragment"), ("two-step", "--passes", "paper"), ("two-step", "--source", "disk"),
             ("pca", "--deflate"), ("pca", "--optimizer", "sd"), ("pca", "--mu", "2"), ("pca", "--records", "r"),
             ("mean", "--terms", "3"), ("als", "--optimizer", "sd"), ("ceres", "--record", "full"),
             ("stream", "--memory", "64M"), ("stream", "--ceres", "cgnr"), ("stream", "--passes", "paper"),
+            ("stream", "--storage", "fp16"), ("stream", "--sums", "fp16"),
         ):
             self.fit_refused("--solver", solver, *option,
                              says=[f"{option[0]} means nothing to ", solver.replace("stream", "engine"), "leave it out"])

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/solver.h"
@@ -11,6 +12,11 @@
 namespace radiafit {
 namespace {
 
+[[noreturn]] void reject_name(const char* what, const std::string& name, const std::vector<std::string>& names) {
+    throw UserError(fmt::format("{} '{}' does not exist; choose one of {} (nearest: {})", what, name,
+                                fmt::join(names, ", "), nearest(name, names)));
+}
+
 template <class Choice>
 Choice choose(const char* what, const std::string& name, const std::vector<std::pair<std::string, Choice>>& choices) {
     std::vector<std::string> names;
@@ -18,8 +24,14 @@ Choice choose(const char* what, const std::string& name, const std::vector<std::
         if (known == name) return choice;
         names.push_back(known);
     }
-    throw UserError(fmt::format("{} '{}' does not exist; choose one of {} (nearest: {})", what, name,
-                                fmt::join(names, ", "), nearest(name, names)));
+    reject_name(what, name, names);
+}
+
+/// For a table whose entries have a name: throws UserError if none has this one.
+void check_name(const char* what, const std::string& name, const auto& table) {
+    std::vector<std::string> names;
+    for (const auto& entry : table) names.emplace_back(entry.name);
+    if (std::find(names.begin(), names.end(), name) == names.end()) reject_name(what, name, names);
 }
 
 Mode choose_mode(const std::string& name) {
@@ -121,9 +133,7 @@ std::string FitRequest::label() const {
 }
 
 void FitRequest::check() const {
-    std::vector<std::pair<std::string, int>> known;
-    for (const Solver& s : solvers()) known.emplace_back(s.name, 0);
-    choose("solver", solver, known);
+    check_name("solver", solver, solvers());
     choose<int>("engine", engine, {{"cpu", 0}, {"fragment", 1}});
     choose_passes(passes);
     choose_storage(storage);
@@ -132,9 +142,7 @@ void FitRequest::check() const {
     choose_space(space);
     choose_source(source);
     choose_record(record);
-    known.clear();
-    for (const CeresSetting& s : ceres_settings()) known.emplace_back(s.name, 0);
-    choose("ceres setting", ceres, known);
+    check_name("ceres setting", ceres, ceres_settings());
     context_kind_from(context);
     rule();
     memory_bytes();
@@ -146,10 +154,6 @@ void FitRequest::check() const {
                                     stop_output_change));
     if (device < -1)
         throw UserError(fmt::format("device = {}: choose -1 (any) or an index that radiafit devices lists", device));
-    for (const auto& [what, name] : {std::pair{"storage", storage}, {"sums", sums}})
-        if (engine == "cpu" && name != "fp32")
-            throw UserError(
-                fmt::format("{} '{}' belongs to the fragment engine; the cpu engine computes in fp32", what, name));
 }
 
 std::string FitRequest::json() const {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/solver.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "capture/import.h"
@@ -138,15 +139,13 @@ void add_plan(CLI::App& app) {
     add_fit_options(*command, *request);
     command->callback([=] {
         request->check();
+        reject_idle_options(*request);
         const Dataset dataset = open_dataset(*folder);
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
-            uint64_t total = 0;
             Table table({"array", "shape", "count", "MB"});
-            for (const PlanRow& r : rows) {
+            for (const PlanRow& r : rows)
                 table.add({r.array, r.shape, std::to_string(r.count), fmt::format("{:.2f}", double(r.bytes) / 1e6)});
-                total += r.bytes;
-            }
-            table.add({"total", "", "", fmt::format("{:.2f}", double(total) / 1e6)});
+            table.add({"total", "", "", fmt::format("{:.2f}", double(total_bytes(rows)) / 1e6)});
             fmt::print("{}\n{}\n", title, table.text());
         };
         show("this program", plan(dataset, *request));

@@ -7,6 +7,12 @@
 
 namespace radiafit {
 
+uint64_t total_bytes(const std::vector<PlanRow>& rows) {
+    uint64_t sum = 0;
+    for (const PlanRow& row : rows) sum += row.bytes;
+    return sum;
+}
+
 std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
     const LfmOptions options = request.model_options();
     const VertexRings rings(dataset.mesh);

@@ -108,6 +108,7 @@ struct PlanRow {
     std::string array, shape;
     uint64_t count, bytes;
 };
+uint64_t total_bytes(const std::vector<PlanRow>& rows);
 std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);

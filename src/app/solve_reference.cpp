@@ -3,7 +3,6 @@
 
 #include "app/solver.h"
 #include "base/clock.h"
-#include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "reference/als_solver.h"
@@ -11,14 +10,6 @@
 
 namespace radiafit {
 namespace {
-
-/// What these solvers don't do is refused before any work.
-void refuse(const FitRequest& request) {
-    if (request.deflate) throw UserError("solver '" + request.solver + "' fits terms together; leave out --deflate");
-    if (request.stop_output_change > 0)
-        throw UserError("solver '" + request.solver +
-                        "' has a test of its own in place of --stop-change; leave it out");
-}
 
 void solve_by_vertices(FitTask& task, const VertexSolver& solver) {
     const SampleList& samples = task.samples();
@@ -51,14 +42,12 @@ void solve_by_vertices(FitTask& task, const VertexSolver& solver) {
 }  // namespace
 
 void solve_ceres(FitTask& task) {
-    refuse(task.request);
     solve_by_vertices(task, ceres_solver(task.options, {.setting = task.request.ceres,
                                                         .iterations = task.request.iterations,
                                                         .stop_residual = task.request.stop_residual}));
 }
 
 void solve_als(FitTask& task) {
-    refuse(task.request);
     solve_by_vertices(task, als_solver(task.options, {.iterations = task.request.iterations,
                                                       .stop_residual = task.request.stop_residual}));
 }
