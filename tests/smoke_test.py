@@ -47,6 +47,7 @@ class Smoke(ProgramTest):
         record = json.loads(runs[0].read_text())
         self.assertIn(self.name, record["program"])
         self.assertTrue(record["config"], "the resolved config is part of the record")
+        self.assertGreater(min(record["wall_s"], record["cpu_s"]), 0.01, "of the whole run")
 
         tables = sorted(runs[0].parent.glob("*.csv"))
         self.assertTrue(tables)

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
+
 /// Where a result comes from: enough to run it again elsewhere, and nothing about the host's name or its user.
 namespace radiafit {
 
@@ -22,6 +24,7 @@ struct Record {
     std::string gl_vendor, gl_renderer, gl_version;  ///< set by the caller; empty if no GL was used
     JsonFields config;                               ///< Config::resolved()
     JsonFields more;                                 ///< whatever else the caller knows: peaks, dataset, …
+    Stopwatch watch;                                 ///< since the record was made
 };
 
 /// All that can be known without a caller. Call set_thread_count first.

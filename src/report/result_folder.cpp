@@ -58,8 +58,8 @@ const fs::path& ResultFolder::path() const { return committed_ ? folder_->target
 
 void ResultFolder::commit() {
     Record record = record_;
-    record.more.emplace_back("wall_s", fmt::format("{:.3f}", watch_.wall_s()));
-    record.more.emplace_back("cpu_s", fmt::format("{:.3f}", watch_.cpu_s()));
+    record.more.emplace_back("wall_s", fmt::format("{:.3f}", record.watch.wall_s()));
+    record.more.emplace_back("cpu_s", fmt::format("{:.3f}", record.watch.cpu_s()));
     write_file(folder_->path() / "run.json", record_json(record));
     folder_->commit();
     committed_ = true;

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "base/clock.h"
 #include "base/record.h"
 
 /// Raw results: ROOT/EXPERIMENT/DEVICE/UTC-REVISION/, written once and never changed.
@@ -29,13 +28,12 @@ public:
     const std::filesystem::path& path() const;
     /// What run.json will hold, for facts known only later (GL strings, peaks).
     Record& record() { return record_; }
-    /// Adds "wall_s" and "cpu_s" since construction to run.json.
+    /// Adds "wall_s" and "cpu_s" since the record was made to run.json.
     void commit();
 
 private:
     std::unique_ptr<AtomicFolder> folder_;
     Record record_;
-    Stopwatch watch_;
     bool committed_ = false;
 };
 
