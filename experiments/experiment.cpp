@@ -66,7 +66,15 @@ void Experiment::draw(const ResultFolder& results, const std::string& caption) c
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
 
-double log_slope(const std::vector<std::pair<double, double>>& points) {
+void read_maps(Config& config, LfmOptions& model) {
+    double lambda = 1e-3;
+    config.read("surface_side", model.surface_side);
+    config.read("view_side", model.view_side);
+    config.read("lambda", lambda);
+    model.lambda_surface = model.lambda_view = float(lambda);
+}
+
+double log_slope(const Points& points) {
     double x = 0, y = 0, xx = 0, xy = 0;
     const double n = double(points.size());
     for (const auto& [a, b] : points) {

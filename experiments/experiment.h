@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,8 +45,14 @@ private:
     Record record_;
 };
 
-/// Least-squares slope of log y over log x; points: (x, y), at least two different x.
-double log_slope(const std::vector<std::pair<double, double>>& points);
+/// Points (x, y) of a figure's lines, by the lines' names.
+using Points = std::vector<std::pair<double, double>>;
+using Lines = std::map<std::string, Points>;
+/// Least-squares slope of log y over log x; points: at least two different x.
+double log_slope(const Points& points);
+
+/// Reads surface_side, view_side and lambda, the weight of both kinds of maps.
+void read_maps(Config& config, LfmOptions& model);
 
 /// `count` of the views, evenly spread; 0, or more than there are: all.
 std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count);

@@ -43,6 +43,12 @@ void APIENTRY collect_message(GLenum source, GLenum type, GLuint, GLenum, GLsize
 
 }  // namespace
 
+bool is_software_renderer(const std::string& renderer) {
+    for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "SwiftShader"})
+        if (renderer.find(name) != std::string::npos) return true;
+    return false;
+}
+
 std::string to_string(ContextKind kind) { return kind == ContextKind::egl ? "egl" : "osmesa"; }
 
 ContextKind context_kind_from(const std::string& name) {
@@ -114,8 +120,7 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
     vendor_ = gl_string(functions_, GL_VENDOR);
     renderer_ = gl_string(functions_, GL_RENDERER);
     version_ = gl_string(functions_, GL_VERSION);
-    for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR"})
-        software_ = software_ || renderer_.find(name) != std::string::npos;
+    software_ = is_software_renderer(renderer_);
 
     functions_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limits_.texture_size);
     functions_.GetIntegerv(GL_MAX_DRAW_BUFFERS, &limits_.draw_buffers);

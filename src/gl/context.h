@@ -33,6 +33,9 @@ struct DeviceInfo {
     std::string description;  ///< EGL vendor or driver string, before any context is made
 };
 
+/// Whether shaders run on the CPU, by GL_RENDERER.
+bool is_software_renderer(const std::string& renderer);
+
 /// A context, current on the thread that made it until another is made current.
 /// Its GL objects must be destroyed while it is current; destroying the context itself is always allowed.
 class Context {
