@@ -16,16 +16,14 @@ namespace {
 struct Options {
     std::vector<std::string> datasets = {"star", "bust"};
     std::string engine = "cpu";
-    int surface_side = 8, view_side = 8;
-    double lambda = 1e-4, tolerance = 1.01;
+    LfmOptions model;
+    double tolerance = 1.01;
     int cap = 3000, modern_iterations = 400, problems = 3, seed = 7, shown_cg = 50, shown_sd = 500;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets);
         c.read("engine", engine);
-        c.read("surface_side", surface_side);
-        c.read("view_side", view_side);
-        c.read("lambda", lambda);
+        read_maps(c, model);
         c.read("tolerance", tolerance);
         c.read("cap", cap);
         c.read("modern_iterations", modern_iterations);
@@ -62,9 +60,7 @@ Run run(const Dataset& dataset, const Options& o, const SharedSamples& samples, 
     request.engine = o.engine;
     request.optimizer = optimizer;
     request.mode = mode;
-    request.model.surface_side = o.surface_side;
-    request.model.view_side = o.view_side;
-    request.model.lambda_surface = request.model.lambda_view = float(o.lambda);
+    request.model = o.model;
     request.iterations = iterations;
     Run out;
     out.solver = request.label();
@@ -186,8 +182,8 @@ void fig7(Experiment& experiment) {
     for (const std::string& shape : o.datasets) {
         const Dataset dataset = experiment.dataset(shape);
         FitRequest request;
-        request.model.surface_side = o.surface_side;
-        const TriangleAtlas atlas(dataset.mesh, o.surface_side);
+        request.model = o.model;
+        const TriangleAtlas atlas(dataset.mesh, o.model.surface_side);
         const SharedSamples samples = distribute(dataset, atlas, request);
         const Run cg = run(dataset, o, samples, "cg", "paper", o.cap);
         const Run sd = run(dataset, o, samples, "sd", "paper", o.cap);

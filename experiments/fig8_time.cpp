@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "app/choices.h"
 #include "base/error.h"
@@ -16,46 +17,35 @@ namespace radiafit {
 namespace {
 
 struct Options {
-    std::string dataset = "star", source = "disk-cold";
-    int surface_side = 8, view_side = 8, iterations = 100, record_iterations = 100;
-    int repetitions = 1;
-    double lambda = 1e-3;
+    std::string dataset = "star";
+    int record_iterations = 100, repetitions = 1;
+    FitRequest request;
 
     explicit Options(Config& c) {
+        request.mode = "paper";
+        request.view = "nearest";
+        request.source = "disk-cold";
         c.read("dataset", dataset);
-        c.read("surface_side", surface_side);
-        c.read("view_side", view_side);
-        c.read("lambda", lambda);
-        c.read("iterations", iterations);
+        read_maps(c, request.model);
+        c.read("iterations", request.iterations);
         c.read("record_iterations", record_iterations);
-        c.read("source", source);
+        c.read("source", request.source);
         c.read("repetitions", repetitions);
         c.finish();
-        if (iterations < 1) c.reject("iterations", "needs at least 1");
+        if (request.iterations < 1) c.reject("iterations", "needs at least 1");
         if (repetitions < 1) c.reject("repetitions", "needs at least 1");
-    }
-    FitRequest request(const std::string& optimizer) const {
-        FitRequest r;
-        r.optimizer = optimizer;
-        r.mode = "paper";
-        r.view = "nearest";
-        r.source = source;
-        r.model.surface_side = surface_side;
-        r.model.view_side = view_side;
-        r.model.lambda_surface = r.model.lambda_view = float(lambda);
-        r.iterations = iterations;
-        return r;
     }
 };
 
 /// One bar. Seconds; what the parts leave of the total is the remainder.
 struct Bar {
-    std::string method, optimizer, renderer;
+    std::string method, optimizer = {}, renderer = {};
     int iterations = 0;
     double distribution = 0, streaming = 0, computation = 0, switching = 0, total = 0;
-    double cached_share = 0;                ///< of the pages that were read from disk
-    double error = 0;                       ///< sum of E_t at the end
-    std::vector<double> vertex_error = {};  ///< E of each vertex, its three problems together
+    double cached_share = 0;                    ///< of the pages that were read from disk
+    double error = 0;                           ///< sum of E_t at the end
+    std::vector<double> vertex_error = {};      ///< E of each vertex, its three problems together
+    std::optional<double> agreeing_share = {};  ///< of the vertices, with the cpu engine's ends
     uint64_t bytes_written = 0, bytes_read = 0;
     double remainder() const { return total - distribution - streaming - computation - switching; }
 };
@@ -68,25 +58,25 @@ void fill_end(Bar& bar, const FitOutcome& out) {
     for (size_t i = 0; i < out.fit.error.size(); ++i) bar.vertex_error[i / 3] += double(out.fit.error[i]);
 }
 
-/// The share of vertices that end within a relative 1e-4 of the same error.
-double agreeing_share(const Bar& a, const Bar& b) {
+/// Agree before you time: throws SystemError unless both end at the same error, and fills the share of vertices that do
+/// within a relative 1e-4.
+void check_end(Bar& bar, const Bar& expected) {
+    if (!(std::abs(bar.error - expected.error) <= 5e-3 * expected.error))
+        throw SystemError(
+            fmt::format("{} and {} disagree: {:.6g}, {:.6g}", bar.method, expected.method, bar.error, expected.error));
     size_t agreeing = 0;
-    for (size_t v = 0; v < a.vertex_error.size(); ++v)
-        agreeing += std::abs(a.vertex_error[v] - b.vertex_error[v]) <= 1e-4 * b.vertex_error[v];
-    return double(agreeing) / double(a.vertex_error.size());
+    for (size_t v = 0; v < bar.vertex_error.size(); ++v)
+        agreeing += std::abs(bar.vertex_error[v] - expected.vertex_error[v]) <= 1e-4 * expected.vertex_error[v];
+    bar.agreeing_share = double(agreeing) / double(bar.vertex_error.size());
 }
 
 /// The cpu engine over a sample list in memory: no bar of the figure, but the others must end where it does. Which
 /// pixel a texel takes can differ between the distributors, so each has its own.
-Bar cpu_engine(const Dataset& dataset, FitRequest request, const std::string& distributor, const std::string& cpu) {
+Bar cpu_engine(const Dataset& dataset, FitRequest request, const std::string& distributor) {
     request.source = "memory";
     request.distributor = distributor;
-    const FitOutcome out = solve(dataset, request);
-    Bar bar{.method = "cpu engine (samples by " + distributor + ")", .optimizer = request.optimizer, .renderer = cpu};
-    bar.iterations = request.iterations;
-    bar.distribution = out.times.distribution;
-    bar.computation = out.times.optimization;
-    fill_end(bar, out);
+    Bar bar{.method = "cpu engine (samples by " + distributor + ")"};
+    fill_end(bar, solve(dataset, request));
     return bar;
 }
 
@@ -173,39 +163,32 @@ Bar median_of(int repetitions, const Run& run) {
 void fig8(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
-    std::vector<Bar> bars, records, checks;
     const std::string cpu = experiment.cpu_name();
+    std::vector<Bar> bars, records;
     for (const char* optimizer : {"cg", "sd"}) {
-        const FitRequest request = o.request(optimizer);
-        const auto add = [&](std::vector<Bar>& to, const Bar& bar) {
-            to.push_back(bar);
+        FitRequest request = o.request;
+        request.optimizer = optimizer;
+        const auto measured = [&](const auto& run) {
+            Bar bar = median_of(o.repetitions, run);
             log_info(fmt::format("{}, {}, {} iterations: {:.2f} s", bar.method, optimizer, bar.iterations, bar.total));
+            return bar;
         };
+        const Bar by_cpu = cpu_engine(dataset, request, "cpu"), by_gl = cpu_engine(dataset, request, "gl");
+        for (const char* record : {"full", "compact"}) {
+            bars.push_back(measured([&] { return two_step(dataset, request, record, cpu); }));
+            check_end(bars.back(), by_cpu);
+        }
+        for (const char* passes : {"paper", "combined"}) {
+            bars.push_back(measured([&] { return fragment(dataset, request, passes); }));
+            check_end(bars.back(), by_gl);
+        }
+        if (o.record_iterations == request.iterations) continue;  // the bars say it
+        request.iterations = o.record_iterations;
         for (const char* record : {"full", "compact"})
-            add(bars, median_of(o.repetitions, [&] { return two_step(dataset, request, record, cpu); }));
-        for (const char* passes : {"paper", "combined"})
-            add(bars, median_of(o.repetitions, [&] { return fragment(dataset, request, passes); }));
-        for (const char* distributor : {"cpu", "gl"}) checks.push_back(cpu_engine(dataset, request, distributor, cpu));
-        FitRequest longer = request;
-        longer.iterations = o.record_iterations;
-        for (const char* record : {"full", "compact"})
-            add(records, median_of(o.repetitions, [&] { return two_step(dataset, longer, record, cpu); }));
+            records.push_back(measured([&] { return two_step(dataset, request, record, cpu); }));
     }
-    // Agree before you time: all runs end where the cpu engine does on the same samples.
-    const auto reference = [&](const Bar& bar) -> const Bar* {
-        const char* distributor = bar.renderer == cpu ? "by cpu" : "by gl";
-        for (const Bar& check : checks)
-            if (check.optimizer == bar.optimizer && check.iterations == bar.iterations &&
-                check.method.find(distributor) != std::string::npos)
-                return &check;
-        return nullptr;
-    };
-    for (const Bar& bar : bars)
-        if (const Bar* other = reference(bar); std::abs(bar.error - other->error) > 5e-3 * other->error)
-            throw SystemError(
-                fmt::format("{} and {} disagree: {:.6g}, {:.6g}", bar.method, other->method, bar.error, other->error));
 
-    const std::string renderer = bars[2].renderer;
+    const std::string renderer = bars.back().renderer;
     ResultFolder results = experiment.open_results(renderer);
     CsvWriter rows(results.path() / "times.csv",
                    {"part", "method", "optimizer", "iterations", "distribution_s", "streaming_s", "computation_s",
@@ -217,13 +200,12 @@ void fig8(Experiment& experiment) {
         const auto s = [](double x) { return fmt::format("{:.4f}", x); };
         rows.row({part, b.method, b.optimizer, std::to_string(b.iterations), s(b.distribution), s(b.streaming),
                   s(b.computation), s(b.switching), s(b.remainder()), s(b.total), s(b.cached_share),
-                  fmt::format("{:.8g}", b.error), reference(b) ? s(agreeing_share(b, *reference(b))) : "",
-                  std::to_string(b.bytes_written), std::to_string(b.bytes_read), o.source, b.renderer});
+                  fmt::format("{:.8g}", b.error), b.agreeing_share ? s(*b.agreeing_share) : "",
+                  std::to_string(b.bytes_written), std::to_string(b.bytes_read), o.request.source, b.renderer});
         const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
         table.add({fmt::format("{}, {}", b.method, b.optimizer), std::to_string(b.iterations), seconds(b.distribution),
                    seconds(b.streaming), seconds(b.computation), seconds(b.switching), seconds(b.remainder()),
-                   seconds(b.total),
-                   reference(b) ? fmt::format("{:.1f} %", 100 * agreeing_share(b, *reference(b))) : ""});
+                   seconds(b.total), b.agreeing_share ? fmt::format("{:.1f} %", 100 * *b.agreeing_share) : ""});
     };
     for (const Bar& bar : bars) write("figure", bar);
     for (const Bar& bar : records) write("record", bar);
@@ -231,7 +213,7 @@ void fig8(Experiment& experiment) {
     results.commit();
     log_info("where the time goes\n" + table.text());
     experiment.draw(results, fmt::format("{} ({} scale), {} iterations; OpenGL: {}; CPU: {}", dataset.name,
-                                         experiment.profile(), o.iterations, renderer, cpu));
+                                         experiment.profile(), o.request.iterations, renderer, cpu));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "app/choices.h"
 #include "base/log.h"
 #include "eval/judge.h"
 #include "experiment.h"
@@ -15,23 +14,23 @@ namespace radiafit {
 namespace {
 
 struct Options {
-    std::string dataset = "star", passes = "combined";
+    std::string dataset = "star";
     std::vector<std::string> storage = {"fp32", "fp16", "fp16-truncate"}, sums = {"fp32", "fp16"};
-    int surface_side = 8, view_side = 8, iterations = 25, images = 0;
-    double lambda = 1e-3;
+    int images = 0;
+    FitRequest request;
 
     explicit Options(Config& c) {
+        request.engine = "fragment";
+        request.mode = "paper";
         c.read("dataset", dataset);
-        c.read("passes", passes);
+        c.read("passes", request.passes);
         c.read("storage", storage);
         c.read("sums", sums);
-        c.read("surface_side", surface_side);
-        c.read("view_side", view_side);
-        c.read("lambda", lambda);
-        c.read("iterations", iterations);
+        read_maps(c, request.model);
+        c.read("iterations", request.iterations);
         c.read("images", images);
         c.finish();
-        if (iterations < 1) c.reject("iterations", "needs at least 1");
+        if (request.iterations < 1) c.reject("iterations", "needs at least 1");
         if (images < 0) c.reject("images", "choose 0 (all) or more");
         // The others are measured against 32 bits throughout.
         if (storage.empty() || storage[0] != "fp32") c.reject("storage", "begin with fp32");
@@ -55,17 +54,10 @@ void precision(Experiment& experiment) {
     for (const char* optimizer : {"cg", "sd"})
         for (const std::string& storage : o.storage)
             for (const std::string& sums : o.sums) {
-                FitRequest request;
-                request.engine = "fragment";
-                request.mode = "paper";
+                FitRequest request = o.request;
                 request.optimizer = optimizer;
-                request.passes = o.passes;
                 request.storage = storage;
                 request.sums = sums;
-                request.model.surface_side = o.surface_side;
-                request.model.view_side = o.view_side;
-                request.model.lambda_surface = request.model.lambda_view = float(o.lambda);
-                request.iterations = o.iterations;
                 FitOutcome out = solve(dataset, request, nullptr, {}, &views);
                 runs.push_back({.optimizer = optimizer,
                                 .storage = storage,
@@ -97,7 +89,7 @@ void precision(Experiment& experiment) {
         }
         const double error = r.trace.rows.back().error, ratio = error / single->trace.rows.back().error;
         const double psnr = r.judged.psnr(), less = psnr - single->judged.psnr();
-        finals.row({r.optimizer, r.storage, r.sums, std::to_string(o.iterations), std::to_string(views.size()),
+        finals.row({r.optimizer, r.storage, r.sums, std::to_string(o.request.iterations), std::to_string(views.size()),
                     fmt::format("{:.8g}", error), fmt::format("{:.6f}", ratio), fmt::format("{:.4f}", psnr),
                     fmt::format("{:.4f}", r.judged.ape()), fmt::format("{:.4f}", less), std::to_string(r.not_finite),
                     fmt::format("{:.3f}", r.seconds), r.renderer});
@@ -109,7 +101,7 @@ void precision(Experiment& experiment) {
     results.commit();
     log_info("what 16-bit floats cost\n" + table.text());
     experiment.draw(results, fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name,
-                                         experiment.profile(), views.size(), o.passes, runs[0].renderer));
+                                         experiment.profile(), views.size(), o.request.passes, runs[0].renderer));
 }
 
 }  // namespace

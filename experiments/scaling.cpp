@@ -56,23 +56,6 @@ struct Options {
     }
 };
 
-/// Points of one line of a figure.
-struct Line {
-    std::string name;
-    std::vector<std::pair<double, double>> points;
-};
-Line& line_of(std::vector<Line>& lines, const std::string& name) {
-    for (Line& line : lines)
-        if (line.name == name) return line;
-    return lines.emplace_back(Line{name, {}});
-}
-
-uint64_t bytes_of(const std::vector<PlanRow>& rows) {
-    uint64_t sum = 0;
-    for (const PlanRow& row : rows) sum += row.bytes;
-    return sum;
-}
-
 struct Memory {
     std::string passes, storage;
     int side;
@@ -83,9 +66,9 @@ Memory memory_of(const Dataset& dataset, const FitRequest& request) {
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
     Memory m{.passes = request.passes, .storage = request.storage, .side = request.model.surface_side};
-    m.planned = bytes_of(plan(dataset, request));
-    m.paper_layout = bytes_of(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
-                                           request.model.surface_side, request.model.view_side));
+    m.planned = total_bytes(plan(dataset, request));
+    m.paper_layout = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
+                                              request.model.surface_side, request.model.view_side));
     const auto context = Context::create(context_options(request));
     const FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),
                                 fragment_options(request));
@@ -131,13 +114,7 @@ std::vector<Time> times_of(const Dataset& dataset, const Options& o, const std::
         FitRequest request = defaults;
         request.engine = c.engine;
         request.passes = c.passes;
-        FitOutcome out;
-        if (c.engine == "cpu") {
-            const SharedSamples shared = distribute(dataset, atlas, defaults, views);
-            out = solve(dataset, request, &shared, {}, &views);
-        } else {
-            out = solve(dataset, request, nullptr, {}, &views);
-        }
+        const FitOutcome out = solve(dataset, request, nullptr, {}, &views);
         return Time{c.name,
                     c.engine == "cpu" ? cpu : out.gl_renderer,
                     views.size(),
@@ -179,7 +156,7 @@ void scaling(Experiment& experiment) {
 
     const std::string renderer = times.back().renderer;
     ResultFolder results = experiment.open_results(renderer);
-    std::vector<Line> bytes, seconds;
+    Lines bytes, seconds;
     CsvWriter memory_rows(results.path() / "memory.csv", {"engine", "storage", "passes", "side", "parameters",
                                                           "planned_bytes", "allocated_bytes", "paper_layout_bytes"});
     Table table({"engine", "side of maps", "parameters", "plan", "allocated", "Section 6.3's accounting"});
@@ -190,24 +167,26 @@ void scaling(Experiment& experiment) {
         const std::string name = fmt::format("fragment {} {}", m.passes, m.storage);
         table.add({name, std::to_string(m.side), std::to_string(m.parameters), megabytes(m.planned),
                    megabytes(m.allocated), megabytes(m.paper_layout)});
-        line_of(bytes, name).points.emplace_back(double(m.parameters), double(m.allocated));
+        bytes[name].emplace_back(double(m.parameters), double(m.allocated));
     }
     CsvWriter time_rows(results.path() / "time.csv",
                         {"engine", "images", "samples", "parameters", "seconds_per_iteration", "renderer"});
     for (const Time& t : times) {
         time_rows.row({t.engine, std::to_string(t.images), std::to_string(t.samples), std::to_string(t.parameters),
                        fmt::format("{:.6f}", t.seconds), t.renderer});
-        line_of(seconds, t.engine).points.emplace_back(double(t.samples), t.seconds);
+        seconds[t.engine].emplace_back(double(t.samples), t.seconds);
     }
     CsvWriter slope_rows(results.path() / "slopes.csv", {"of", "engine", "slope"});
     Table slopes({"slope of log", "engine", ""});
-    for (const auto& [what, lines] :
-         {std::pair<std::string, const std::vector<Line>&>{"bytes", bytes}, {"seconds", seconds}})
-        for (const Line& line : lines) {
-            const std::string slope = fmt::format("{:.3f}", log_slope(line.points));
-            slope_rows.row({what, line.name, slope});
-            slopes.add({what == "bytes" ? "bytes over parameters" : "seconds over samples", line.name, slope});
+    const auto write_slopes = [&](const char* of, const char* over, const Lines& lines) {
+        for (const auto& [engine, points] : lines) {
+            const std::string slope = fmt::format("{:.3f}", log_slope(points));
+            slope_rows.row({of, engine, slope});
+            slopes.add({fmt::format("{} over {}", of, over), engine, slope});
         }
+    };
+    write_slopes("bytes", "parameters", bytes);
+    write_slopes("seconds", "samples", seconds);
     memory_rows.commit();
     time_rows.commit();
     slope_rows.commit();

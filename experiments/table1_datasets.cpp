@@ -59,7 +59,7 @@ void draw_photographs(const std::vector<Dataset>& datasets, const std::filesyste
     write_png(file, width, height, rgb);
 }
 
-/// How often a texel takes two pixels of one image, which must not happen (Section 5.1.1, claim C17).
+/// How often a texel takes two pixels of one image: never, or distribution is broken (Section 5.1.1, claim C17).
 uint64_t shared_texels(const SampleList& list) {
     uint64_t shared = 0;
     for (size_t group = 0; group + 1 < list.groups.size(); ++group) {
@@ -94,10 +94,9 @@ void table1(Experiment& experiment) {
         const VertexRings rings(dataset.mesh);
         const LfmLayout layout(rings, int(atlas.texels_per_tile()), o.view_side, o.terms);
         const SharedSamples samples = distribute(dataset, atlas, request);
-        uint64_t paper_bytes = 0, engine_bytes = 0;
-        for (const PlanRow& row :
-             paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), o.surface_side, o.view_side))
-            paper_bytes += row.bytes;
+        const uint64_t paper_bytes = total_bytes(
+            paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), o.surface_side, o.view_side));
+        uint64_t engine_bytes = 0;
         for (const PlanRow& row : plan(dataset, request))
             if (row.array != "samples, at most") engine_bytes += row.bytes;
         const DistributionStatistics& s = samples.statistics;
