@@ -8,9 +8,8 @@
 #include "model/lfm_start.h"
 
 namespace radiafit {
-namespace {
 
-std::array<int, 2> largest_image(const Dataset& dataset, const std::vector<uint32_t>& views) {
+std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_t> views) {
     std::array<int, 2> size{1, 1};
     for (uint32_t view : views) {
         size[0] = std::max(size[0], dataset.views[view].camera.width);
@@ -18,8 +17,6 @@ std::array<int, 2> largest_image(const Dataset& dataset, const std::vector<uint3
     }
     return size;
 }
-
-}  // namespace
 
 std::string to_string(Passes passes) { return passes == Passes::paper ? "paper" : "combined"; }
 
@@ -176,18 +173,23 @@ void FragmentEngine::project(Rule rule, bool fresh) {
     map_passes_->project(vectors_, weight);
 }
 
-void FragmentEngine::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
+// One fragment per vertex, between the reads and the writes of its state.
+void FragmentEngine::update_states(const Program& program, const Framebuffer& target) {
     gl().TextureBarrier();
-    after_direction_.set(20, int(rule));
-    after_direction_.set(21, restart ? 1 : 0);
-    after_direction_.set2(22, stop.residual, stop.output_change);
     problems_.state.bind(7);
     problems_.bind_sums();
     problems_.constants.bind(12);
     problems_.alpha.bind(14);
-    run_.bind(problems_.state_target, after_direction_);
+    run_.bind(target, program);
     run_.draw_whole();
     gl().TextureBarrier();
+}
+
+void FragmentEngine::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
+    after_direction_.set(20, int(rule));
+    after_direction_.set(21, restart ? 1 : 0);
+    after_direction_.set2(22, stop.residual, stop.output_change);
+    update_states(after_direction_, problems_.state_target);
 }
 
 void FragmentEngine::update_direction(Rule rule, bool fresh) {
@@ -205,16 +207,9 @@ void FragmentEngine::line_pass() {
 }
 
 void FragmentEngine::after_line(Rule rule, ProblemText<float>::StopRules stop) {
-    gl().TextureBarrier();
     after_line_.set(20, int(rule));
     after_line_.set2(22, stop.residual, stop.output_change);
-    problems_.state.bind(7);
-    problems_.bind_sums();
-    problems_.constants.bind(12);
-    problems_.alpha.bind(14);
-    run_.bind(problems_.line_target, after_line_);
-    run_.draw_whole();
-    gl().TextureBarrier();
+    update_states(after_line_, problems_.line_target);
 }
 
 void FragmentEngine::advance() { map_passes_->advance(vectors_); }

@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <memory>
+#include <span>
 
 #include "dataset/image_stream.h"
 #include "gl/context.h"
@@ -19,6 +21,9 @@ struct FragmentOptions {
     TargetSpace space = TargetSpace::stored;
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };
+
+/// Width and height that hold each of the views' images; at least 1.
+std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_t> views);
 
 /// Where the time of the sweeps over images went, since construction.
 struct FragmentTimes {
@@ -74,13 +79,13 @@ public:
     void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for line_pass()
 
     const FragmentTimes& times() const;
-    uint64_t bytes() const {
-        return bytes_;
-    }  ///< allocated on the device by this engine; gl/fragment_plan.h foretells it
+    /// Allocated on the device by this engine; gl/fragment_plan.h foretells it.
+    uint64_t bytes() const { return bytes_; }
 
 private:
     template <class Body>
     void sweep(const Body& body);
+    void update_states(const Program& program, const Framebuffer& target);
     std::vector<float> read_state(int field) const;
 
     int64_t allocated_before_ = Context::current().allocated_bytes();

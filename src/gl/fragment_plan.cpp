@@ -17,16 +17,9 @@ public:
     std::vector<PlannedArray> arrays;
 };
 
-// Levels of a gather inside tiles below the last (gather/tile_texels.frag, gather/band_sum.frag): texels per tile.
-uint64_t bands_of(uint64_t texels, uint64_t entries) {
-    uint64_t sum = 0;
-    for (uint64_t bands = (texels + entries - 1) / entries; bands > 1; bands = (bands + 15) / 16) sum += bands;
-    return sum;
-}
-
 // Look-up tables of the gather over rings, three look-ups of four places for each node, and its nodes but for the last.
 void add_ring_levels(Plan& plan, const VertexRings& rings, uint64_t problems) {
-    constexpr size_t entries_per_node = 12;
+    constexpr size_t entries_per_node = Gathers::ring_entries;
     std::vector<size_t> entries(rings.vertex_count());
     for (size_t v = 0; v < entries.size(); ++v) entries[v] = rings.ring(v).size();
     uint64_t tables = 0, inner = 0;
@@ -55,12 +48,8 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     const uint64_t map_texels = problems * options.view_side * options.view_side;
     const TilePlaces places(atlas);
     const uint64_t tiles = uint64_t(places.columns) * places.rows;
-    uint64_t width = 1, height = 1;
-    for (uint32_t view : views) {
-        width = std::max<uint64_t>(width, dataset.views[view].camera.width);
-        height = std::max<uint64_t>(height, dataset.views[view].camera.height);
-    }
-    const uint64_t pixels = width * height;
+    const auto [width, height] = largest_image(dataset, views);
+    const uint64_t pixels = uint64_t(width) * uint64_t(height);
     const int bits = ImageStream(dataset, StreamSource::disk, fragment_options.space).bits();
     const uint64_t stored = fragment_options.storage == Storage::fp32 ? float4 : half4;
     const uint64_t summed = fragment_options.sums == Sums::fp32 ? float4 : half4;
@@ -88,9 +77,10 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
              summed);
     plan.add("sums of problems over maps", fmt::format("6 x {} x {}", grid.columns, grid.rows), 6 * problems, float4);
     plan.add("tiles drawn", "2 sets", 2 * tiles, 4);
-    const uint64_t texels = atlas.texels_per_tile();
-    plan.add("sums of tiles", "3 corners, and levels below", tiles * (3 + bands_of(texels, 15) + bands_of(texels, 7)),
-             float4);
+    uint64_t bands = 0;
+    for (int entries : {Gathers::tile_entries, Gathers::product_entries})
+        for (int of_level : Gathers::tile_bands(int(atlas.texels_per_tile()), entries)) bands += uint64_t(of_level);
+    plan.add("sums of tiles", "3 corners, and levels below", tiles * (3 + bands), float4);
     uint64_t view_sums = 0;
     for (int side = (options.view_side + 3) / 4; side > 1; side = (side + 3) / 4) view_sums += problems * side * side;
     plan.add("sums of view maps", "levels", view_sums, float4);

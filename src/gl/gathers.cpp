@@ -6,7 +6,7 @@ namespace radiafit {
 namespace {
 
 constexpr uint32_t no_place = 0xffffffffu;
-constexpr size_t entries_per_node = 12;  // and three look-ups for their places
+constexpr size_t entries_per_node = Gathers::ring_entries;
 
 Defines with(Defines defines, Gather gather) {
     if (gather == Gather::squares) defines.push_back({"SQUARE", ""});
@@ -20,14 +20,19 @@ uint32_t packed(int x, int y, int layer) { return uint32_t(x) | uint32_t(y) << 1
 
 }  // namespace
 
+std::vector<int> Gathers::tile_bands(int texels, int entries) {
+    std::vector<int> levels;
+    for (int bands = (texels + entries - 1) / entries; bands > 1; bands = (bands + 15) / 16) levels.push_back(bands);
+    return levels;
+}
+
 Gathers::Gathers(const MapShape& shape, Storage storage)
     : marks_(TilePlaces(*shape.atlas)), tile_sums_(GL_RGBA32F, marks_.places().columns, marks_.places().rows, 3) {
     for (int corner = 0; corner < 3; ++corner) tile_targets_.push_back(Framebuffer({{&tile_sums_, corner}}));
     const Defines defines = shape.defines(storage), product = defines + Defines{{"PRODUCT", ""}};
-    // 16 look-ups, one of them for the tile.
-    tile_gather_ =
-        make_tile_gather(shape, 15, {defines, with(defines, Gather::squares), with(defines, Gather::maximum)});
-    product_gather_ = make_tile_gather(shape, 7, {product, product + Defines{{"DIAGONAL", ""}}});
+    tile_gather_ = make_tile_gather(shape, tile_entries,
+                                    {defines, with(defines, Gather::squares), with(defines, Gather::maximum)});
+    product_gather_ = make_tile_gather(shape, product_entries, {product, product + Defines{{"DIAGONAL", ""}}});
     make_ring_levels(shape);
     for (Gather gather : all_gathers)
         ring_programs_[int(gather)] =
@@ -44,8 +49,7 @@ Gathers::TileGather Gathers::make_tile_gather(const MapShape& shape, int entries
     for (size_t i = 0; i < variants.size(); ++i)
         gather.first[i] = Program::draw("common/whole.vert", "gather/tile_texels.frag",
                                         variants[i] + band_rows + Defines{{"ENTRIES", std::to_string(entries)}});
-    const int texels = int(shape.atlas->texels_per_tile());
-    for (int bands = (texels + entries - 1) / entries; bands > 1; bands = (bands + 15) / 16) {
+    for (int bands : tile_bands(int(shape.atlas->texels_per_tile()), entries)) {
         Bands level;
         level.sums = Texture(GL_RGBA32F, columns, rows * bands, 1);
         level.target = Framebuffer({{&level.sums, 0}});

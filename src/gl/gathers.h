@@ -15,6 +15,11 @@ enum class Gather { sum, squares, maximum };
 /// valence; and texels of a view map likewise.
 class Gathers {
 public:
+    /// Look-ups for entries in one pass. Of the 16, gathers over tiles take one for the tile; rings three for places.
+    static constexpr int tile_entries = 15, product_entries = 7, ring_entries = 12;
+    /// Levels of a gather inside tiles but the last, which has one: bands that each leaves of a tile.
+    static std::vector<int> tile_bands(int texels, int entries);
+
     Gathers(const MapShape& shape, Storage storage);
 
     /// Which tiles count; to be called whenever the mesh draws others than before.
