@@ -307,12 +307,8 @@ TEST_F(SampleListTest, IsTheSameForAnyNumberOfThreads) {
     const Dataset dataset = make(Encoding::u8_srgb, 9);
     const TriangleAtlas atlas(dataset.mesh, 8);
     const std::vector<uint32_t> views{8, 0, 3, 5, 1, 2, 7};  // any order, any subset
-    std::vector<std::unique_ptr<RasterDistributor>> owners;
-    std::vector<Distributor*> workers;
-    for (int k = 0; k < 5; ++k) {
-        owners.push_back(std::make_unique<RasterDistributor>(atlas));
-        workers.push_back(owners.back().get());
-    }
+    const auto owners = raster_distributors(atlas, 5);
+    const std::vector<Distributor*> workers = worker_pointers(owners);
     set_thread_count(1);
     DistributionStatistics one, many;
     const SampleList reference = build_sample_list(dataset, atlas, views, workers, TargetSpace::stored, &one);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <memory>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -40,31 +39,21 @@ Star& star() {
     return scene;
 }
 
-std::vector<std::unique_ptr<RasterDistributor>> distributors(const TriangleAtlas& atlas) {
-    std::vector<std::unique_ptr<RasterDistributor>> out;
-    for (int i = 0; i < thread_count(); ++i) out.push_back(std::make_unique<RasterDistributor>(atlas));
-    return out;
-}
-std::vector<Distributor*> pointers(const std::vector<std::unique_ptr<RasterDistributor>>& owned) {
-    std::vector<Distributor*> out;
-    for (const auto& d : owned) out.push_back(d.get());
-    return out;
-}
-
 struct Written {
     TemporaryFolder folder;
     RecordStatistics statistics;
     Written(const TriangleAtlas& atlas, const RecordOptions& options) {
-        const auto owned = distributors(atlas);
+        const auto owned = raster_distributors(atlas);
         statistics = write_records(folder.path(), star().dataset, atlas, star().rings, star().dataset.split(false),
-                                   pointers(owned), options);
+                                   worker_pointers(owned), options);
     }
     DiskRecords records(const std::string& key = "") const { return {folder.path(), key}; }
 };
 
 SampleList list_of(const TriangleAtlas& atlas, TargetSpace space = TargetSpace::stored) {
-    const auto owned = distributors(atlas);
-    return build_sample_list(star().dataset, atlas, star().dataset.split(false), pointers(owned), space, nullptr);
+    const auto owned = raster_distributors(atlas);
+    return build_sample_list(star().dataset, atlas, star().dataset.split(false), worker_pointers(owned), space,
+                             nullptr);
 }
 
 LfmOptions model(int terms = 1, int surface_side = 8) {

@@ -49,12 +49,8 @@ struct Scene {
           rings(dataset.mesh),
           folder(fs::temp_directory_path() / "radiafit-bench", AtomicFolder::Existing::replace),
           peaks(measure_cpu_peaks()) {
-        std::vector<std::unique_ptr<RasterDistributor>> owned;
-        std::vector<Distributor*> workers;
-        for (int i = 0; i < thread_count(); ++i) {
-            owned.push_back(std::make_unique<RasterDistributor>(atlas));
-            workers.push_back(owned.back().get());
-        }
+        const auto owned = raster_distributors(atlas);
+        const std::vector<Distributor*> workers = worker_pointers(owned);
         list = build_sample_list(dataset, atlas, dataset.split(false), workers, TargetSpace::stored, nullptr);
         write_records(folder.path(), dataset, atlas, rings, dataset.split(false), workers, {});
         records = std::make_unique<DiskRecords>(folder.path(), "");
@@ -75,8 +71,8 @@ void tell(benchmark::State& state, double seconds, double samples, Cost cost, in
     state.counters["gflop_per_s"] = 1e-9 * total * cost.flops / seconds;
     state.counters["of_fma_peak"] = 1e-9 * total * cost.flops / seconds / threads / scene->peaks.fma_gflop_s;
     const double samples_bytes = cost.bytes * scene->records->vertex(scene->vertex).samples;
-    if (samples_bytes < 48 * 1024) return;  // small datasets stay in L1
-    state.counters["of_L2_peak"] = 1e-9 * total * cost.bytes / seconds / threads / scene->peaks.l2_gb_s;
+    if (samples_bytes < 48 * 1024) return;  // these stay in L1
+    state.counters["of_l2_peak"] = 1e-9 * total * cost.bytes / seconds / threads / scene->peaks.l2_gb_s;
 }
 
 /// The median vertex, loaded, at its start and along its gradient.

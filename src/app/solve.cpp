@@ -21,11 +21,7 @@ void reject_unseen(const Dataset& dataset) {
                     ": no training view sees the mesh; check that mesh and calibration share one frame");
 }
 
-std::vector<Distributor*> Distributors::workers() const {
-    std::vector<Distributor*> out;
-    for (const auto& d : owned) out.push_back(d.get());
-    return out;
-}
+std::vector<Distributor*> Distributors::workers() const { return worker_pointers(owned); }
 
 Distributors make_distributors(const TriangleAtlas& atlas, const FitRequest& request) {
     Distributors out;
@@ -33,7 +29,7 @@ Distributors make_distributors(const TriangleAtlas& atlas, const FitRequest& req
         out.context = Context::create(context_options(request));
         out.owned.push_back(std::make_unique<GlDistributor>(atlas));
     } else {
-        for (int i = 0; i < thread_count(); ++i) out.owned.push_back(std::make_unique<RasterDistributor>(atlas));
+        out.owned = raster_distributors(atlas);
     }
     return out;
 }

@@ -15,7 +15,7 @@
 namespace radiafit {
 
 enum class RecordKind {
-    compact,  ///< stored channels and the place in the vertex's maps: 4 to 10 bytes a sample
+    compact,  ///< stored channels and the place in the vertex's maps: 4 to 10 bytes a sample and vertex
     full      ///< the paper's: target, residual, surface-map coordinate, three view-map coordinates; 56 bytes
 };
 

@@ -108,4 +108,16 @@ void RasterDistributor::distribute(const Camera& camera, const TargetImage& imag
     out.kept_pixels = kept;
 }
 
+std::vector<std::unique_ptr<Distributor>> raster_distributors(const TriangleAtlas& atlas, int count) {
+    std::vector<std::unique_ptr<Distributor>> out;
+    for (int i = 0; i < count; ++i) out.push_back(std::make_unique<RasterDistributor>(atlas));
+    return out;
+}
+
+std::vector<Distributor*> worker_pointers(const std::vector<std::unique_ptr<Distributor>>& distributors) {
+    std::vector<Distributor*> out;
+    for (const auto& d : distributors) out.push_back(d.get());
+    return out;
+}
+
 }  // namespace radiafit

@@ -1,4 +1,7 @@
 #pragma once
+#include <memory>
+
+#include "base/parallel.h"
 #include "geometry/raster.h"
 #include "samples/distributor.h"
 
@@ -21,5 +24,9 @@ private:
     std::vector<float> weights_[3];      ///< barycentric weights of a tile's texels, padded to whole vectors
     std::vector<uint32_t> tile_pixels_;  ///< where a tile's texels project to, padded likewise
 };
+
+/// Workers for build_sample_list() and write_records(), one for each thread; see worker_pointers().
+std::vector<std::unique_ptr<Distributor>> raster_distributors(const TriangleAtlas& atlas, int count = thread_count());
+std::vector<Distributor*> worker_pointers(const std::vector<std::unique_ptr<Distributor>>& distributors);
 
 }  // namespace radiafit
