@@ -1,6 +1,5 @@
 #pragma once
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <functional>
@@ -10,28 +9,10 @@
 #include "base/rng.h"
 #include "fit/fit_folder.h"
 #include "scenes.h"
+#include "temporary_folder.h"
 
 /// A packed dataset on disk and fits with random parameters, for the tests of fit/ and eval/.
 namespace radiafit::testing {
-
-/// A fresh folder that goes with the test.
-class TemporaryFolder {
-public:
-    TemporaryFolder() {
-        static int count = 0;
-        path_ = std::filesystem::temp_directory_path() /
-                ("radiafit-test-" + std::to_string(getpid()) + "-" + std::to_string(count++));
-        std::filesystem::create_directories(path_);
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
 
 /// Writes u8-srgb views: pixel(view, x, y, channel) gives the bytes. Views 2, 5, 8 ... are held out. Opened again.
 inline Dataset write_dataset(const std::filesystem::path& folder, Dataset header,

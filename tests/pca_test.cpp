@@ -1,252 +1,23 @@
-// Factorization of the resampled light field: triangulation, resampling, singular values, and what comes out of them.
+// Factorization of the resampled light field: resampling, and what comes out of it.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
-#include <numbers>
 #include <numeric>
 
 #include "app/solve.h"
 #include "base/parallel.h"
+#include "convex_hull.h"
 #include "dataset/synthetic/synthetic.h"
 #include "fit_scene.h"
 #include "geometry/raster.h"
 #include "mesh_shapes.h"
 #include "reference/pca_solver.h"
-#include "reference/triangulation.h"
-#include "reference/truncated_svd.h"
 
 namespace radiafit {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
-
-double cross(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
-    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
-
-/// Corners of the convex hull, counter-clockwise (Andrew's monotone chain).
-std::vector<Vec2d> hull_of(std::vector<Vec2d> points) {
-    std::sort(points.begin(), points.end(),
-              [](const Vec2d& a, const Vec2d& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
-    std::vector<Vec2d> hull;
-    for (int side = 0; side < 2; ++side) {
-        const size_t first = hull.size();
-        for (const Vec2d& p : points) {
-            while (hull.size() >= first + 2 && cross(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-    return hull;
-}
-
-double distance_to(const Vec2d& a, const Vec2d& b, const Vec2d& p) {
-    const double length = (b - a).squaredNorm();
-    const double u = length > 0 ? std::clamp((b - a).dot(p - a) / length, 0.0, 1.0) : 0;
-    return (a + u * (b - a) - p).norm();
-}
-
-std::vector<Vec2d> random_points(int count, Rng& rng) {
-    std::vector<Vec2d> points;
-    for (int i = 0; i < count; ++i) points.emplace_back(rng.uniform(), rng.uniform());
-    return points;
-}
-
-std::vector<Vec2d> grid_points(int side) {
-    std::vector<Vec2d> points;
-    for (int i = 0; i < side * side; ++i) points.emplace_back(0.3 + 0.1 * (i % side), 0.1 * (i / side));
-    return points;
-}
-
-std::vector<Vec2d> circle_points(int count) {
-    std::vector<Vec2d> points;
-    for (int i = 0; i < count; ++i) {
-        const double angle = 2 * std::numbers::pi * i / count;
-        points.emplace_back(0.5 + 0.5 * std::cos(angle), 0.5 + 0.5 * std::sin(angle));
-    }
-    return points;
-}
-
-/// Sets with triangles, regular and degenerate.
-std::vector<std::vector<Vec2d>> planar_sets() {
-    Rng rng(3);
-    std::vector<std::vector<Vec2d>> sets = {grid_points(2), grid_points(7), circle_points(3), circle_points(40)};
-    for (int count : {3, 4, 5, 10, 60, 300}) sets.push_back(random_points(count, rng));
-    sets.push_back(random_points(30, rng));  // every point three times
-    for (int i = 0; i < 60; ++i) sets.back().push_back(sets.back()[size_t(i)]);
-    sets.push_back(random_points(20, rng));  // far away, tiny
-    for (Vec2d& p : sets.back()) p = Vec2d(100, -7) + 1e-4 * p;
-    sets.push_back(random_points(50, rng));  // almost on one line
-    for (Vec2d& p : sets.back()) p.y() = 2 * p.x() + 1e-4 * p.y();
-    return sets;
-}
-
-TEST(Triangulation, IsDelaunayAndFillsTheHull) {
-    for (const std::vector<Vec2d>& points : planar_sets()) {
-        SCOPED_TRACE(points.size());
-        const Triangulation triangulation(points);
-        Vec2d low = points[0], high = points[0];
-        for (const Vec2d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-        const double extent = (high - low).maxCoeff();
-        double area = 0;
-        std::vector<bool> used(points.size());
-        for (const auto& t : triangulation.triangles()) {
-            const Vec2d &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
-            for (uint32_t i : t) used[i] = true;
-            EXPECT_GT(cross(a, b, c), 0);
-            area += cross(a, b, c) / 2;
-            // a point d is inside the circumcircle where the lifted determinant is positive
-            for (const Vec2d& d : points) {
-                Eigen::Matrix3d lifted;
-                for (int i = 0; i < 3; ++i) {
-                    const Vec2d e = (points[t[size_t(i)]] - d) / extent;
-                    lifted.row(i) << e.x(), e.y(), e.squaredNorm();
-                }
-                ASSERT_LT(lifted.determinant(), 1e-12);
-            }
-        }
-        const std::vector<Vec2d> hull = hull_of(points);
-        double hull_area = 0, perimeter = 0, border = 0;
-        for (size_t i = 0; i < hull.size(); ++i) {
-            hull_area += cross(hull[0], hull[i], hull[(i + 1) % hull.size()]) / 2;
-            perimeter += (hull[(i + 1) % hull.size()] - hull[i]).norm();
-        }
-        for (const auto& s : triangulation.border()) border += (points[s[1]] - points[s[0]]).norm();
-        EXPECT_NEAR(area, hull_area, 1e-9 * extent * extent);
-        EXPECT_NEAR(border, perimeter, 1e-9 * extent);
-        for (size_t i = 0; i < points.size(); ++i) {
-            const auto twin = size_t(std::find(points.begin(), points.end(), points[i]) - points.begin());
-            EXPECT_EQ(used[i], twin == i) << "each place once, by its first point";
-        }
-    }
-}
-
-TEST(Triangulation, ReproducesLinearFunctionsInsideAndTheNearestHullPointOutside) {
-    Rng rng(5);
-    for (const std::vector<Vec2d>& points : planar_sets()) {
-        SCOPED_TRACE(points.size());
-        const Triangulation triangulation(points);
-        Vec2d low = points[0], high = points[0];
-        for (const Vec2d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-        const double extent = (high - low).maxCoeff();
-        const std::vector<Vec2d> hull = hull_of(points);
-        for (int i = 0; i < 300; ++i) {
-            const Vec2d place = low - 0.2 * (high - low) +
-                                1.4 * (high - low).cwiseProduct(Vec2d(double(rng.uniform()), double(rng.uniform())));
-            const Triangulation::Weights w = triangulation.at(place);
-            Vec2d at = Vec2d::Zero();
-            for (size_t k = 0; k < 3; ++k) {
-                EXPECT_GE(w.weight[k], 0);
-                at += w.weight[k] * points[w.point[k]];
-            }
-            EXPECT_NEAR(w.weight[0] + w.weight[1] + w.weight[2], 1, 1e-12);
-            double margin = 1e300, nearest = 1e300;  // signed distance inside; distance to the hull's border
-            for (size_t k = 0; k < hull.size(); ++k) {
-                const Vec2d &a = hull[k], &b = hull[(k + 1) % hull.size()];
-                margin = std::min(margin, cross(a, b, place) / (b - a).norm());
-                nearest = std::min(nearest, distance_to(a, b, place));
-            }
-            if (std::abs(margin) < 1e-9 * extent) continue;
-            EXPECT_EQ(w.inside, margin > 0);
-            EXPECT_NEAR((at - place).norm(), margin > 0 ? 0 : nearest, 1e-9 * extent);
-        }
-    }
-}
-
-TEST(Triangulation, PointsOnOneLineAndFewerThanThree) {
-    Rng rng(7);
-    std::vector<std::vector<Vec2d>> sets = {{{0.3, 0.4}}, {{0.3, 0.4}, {0.3, 0.4}}, {{0, 0}, {1, 2}}, {{5, 5}, {5, 6}}};
-    for (const Vec2d& along : {Vec2d(1, 0), Vec2d(0, 1), Vec2d(0.3, -0.7)}) {
-        sets.emplace_back();
-        for (int i = 0; i < 12; ++i) sets.back().push_back(Vec2d(0.1, 0.2) + double(rng.index(9)) * along);
-    }
-    for (const std::vector<Vec2d>& points : sets) {
-        const Triangulation triangulation(points);
-        EXPECT_TRUE(triangulation.triangles().empty());
-        for (int i = 0; i < 50; ++i) {
-            const Vec2d place(double(rng.uniform(-3, 8)), double(rng.uniform(-8, 8)));
-            const Triangulation::Weights w = triangulation.at(place);
-            EXPECT_FALSE(w.inside);
-            Vec2d at = Vec2d::Zero();
-            for (size_t k = 0; k < 3; ++k) at += w.weight[k] * points[w.point[k]];
-            double nearest = 1e300;
-            for (const Vec2d& a : points)
-                for (const Vec2d& b : points) nearest = std::min(nearest, distance_to(a, b, place));
-            EXPECT_NEAR((at - place).norm(), nearest, 1e-9);
-        }
-    }
-    EXPECT_THROW(Triangulation({}), std::invalid_argument);
-    const std::vector<Vec2d> bad = {{0, 0}, {1, std::nan("")}};
-    EXPECT_THROW(Triangulation{bad}, std::invalid_argument);
-}
-
-MatrixXd random_matrix(int rows, int columns, Rng& rng) {
-    MatrixXd a(rows, columns);
-    for (Index i = 0; i < a.size(); ++i) a.data()[i] = double(rng.uniform(-1, 1));
-    return a;
-}
-
-TEST(TruncatedSvd, AgreesWithTheFullDecomposition) {
-    Rng rng(11);
-    std::vector<MatrixXd> matrices = {random_matrix(40, 12, rng), random_matrix(9, 30, rng), random_matrix(1, 5, rng),
-                                      random_matrix(5, 1, rng), MatrixXd::Zero(6, 4)};
-    matrices.push_back(random_matrix(20, 2, rng) * random_matrix(2, 15, rng));  // rank 2
-    matrices.push_back(matrices.back().transpose());
-    matrices.push_back(MatrixXd::Constant(20, 15, -0.3));
-    for (const MatrixXd& a : matrices)
-        for (int terms : {1, 2, 3, 6}) {
-            SCOPED_TRACE(std::to_string(a.rows()) + " x " + std::to_string(a.cols()) + ", " + std::to_string(terms));
-            const Eigen::JacobiSVD<MatrixXd> full(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
-            const Index kept = std::min<Index>(terms, full.singularValues().size());
-            const MatrixXd best = full.matrixU().leftCols(kept) * full.singularValues().head(kept).asDiagonal() *
-                                  full.matrixV().leftCols(kept).transpose();
-            const TruncatedSvd svd = truncated_svd(a, terms);
-            ASSERT_EQ(svd.g.cols(), terms);
-            ASSERT_EQ(svd.h.cols(), terms);
-            EXPECT_LT((svd.g * svd.h.transpose() - best).norm(), 1e-8 * std::max(1.0, a.norm()));
-            for (Index k = 0; k < terms; ++k) {
-                if (k >= kept || full.singularValues()[k] < 1e-7 * full.singularValues()[0] || a.norm() == 0) {
-                    EXPECT_EQ(svd.g.col(k).norm() + svd.h.col(k).norm(), 0);
-                    continue;
-                }
-                EXPECT_NEAR(svd.h.col(k).squaredNorm(), double(a.cols()), 1e-9 * double(a.cols()));
-                EXPECT_GE(svd.h.col(k).sum(), 0);
-            }
-        }
-}
-
-TEST(TruncatedSvd, RefinementApproachesItFromAnywhere) {
-    Rng rng(13);
-    for (const auto& [rows, columns] : {std::pair{50, 20}, {12, 30}}) {
-        const MatrixXd a = random_matrix(rows, columns, rng);
-        const double least = (a -
-                              [&] {
-                                  const TruncatedSvd best = truncated_svd(a, 3);
-                                  return MatrixXd(best.g * best.h.transpose());
-                              }())
-                                 .norm();
-        TruncatedSvd svd{MatrixXd::Zero(rows, 3), random_matrix(columns, 3, rng)};
-        double before = a.norm();
-        for (int i = 0; i < 300; ++i) {
-            refine(a, svd);
-            const double now = (a - svd.g * svd.h.transpose()).norm();
-            ASSERT_LE(now, before * (1 + 1e-12));
-            before = now;
-        }
-        EXPECT_NEAR(before, least, 1e-6 * least);
-    }
-    const MatrixXd one = MatrixXd::Constant(9, 7, 0.4);  // lacks the rank for three terms
-    TruncatedSvd of_one = truncated_svd(one, 3);
-    refine(one, of_one);
-    EXPECT_LT((of_one.g * of_one.h.transpose() - one).norm(), 1e-12);
-    EXPECT_EQ(of_one.h.rightCols(2).norm(), 0);
-    TruncatedSvd none{MatrixXd::Zero(4, 2), MatrixXd::Zero(3, 2)};
-    refine(MatrixXd::Zero(4, 3), none);
-    EXPECT_EQ(none.g.norm() + none.h.norm(), 0);
-}
+using testing::cross;
+using testing::hull_of;
 
 TEST(Resampling, ReachesExactlyTheViewTexelsThatALookUpCan) {
     for (int m : {2, 3, 8, 16}) {
@@ -478,7 +249,7 @@ TEST(Pca, TexelsLookUpTheirPixels) {
     }
     const auto pixel = [](size_t view, int x, int y, int c) { return uint8_t(10 + 2 * x + y + int(view) * c); };
     for (bool masks : {false, true}) {
-        const testing::TemporaryFolder folder;
+        const TemporaryFolder folder;
         const Dataset dataset = testing::write_dataset(folder.path() / "data", header, pixel, masks);
         const TriangleAtlas atlas(dataset.mesh, 16);
         TileViews results[2];
@@ -538,7 +309,7 @@ TEST(Pca, TexelsLookUpTheirPixels) {
 }
 
 TEST(Pca, BetweenTheMeanAndTheNonlinearOptimum) {
-    const testing::TemporaryFolder folder;
+    const TemporaryFolder folder;
     generate_synthetic({.shape = "star", .scale = "smoke"}, folder.path() / "star");
     const Dataset dataset = open_dataset(folder.path() / "star");
     FitRequest request;
