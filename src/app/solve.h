@@ -18,8 +18,8 @@
 /// line and for experiments alike.
 namespace radiafit {
 
-/// What to fit with; names as on the command line. resolve() turns names into options and throws UserError for an
-/// unknown one, naming those that exist.
+/// What to fit with; names as on the command line. check() throws UserError for an unknown name, telling those that
+/// exist, and for a value out of range; it does not mind an option that means nothing to the solver.
 struct FitRequest {
     std::string solver = "stream";    ///< a name in solvers()
     std::string engine = "cpu";       ///< cpu | fragment
