@@ -18,6 +18,7 @@
 #include "model/lfm_start.h"
 #include "reference/als_solver.h"
 #include "reference/ceres_solver.h"
+#include "reference/varpro_solver.h"
 #include "report/csv.h"
 #include "report/table.h"
 #include "samples/disk_records.h"
@@ -151,6 +152,7 @@ std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, c
     ours("cg modern", Rule::cg_modern);
     ours("cg paper", Rule::cg_paper);
     ours("sd", Rule::steepest_descent);
+    reference("varpro", "", varpro_solver(model, {.iterations = o.cap}));
     reference("als", "", als_solver(model, {.iterations = o.cap}));
     for (const CeresSetting& s : ceres_settings())
         reference("ceres", s.name, ceres_solver(model, {.setting = s.name, .iterations = o.cap}));

@@ -101,16 +101,20 @@ Lanes<double> lfm_error(const LfmVertex& vertex, const Lanes<double>* p) {
             sum += r * r;
         }
     }
-    V error = 0.5 * vertex.inverse_density * sum;
+    return 0.5 * vertex.inverse_density * sum + lfm_penalties(vertex, p);
+}
+
+Lanes<double> lfm_penalties(const LfmVertex& vertex, const Lanes<double>* p) {
+    const size_t tile = vertex.tile->texel_count(), width = tile * vertex.terms();
+    const int terms = vertex.options.terms;
+    V error{};
     std::vector<V> unused(vertex.size()), scratch(2 * std::max(tile, vertex.view->texel_count()));
-    for (size_t map = 0; map < vertex.maps; ++map) {
-        const size_t at = map * tile * terms;
-        add_smoothness<double>(*vertex.tile, int(terms), broadcast3(vertex.lambda_surface), p + at, &unused[at], error,
+    for (size_t at = 0; at < vertex.view_begin(); at += width)
+        add_smoothness<double>(*vertex.tile, terms, broadcast3(vertex.lambda_surface), p + at, &unused[at], error,
                                scratch.data());
-    }
-    add_smoothness<double>(*vertex.view, int(terms), vertex.lambda_view, p + vertex.view_begin(),
+    add_smoothness<double>(*vertex.view, terms, vertex.lambda_view, p + vertex.view_begin(),
                            &unused[vertex.view_begin()], error, scratch.data());
-    add_bounds<double>(vertex.options, vertex.size() / terms, p, unused.data(), error);
+    add_bounds<double>(vertex.options, vertex.size() / vertex.terms(), p, unused.data(), error);
     return error;
 }
 

@@ -40,6 +40,13 @@ struct LfmVertex {
     size_t surface_texels() const { return maps * tile->texel_count(); }
     size_t view_begin() const { return surface_texels() * terms(); }  ///< lane of the view map's first term
     size_t size() const { return view_begin() + view->texel_count() * terms(); }
+    /// Where each map's groups begin [maps + 1].
+    std::vector<size_t> first_groups() const {
+        std::vector<size_t> out;
+        for (size_t i = 0; i < groups.size(); ++i)
+            while (out.size() <= groups[i].map) out.push_back(i);
+        return out;
+    }
     /// View texel j of 4 of a look-up.
     size_t corner(const Group& g, int j) const {
         return g.texel + size_t(j & 1) + (j & 2 ? size_t(options.view_side) : 0);
@@ -82,5 +89,7 @@ private:
 
 /// E_t of the three problems at p, sample by sample.
 Lanes<double> lfm_error(const LfmVertex& vertex, const Lanes<double>* p);
+/// lambda E_r + mu E_b alone.
+Lanes<double> lfm_penalties(const LfmVertex& vertex, const Lanes<double>* p);
 
 }  // namespace radiafit

@@ -1,0 +1,192 @@
+#include "reference/half_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace radiafit {
+namespace {
+
+using V = Lanes<double>;
+
+}  // namespace
+
+Smoothness::Smoothness(const MapNeighbours& map) {
+    const size_t n = map.texel_count();
+    std::vector<double> dense(n * n, 0.0);
+    for (size_t r = 0; r < n; ++r) {  // one row of L: the number kept at the centre, -1 at each neighbour
+        std::vector<std::pair<size_t, double>> row = {{r, double(map.of(r).size())}};
+        for (uint16_t j : map.of(r)) row.emplace_back(j, -1.0);
+        for (const auto& [i, a] : row)
+            for (const auto& [j, b] : row) dense[i * n + j] += a * b;
+    }
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t j = 0; j <= i; ++j)
+            if (dense[i * n + j] != 0) {
+                entries.push_back({i, j, dense[i * n + j]});
+                band = std::max(band, size_t(i - j));
+            }
+}
+
+HalfStep::HalfStep(size_t texels, size_t band, size_t terms)
+    : terms_(terms),
+      a_(texels * terms, band),
+      factor_(a_),
+      b_(texels * terms),
+      solution_(texels * terms),
+      active_(texels),
+      next_(texels) {}
+
+void HalfStep::clear() {
+    a_.clear();
+    std::fill(b_.begin(), b_.end(), V{});
+}
+
+void HalfStep::add_smoothness(const Smoothness& s, V lambda) {
+    for (const auto& e : s.entries)
+        for (size_t k = 0; k < terms_; ++k) a_.at(e.row * terms_ + k, e.column * terms_ + k) += lambda * e.value;
+}
+
+unsigned HalfStep::solve(const LfmOptions& o, V* x) {
+    V largest{};
+    for (size_t i = 0; i < a_.size(); ++i) largest = a_.at(i, i) > largest ? a_.at(i, i) : largest;
+    // Far below what moves E_t in double, and enough to hold a parameter that nothing else does.
+    const V ridge = largest > 0 ? 1e-12 * largest : V{1, 1, 1, 1};
+    for (size_t i = 0; i < a_.size(); ++i) {
+        a_.at(i, i) += ridge;
+        b_[i] += ridge * x[i];
+    }
+    beyond_bounds(o, x, active_);
+    for (int guess = 0; guess < 8; ++guess) {
+        factor_ = a_;
+        solution_ = b_;
+        for (size_t t = 0; t < active_.size(); ++t)
+            for (int c = 0; c < 3; ++c)
+                if (active_[t][c] != 0) {
+                    factor_.at(t * terms_, t * terms_)[c] += double(o.mu);
+                    solution_[t * terms_][c] += double(o.mu) * double(active_[t][c] < 0 ? o.lower : o.upper);
+                }
+        if (const unsigned bad = factor_.factor()) return bad;
+        factor_.solve(solution_.data());
+        beyond_bounds(o, solution_.data(), next_);
+        const bool same = std::equal(active_.begin(), active_.end(), next_.begin(), [](const V& p, const V& q) {
+            return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+        });
+        if (same) break;
+        std::swap(active_, next_);
+    }
+    std::copy(solution_.begin(), solution_.end(), x);
+    return 0;
+}
+
+void HalfStep::beyond_bounds(const LfmOptions& o, const V* x, std::vector<V>& out) const {
+    const V lower = broadcast3(double(o.lower)), upper = broadcast3(double(o.upper));
+    for (size_t t = 0; t < out.size(); ++t) {
+        const V value = x[t * terms_];
+        const V none{}, one = broadcast3(1.0);
+        out[t] = o.mu > 0 ? (value < lower ? -one : value > upper ? one : none) : none;
+    }
+}
+
+SurfaceStep::SurfaceStep(const LfmVertex& vertex, const Smoothness& tile)
+    : vertex_(vertex), tile_(tile), first_group_(vertex.first_groups()) {
+    const size_t terms = vertex.terms(), texels = vertex.tile->texel_count();
+    steps_.assign(vertex.maps, HalfStep(texels, tile.band * terms + terms - 1, terms));
+    sums_.resize(texels * (terms * (terms + 1) / 2 + terms));
+}
+
+/// Sums over samples per texel; K = 0 where the number of terms isn't known beforehand.
+template <int K>
+void SurfaceStep::add_samples(size_t map, const V* p) {
+    const size_t terms = K ? K : vertex_.terms(), products = terms * (terms + 1) / 2, width = products + terms;
+    const V* view = p + vertex_.view_begin();
+    std::fill(sums_.begin(), sums_.end(), V{});
+    for (size_t group = first_group_[map]; group < first_group_[map + 1]; ++group) {
+        const LfmVertex::Group& g = vertex_.groups[group];
+        V h[16];
+        for (size_t k = 0; k < terms; ++k) {
+            h[k] = V{};
+            for (int j = 0; j < 4; ++j) h[k] += g.weight[j] * view[vertex_.corner(g, j) * terms + k];
+        }
+        for (uint32_t s = g.first; s < vertex_.groups[group + 1].first; ++s) {
+            V* sum = &sums_[vertex_.local[s] * width];
+            for (size_t k = 0, n = 0; k < terms; ++k) {
+                for (size_t l = 0; l <= k; ++l, ++n) sum[n] += h[k] * h[l];
+                sum[products + k] += h[k] * vertex_.target[s];
+            }
+        }
+    }
+    LaneCholesky& a = steps_[map].a();
+    const double weight = vertex_.inverse_density;
+    for (size_t t = 0; t < vertex_.tile->texel_count(); ++t) {
+        const V* sum = &sums_[t * width];
+        for (size_t k = 0, n = 0; k < terms; ++k) {
+            for (size_t l = 0; l <= k; ++l, ++n) a.at(t * terms + k, t * terms + l) = weight * sum[n];
+            steps_[map].b()[t * terms + k] = weight * sum[products + k];
+        }
+    }
+}
+
+bool SurfaceStep::operator()(V* p) {
+    const size_t width = vertex_.tile->texel_count() * vertex_.terms();
+    for (size_t map = 0; map < vertex_.maps; ++map) {
+        steps_[map].clear();
+        switch (vertex_.terms()) {
+            case 1:
+                add_samples<1>(map, p);
+                break;
+            case 2:
+                add_samples<2>(map, p);
+                break;
+            case 3:
+                add_samples<3>(map, p);
+                break;
+            default:
+                add_samples<0>(map, p);
+        }
+        steps_[map].add_smoothness(tile_, broadcast3(vertex_.lambda_surface));
+        if (steps_[map].solve(vertex_.options, p + map * width) != 0) return false;
+    }
+    return true;
+}
+
+ViewStep::ViewStep(const LfmVertex& vertex, const Smoothness& view)
+    : vertex_(vertex),
+      view_(view),
+      step_(vertex.view->texel_count(), vertex.view->texel_count() * vertex.terms(), vertex.terms()),
+      products_(vertex.terms() * (vertex.terms() + 1) / 2),
+      sums_(vertex.terms()) {}
+
+bool ViewStep::operator()(V* p) {
+    const size_t terms = vertex_.terms();
+    const size_t texels = vertex_.tile->texel_count();
+    step_.clear();
+    LaneCholesky& a = step_.a();
+    for (size_t i = 0; i + 1 < vertex_.groups.size(); ++i) {
+        const LfmVertex::Group& g = vertex_.groups[i];
+        std::fill(products_.begin(), products_.end(), V{});
+        std::fill(sums_.begin(), sums_.end(), V{});
+        for (uint32_t s = g.first; s < vertex_.groups[i + 1].first; ++s) {
+            const V* surface = p + (g.map * texels + vertex_.local[s]) * terms;
+            for (size_t k = 0, n = 0; k < terms; ++k) {
+                for (size_t l = 0; l <= k; ++l, ++n) products_[n] += surface[k] * surface[l];
+                sums_[k] += surface[k] * vertex_.target[s];
+            }
+        }
+        for (int x = 0; x < 4; ++x) {
+            const size_t row = vertex_.corner(g, x) * terms;
+            for (size_t k = 0; k < terms; ++k) {
+                step_.b()[row + k] += g.weight[x] * vertex_.inverse_density * sums_[k];
+                for (int y = 0; y <= x; ++y) {
+                    const size_t column = vertex_.corner(g, y) * terms;
+                    const double weight = g.weight[x] * g.weight[y] * vertex_.inverse_density;
+                    for (size_t l = 0; l < (y < x ? terms : k + 1); ++l)
+                        a.at(row + k, column + l) += weight * products_[product(k, l)];
+                }
+            }
+        }
+    }
+    step_.add_smoothness(view_, vertex_.lambda_view);
+    return step_.solve(vertex_.options, p + vertex_.view_begin()) == 0;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,85 @@
+#pragma once
+#include <vector>
+
+#include "reference/lane_cholesky.h"
+#include "reference/lfm_vertex.h"
+
+/// Minimizers of E_t over one kind of map while the other stays: quadratic there, but for the bounds.
+namespace radiafit {
+
+/// Place of the product of terms k and l among those of all pairs.
+inline size_t product(size_t k, size_t l) { return k >= l ? k * (k + 1) / 2 + l : l * (l + 1) / 2 + k; }
+
+/// L'L of one kind of map, lower triangle.
+struct Smoothness {
+    struct Entry {
+        uint32_t row, column;
+        double value;
+    };
+    std::vector<Entry> entries;
+    size_t band = 0;  ///< texels
+
+    explicit Smoothness(const MapNeighbours& map);
+};
+
+/// Minimizes 1/2 x'Ax - b'x + mu E_b(x) over one map's x [texel][term] (first terms bounded).
+class HalfStep {
+public:
+    using V = Lanes<double>;
+    HalfStep(size_t texels, size_t band, size_t terms);
+
+    void clear();
+    LaneCholesky& a() { return a_; }
+    std::vector<V>& b() { return b_; }
+    void add_smoothness(const Smoothness& s, V lambda);
+    /// x holds the present values. Bit c of the result: lane c's A isn't positive definite; no lane of x is changed
+    /// then.
+    unsigned solve(const LfmOptions& o, V* x);
+    /// Of A and the bounds that the last solution is beyond.
+    const LaneCholesky& factor() const { return factor_; }
+
+private:
+    /// -1 below the lower bound, 1 above the upper, else 0.
+    void beyond_bounds(const LfmOptions& o, const V* x, std::vector<V>& out) const;
+
+    size_t terms_;
+    LaneCholesky a_, factor_;
+    std::vector<V> b_, solution_, active_, next_;
+};
+
+/// All surface maps of a vertex, given its view map.
+class SurfaceStep {
+public:
+    using V = Lanes<double>;
+    SurfaceStep(const LfmVertex& vertex, const Smoothness& tile);
+
+    /// The surface maps of p are overwritten. False where a map's system can't be solved.
+    bool operator()(V* p);
+    const LaneCholesky& factor(size_t map) const { return steps_[map].factor(); }
+
+private:
+    template <int K>
+    void add_samples(size_t map, const V* p);
+
+    const LfmVertex& vertex_;
+    const Smoothness& tile_;
+    std::vector<size_t> first_group_;  ///< [maps + 1]
+    std::vector<HalfStep> steps_;      ///< [maps]
+    std::vector<V> sums_;              ///< [texels][products of terms, then terms]
+};
+
+/// The view map of a vertex, given its surface maps.
+class ViewStep {
+public:
+    using V = Lanes<double>;
+    ViewStep(const LfmVertex& vertex, const Smoothness& view);
+    bool operator()(V* p);
+
+private:
+    const LfmVertex& vertex_;
+    const Smoothness& view_;
+    HalfStep step_;
+    std::vector<V> products_, sums_;
+};
+
+}  // namespace radiafit
