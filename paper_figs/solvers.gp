@@ -12,11 +12,11 @@ if (terminal eq 'svg') {
     set terminal pngcairo size 1000,height font 'DejaVu Sans,11'
 }
 set output output
-array color[4] = ['#d55e00', '#0072b2', '#56b4e9', '#009e73']
-array family[4] = ['two-step (this project)', 'Ceres, line search', 'Ceres, trust region', 'alternating least squares']
-array start[4] = [0.06, 0.30, 0.50, 0.70]
-kind(solver, setting) = solver eq 'two-step' ? 1 : solver eq 'als' ? 4 : strstrt(setting, 'lbfgs') + strstrt(setting, 'nonlinear') > 0 ? 2 : 3
-name(solver, setting) = solver eq 'two-step' ? setting : solver eq 'als' ? 'ALS' : setting
+array color[5] = ['#d55e00', '#0072b2', '#56b4e9', '#009e73', '#cc79a7']
+array family[5] = ['two-step', 'Ceres, line search', 'Ceres, trust region', 'alternating least squares', 'variable projection']
+array start[5] = [0.06, 0.18, 0.36, 0.55, 0.77]
+kind(solver, setting) = solver eq 'two-step' ? 1 : solver eq 'als' ? 4 : solver eq 'varpro' ? 5 : strstrt(setting, 'lbfgs') + strstrt(setting, 'nonlinear') > 0 ? 2 : 3
+name(solver, setting) = solver eq 'two-step' ? setting : solver eq 'als' ? 'ALS' : solver eq 'varpro' ? solver : setting
 span(ms) = ms < 999.5 ? sprintf('%.3g ms', ms) : sprintf('%.3g s', ms / 1e3)
 low = 10 ** floor(log10(ms_min * 0.7))
 set title "{/:Bold Solvers of light field maps: time per vertex to 1.01 × the least error}\n" . caption . "\n "
@@ -33,9 +33,9 @@ set tics nomirror
 set ytics scale 0
 set style fill solid noborder
 unset key
-do for [k=1:4] { set label k '■ ' . family[k] at screen start[k], screen 1 - 64.0 / height tc rgb color[k] }
+do for [k=1:5] { set label k '■ ' . family[k] at screen start[k], screen 1 - 64.0 / height tc rgb color[k] }
 of(k, value) = kind(strcol(1), strcol(2)) == k ? value : NaN
-plot for [k=1:4] table using (of(k, sqrt(low * $7 / $4 * 1e3))):0:(low):($7 / $4 * 1e3):($0 - 0.36):($0 + 0.36):ytic(name(strcol(1), strcol(2))) \
+plot for [k=1:5] table using (of(k, sqrt(low * $7 / $4 * 1e3))):0:(low):($7 / $4 * 1e3):($0 - 0.36):($0 + 0.36):ytic(name(strcol(1), strcol(2))) \
          every ::1 with boxxyerror lc rgb color[k], \
      table using ($7 / $4 * 1e3):0:($8 / $4 * 1e3):($9 / $4 * 1e3) every ::1 with xerrorbars pt -1 lc rgb '#333333', \
      table using ($9 / $4 * 1e3):0:(sprintf('  %s, ×%.3g; %.3g%% reach it%s', span($7 / $4 * 1e3), $10, 100 * $6, $4 < most_vertices ? sprintf('; %d vertices', $4) : '')) \

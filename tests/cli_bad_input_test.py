@@ -177,7 +177,7 @@ class Options(BadInput):
         for solver, *option in (
             ("two-step", "--engine", "fragment"), ("two-step", "--passes", "paper"), ("two-step", "--source", "disk"),
             ("pca", "--deflate"), ("pca", "--optimizer", "sd"), ("pca", "--mu", "2"), ("pca", "--records", "r"),
-            ("mean", "--terms", "3"), ("als", "--optimizer", "sd"), ("ceres", "--record", "full"),
+            ("mean", "--terms", "3"), ("als", "--optimizer", "sd"), ("varpro", "--deflate"), ("ceres", "--record", "full"),
             ("stream", "--memory", "64M"), ("stream", "--ceres", "cgnr"), ("stream", "--passes", "paper"),
             ("stream", "--storage", "fp16"), ("stream", "--sums", "fp16"),
         ):

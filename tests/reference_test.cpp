@@ -6,88 +6,17 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "cpu/lfm_problem.h"
-#include "lfm_oracle.h"
-#include "model/lfm_start.h"
 #include "reference/als_solver.h"
 #include "reference/ceres_blocks.h"
 #include "reference/ceres_solver.h"
 #include "reference/channel_energy.h"
 #include "reference/lane_cholesky.h"
-#include "scenes.h"
+#include "reference_scene.h"
 
 namespace radiafit {
 namespace {
 
-using V = Lanes<double>;
-
-LfmOptions smooth(int terms = 1, ViewLookup lookup = ViewLookup::bilinear) {
-    LfmOptions o;
-    o.terms = terms;
-    o.surface_side = 5;
-    o.view_side = 4;
-    o.lookup = lookup;
-    o.lambda_surface = 1e-2f, o.lambda_view = 2e-2f, o.mu = 0.7f;
-    o.lower = 0, o.upper = 1;
-    return o;
-}
-
-/// A sheet whose samples come from a glossy surface that no light field map of few terms holds exactly.
-struct Scene {
-    Dataset dataset;
-    TriangleAtlas atlas;
-    VertexRings rings;
-    SampleList samples;
-    LfmOptions options;
-    LfmVertices vertices;
-
-    explicit Scene(LfmOptions o, uint64_t seed = 1)
-        : dataset(testing::sheet_dataset(testing::troubled_mesh(3, 7, seed), 20, 64, seed)),
-          atlas(dataset.mesh, o.surface_side),
-          rings(dataset.mesh),
-          samples(glossy(atlas, dataset, seed)),
-          options(o),
-          vertices(dataset, atlas, rings, samples, o) {}
-
-    static SampleList glossy(const TriangleAtlas& atlas, const Dataset& dataset, uint64_t seed) {
-        SampleList list = testing::random_samples(atlas, dataset.views.size(), 0.8f, seed);
-        for (size_t tile = 0; tile < list.tile_count(); ++tile)
-            for (uint32_t g = list.tile_groups[tile]; g < list.tile_groups[tile + 1]; ++g)
-                for (uint32_t s = list.groups[g].first; s < list.groups[g + 1].first; ++s) {
-                    Sample& sample = list.samples[s];
-                    const Vec3d x = atlas.position(uint32_t(tile), sample.local).cast<double>();
-                    const Vec3d eye = (dataset.views[list.groups[g].image].camera.center() - x).normalized();
-                    for (int c = 0; c < 3; ++c) {
-                        const double diffuse = 0.3 + 0.2 * std::sin(5 * x[0] + c) * std::cos(4 * x[1]);
-                        const double gloss = 0.3 * std::pow(std::max(0.0, eye.dot(Vec3d(0.3, 0.1 * c, 0.9))), 8);
-                        const double noise = 0.02 * (sample.rgb[c] / 65535.0 - 0.5);
-                        sample.rgb[c] = uint16_t(65535 * std::clamp(diffuse + gloss + noise, 0.0, 1.0));
-                    }
-                }
-        return list;
-    }
-    size_t vertex_with_samples(size_t from = 0) const {
-        while (!vertices.statistics().samples[from]) ++from;
-        return from;
-    }
-    LfmVertex gather(size_t v) const {
-        LfmVertex out;
-        vertices.gather(v, out);
-        return out;
-    }
-};
-
-std::vector<V> random_block(size_t count, uint64_t seed) {
-    std::vector<V> out(count);
-    Rng rng(seed);
-    for (V& x : out) x = V{rng.uniform(-0.4f, 1.6f), rng.uniform(-0.4f, 1.6f), rng.uniform(-0.4f, 1.6f), 0};
-    return out;
-}
-std::vector<double> channel_of(const std::vector<V>& p, int c) {
-    std::vector<double> x;
-    for (const V& value : p) x.push_back(value[c]);
-    return x;
-}
+using namespace testing;
 
 /// Diagonally dominant systems, condition numbers below 10: A times the solution gives b back.
 TEST(LaneCholesky, Solves) {
@@ -119,32 +48,6 @@ TEST(LaneCholesky, SaysWhereAMatrixIsNotPositiveDefinite) {
     for (int c = 0; c < 3; ++c) cholesky.at(0, 0)[c] = cholesky.at(1, 1)[c] = 1;
     cholesky.at(1, 0)[2] = 2;
     EXPECT_EQ(cholesky.factor(), 4u);
-}
-
-/// E_t and its gradient as the engines define them, in double, and the magnitude of each entry's terms.
-struct Truth {
-    double error[3];
-    std::vector<V> gradient, magnitude;
-};
-Truth truth_of(const Scene& scene, size_t v, const std::vector<V>& p) {
-    LfmProblem<double> problem(scene.dataset, scene.atlas, scene.rings, scene.samples, scene.options);
-    const auto statistics = problem.count();
-    EXPECT_EQ(statistics.samples, scene.vertices.statistics().samples);
-    EXPECT_EQ(statistics.mean, scene.vertices.statistics().mean);
-    Truth out{{}, std::vector<V>(p.size()), std::vector<V>(p.size())};
-    problem.direction(v, p.data(), out.gradient.data(), nullptr, out.error);
-
-    const LfmLayout& layout = problem.layout();
-    std::vector<double> all(layout.size());
-    for (size_t i = 0; i < p.size(); ++i)
-        for (int c = 0; c < 4; ++c) all[layout.offset(v) + 4 * i + size_t(c)] = p[i][c];
-    const auto oracle = testing::lfm_oracle(scene.dataset, scene.atlas, layout, scene.options, scene.samples, all, {});
-    const double density = double(oracle.samples[v]) / double(problem.ring_texels(v));
-    for (size_t i = 0; i < p.size(); ++i)
-        for (int c = 0; c < 3; ++c)  // 64: the sum of magnitudes of a row of L'L; 1.6: the largest |p|
-            out.magnitude[i][c] = oracle.gradient[layout.offset(v) + 4 * i + size_t(c)].magnitude / density +
-                                  1.6 * (64 * double(scene.options.lambda_surface) + double(scene.options.mu));
-    return out;
 }
 
 /// Cost and gradient of a CeresVertex at x.
@@ -248,26 +151,6 @@ TEST(Reference, CeresJacobianAgainstDifferences) {
             for (size_t r = 0; r < plus.size(); ++r) ASSERT_NEAR(jacobian[i][r], (plus[r] - minus[r]) / (2 * h), 1e-10);
         }
     }
-}
-
-double gradient_norm(const Scene& scene, size_t v, const std::vector<V>& p, int c) {
-    double sum = 0;
-    for (const V& g : truth_of(scene, v, p).gradient) sum += g[c] * g[c];
-    return std::sqrt(sum);
-}
-std::vector<V> block_of(const Scene& scene, const std::vector<float>& parameters, size_t v) {
-    const LfmLayout& layout = scene.vertices.layout();
-    std::vector<V> p(layout.block_size(v) / 4);
-    for (size_t i = 0; i < p.size(); ++i)
-        for (int c = 0; c < 4; ++c) p[i][c] = double(parameters[layout.offset(v) + 4 * i + size_t(c)]);
-    return p;
-}
-
-/// Runs one vertex in double, without the rounding to float of what is returned.
-std::vector<V> solve_one(const Scene& scene, size_t v, const VertexSolver& solver, VertexRun& run) {
-    auto p = block_of(scene, lfm_start(scene.vertices.layout(), scene.vertices.statistics().mean, 1), v);
-    solver(scene.gather(v), p, run);
-    return p;
 }
 
 TEST(Ceres, EverySettingReachesTheSameMinimum) {

@@ -132,10 +132,11 @@ class Smoke(ProgramTest):
     def check_solvers(self, tables):
         rows = tables["solvers"]
         self.assertEqual({r["setting"] for r in rows if r["solver"] == "two-step"}, {"cg modern", "cg paper", "sd"})
-        self.assertEqual({r["solver"] for r in rows}, {"two-step", "als", "ceres"})
+        self.assertEqual({r["solver"] for r in rows}, {"two-step", "als", "varpro", "ceres"})
         times = [float(r["times_cg_modern"]) for r in rows]
         self.assertEqual(times, sorted(times))
         self.assertEqual([r["times_cg_modern"] for r in rows if r["setting"] == "cg modern"], ["1"])
+        self.assertEqual([r["times_varpro"] for r in rows if r["solver"] == "varpro"], ["1"])
         least = {}  # (vertex, channel): the least error of any solver
         for p in tables["problems"]:
             key = p["vertex"], p["channel"]

@@ -1,4 +1,5 @@
-// Reference solvers that take one vertex after another, from a sample list: Ceres, alternating least squares.
+// Reference solvers that take one vertex after another, from a sample list: Ceres, alternating least squares, variable
+// projection.
 #include <algorithm>
 
 #include "app/solver.h"
@@ -7,6 +8,7 @@
 #include "base/parallel.h"
 #include "reference/als_solver.h"
 #include "reference/ceres_solver.h"
+#include "reference/varpro_solver.h"
 
 namespace radiafit {
 namespace {
@@ -50,6 +52,11 @@ void solve_ceres(FitTask& task) {
 void solve_als(FitTask& task) {
     solve_by_vertices(task, als_solver(task.options, {.iterations = task.request.iterations,
                                                       .stop_residual = task.request.stop_residual}));
+}
+
+void solve_varpro(FitTask& task) {
+    solve_by_vertices(task, varpro_solver(task.options, {.iterations = task.request.iterations,
+                                                         .stop_residual = task.request.stop_residual}));
 }
 
 }  // namespace radiafit

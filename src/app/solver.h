@@ -62,6 +62,7 @@ void solve_mean(FitTask& task);
 void solve_two_step(FitTask& task);
 void solve_ceres(FitTask& task);
 void solve_als(FitTask& task);
+void solve_varpro(FitTask& task);
 void solve_pca(FitTask& task);
 
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.

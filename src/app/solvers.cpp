@@ -116,6 +116,8 @@ std::span<const Solver> solvers() {
          MODEL PENALTY SAMPLES " iterations stop_residual seed ceres "},
         {"als", "alternating least squares, vertex by vertex", solve_als,
          MODEL PENALTY SAMPLES " iterations stop_residual seed "},
+        {"varpro", "variable projection, vertex by vertex", solve_varpro,
+         MODEL PENALTY SAMPLES " iterations stop_residual seed "},
         {"mean", "the trivial baseline: one mean colour per texel", solve_mean, SAMPLES " space surface_side "},
     };
     return table;

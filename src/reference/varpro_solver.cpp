@@ -49,8 +49,8 @@ public:
         multiply(h_, product_);
     }
 
-    /// x <- the minimizer of m + damping/2 d'Dd as a view map, damping raised until that is convex. Returns the decrease
-    /// m(0) - m(d).
+    /// x <- the minimizer of m + damping/2 d'Dd as a view map, damping raised until that is convex. Returns the
+    /// decrease m(0) - m(d).
     V step(V* x) {
         for (int attempt = 0; attempt < 30; ++attempt) {
             for (size_t i = 0; i < size_; ++i) {
