@@ -254,7 +254,8 @@ struct Summary {
     double reached_share = 0, iterations = 0, final_over_best = 0;  ///< medians over problems
     double seconds = 0, least = 0, most = 0;                        ///< to the tolerance, all its vertices
     double setup = 0, to_end = 0;
-    Ratio to_modern = {}, to_varpro = {};  ///< its seconds over those of modern conjugate gradients and of variable projection
+    Ratio to_modern = {},
+          to_varpro = {};  ///< its seconds over those of modern conjugate gradients and of variable projection
     double per_vertex(double s) const { return s / double(contestant->vertices()); }
 };
 

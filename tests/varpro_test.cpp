@@ -213,6 +213,9 @@ TEST(Varpro, StopsWhereItIsToldTo) {
     EXPECT_THROW(varpro_solver(paper, {}), UserError);
     paper.mu = 0;
     EXPECT_NO_THROW(varpro_solver(paper, {}));
+    LfmOptions large = scene.options;
+    large.view_side = 64;
+    EXPECT_THROW(varpro_solver(large, {}), UserError);
 }
 
 }  // namespace

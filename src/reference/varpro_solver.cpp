@@ -1,5 +1,7 @@
 #include "reference/varpro_solver.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -109,6 +111,12 @@ private:
 VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options) {
     if (model.mode == Mode::paper && model.mu > 0)
         throw UserError("solver 'varpro' needs the modern bounds penalty; choose --mode modern, or --mu 0");
+    const int unknowns = model.view_side * model.view_side * model.terms;
+    if (unknowns > 1024)  // some tenths of a second a step, growing with the cube
+        throw UserError(fmt::format(
+            "solver 'varpro' factors a dense matrix of view-side^2 times terms = {} rows; choose a smaller --view-side "
+            "(1024 rows at most) or another solver",
+            unknowns));
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {

@@ -11,7 +11,7 @@ struct VarproOptions {
     double stop_change = 1e-7;  ///< relative decrease of E_t by an accepted step; the 32-bit Hessian tells little below
 };
 
-/// Throws UserError for the paper's bounds penalty.
+/// Throws UserError for the paper's bounds penalty, and for more than 1024 view parameters.
 VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options);
 
 }  // namespace radiafit
