@@ -115,6 +115,11 @@ Truth write_random(const fs::path& folder, Encoding encoding, const std::vector<
             if (encoding == Encoding::f16_linear) {
                 word = half_from_float(rng.uniform(-0.5f, 3.0f));
                 values[k] = double(float_from_half(word));
+            } else if (encoding == Encoding::f32_linear) {
+                const float value = rng.uniform(-0.5f, 3.0f);
+                std::memcpy(bytes.data() + 4 * k, &value, 4);
+                values[k] = double(value);
+                continue;
             } else if (encoding == Encoding::u16_linear) {
                 word = uint16_t(rng.index(65536));
                 values[k] = word / 65535.0;
@@ -192,9 +197,10 @@ TEST_P(EncodingTest, RoundTrip) {
     for (size_t i = 0; i < shapes.size(); ++i)
         for (const double v : truth.stored[i])
             largest = std::max(largest, reference_target(encoding, space, shapes[i].gain, v));
-    // Integer encodings reserve room for their full range; random halves are measured.
+    // Integer encodings reserve room for their full range; random halves and floats are measured.
     const double full = reference_target(encoding, space, gains ? 1.7 : 1, 1);
-    const double scale = as_bytes ? 1 / 255.0 : (encoding == Encoding::f16_linear ? largest : full) / 65535;
+    const bool measured = encoding == Encoding::f16_linear || encoding == Encoding::f32_linear;
+    const double scale = as_bytes ? 1 / 255.0 : (measured ? largest : full) / 65535;
     EXPECT_NEAR(first.scale(), scale, scale * 1e-6);  // float against double
 
     TargetImage image;
@@ -222,6 +228,16 @@ TEST_P(EncodingTest, RoundTrip) {
                 ASSERT_EQ(image.masked_in(p), inside);
             }
         }
+    std::vector<float> values;
+    ImageStream exact(dataset, source, space);
+    for (uint32_t i = 0; i < shapes.size(); ++i) {
+        exact.load_values(i, values);
+        ASSERT_EQ(values.size(), truth.stored[i].size());
+        for (size_t k = 0; k < values.size(); ++k) {
+            const double target = reference_target(encoding, space, shapes[i].gain, truth.stored[i][k]);
+            ASSERT_NEAR(values[k], target, 2e-7 * (1 + std::abs(target)));  // rounded to float once
+        }
+    }
     EXPECT_GT(first.seconds(), 0);
     if (source == StreamSource::disk) {
         uint64_t once = raw_bytes;
@@ -232,7 +248,8 @@ TEST_P(EncodingTest, RoundTrip) {
 
 std::vector<EncodingCase> all_cases() {
     std::vector<EncodingCase> cases;
-    for (const Encoding e : {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear})
+    for (const Encoding e :
+         {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear})
         for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear})
             for (const StreamSource source : {StreamSource::disk, StreamSource::memory})
                 for (const bool gains : {false, true}) cases.push_back({e, space, source, gains});
@@ -319,7 +336,7 @@ TEST_F(DamagedTest, Json) {
     write_text(json_, "");
     expect_in("run radiafit generate or import again", open_complaint());
     expect_in("line 3 ", open_with("\"version\": 1", "\"version\" 1"));
-    expect_in("\"version\" is 2", open_with("\"version\": 1", "\"version\": 2"));
+    expect_in("\"version\" is 3", open_with("\"version\": 1", "\"version\": 3"));
     expect_in("\"format\" is \"gltf\"", open_with("radiafit-dataset", "gltf"));
     expect_in("u8-srgb", open_with("u8-srgb", "u8-adobe"));
     expect_in("\"encoding\" is missing", open_with("\"encoding\"", "\"coding\""));
@@ -348,6 +365,109 @@ TEST_F(DamagedTest, Cameras) {
     const size_t begin = text_.find("[[") + 2;
     const std::string entry = text_.substr(begin, text_.find(',', begin) - begin);
     expect_in("orthonormal", open_with("[[" + entry, "[[9.0"));
+}
+
+/// A dataset of two views under a light each, with a normal per texel.
+class LitTest : public DatasetTest {
+protected:
+    static constexpr int side = 3;
+    LitTest() : folder_(root_ / "set") {
+        header_.name = "lit";
+        header_.mesh = tetrahedron();
+        Rng rng(3);
+        header_.normal_map.side = side;
+        for (int i = 0; i < 4 * side * (side + 1) / 2; ++i)
+            header_.normal_map.normals.push_back(
+                Vec3f(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1) + 2).normalized());
+        lights_[0] = {Light::Kind::distant, Vec3d(1, 2, 3).normalized(), {0.1, 0.7, 1.5}};
+        lights_[1] = {Light::Kind::near, {0.3, -4, 1.0 / 3}, {0, 20, 1}};
+    }
+    static View view(std::optional<Light> light) {
+        View v;
+        v.name = "one";
+        v.camera = Camera::look_at({3, 1, 4}, {0, 0, 0}, {0, 0, 1}, 0.7, 4, 4);
+        v.light = std::move(light);
+        return v;
+    }
+    void write() const {
+        DatasetWriter writer(folder_);
+        for (const Light& light : lights_) writer.add(view(light), std::vector<uint8_t>(48).data(), {});
+        writer.finish(header_);
+    }
+    std::string open_with(const std::string& from, const std::string& to) const {
+        write();
+        std::string text = read_text(folder_ / "dataset.json");
+        const size_t at = text.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        write_text(folder_ / "dataset.json", text.replace(at, from.size(), to));
+        return complaint([&] { open_dataset(folder_); });
+    }
+
+    fs::path folder_;
+    Dataset header_;
+    std::array<Light, 2> lights_;
+};
+
+TEST_F(LitTest, LightsAndNormalsSurviveExactly) {
+    write();
+    const Dataset dataset = open_dataset(folder_);
+    ASSERT_TRUE(dataset.light_moves());
+    for (size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(dataset.views[i].light->kind, lights_[i].kind);
+        EXPECT_EQ(dataset.views[i].light->place, lights_[i].place);
+        EXPECT_EQ(dataset.views[i].light->intensity, lights_[i].intensity);
+    }
+    EXPECT_EQ(dataset.normal_map.normals, header_.normal_map.normals);
+    const TriangleAtlas atlas = reflectance_atlas(dataset, side);
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) EXPECT_EQ(atlas.normal(t), header_.normal_map.normals[t]);
+    expect_in("--surface-side 3", complaint([&] { reflectance_atlas(dataset, 4); }));
+    write();  // an earlier one is replaced, normals and all
+    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 2"), std::string::npos);
+}
+
+TEST_F(LitTest, WithoutLightsNormalsAndFloatsTheVersionIsStill1) {
+    write_random(folder_, Encoding::u16_linear, {{4, 4, false, 1}});
+    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 1"), std::string::npos);
+    const Dataset dataset = open_dataset(folder_);
+    EXPECT_FALSE(dataset.light_moves());
+    EXPECT_EQ(dataset.normal_map.side, 0);
+    const TriangleAtlas plain(dataset.mesh, 5), atlas = reflectance_atlas(dataset, 5);
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) EXPECT_EQ(atlas.normal(t), plain.normal(t));
+    write_random(folder_, Encoding::f32_linear, {{4, 4, false, 1}});
+    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 2"), std::string::npos);
+}
+
+TEST_F(LitTest, WriterRefusesLightsThatAreNone) {
+    DatasetWriter writer(folder_);
+    const std::vector<uint8_t> pixels(48);
+    const auto refused = [&](const Light& light) {
+        return complaint([&] { writer.add(view(light), pixels.data(), {}); });
+    };
+    expect_in("unit vector", refused({Light::Kind::distant, Vec3d::Zero(), Vec3d::Ones()}));
+    expect_in("not finite", refused({Light::Kind::near, Vec3d(NAN, 0, 0), Vec3d::Ones()}));
+    expect_in("intensity", refused({Light::Kind::near, Vec3d::Zero(), Vec3d(1, -1, 1)}));
+    expect_in("intensity", refused({Light::Kind::near, Vec3d::Zero(), Vec3d::Zero()}));
+    writer.add(view(lights_[0]), pixels.data(), {});
+    expect_in("all images", complaint([&] { writer.add(view(std::nullopt), pixels.data(), {}); }));
+}
+
+TEST_F(LitTest, ReaderRefusesWhatDoesNotFit) {
+    expect_in("unit vector", open_with("\"direction\":[0.2", "\"direction\":[9.2"));
+    expect_in("all must have one", open_with("\"light\":", "\"dark\":"));
+    expect_in("views[0].light", open_with("\"direction\":", "\"diction\":"));
+    expect_in("views[0].light.intensity", open_with("\"intensity\":[0.1,0.7,1.5]", "\"intensity\":[0.1,0.7]"));
+    expect_in("intensity", open_with("\"intensity\":[0.1", "\"intensity\":[-0.1"));
+    expect_in("normals.f32", open_with("{\"side\":3}", "{\"side\":4}"));
+    expect_in("normals.side", open_with("{\"side\":3}", "{\"side\":0}"));
+    write();
+    {
+        std::fstream file(folder_ / "normals.f32", std::ios::binary | std::ios::in | std::ios::out);
+        const float nan = NAN;
+        file.seekp(12 * 5).write(reinterpret_cast<const char*>(&nan), 4);
+    }
+    expect_in("normal 5 ", complaint([&] { open_dataset(folder_); }));
+    fs::remove(folder_ / "normals.f32");
+    expect_in("normals.f32", complaint([&] { open_dataset(folder_); }));
 }
 
 TEST_F(DamagedTest, ImagesThatDoNotFit) {

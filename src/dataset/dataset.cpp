@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "base/error.h"
+#include "base/file.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
 
@@ -16,7 +20,28 @@ void check_range(const fs::path& file, const View& view, const char* what, uint6
                                         view.name, offset + bytes, file_bytes));
 }
 
+/// normals.f32 for normal_map.side, of a dataset whose mesh is there.
+void read_normals(const fs::path& file, Dataset& dataset) {
+    const size_t side = size_t(dataset.normal_map.side), count = dataset.mesh.triangle_count() * side * (side + 1) / 2;
+    std::error_code error;
+    const uint64_t bytes = fs::file_size(file, error);
+    if (error) throw_damaged(file, "the file is missing or cannot be read");
+    if (bytes != count * sizeof(Vec3f))
+        throw_damaged(file, fmt::format("the file has {} bytes, but {} triangles of {} texels need {}", bytes,
+                                        dataset.mesh.triangle_count(), side * (side + 1) / 2, count * sizeof(Vec3f)));
+    dataset.normal_map.normals.resize(count);
+    InputFile(file).read(dataset.normal_map.normals.data(), 0, bytes);
+    check_normals(dataset.normal_map.normals, file.string());
+}
+
 }  // namespace
+
+void check_normals(const std::vector<Vec3f>& normals, const std::string& name) {
+    for (size_t i = 0; i < normals.size(); ++i)
+        if (!(std::abs(normals[i].norm() - 1) < 1e-4f))  // not a number either
+            throw UserError(fmt::format("{}: normal {} is ({}, {}, {}), not of unit length; normalize it", name, i,
+                                        normals[i].x(), normals[i].y(), normals[i].z()));
+}
 
 std::vector<uint32_t> Dataset::split(bool held_out) const {
     std::vector<uint32_t> indices;
@@ -29,6 +54,17 @@ uint64_t Dataset::image_bytes() const {
     uint64_t bytes = 0;
     for (const View& view : views) bytes += pixel_bytes(view.camera, encoding);
     return bytes;
+}
+
+TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
+    TriangleAtlas atlas(dataset.mesh, side);
+    const NormalMap& map = dataset.normal_map;
+    if (map.side == 0) return atlas;
+    if (map.side != side)
+        throw UserError(fmt::format("{}: its normals were made for surface side {}, not {}; fit with --surface-side {}",
+                                    dataset.folder.string(), map.side, side, map.side));
+    atlas.set_normals(map.normals);
+    return atlas;
 }
 
 Dataset open_dataset(const fs::path& folder) {
@@ -59,6 +95,7 @@ Dataset open_dataset(const fs::path& folder) {
         throw_damaged(mesh_file,
                       fmt::format("{} vertices and {} triangles, but {} says {} and {}", dataset.mesh.vertex_count(),
                                   dataset.mesh.triangle_count(), dataset_json_name, sizes.vertices, sizes.triangles));
+    if (dataset.normal_map.side > 0) read_normals(folder / dataset_normals_name, dataset);
     return dataset;
 }
 

@@ -7,29 +7,39 @@
 #include <string>
 #include <vector>
 
+#include "geometry/atlas.h"
 #include "geometry/camera.h"
+#include "geometry/light.h"
 #include "geometry/mesh.h"
 
 /// The packed dataset: the only thing a fitting program reads. A folder with dataset.json, mesh.ply and images.bin,
 /// described field by field in docs/formats.md.
 namespace radiafit {
 
-enum class Encoding { u8_srgb, u8_linear, u16_linear, f16_linear };
+enum class Encoding { u8_srgb, u8_linear, u16_linear, f16_linear, f32_linear };
 std::string to_string(Encoding encoding);  ///< as in dataset.json: "u8-srgb"
 int bytes_per_channel(Encoding encoding);
 
 /// One posed photograph.
 struct View {
     std::string name;
-    Camera camera;              ///< of the stored (cropped) rectangle
-    bool held_out = false;      ///< never fitted, only judged
-    double gain = 1;            ///< linear: fitted values are encode(gain * decode(stored)); 1 where exposure was fixed
+    Camera camera;  ///< of the stored (cropped) rectangle
+    std::optional<Light>
+        light;              ///< what lit this image, where the light moves; all views of a dataset have one, or none
+    bool held_out = false;  ///< never fitted, only judged
+    double gain = 1;        ///< linear: fitted values are encode(gain * decode(stored)); 1 where exposure was fixed
     uint64_t pixel_offset = 0;  ///< byte offset in images.bin of [height][width][3], row 0 on top; multiple of 4096
     /// Byte offset of [height][ceil(width / 8)] bytes, most significant bit first, 1 = object.
     std::optional<uint64_t> mask_offset;
-    float peak = 1;                           ///< largest stored value, for f16_linear; 1 for every other encoding
+    float peak = 1;  ///< largest stored value, for f16_linear and f32_linear; 1 for every other encoding
     std::array<int, 2> crop_origin = {0, 0};  ///< column and row of the rectangle in the photograph: information only
     std::array<int, 2> full_size = {0, 0};    ///< width and height of the photograph; 0, 0: not cropped
+};
+
+/// Unit normals in world space finer than the mesh's: one for each texel of a TriangleAtlas of that side.
+struct NormalMap {
+    int side = 0;                ///< 0: there is none, normals are those of the mesh
+    std::vector<Vec3f> normals;  ///< [F * side (side + 1) / 2] in texel order
 };
 
 struct Dataset {
@@ -40,13 +50,19 @@ struct Dataset {
     Encoding encoding = Encoding::u8_srgb;
     Mesh mesh;
     std::vector<View> views;
+    NormalMap normal_map;
 
+    bool light_moves() const { return !views.empty() && views.front().light.has_value(); }
     std::vector<uint32_t> split(bool held_out) const;  ///< indices into views
     uint64_t image_bytes() const;                      ///< raw pixels of all views, masks and padding left out
 };
 
 /// Reads and checks a packed dataset whole (sizes, offsets, cameras, mesh). Throws UserError that names file and cure.
 Dataset open_dataset(const std::filesystem::path& folder);
+
+/// The atlas that a reflectance model is fitted on: with the dataset's normal map, where it has one. Throws UserError
+/// if that was made for another side. The dataset must outlive the atlas.
+TriangleAtlas reflectance_atlas(const Dataset& dataset, int side);
 
 /// Writes a packed dataset under a temporary name beside `folder`; nothing is visible there before finish().
 /// An unfinished writer removes its temporary folder. An existing dataset (even a damaged one) is replaced whole, an
@@ -59,12 +75,14 @@ public:
     DatasetWriter& operator=(const DatasetWriter&) = delete;
 
     /// pixels: [height][width][3] in `header.encoding`; mask: [height][width], non-zero = object, or empty.
-    /// view's offsets and peak are filled in here. UserError for a bad camera or gain, or half values that are not
-    /// finite.
+    /// view's offsets and peak are filled in here. UserError for a bad camera, light or gain, for float values that are
+    /// not finite, and for a light where the first view had none, or the other way about.
     void add(View view, const void* pixels, const std::vector<uint8_t>& mask);
     /// Everything but the images: folder, encoding and views of `header` are ignored.
     void finish(const Dataset& header);
     void set_encoding(Encoding encoding);  ///< before the first add; u8_srgb unless set
+    /// Where the files are until finish(): for what is to stand beside the images (truth.h).
+    const std::filesystem::path& temporary_folder() const;
 
 private:
     struct State;

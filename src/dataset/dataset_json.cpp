@@ -16,10 +16,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* format_name = "radiafit-dataset";
-constexpr int format_version = 1;
+/// Version 2 has lights, normals and f32-linear; a dataset without them is written as version 1.
+constexpr int format_version = 2;
 constexpr int max_side = 1 << 16;  // pixels; keeps every product of sizes far from overflow
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json light_to_json(const Light& light) {
+    const bool distant = light.kind == Light::Kind::distant;
+    const Vec3d &p = light.place, &i = light.intensity;
+    return {{distant ? "direction" : "position", {p.x(), p.y(), p.z()}}, {"intensity", {i.x(), i.y(), i.z()}}};
+}
+
+bool needs_version_2(const Dataset& dataset) {
+    return dataset.light_moves() || dataset.normal_map.side > 0 || dataset.encoding == Encoding::f32_linear;
+}
 
 Json view_to_json(const View& view) {
     const Camera& c = view.camera;
@@ -49,6 +60,7 @@ Json view_to_json(const View& view) {
                    {"y0", view.crop_origin[1]},
                    {"full_width", view.full_size[0] > 0 ? view.full_size[0] : c.width},
                    {"full_height", view.full_size[1] > 0 ? view.full_size[1] : c.height}}}};
+    if (view.light) json["light"] = light_to_json(*view.light);
     return json;
 }
 
@@ -77,6 +89,7 @@ public:
         if (at(key).is_null()) return std::nullopt;
         return count(key);
     }
+    bool has(const char* key) const { return json_.contains(key) && !json_.at(key).is_null(); }
     int side(const char* key, int least) const {
         const uint64_t value = count(key);
         if (value > uint64_t(max_side) || int(value) < least)
@@ -125,6 +138,17 @@ private:
     std::string path_;
 };
 
+Light light_from_json(const Fields& fields, const std::string& name) {
+    Light light;
+    const bool near = fields.has("position");
+    if (near == fields.has("direction")) fields.fail("", "must have either a direction or a position");
+    light.kind = near ? Light::Kind::near : Light::Kind::distant;
+    light.place = fields.vector(near ? "position" : "direction");
+    light.intensity = fields.vector("intensity");
+    check_light(light, name);
+    return light;
+}
+
 View view_from_json(const Fields& fields, const fs::path& file) {
     View view;
     view.name = fields.text("name");
@@ -149,14 +173,18 @@ View view_from_json(const Fields& fields, const fs::path& file) {
     const Fields crop = fields.object("crop");
     view.crop_origin = {crop.side("x0", 0), crop.side("y0", 0)};
     view.full_size = {crop.side("full_width", 1), crop.side("full_height", 1)};
+    if (fields.has("light"))
+        view.light = light_from_json(fields.object("light"), fmt::format("{}: view \"{}\"", file.string(), view.name));
     return view;
 }
 
 Encoding encoding_from(const Fields& fields) {
     const std::string name = fields.text("encoding");
-    for (const Encoding e : {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear})
+    for (const Encoding e :
+         {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear})
         if (name == to_string(e)) return e;
-    fields.fail("encoding", fmt::format("is \"{}\", not one of u8-srgb, u8-linear, u16-linear, f16-linear", name));
+    fields.fail("encoding",
+                fmt::format("is \"{}\", not one of u8-srgb, u8-linear, u16-linear, f16-linear, f32-linear", name));
 }
 
 }  // namespace
@@ -183,15 +211,16 @@ std::string read_dataset_file(const fs::path& file) {
 }
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {
-    const Json head = {{"format", format_name},
-                       {"version", format_version},
-                       {"name", dataset.name},
-                       {"description", dataset.description},
-                       {"source", dataset.source},
-                       {"encoding", to_string(dataset.encoding)},
-                       {"images_bytes", sizes.images_bytes},
-                       {"vertices", sizes.vertices},
-                       {"triangles", sizes.triangles}};
+    Json head = {{"format", format_name},
+                 {"version", needs_version_2(dataset) ? 2 : 1},
+                 {"name", dataset.name},
+                 {"description", dataset.description},
+                 {"source", dataset.source},
+                 {"encoding", to_string(dataset.encoding)},
+                 {"images_bytes", sizes.images_bytes},
+                 {"vertices", sizes.vertices},
+                 {"triangles", sizes.triangles}};
+    if (dataset.normal_map.side > 0) head["normals"] = {{"side", dataset.normal_map.side}};
     // One line per view: a person can read it, and a text tool can compare two.
     std::string text = "{\n";
     for (const auto& [key, value] : head.items()) text += fmt::format("  \"{}\": {},\n", key, dump(value));
@@ -216,8 +245,8 @@ Dataset dataset_from_json(const std::string& text, const fs::path& file, Dataset
     const Fields fields(json, file, "");
     if (const std::string name = fields.text("format"); name != format_name)
         fields.fail("format", fmt::format("is \"{}\", not \"{}\"", name, format_name));
-    if (const uint64_t version = fields.count("version"); version != uint64_t(format_version))
-        fields.fail("version", fmt::format("is {}, this program reads {}", version, format_version));
+    if (const uint64_t version = fields.count("version"); version < 1 || version > uint64_t(format_version))
+        fields.fail("version", fmt::format("is {}, this program reads 1 to {}", version, format_version));
 
     Dataset dataset;
     dataset.folder = file.parent_path();
@@ -226,10 +255,15 @@ Dataset dataset_from_json(const std::string& text, const fs::path& file, Dataset
     dataset.source = fields.text("source");
     dataset.encoding = encoding_from(fields);
     sizes = {fields.count("vertices"), fields.count("triangles"), fields.count("images_bytes")};
+    if (fields.has("normals")) dataset.normal_map.side = fields.object("normals").side("side", 2);
     const Json& views = fields.array("views");
     if (views.empty()) fields.fail("views", "is empty");
     for (size_t i = 0; i < views.size(); ++i)
         dataset.views.push_back(view_from_json(Fields(views[i], file, fmt::format("views[{}]", i)), file));
+    for (const View& view : dataset.views)
+        if (view.light.has_value() != dataset.light_moves())
+            throw_damaged(file, fmt::format("view \"{}\" has {} light, unlike view \"{}\"; all must have one, or none",
+                                            view.name, view.light ? "a" : "no", dataset.views.front().name));
     return dataset;
 }
 

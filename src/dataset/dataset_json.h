@@ -10,6 +10,7 @@ namespace radiafit {
 inline constexpr const char* dataset_json_name = "dataset.json";
 inline constexpr const char* dataset_mesh_name = "mesh.ply";
 inline constexpr const char* dataset_images_name = "images.bin";
+inline constexpr const char* dataset_normals_name = "normals.f32";
 inline constexpr uint64_t image_alignment = 4096;  ///< of every View::pixel_offset: a page, and what O_DIRECT asks for
 
 /// What dataset.json says of the files beside it.
@@ -19,11 +20,15 @@ struct DatasetSizes {
 };
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes);
-/// Everything but the mesh. `file` names the text in errors (UserError); cameras and values are checked, offsets not.
+/// Everything but the mesh and the normals, of which the side is told. `file` names the text in errors (UserError);
+/// cameras and values are checked, offsets not.
 Dataset dataset_from_json(const std::string& text, const std::filesystem::path& file, DatasetSizes& sizes);
 
 /// The text of a file, or a UserError that says what is missing.
 std::string read_dataset_file(const std::filesystem::path& file);
+
+/// Throws UserError, prefixed by `name`, for a normal that is not of unit length to 1e-4.
+void check_normals(const std::vector<Vec3f>& normals, const std::string& name);
 
 [[noreturn]] void throw_damaged(const std::filesystem::path& file, const std::string& what);
 

@@ -5,19 +5,28 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/half.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
+#include "dataset/truth.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
+
+/// What stands in a dataset's folder, and may be replaced with it.
+constexpr std::string_view our_files[] = {dataset_json_name,    dataset_mesh_name, dataset_images_name,
+                                          dataset_normals_name, truth_json_name,   truth_parameters_name,
+                                          truth_material_name};
 
 /// Only what a writer left may be replaced: nobody's notes or photographs go with it.
 void check_replaceable(const fs::path& folder) {
@@ -29,7 +38,7 @@ void check_replaceable(const fs::path& folder) {
     bool has_json = false, has_files = false;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
-        if (name != dataset_json_name && name != dataset_mesh_name && name != dataset_images_name)
+        if (std::find(std::begin(our_files), std::end(our_files), name) == std::end(our_files))
             throw UserError(
                 fmt::format("{}: holds {}, which is no part of a dataset; choose another name or move it away",
                             folder.string(), name));
@@ -62,11 +71,13 @@ std::vector<uint8_t> pack_mask(const std::vector<uint8_t>& mask, const Camera& c
     return bits;
 }
 
-float half_peak(const void* pixels, size_t count, const std::string& name) {
-    const auto* halves = static_cast<const uint16_t*>(pixels);
+/// Largest of halves or floats.
+template <class Stored, class ToFloat>
+float largest(const void* pixels, size_t count, const std::string& name, ToFloat to_float) {
+    const auto* stored = static_cast<const Stored*>(pixels);
     float peak = 0;
     for (size_t i = 0; i < count; ++i) {
-        const float value = float_from_half(halves[i]);
+        const float value = to_float(stored[i]);
         if (!std::isfinite(value))
             throw UserError(
                 fmt::format("{}: channel {} of pixel {} is not finite; repair the image", name, i % 3, i / 3));
@@ -137,7 +148,16 @@ void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t
     const size_t pixel_count = size_t(view.camera.width) * size_t(view.camera.height);
     if (!mask.empty() && mask.size() != pixel_count)
         throw std::logic_error("DatasetWriter::add takes one mask value per pixel, or none");
-    view.peak = s.encoding == Encoding::f16_linear ? half_peak(pixels, 3 * pixel_count, view.name) : 1.0f;
+    if (view.light) check_light(*view.light, view.name);
+    if (!s.views.empty() && view.light.has_value() != s.views.front().light.has_value())
+        throw UserError(fmt::format("{}: has {} light, unlike the first image; give all images one, or none", view.name,
+                                    view.light ? "a" : "no"));
+    view.peak = 1;
+    if (s.encoding == Encoding::f16_linear)
+        view.peak =
+            largest<uint16_t>(pixels, 3 * pixel_count, view.name, [](uint16_t h) { return float_from_half(h); });
+    if (s.encoding == Encoding::f32_linear)
+        view.peak = largest<float>(pixels, 3 * pixel_count, view.name, [](float x) { return x; });
 
     view.pixel_offset = s.bytes;
     s.append(pixels, size_t(pixel_bytes(view.camera, s.encoding)));
@@ -151,11 +171,22 @@ void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t
     s.views.push_back(std::move(view));
 }
 
+const fs::path& DatasetWriter::temporary_folder() const { return state_->output.path(); }
+
 void DatasetWriter::finish(const Dataset& header) {
     State& s = *state_;
     if (s.views.empty())
         throw UserError(fmt::format("{}: a dataset needs at least one image; none was added", s.folder.string()));
     check_mesh(header.mesh, header.name);
+    const NormalMap& map = header.normal_map;
+    if (map.side > 0) {
+        if (map.normals.size() != header.mesh.triangle_count() * size_t(map.side) * size_t(map.side + 1) / 2)
+            throw std::logic_error("DatasetWriter::finish takes one normal per texel");
+        check_normals(map.normals, header.name);
+        OutputFile out(s.output.path() / dataset_normals_name);
+        out.write(map.normals.data(), map.normals.size() * sizeof(Vec3f));
+        out.close();
+    }
     const int file = std::exchange(s.file, -1);
     if (close(file) != 0) s.fail_write();
 
@@ -165,6 +196,7 @@ void DatasetWriter::finish(const Dataset& header) {
     dataset.source = header.source;
     dataset.encoding = s.encoding;
     dataset.views = s.views;
+    dataset.normal_map.side = map.side;
     write_ply(header.mesh, s.output.path() / dataset_mesh_name);
     write_file(s.output.path() / dataset_json_name,
                dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.bytes}));

@@ -43,9 +43,11 @@ void look_up(const uint8_t* __restrict rgb, size_t count, const std::array<uint1
 inline uint64_t rounded16(float x) { return static_cast<uint16_t>(std::min(std::max(0.0f, x) + 0.5f, 65535.0f)); }
 
 /// Linear encodings: target / scale = value * factor.
-template <class ToFloat>
+template <class Stored, class ToFloat>
 void multiply(const uint8_t* __restrict rgb, size_t count, float factor, ToFloat to_float, uint8_t* __restrict rgba) {
-    const auto channel = [&](size_t at) { return rounded16(to_float(load_word<uint16_t>(rgb + 2 * at)) * factor); };
+    const auto channel = [&](size_t at) {
+        return rounded16(to_float(load_word<Stored>(rgb + sizeof(Stored) * at)) * factor);
+    };
     for (size_t i = 0; i < count; ++i)
         store_word(rgba + 8 * i,
                    uint64_t{0xffff} << 48 | channel(3 * i + 2) << 32 | channel(3 * i + 1) << 16 | channel(3 * i));
@@ -107,6 +109,18 @@ struct ImageStream::State {
         if (cold) file->forget(offset, bytes);
         bytes_read += bytes;
         return to.data();
+    }
+    double stored_at(const uint8_t* channels, size_t i) const {
+        switch (encoding) {
+            case Encoding::f32_linear:
+                return double(load_word<float>(channels + 4 * i));
+            case Encoding::f16_linear:
+                return double(float_from_half(load_word<uint16_t>(channels + 2 * i)));
+            case Encoding::u16_linear:
+                return load_word<uint16_t>(channels + 2 * i) / 65535.0;
+            default:
+                return channels[i] / 255.0;
+        }
     }
     void make_table(double gain, double scale) {
         if (table_gain == gain) return;
@@ -186,10 +200,13 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
         image.rgba8.clear();
         auto* rgba = reinterpret_cast<uint8_t*>(image.rgba16.data());
         if (s.encoding == Encoding::f16_linear) {
-            multiply(
+            multiply<uint16_t>(
                 pixels, count, float(view.gain / double(scale_)), [](uint16_t h) { return float_from_half(h); }, rgba);
+        } else if (s.encoding == Encoding::f32_linear) {
+            multiply<float>(
+                pixels, count, float(view.gain / double(scale_)), [](float x) { return x; }, rgba);
         } else if (s.encoding == Encoding::u16_linear) {
-            multiply(
+            multiply<uint16_t>(
                 pixels, count, float(view.gain / 65535 / double(scale_)), [](uint16_t v) { return float(v); }, rgba);
         } else {
             s.make_table(view.gain, double(scale_));
@@ -197,6 +214,18 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
         }
         if (mask) apply_mask<uint64_t, 48>(mask, width, height, rgba);
     }
+    seconds_ += wall_time_s() - start_s;
+}
+
+void ImageStream::load_values(uint32_t index, std::vector<float>& values) {
+    const double start_s = wall_time_s();
+    State& s = *state_;
+    const StreamedView& view = s.views.at(index);
+    const size_t count = 3 * size_t(view.width) * size_t(view.height);
+    const uint8_t* stored =
+        s.bytes_at(view.pixel_offset, count * size_t(bytes_per_channel(s.encoding)), s.buffer, bytes_read_);
+    values.resize(count);
+    for (size_t i = 0; i < count; ++i) values[i] = float(s.target(s.stored_at(stored, i), view.gain));
     seconds_ += wall_time_s() - start_s;
 }
 

@@ -57,6 +57,9 @@ public:
 
     /// Fills `image`, reusing its storage. Throws SystemError when the file cannot be read whole.
     void load(uint32_t view, TargetImage& image);
+    /// The targets [height][width][3] as they are before load() rounds them to 16 bits; negative values and what the
+    /// mask leaves out are kept. Throws likewise.
+    void load_values(uint32_t view, std::vector<float>& values);
 
     int bits() const { return bits_; }
     float scale() const { return scale_; }       ///< TargetImage::scale of every image

@@ -14,11 +14,14 @@ std::string to_string(Encoding encoding) {
             return "u16-linear";
         case Encoding::f16_linear:
             return "f16-linear";
+        case Encoding::f32_linear:
+            return "f32-linear";
     }
     return "unknown";
 }
 
 int bytes_per_channel(Encoding encoding) {
+    if (encoding == Encoding::f32_linear) return 4;
     return encoding == Encoding::u8_srgb || encoding == Encoding::u8_linear ? 1 : 2;
 }
 

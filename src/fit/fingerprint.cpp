@@ -48,7 +48,11 @@ DatasetFingerprint fingerprint(const Dataset& dataset) {
         for (int i = 0; i < 9; ++i) digest.add(c.cam_from_world_rotation(i / 3, i % 3));
         for (int i = 0; i < 3; ++i) digest.add(c.cam_from_world_translation[i]);
         digest.add(view.held_out);
+        if (!view.light) continue;
+        digest.add(int(view.light->kind));
+        for (int i = 0; i < 3; ++i) digest.add(view.light->place[i]), digest.add(view.light->intensity[i]);
     }
+    for (const Vec3f& n : dataset.normal_map.normals) digest.bytes(n.data(), 3 * sizeof(float));
     f.digest = digest.text();
     return f;
 }

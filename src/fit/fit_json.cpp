@@ -129,9 +129,10 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         const Json& d = json.at("dataset");
         promises.dataset_path = d.at("path").get<std::string>();
         fit.dataset_name = d.at("name").get<std::string>();
-        fit.encoding =
-            one_of(d.at("encoding"),
-                   {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear}, "encoding");
+        fit.encoding = one_of(
+            d.at("encoding"),
+            {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear},
+            "encoding");
         fit.dataset_fingerprint = {d.at("vertices").get<uint64_t>(),    d.at("triangles").get<uint64_t>(),
                                    d.at("views").get<uint64_t>(),       d.at("held_out").get<uint64_t>(),
                                    d.at("image_bytes").get<uint64_t>(), d.at("digest").get<std::string>()};

@@ -56,7 +56,14 @@ std::array<int, 2> TriangleAtlas::place(uint32_t texel) const {
     return {x0 + side_ - 1 - i, y0 + side_ - j};
 }
 
+void TriangleAtlas::set_normals(std::vector<Vec3f> normals) {
+    if (normals.size() != texel_count())
+        throw UserError(fmt::format("{} normals were given for an atlas of {} texels", normals.size(), texel_count()));
+    texel_normals_ = std::move(normals);
+}
+
 Vec3f TriangleAtlas::normal(uint32_t texel) const {
+    if (!texel_normals_.empty()) return texel_normals_[texel];
     const auto& [i0, i1, i2] = mesh_->triangles[texel / texels_per_tile_];
     const auto& b = barycentric_[texel % texels_per_tile_];
     const Vec3f n = b[0] * normals_[i0] + b[1] * normals_[i1] + b[2] * normals_[i2];

@@ -70,7 +70,9 @@ public:
         const auto& b = barycentric_[local];
         return b[0] * mesh_->positions[i0] + b[1] * mesh_->positions[i1] + b[2] * mesh_->positions[i2];
     }
-    Vec3f normal(uint32_t texel) const override;  ///< interpolated vertex normals
+    Vec3f normal(uint32_t texel) const override;  ///< interpolated vertex normals, unless set_normals() gave others
+    /// Unit normals [texel_count()] finer than the mesh's. Throws UserError for another number of them.
+    void set_normals(std::vector<Vec3f> normals);
     bool usable(uint32_t texel) const override { return !degenerate_[texel / texels_per_tile_]; }
     bool degenerate(uint32_t triangle) const { return degenerate_[triangle] != 0; }
     const Mesh& mesh() const { return *mesh_; }
@@ -81,7 +83,8 @@ private:
     std::vector<std::array<float, 3>> barycentric_;
     std::vector<std::array<int, 2>> cell_;
     std::vector<uint8_t> degenerate_;
-    std::vector<Vec3f> normals_;
+    std::vector<Vec3f> normals_;        ///< [V]
+    std::vector<Vec3f> texel_normals_;  ///< [texel_count()] or empty
 };
 
 /// One texel per pixel of a fixed camera, or of a flat sample: texel = row * width + column, the identity layout and

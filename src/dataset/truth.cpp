@@ -1,0 +1,93 @@
+#include "dataset/truth.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/file.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* format_name = "radiafit-truth";
+constexpr int format_version = 1;
+
+[[noreturn]] void damaged(const fs::path& file, const std::string& what) {
+    throw UserError(fmt::format("{}: {}; run radiafit generate again", file.string(), what));
+}
+
+template <class T>
+void write_all(const std::vector<T>& values, const fs::path& file) {
+    OutputFile out(file);
+    out.write(values.data(), values.size() * sizeof(T));
+    out.close();
+}
+
+template <class T>
+std::vector<T> read_all(const fs::path& file, size_t count) {
+    std::error_code error;
+    const uint64_t bytes = fs::file_size(file, error);
+    if (error) damaged(file, "the file is missing or cannot be read");
+    if (bytes != count * sizeof(T))
+        damaged(file, fmt::format("the file has {} bytes, but {} texels need {}", bytes, count, count * sizeof(T)));
+    std::vector<T> values(count);
+    InputFile(file).read(values.data(), 0, bytes);
+    return values;
+}
+
+}  // namespace
+
+void write_truth(const ReflectanceTruth& truth, const fs::path& folder) {
+    if (truth.material.size() != truth.parameters.size())
+        throw std::logic_error("write_truth takes one material and one set of parameters per texel");
+    Json materials = Json::array();
+    for (const TruthMaterial& m : truth.materials)
+        materials.push_back({{"name", m.name}, {"model", m.model}, {"parameters", m.parameters}});
+    const Json json = {{"format", format_name},           {"version", format_version}, {"side", truth.side},
+                       {"texels", truth.material.size()}, {"exact", truth.exact},      {"materials", materials}};
+    write_all(truth.parameters, folder / truth_parameters_name);
+    write_all(truth.material, folder / truth_material_name);
+    write_file(folder / truth_json_name, json.dump(2) + "\n");
+}
+
+bool has_truth(const fs::path& folder) {
+    std::error_code ignored;
+    return fs::exists(folder / truth_json_name, ignored);
+}
+
+ReflectanceTruth read_truth(const fs::path& folder) {
+    const fs::path file = folder / truth_json_name;
+    if (!has_truth(folder))
+        throw UserError(
+            fmt::format("{}: no such file; only a dataset of radiafit generate ornament has one", file.string()));
+    ReflectanceTruth truth;
+    size_t texels = 0;
+    try {
+        std::ifstream in(file, std::ios::binary);
+        const Json json = Json::parse(in);
+        if (json.at("format") != format_name || json.at("version") != format_version)
+            damaged(file, fmt::format("not a {} of version {}", format_name, format_version));
+        truth.side = json.at("side").get<int>();
+        truth.exact = json.at("exact").get<bool>();
+        texels = json.at("texels").get<size_t>();
+        for (const Json& m : json.at("materials"))
+            truth.materials.push_back({m.at("name").get<std::string>(), m.at("model").get<std::string>(),
+                                       m.at("parameters").get<std::vector<std::string>>()});
+    } catch (const Json::exception&) {
+        damaged(file, "a field is missing or of another type, or the text is no JSON");
+    }
+    truth.parameters = read_all<std::array<float, 9>>(folder / truth_parameters_name, texels);
+    truth.material = read_all<uint8_t>(folder / truth_material_name, texels);
+    for (const uint8_t m : truth.material)
+        if (m >= truth.materials.size())
+            damaged(folder / truth_material_name, fmt::format("material {} of {}", m, truth.materials.size()));
+    return truth;
+}
+
+}  // namespace radiafit
