@@ -190,7 +190,7 @@ class Options(BadInput):
         self.refused("fit", "star", says=["--output is required", "see radiafit --help"])
         self.refused("import", "colmap", "-o", "new", says=["--model is required"])
         self.refused(says=["subcommand", "see radiafit --help"])
-        self.refused("generate", "cube", "-o", "new", says=['"cube"', "star and bust"])
+        self.refused("generate", "cube", "-o", "new", says=['"cube"', "star, bust and ornament"])
         self.refused("generate", "star", "--scale", "huge", "-o", "new", says=['"huge"', "smoke, standard and paper"])
 
     def test_device_out_of_range(self):

@@ -226,7 +226,7 @@ class Smoke(ProgramTest):
         self.refused("--config", "experiments/none.toml", says=["experiments/none.toml: no such", "check the path"])
         self.refused(says=["--config is required", "see --help"])
         if "datasets" in text:
-            self.refused(*arguments, "--set", 'datasets=["cube"]', says=['"cube"', "there are star and bust"])
+            self.refused(*arguments, "--set", 'datasets=["cube"]', says=['"cube"', "there are star, bust and ornament"])
         results = self.root / "results"
         if results.exists():
             results.rename(self.root / "kept")

@@ -5,6 +5,6 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 scale=${1:?usage: generate_all.sh smoke|standard|paper}
 radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
-for shape in star bust; do
+for shape in star bust ornament; do
     "$radiafit" generate $shape --scale "$scale" -o "$root/datasets/packed/$shape-$scale"
 done

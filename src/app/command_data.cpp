@@ -1,6 +1,7 @@
 // generate, import, info, plan: everything about a dataset before it is fitted.
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "base/log.h"
 #include "capture/import.h"
 #include "dataset/synthetic/synthetic.h"
+#include "dataset/truth.h"
 #include "report/table.h"
 
 namespace radiafit {
@@ -22,6 +24,8 @@ void print_dataset(const Dataset& d, bool json) {
     double least = 1e300, most = 0;
     for (const View& v : d.views) least = std::min(least, v.gain), most = std::max(most, v.gain);
     const MeshDefects defects = find_defects(d.mesh);
+    const char* light = !d.light_moves() ? "fixed" : d.views[0].light->kind == Light::Kind::near ? "near" : "distant";
+    const bool truth = has_truth(d.folder);
     if (json) {
         const Json object = {{"kind", "dataset"},
                              {"name", d.name},
@@ -34,7 +38,10 @@ void print_dataset(const Dataset& d, bool json) {
                              {"unreferenced_vertices", defects.unreferenced_vertices.size()},
                              {"views", d.views.size()},
                              {"held_out", held_out},
-                             {"image_bytes", d.image_bytes()}};
+                             {"image_bytes", d.image_bytes()},
+                             {"light", light},
+                             {"normals_side", d.normal_map.side},
+                             {"truth", truth}};
         fmt::print("{}\n", object.dump(2));
         return;
     }
@@ -45,6 +52,10 @@ void print_dataset(const Dataset& d, bool json) {
                held_out, to_string(d.encoding),
                d.views.empty() ? "" : fmt::format("{}x{} and alike", d.views[0].camera.width, d.views[0].camera.height),
                double(d.image_bytes()) / 1e6, least, most);
+    if (d.light_moves()) fmt::print("one {} lamp per image\n", light);
+    if (d.normal_map.side > 0)
+        fmt::print("normals of {} texels, surface side {}; truth: {}\n", d.normal_map.normals.size(), d.normal_map.side,
+                   truth ? "yes" : "no");
 }
 
 void print_fit(const LightFieldFit& f, bool json) {
@@ -74,9 +85,26 @@ void add_generate(CLI::App& app) {
     auto options = std::make_shared<SyntheticOptions>();
     auto out = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
-    command->add_option("shape", options->shape, "star or bust")->required();
+    command->add_option("shape", options->shape, "star, bust or ornament")->required();
     command->add_option("--scale", options->scale, "smoke, standard or paper")->capture_default_str();
     command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
+    OrnamentOptions& ornament = options->ornament;
+    const auto choice = [&]<class T>(const char* name, T& value, std::map<std::string, T> names, const char* help) {
+        command->add_option(name, value, help)->transform(CLI::CheckedTransformer(std::move(names)))->group("ornament");
+    };
+    choice("--encoding", ornament.sensor.encoding,
+           {{"u8-srgb", Encoding::u8_srgb}, {"u16-linear", Encoding::u16_linear}, {"f32-linear", Encoding::f32_linear}},
+           "how pixels are stored (u16-linear unless given)");
+    command->add_option("--read-noise", ornament.sensor.read_noise, "standard deviation of darkness; white is 1")
+        ->capture_default_str()
+        ->group("ornament");
+    command->add_option("--shot-noise", ornament.sensor.shot_noise, "standard deviation that white adds")
+        ->capture_default_str()
+        ->group("ornament");
+    choice("--shading", ornament.shading, {{"texel", Shading::texel}, {"pixel", Shading::pixel}},
+           "texel: samples hold their texel's exact value (unless given); pixel: pixels average over their area");
+    choice("--light", ornament.light, {{"distant", Light::Kind::distant}, {"near", Light::Kind::near}},
+           "the lamp's kind (distant unless given); near: falls off with the distance squared");
     command->add_option("-o,--output", *out, "folder of the packed dataset")->required();
     command->callback([=] {
         generate_synthetic(*options, *out);

@@ -40,7 +40,23 @@ Vec3f shade(const PointLight& light, const Paint::Coat& coat, const Vec3f& view)
 
 }  // namespace
 
+Vec3f point_of(const Mesh& mesh, const RasterPixel& seen) {
+    const auto& t = mesh.triangles[seen.triangle];
+    return (1 - seen.b1 - seen.b2) * mesh.positions[t[0]] + seen.b1 * mesh.positions[t[1]] +
+           seen.b2 * mesh.positions[t[2]];
+}
+
 void ViewRenderer::render(const Scene& scene, const Camera& camera, int samples, LinearImage& image) {
+    const Vec3f eye = camera.center().cast<float>();
+    render_samples(rasterizer_, scene.mesh, camera, samples, image, [&](const RasterPixel& seen) {
+        const Vec3f x = point_of(scene.mesh, seen);
+        return shade(scene.light.at(seen.triangle, seen.b1, seen.b2), scene.paint.at(seen.triangle, x),
+                     (eye - x).normalized());
+    });
+}
+
+void render_samples(Rasterizer& rasterizer, const Mesh& mesh, const Camera& camera, int samples, LinearImage& image,
+                    const std::function<Vec3f(const RasterPixel& seen)>& radiance) {
     Camera fine = camera;
     fine.width *= samples;
     fine.height *= samples;
@@ -48,30 +64,22 @@ void ViewRenderer::render(const Scene& scene, const Camera& camera, int samples,
     fine.fy *= samples;
     fine.cx *= samples;
     fine.cy *= samples;
-    rasterizer_.draw(scene.mesh, fine);
+    rasterizer.draw(mesh, fine);
 
-    const Vec3f eye = camera.center().cast<float>();
-    const auto sample = [&](const RasterPixel& seen) {
-        const auto& t = scene.mesh.triangles[seen.triangle];
-        const Vec3f x = (1 - seen.b1 - seen.b2) * scene.mesh.positions[t[0]] + seen.b1 * scene.mesh.positions[t[1]] +
-                        seen.b2 * scene.mesh.positions[t[2]];
-        return shade(scene.light.at(seen.triangle, seen.b1, seen.b2), scene.paint.at(seen.triangle, x),
-                     (eye - x).normalized());
-    };
     const auto per_axis = size_t(samples);
     const size_t width = size_t(camera.width), height = size_t(camera.height), fine_width = width * per_axis;
     image.pixels.assign(width * height, Vec3f::Zero());
     image.foreground.assign(width * height, 0);
     for (size_t y = 0; y < height; ++y)
         for (size_t x = 0; x < width; ++x) {
-            const RasterPixel* block = rasterizer_.pixels().data() + y * per_axis * fine_width + x * per_axis;
+            const RasterPixel* block = rasterizer.pixels().data() + y * per_axis * fine_width + x * per_axis;
             Vec3f sum = Vec3f::Zero();
             int hits = 0;
             for (size_t sy = 0; sy < per_axis; ++sy)
                 for (size_t sx = 0; sx < per_axis; ++sx) {
                     const RasterPixel& seen = block[sy * fine_width + sx];
                     if (seen.triangle == no_triangle) continue;
-                    sum += sample(seen);
+                    sum += radiance(seen);
                     ++hits;
                 }
             if (hits == 0) continue;

@@ -74,4 +74,15 @@ Solid bust_solid(uint64_t seed, double detail) {
     return solid;
 }
 
+Solid ornament_solid() {
+    Solid solid;
+    solid.ellipsoid(Vec3d::Zero(), {0.80, 0.80, 0.76}, 0.1);
+    solid.round_cone({0, 0, 0.64}, 0.20, {0, 0, 0.80}, 0.09, 0.08);
+    solid.ellipsoid({0, 0, 0.89}, {0.10, 0.10, 0.10}, 0.03);
+    solid.round_cone({0, 0, -0.64}, 0.20, {0, 0, -0.95}, 0.045, 0.10);
+    solid.tip({0, 0, 1});
+    solid.tip({0, 0, -1});
+    return solid;
+}
+
 }  // namespace radiafit

@@ -50,5 +50,7 @@ Solid star_solid(uint64_t seed);
 /// Head, neck and shoulders, facing -y, cut flat below. The seed varies the proportions a little.
 /// detail: about the least radius that its mesh can carry; the nose is made no thinner.
 Solid bust_solid(uint64_t seed, double detail);
+/// A ball to hang up: a collar with a knob above, a drop below. Turned, so it is the same from all sides.
+Solid ornament_solid();
 
 }  // namespace radiafit

@@ -6,11 +6,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/log.h"
 #include "base/parallel.h"
 #include "dataset/dataset.h"
 #include "dataset/synthetic/closed_mesh.h"
+#include "dataset/synthetic/ornament.h"
 #include "dataset/synthetic/render_view.h"
+#include "dataset/synthetic/stream_views.h"
 #include "dataset/synthetic/viewpoints.h"
 
 namespace radiafit {
@@ -65,37 +66,55 @@ void write_views(const Scene& scene, const std::vector<Camera>& cameras, Dataset
     const float exposure = choose_exposure(scene, cameras);
     const ByteTable to_byte;
     const auto workers = static_cast<size_t>(thread_count());
-    const size_t batch = 4 * workers;
-    std::vector<std::vector<uint8_t>> bytes(batch);
     std::vector<ViewRenderer> renderers(workers);
     std::vector<LinearImage> images(workers);
-    Progress progress("generate", cameras.size());
-    for (size_t first = 0; first < cameras.size(); first += batch) {
-        const size_t count = std::min(batch, cameras.size() - first);
-        parallel_for(count, 1, [&](size_t i, int worker) {
-            LinearImage& image = images[size_t(worker)];
-            renderers[size_t(worker)].render(scene, cameras[first + i], supersamples, image);
-            bytes[i].clear();
-            for (const Vec3f& pixel : image.pixels)
-                for (int c = 0; c < 3; ++c) bytes[i].push_back(to_byte(exposure * pixel[c]));
-            progress.advance();
-        });
-        for (size_t i = 0; i < count; ++i) {
-            View view;
-            view.name = fmt::format("view_{:03}", first + i);
-            view.camera = cameras[first + i];
-            view.held_out = (first + i) % held_out_every == 0;
-            writer.add(view, bytes[i].data(), {});
-        }
-    }
+    stream_views(cameras.size(), writer, [&](size_t i, int worker, std::vector<uint8_t>& bytes) {
+        LinearImage& image = images[size_t(worker)];
+        renderers[size_t(worker)].render(scene, cameras[i], supersamples, image);
+        bytes.clear();
+        for (const Vec3f& pixel : image.pixels)
+            for (int c = 0; c < 3; ++c) bytes.push_back(to_byte(exposure * pixel[c]));
+        return synthetic_view(i, cameras[i]);
+    });
+}
+
+/// Star or bust, by the rules of synthetic.h.
+void write_painted(const SyntheticSize& size, const SyntheticOptions& options, DatasetWriter& writer, Dataset& header) {
+    const bool star = options.shape == "star";
+    const Solid solid = star ? star_solid(options.seed) : bust_solid(options.seed, 2.2 / std::sqrt(size.triangles));
+    header.mesh = wrap_solid(solid, star ? Vec3d(0, 0, 0) : Vec3d(0, 0.06, 0), size.triangles);
+
+    const std::vector<Camera> cameras = hemisphere_cameras(header.mesh, size.views, size.side, options.seed);
+    const Paint paint(header.mesh, options.shape, options.seed);
+    const SurfaceLight light(header.mesh, solid, size.side < 100 ? 4 : 8);  // steps of about a pixel
+    write_views({header.mesh, paint, light}, cameras, writer);
+    header.description = description(options);
 }
 
 }  // namespace
 
+View synthetic_view(size_t i, const Camera& camera) {
+    View view;
+    view.name = fmt::format("view_{:03}", i);
+    view.camera = camera;
+    view.held_out = i % held_out_every == 0;
+    return view;
+}
+
 SyntheticSize synthetic_size(const SyntheticOptions& options) {
-    const bool star = options.shape == "star";
-    if (!star && options.shape != "bust")
-        throw UserError(fmt::format("unknown shape \"{}\"; there are star and bust", options.shape));
+    const bool star = options.shape == "star", ornament = options.shape == "ornament";
+    if (!star && !ornament && options.shape != "bust")
+        throw UserError(fmt::format("unknown shape \"{}\"; there are star, bust and ornament", options.shape));
+    if (!ornament && !(options.ornament == OrnamentOptions{}))
+        throw UserError(
+            fmt::format("encoding, noise, shading and light are the ornament's to choose, not the {}'s; "
+                        "leave these options out",
+                        options.shape));
+    // About two texels of the ornament for each pixel that sees it: finer than the images, so that a texel takes nearly
+    // every pixel (Section 5.1.1).
+    if (ornament && options.scale == "smoke") return {320, 240, 64, 6};
+    if (ornament && options.scale == "standard") return {1280, 400, 256, 12};
+    if (ornament && options.scale == "paper") return {3690, 623, 512, 16};
     if (options.scale == "smoke") return {320, 24, 64};
     if (options.scale == "standard") return {1280, 100, 256};
     if (options.scale == "paper") return star ? SyntheticSize{6094, 331, 400} : SyntheticSize{7228, 336, 400};
@@ -105,26 +124,27 @@ SyntheticSize synthetic_size(const SyntheticOptions& options) {
 void generate_synthetic(const SyntheticOptions& options, const std::filesystem::path& out) {
     const SyntheticSize size = synthetic_size(options);
     DatasetWriter writer(out);
-    const bool star = options.shape == "star";
-    const Solid solid = star ? star_solid(options.seed) : bust_solid(options.seed, 2.2 / std::sqrt(size.triangles));
     Dataset header;
-    header.mesh = wrap_solid(solid, star ? Vec3d(0, 0, 0) : Vec3d(0, 0.06, 0), size.triangles);
-
-    const std::vector<Camera> cameras = hemisphere_cameras(header.mesh, size.views, size.side, options.seed);
-    const Paint paint(header.mesh, options.shape, options.seed);
-    const SurfaceLight light(header.mesh, solid, size.side < 100 ? 4 : 8);  // steps of about a pixel
-    write_views({header.mesh, paint, light}, cameras, writer);
-
     header.name = options.shape;
-    header.description = description(options);
+    if (options.shape == "ornament")
+        write_ornament(size, options.seed, options.ornament, writer, header);
+    else
+        write_painted(size, options, writer, header);
     header.source = synthetic_source(options);
     writer.finish(header);
 }
 
 std::string synthetic_source(const SyntheticOptions& options) {
     constexpr int recipe = 1;  // count up whenever the same options begin to give other bytes
-    return fmt::format("radiafit generate {} --scale {} --seed {} (recipe {})", options.shape, options.scale,
-                       options.seed, recipe);
+    std::string own;
+    const OrnamentOptions &o = options.ornament, usual;
+    if (o.sensor.encoding != usual.sensor.encoding) own += " --encoding " + to_string(o.sensor.encoding);
+    if (o.sensor.read_noise > 0) own += fmt::format(" --read-noise {}", o.sensor.read_noise);
+    if (o.sensor.shot_noise > 0) own += fmt::format(" --shot-noise {}", o.sensor.shot_noise);
+    if (o.shading != usual.shading) own += " --shading pixel";
+    if (o.light != usual.light) own += " --light near";
+    return fmt::format("radiafit generate {} --scale {} --seed {}{} (recipe {})", options.shape, options.scale,
+                       options.seed, own, recipe);
 }
 
 }  // namespace radiafit

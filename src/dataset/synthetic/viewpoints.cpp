@@ -36,16 +36,16 @@ Camera framed(const Mesh& mesh, const Vec3d& direction, int side) {
     return camera;
 }
 
-}  // namespace
-
-std::vector<Camera> hemisphere_cameras(const Mesh& mesh, int count, int side, uint64_t seed) {
+/// Over the zone of directions with z in [low, high].
+std::vector<Camera> zone_cameras(const Mesh& mesh, int count, int side, uint64_t seed, double low, double high,
+                                 double solid_angle) {
     Rng rng(seed, 2);
-    const double spacing = std::sqrt(2 * std::numbers::pi / count);  // radians between neighbours, about
+    const double spacing = std::sqrt(solid_angle / count);  // radians between neighbours, about
     const double start = 2 * std::numbers::pi * rng.uniform();
     std::vector<Vec3d> directions;
     for (int i = 0; i < count; ++i) {
         const double share = (i + 0.5 + sway * double(rng.uniform(-1, 1))) / count;
-        const double z = lowest + (highest - lowest) * share, radius = std::sqrt(1 - z * z);
+        const double z = low + (high - low) * share, radius = std::sqrt(1 - z * z);
         const double turn = start + std::numbers::pi * (3 - std::sqrt(5.0)) * i +
                             sway * spacing * double(rng.uniform(-1, 1)) / std::max(radius, 0.2);
         directions.emplace_back(radius * std::cos(turn), radius * std::sin(turn), z);
@@ -55,6 +55,16 @@ std::vector<Camera> hemisphere_cameras(const Mesh& mesh, int count, int side, ui
     std::vector<Camera> cameras;
     for (const Vec3d& direction : directions) cameras.push_back(framed(mesh, direction, side));
     return cameras;
+}
+
+}  // namespace
+
+std::vector<Camera> hemisphere_cameras(const Mesh& mesh, int count, int side, uint64_t seed) {
+    return zone_cameras(mesh, count, side, seed, lowest, highest, 2 * std::numbers::pi);
+}
+
+std::vector<Camera> sphere_cameras(const Mesh& mesh, int count, int side, uint64_t seed) {
+    return zone_cameras(mesh, count, side, seed, -highest, highest, 4 * std::numbers::pi);
 }
 
 }  // namespace radiafit
