@@ -336,7 +336,7 @@ TEST_F(DamagedTest, Json) {
     write_text(json_, "");
     expect_in("run radiafit generate or import again", open_complaint());
     expect_in("line 3 ", open_with("\"version\": 1", "\"version\" 1"));
-    expect_in("\"version\" is 3", open_with("\"version\": 1", "\"version\": 3"));
+    expect_in("\"version\" is 4", open_with("\"version\": 1", "\"version\": 4"));
     expect_in("\"format\" is \"gltf\"", open_with("radiafit-dataset", "gltf"));
     expect_in("u8-srgb", open_with("u8-srgb", "u8-adobe"));
     expect_in("\"encoding\" is missing", open_with("\"encoding\"", "\"coding\""));
@@ -468,6 +468,122 @@ TEST_F(LitTest, ReaderRefusesWhatDoesNotFit) {
     expect_in("normal 5 ", complaint([&] { open_dataset(folder_); }));
     fs::remove(folder_ / "normals.f32");
     expect_in("normals.f32", complaint([&] { open_dataset(folder_); }));
+}
+
+/// A tilted grid of 5 x 3 texels, seen by a near camera and by one far away, each under its light.
+class GridTest : public DatasetTest {
+protected:
+    static constexpr int width = 5, height = 3;
+    GridTest() : folder_(root_ / "set") {
+        header_.name = "grid";
+        header_.grid = Grid::centered(width, height, 0.1);
+        const Mat3d turn = Camera::look_at({1, 2, 3}, {0, 0, 0}, {0, 0, 1}, 1, 1, 1).cam_from_world_rotation;
+        for (Vec3d* v : {&header_.grid.origin, &header_.grid.right, &header_.grid.down}) *v = turn * *v;
+        Rng rng(4);
+        for (int i = 0; i < width * height; ++i)
+            header_.grid.texel_normals.push_back(Vec3f(rng.uniform(-1, 1), rng.uniform(-1, 1), 2).normalized());
+        header_.grid.texel_normals[7] = Vec3f::Zero();
+    }
+    Vec3d eye() const { return header_.grid.origin + 2 * header_.grid.normal() + 3 * header_.grid.right; }
+    void write() const {
+        DatasetWriter writer(folder_);
+        View view;
+        view.name = "near";
+        view.camera = header_.grid.camera_at(eye(), "near");
+        view.light = Light{Light::Kind::near, eye(), Vec3d::Constant(4)};
+        writer.add(view, std::vector<uint8_t>(3 * width * height).data(), {});
+        view.name = "distant";
+        view.camera = {};
+        view.camera.width = width;
+        view.camera.height = height;
+        view.camera_direction = Vec3d(0.6, 0, 0.8);
+        view.light = Light{Light::Kind::distant, Vec3d::UnitZ(), Vec3d::Ones()};
+        writer.add(view, std::vector<uint8_t>(3 * width * height, 9).data(), std::vector<uint8_t>(width * height, 1));
+        writer.finish(header_);
+    }
+    std::string open_with(const std::string& from, const std::string& to) const {
+        write();
+        std::string text = read_text(folder_ / "dataset.json");
+        const size_t at = text.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        write_text(folder_ / "dataset.json", text.replace(at, from.size(), to));
+        return complaint([&] { open_dataset(folder_); });
+    }
+
+    fs::path folder_;
+    Dataset header_;
+};
+
+TEST_F(GridTest, SurvivesExactly) {
+    write();
+    const Dataset dataset = open_dataset(folder_);
+    const Grid &grid = dataset.grid, &wrote = header_.grid;
+    ASSERT_TRUE(dataset.has_grid());
+    EXPECT_EQ(grid.width, width);
+    EXPECT_EQ(grid.height, height);
+    EXPECT_EQ(grid.origin, wrote.origin);
+    EXPECT_EQ(grid.right, wrote.right);
+    EXPECT_EQ(grid.down, wrote.down);
+    EXPECT_EQ(grid.texel_normals, wrote.texel_normals);
+    EXPECT_EQ(dataset.views[1].camera_direction, Vec3d(0.6, 0, 0.8));
+    EXPECT_FALSE(dataset.views[0].camera_direction);
+    EXPECT_FALSE(fs::exists(folder_ / "mesh.ply"));
+    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 3"), std::string::npos);
+    expect_in("reflectance", complaint([&] { require_mesh(dataset); }));
+
+    const GridAtlas atlas = make_atlas(grid);
+    const GridAtlas plain = make_atlas({width, height, grid.origin, grid.right, grid.down, {}});
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
+        const int x = int(t) % width, y = int(t) / width;
+        EXPECT_EQ(atlas.position(t), grid.position(x, y).cast<float>());
+        EXPECT_EQ(atlas.usable(t), t != 7);
+        EXPECT_EQ(atlas.normal(t), t != 7 ? wrote.texel_normals[t] : Vec3f(grid.normal().cast<float>()));
+        EXPECT_TRUE(plain.usable(t));
+        EXPECT_EQ(plain.normal(t), Vec3f(grid.normal().cast<float>()));
+    }
+    // An earlier grid is replaced, and so are its normals.
+    Dataset bare = header_;
+    bare.grid.texel_normals.clear();
+    std::swap(header_, bare);
+    write();
+    EXPECT_FALSE(fs::exists(folder_ / "normals.f32"));
+    EXPECT_TRUE(open_dataset(folder_).grid.texel_normals.empty());
+}
+
+TEST_F(GridTest, ANearCameraSeesTexelsAtTheirPixels) {
+    write();
+    const Dataset dataset = open_dataset(folder_);
+    const View &near = dataset.views[0], &distant = dataset.views[1];
+    EXPECT_LT((near.camera.center() - eye()).norm(), 1e-12);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const Vec3d p = dataset.grid.position(x, y), pixel = near.camera.project(p);
+            EXPECT_NEAR(pixel.x(), x + 0.5, 1e-9);
+            EXPECT_NEAR(pixel.y(), y + 0.5, 1e-9);
+            EXPECT_NEAR(pixel.z(), 2, 1e-12);
+            EXPECT_LT((near.direction_to_camera(p) - (eye() - p).normalized()).norm(), 1e-12);
+            EXPECT_EQ(distant.direction_to_camera(p), Vec3d(0.6, 0, 0.8));
+        }
+    const Grid& grid = dataset.grid;
+    expect_in("in front of", complaint([&] { (void)grid.camera_at(grid.origin - grid.normal(), "view"); }));
+}
+
+TEST_F(GridTest, CenteredIsCentredAndLooksUp) {
+    const Grid grid = Grid::centered(4, 3, 0.5);
+    EXPECT_EQ(grid.position(0, 0), Vec3d(-0.75, 0.5, 0));
+    EXPECT_EQ(grid.position(3, 2), Vec3d(0.75, -0.5, 0));
+    EXPECT_EQ(grid.normal(), Vec3d(0, 0, 1));
+}
+
+TEST_F(GridTest, ReaderRefusesWhatDoesNotFit) {
+    expect_in("view \"near\" has 5 x 3 pixels", open_with("\"grid\": {\"width\":5", "\"grid\": {\"width\":6"));
+    expect_in("grid.right", open_with("\"right\":", "\"left\":"));
+    expect_in("right angles", open_with("\"down\":[", "\"down\":[1e3,0,0],\"was\":["));
+    expect_in("unit vector", open_with("\"direction\":[0.6", "\"direction\":[0.7"));
+    expect_in("only a grid", open_with("\"grid\":", "\"grit\":"));
+    write();
+    fs::resize_file(folder_ / "normals.f32", 12 * width * height - 12);
+    expect_in("5 x 3 texels need 180", complaint([&] { open_dataset(folder_); }));
 }
 
 TEST_F(DamagedTest, ImagesThatDoNotFit) {

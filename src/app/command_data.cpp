@@ -1,6 +1,7 @@
 // generate, import, info, plan: everything about a dataset before it is fitted.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -26,28 +27,36 @@ void print_dataset(const Dataset& d, bool json) {
     const MeshDefects defects = find_defects(d.mesh);
     const char* light = !d.light_moves() ? "fixed" : d.views[0].light->kind == Light::Kind::near ? "near" : "distant";
     const bool truth = has_truth(d.folder);
+    const Grid& grid = d.grid;
+    const size_t usable =
+        grid.texel_count() - size_t(std::count(grid.texel_normals.begin(), grid.texel_normals.end(), Vec3f::Zero()));
     if (json) {
-        const Json object = {{"kind", "dataset"},
-                             {"name", d.name},
-                             {"description", d.description},
-                             {"source", d.source},
-                             {"encoding", to_string(d.encoding)},
-                             {"triangles", d.mesh.triangle_count()},
-                             {"vertices", d.mesh.vertex_count()},
-                             {"degenerate_triangles", defects.degenerate_triangles.size()},
-                             {"unreferenced_vertices", defects.unreferenced_vertices.size()},
-                             {"views", d.views.size()},
-                             {"held_out", held_out},
-                             {"image_bytes", d.image_bytes()},
-                             {"light", light},
-                             {"normals_side", d.normal_map.side},
-                             {"truth", truth}};
+        Json object = {{"kind", "dataset"},
+                       {"name", d.name},
+                       {"description", d.description},
+                       {"source", d.source},
+                       {"encoding", to_string(d.encoding)},
+                       {"triangles", d.mesh.triangle_count()},
+                       {"vertices", d.mesh.vertex_count()},
+                       {"degenerate_triangles", defects.degenerate_triangles.size()},
+                       {"unreferenced_vertices", defects.unreferenced_vertices.size()},
+                       {"views", d.views.size()},
+                       {"held_out", held_out},
+                       {"image_bytes", d.image_bytes()},
+                       {"light", light},
+                       {"normals_side", d.normal_map.side},
+                       {"truth", truth}};
+        if (d.has_grid()) object["grid"] = {{"width", grid.width}, {"height", grid.height}, {"usable", usable}};
         fmt::print("{}\n", object.dump(2));
         return;
     }
     fmt::print("dataset {}: {}\n{}\n", d.name, d.description, d.source);
-    fmt::print("{} triangles ({} degenerate), {} vertices ({} unreferenced)\n", d.mesh.triangle_count(),
-               defects.degenerate_triangles.size(), d.mesh.vertex_count(), defects.unreferenced_vertices.size());
+    if (d.has_grid())
+        fmt::print("grid of {} x {} texels, {} of them usable; normals {}\n", grid.width, grid.height, usable,
+                   grid.texel_normals.empty() ? "of the plane" : "per texel");
+    else
+        fmt::print("{} triangles ({} degenerate), {} vertices ({} unreferenced)\n", d.mesh.triangle_count(),
+                   defects.degenerate_triangles.size(), d.mesh.vertex_count(), defects.unreferenced_vertices.size());
     fmt::print("{} views, {} of them held out; {} of {}, {:.1f} MB raw; gains {:.3f} to {:.3f}\n", d.views.size(),
                held_out, to_string(d.encoding),
                d.views.empty() ? "" : fmt::format("{}x{} and alike", d.views[0].camera.width, d.views[0].camera.height),

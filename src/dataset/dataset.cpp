@@ -20,18 +20,37 @@ void check_range(const fs::path& file, const View& view, const char* what, uint6
                                         view.name, offset + bytes, file_bytes));
 }
 
-/// normals.f32 for normal_map.side, of a dataset whose mesh is there.
-void read_normals(const fs::path& file, Dataset& dataset) {
-    const size_t side = size_t(dataset.normal_map.side), count = dataset.mesh.triangle_count() * side * (side + 1) / 2;
+std::vector<Vec3f> read_normals(const fs::path& file, size_t count, const std::string& whose) {
     std::error_code error;
     const uint64_t bytes = fs::file_size(file, error);
     if (error) throw_damaged(file, "the file is missing or cannot be read");
     if (bytes != count * sizeof(Vec3f))
-        throw_damaged(file, fmt::format("the file has {} bytes, but {} triangles of {} texels need {}", bytes,
-                                        dataset.mesh.triangle_count(), side * (side + 1) / 2, count * sizeof(Vec3f)));
-    dataset.normal_map.normals.resize(count);
-    InputFile(file).read(dataset.normal_map.normals.data(), 0, bytes);
-    check_normals(dataset.normal_map.normals, file.string());
+        throw_damaged(file, fmt::format("the file has {} bytes, but {} need {}", bytes, whose, count * sizeof(Vec3f)));
+    std::vector<Vec3f> normals(count);
+    InputFile(file).read(normals.data(), 0, bytes);
+    return normals;
+}
+
+void read_mesh(const fs::path& folder, const DatasetSizes& sizes, Dataset& dataset) {
+    const fs::path mesh_file = folder / dataset_mesh_name, normals_file = folder / dataset_normals_name;
+    dataset.mesh = read_ply(mesh_file);
+    const size_t vertices = dataset.mesh.vertex_count(), triangles = dataset.mesh.triangle_count();
+    if (vertices != sizes.vertices || triangles != sizes.triangles)
+        throw_damaged(mesh_file, fmt::format("{} vertices and {} triangles, but {} says {} and {}", vertices, triangles,
+                                             dataset_json_name, sizes.vertices, sizes.triangles));
+    if (dataset.normal_map.side == 0) return;
+    const size_t side = size_t(dataset.normal_map.side), tile = side * (side + 1) / 2;
+    dataset.normal_map.normals =
+        read_normals(normals_file, triangles * tile, fmt::format("{} triangles of {} texels", triangles, tile));
+    check_normals(dataset.normal_map.normals, normals_file.string());
+}
+
+void read_grid(const fs::path& folder, const DatasetSizes& sizes, Grid& grid) {
+    check_grid(grid, (folder / dataset_json_name).string());
+    if (!sizes.grid_normals) return;
+    const fs::path file = folder / dataset_normals_name;
+    grid.texel_normals = read_normals(file, grid.texel_count(), fmt::format("{} x {} texels", grid.width, grid.height));
+    check_grid(grid, file.string());
 }
 
 }  // namespace
@@ -67,6 +86,14 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
     return atlas;
 }
 
+void require_mesh(const Dataset& dataset) {
+    if (dataset.has_grid())
+        throw UserError(
+            fmt::format("{}: a grid of texels seen from a fixed place, without a mesh: a light field map needs a "
+                        "mesh and moving views; fit a reflectance model",
+                        dataset.folder.string()));
+}
+
 Dataset open_dataset(const fs::path& folder) {
     const fs::path json_file = folder / dataset_json_name;
     DatasetSizes sizes;
@@ -89,13 +116,10 @@ Dataset open_dataset(const fs::path& folder) {
             check_range(images_file, view, "mask", *view.mask_offset, mask_bytes(view.camera), images_bytes);
     }
 
-    const fs::path mesh_file = folder / dataset_mesh_name;
-    dataset.mesh = read_ply(mesh_file);
-    if (dataset.mesh.vertex_count() != sizes.vertices || dataset.mesh.triangle_count() != sizes.triangles)
-        throw_damaged(mesh_file,
-                      fmt::format("{} vertices and {} triangles, but {} says {} and {}", dataset.mesh.vertex_count(),
-                                  dataset.mesh.triangle_count(), dataset_json_name, sizes.vertices, sizes.triangles));
-    if (dataset.normal_map.side > 0) read_normals(folder / dataset_normals_name, dataset);
+    if (dataset.has_grid())
+        read_grid(folder, sizes, dataset.grid);
+    else
+        read_mesh(folder, sizes, dataset);
     return dataset;
 }
 

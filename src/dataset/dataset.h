@@ -7,13 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "dataset/grid.h"
 #include "geometry/atlas.h"
 #include "geometry/camera.h"
 #include "geometry/light.h"
 #include "geometry/mesh.h"
 
-/// The packed dataset: the only thing a fitting program reads. A folder with dataset.json, mesh.ply and images.bin,
-/// described field by field in docs/formats.md.
+/// The packed dataset: the only thing a fitting program reads. A folder with dataset.json, images.bin and mesh.ply (or
+/// a grid of texels in its place), described field by field in docs/formats.md.
 namespace radiafit {
 
 enum class Encoding { u8_srgb, u8_linear, u16_linear, f16_linear, f32_linear };
@@ -24,6 +25,9 @@ int bytes_per_channel(Encoding encoding);
 struct View {
     std::string name;
     Camera camera;  ///< of the stored (cropped) rectangle
+    /// Of a grid's image taken from so far that all rays are parallel: unit direction to the camera, world space. Then
+    /// `camera` has a width and a height and nothing else.
+    std::optional<Vec3d> camera_direction;
     std::optional<Light>
         light;              ///< what lit this image, where the light moves; all views of a dataset have one, or none
     bool held_out = false;  ///< never fitted, only judged
@@ -34,6 +38,11 @@ struct View {
     float peak = 1;  ///< largest stored value, for f16_linear and f32_linear; 1 for every other encoding
     std::array<int, 2> crop_origin = {0, 0};  ///< column and row of the rectangle in the photograph: information only
     std::array<int, 2> full_size = {0, 0};    ///< width and height of the photograph; 0, 0: not cropped
+
+    /// Unit direction from x (world space) to the camera.
+    Vec3d direction_to_camera(const Vec3d& x) const {
+        return camera_direction ? *camera_direction : Vec3d((camera.center() - x).normalized());
+    }
 };
 
 /// Unit normals in world space finer than the mesh's: one for each texel of a TriangleAtlas of that side.
@@ -48,17 +57,23 @@ struct Dataset {
     std::string description;  ///< one sentence; synthetic sets say that they are stand-ins
     std::string source;       ///< provenance: command line or capture, and terms
     Encoding encoding = Encoding::u8_srgb;
-    Mesh mesh;
+    Mesh mesh;  ///< empty if there is a grid
+    Grid grid;
     std::vector<View> views;
-    NormalMap normal_map;
+    NormalMap normal_map;  ///< of a mesh
 
+    bool has_grid() const { return grid.width > 0; }
     bool light_moves() const { return !views.empty() && views.front().light.has_value(); }
     std::vector<uint32_t> split(bool held_out) const;  ///< indices into views
     uint64_t image_bytes() const;                      ///< raw pixels of all views, masks and padding left out
 };
 
-/// Reads and checks a packed dataset whole (sizes, offsets, cameras, mesh). Throws UserError that names file and cure.
+/// Reads and checks a packed dataset whole (sizes, offsets, cameras, mesh or grid). Throws UserError that names file
+/// and cure.
 Dataset open_dataset(const std::filesystem::path& folder);
+
+/// Throws UserError for a dataset with a grid, on behalf of what needs a mesh.
+void require_mesh(const Dataset& dataset);
 
 /// The atlas that a reflectance model is fitted on: with the dataset's normal map, where it has one. Throws UserError
 /// if that was made for another side. The dataset must outlive the atlas.
@@ -78,7 +93,8 @@ public:
     /// view's offsets and peak are filled in here. UserError for a bad camera, light or gain, for float values that are
     /// not finite, and for a light where the first view had none, or the other way about.
     void add(View view, const void* pixels, const std::vector<uint8_t>& mask);
-    /// Everything but the images: folder, encoding and views of `header` are ignored.
+    /// Everything but the images: folder, encoding and views of `header` are ignored. It has a mesh or a grid; all
+    /// views over a grid have the grid's size.
     void finish(const Dataset& header);
     void set_encoding(Encoding encoding);  ///< before the first add; u8_srgb unless set
     /// Where the files are until finish(): for what is to stand beside the images (truth.h).

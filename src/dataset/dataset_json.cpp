@@ -16,41 +16,43 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* format_name = "radiafit-dataset";
-/// Version 2 has lights, normals and f32-linear; a dataset without them is written as version 1.
-constexpr int format_version = 2;
+/// Version 2 has lights, normals and f32-linear, version 3 grids; a dataset is written as the least that can hold it.
+constexpr int format_version = 3;
 constexpr int max_side = 1 << 16;  // pixels; keeps every product of sizes far from overflow
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+Json list(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
 Json light_to_json(const Light& light) {
     const bool distant = light.kind == Light::Kind::distant;
-    const Vec3d &p = light.place, &i = light.intensity;
-    return {{distant ? "direction" : "position", {p.x(), p.y(), p.z()}}, {"intensity", {i.x(), i.y(), i.z()}}};
+    return {{distant ? "direction" : "position", list(light.place)}, {"intensity", list(light.intensity)}};
 }
 
-bool needs_version_2(const Dataset& dataset) {
-    return dataset.light_moves() || dataset.normal_map.side > 0 || dataset.encoding == Encoding::f32_linear;
+int needed_version(const Dataset& dataset) {
+    if (dataset.has_grid()) return 3;
+    return dataset.light_moves() || dataset.normal_map.side > 0 || dataset.encoding == Encoding::f32_linear ? 2 : 1;
+}
+
+Json camera_to_json(const View& view) {
+    const Camera& c = view.camera;
+    Json json = {{"width", c.width}, {"height", c.height}};
+    if (view.camera_direction) {
+        json["direction"] = list(*view.camera_direction);
+        return json;
+    }
+    json.update({{"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}});
+    Json& rotation = json["cam_from_world_rotation"];
+    for (int row = 0; row < 3; ++row) rotation.push_back(list(c.cam_from_world_rotation.row(row)));
+    json["cam_from_world_translation"] = list(c.cam_from_world_translation);
+    return json;
 }
 
 Json view_to_json(const View& view) {
     const Camera& c = view.camera;
-    Json rotation = Json::array();
-    for (int row = 0; row < 3; ++row) {
-        const Vec3d r = c.cam_from_world_rotation.row(row);
-        rotation.push_back({r.x(), r.y(), r.z()});
-    }
-    const Vec3d& t = c.cam_from_world_translation;
     Json json = {{"name", view.name},
                  {"held_out", view.held_out},
-                 {"camera",
-                  {{"width", c.width},
-                   {"height", c.height},
-                   {"fx", c.fx},
-                   {"fy", c.fy},
-                   {"cx", c.cx},
-                   {"cy", c.cy},
-                   {"cam_from_world_rotation", rotation},
-                   {"cam_from_world_translation", {t.x(), t.y(), t.z()}}}},
+                 {"camera", camera_to_json(view)},
                  {"gain", view.gain},
                  {"pixel_offset", view.pixel_offset},
                  {"mask_offset", view.mask_offset ? Json(*view.mask_offset) : Json(nullptr)},
@@ -157,13 +159,17 @@ View view_from_json(const Fields& fields, const fs::path& file) {
     Camera& c = view.camera;
     c.width = camera.side("width", 1);
     c.height = camera.side("height", 1);
-    c.fx = camera.number("fx");
-    c.fy = camera.number("fy");
-    c.cx = camera.number("cx");
-    c.cy = camera.number("cy");
-    c.cam_from_world_rotation = camera.rows("cam_from_world_rotation");
-    c.cam_from_world_translation = camera.vector("cam_from_world_translation");
-    check_camera(c, fmt::format("{}: view \"{}\"", file.string(), view.name));
+    if (camera.has("direction")) {
+        view.camera_direction = camera.vector("direction");
+    } else {
+        c.fx = camera.number("fx");
+        c.fy = camera.number("fy");
+        c.cx = camera.number("cx");
+        c.cy = camera.number("cy");
+        c.cam_from_world_rotation = camera.rows("cam_from_world_rotation");
+        c.cam_from_world_translation = camera.vector("cam_from_world_translation");
+    }
+    check_view(view, fmt::format("{}: view \"{}\"", file.string(), view.name));
     view.gain = fields.number("gain");
     if (!(view.gain > 0)) fields.fail("gain", "must be above 0");
     view.pixel_offset = fields.count("pixel_offset");
@@ -193,6 +199,13 @@ void throw_damaged(const fs::path& file, const std::string& what) {
     throw UserError(fmt::format("{}: {}; run radiafit generate or import again", file.string(), what));
 }
 
+void check_view(const View& view, const std::string& name) {
+    if (!view.camera_direction) return check_camera(view.camera, name);
+    if (const double length = view.camera_direction->norm(); !(std::abs(length - 1) <= 1e-4))  // not a number either
+        throw UserError(
+            fmt::format("{}: the direction to the camera has length {:.6g}; give a unit vector", name, length));
+}
+
 std::string read_dataset_file(const fs::path& file) {
     std::error_code ignored;
     const fs::path folder = file.parent_path();
@@ -212,7 +225,7 @@ std::string read_dataset_file(const fs::path& file) {
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {
     Json head = {{"format", format_name},
-                 {"version", needs_version_2(dataset) ? 2 : 1},
+                 {"version", needed_version(dataset)},
                  {"name", dataset.name},
                  {"description", dataset.description},
                  {"source", dataset.source},
@@ -220,6 +233,9 @@ std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {
                  {"images_bytes", sizes.images_bytes},
                  {"vertices", sizes.vertices},
                  {"triangles", sizes.triangles}};
+    if (const Grid& g = dataset.grid; dataset.has_grid())
+        head["grid"] = {{"width", g.width},       {"height", g.height},   {"origin", list(g.origin)},
+                        {"right", list(g.right)}, {"down", list(g.down)}, {"normals", sizes.grid_normals}};
     if (dataset.normal_map.side > 0) head["normals"] = {{"side", dataset.normal_map.side}};
     // One line per view: a person can read it, and a text tool can compare two.
     std::string text = "{\n";
@@ -255,15 +271,29 @@ Dataset dataset_from_json(const std::string& text, const fs::path& file, Dataset
     dataset.source = fields.text("source");
     dataset.encoding = encoding_from(fields);
     sizes = {fields.count("vertices"), fields.count("triangles"), fields.count("images_bytes")};
+    if (fields.has("grid")) {
+        const Fields grid = fields.object("grid");
+        dataset.grid = {grid.side("width", 1), grid.side("height", 1), grid.vector("origin"),
+                        grid.vector("right"),  grid.vector("down"),    {}};
+        sizes.grid_normals = grid.boolean("normals");
+    }
     if (fields.has("normals")) dataset.normal_map.side = fields.object("normals").side("side", 2);
     const Json& views = fields.array("views");
     if (views.empty()) fields.fail("views", "is empty");
     for (size_t i = 0; i < views.size(); ++i)
         dataset.views.push_back(view_from_json(Fields(views[i], file, fmt::format("views[{}]", i)), file));
-    for (const View& view : dataset.views)
+    const Grid& grid = dataset.grid;
+    for (const View& view : dataset.views) {
+        const auto [w, h] = std::array{view.camera.width, view.camera.height};
+        if (dataset.has_grid() && (w != grid.width || h != grid.height))
+            throw_damaged(file, fmt::format("view \"{}\" has {} x {} pixels, but the grid {} x {} texels", view.name, w,
+                                            h, grid.width, grid.height));
+        if (view.camera_direction && !dataset.has_grid())
+            throw_damaged(file, fmt::format("view \"{}\" has a distant camera, which only a grid may have", view.name));
         if (view.light.has_value() != dataset.light_moves())
             throw_damaged(file, fmt::format("view \"{}\" has {} light, unlike view \"{}\"; all must have one, or none",
                                             view.name, view.light ? "a" : "no", dataset.views.front().name));
+    }
     return dataset;
 }
 

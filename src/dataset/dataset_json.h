@@ -17,12 +17,16 @@ inline constexpr uint64_t image_alignment = 4096;  ///< of every View::pixel_off
 struct DatasetSizes {
     uint64_t vertices = 0, triangles = 0;
     uint64_t images_bytes = 0;  ///< length of images.bin
+    bool grid_normals = false;  ///< a grid's normals stand in normals.f32
 };
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes);
-/// Everything but the mesh and the normals, of which the side is told. `file` names the text in errors (UserError);
-/// cameras and values are checked, offsets not.
+/// Everything but the mesh and the normals: of a mesh's the side is told, of a grid's `grid_normals` that there are
+/// any. `file` names the text in errors (UserError); cameras and values are checked, offsets not.
 Dataset dataset_from_json(const std::string& text, const std::filesystem::path& file, DatasetSizes& sizes);
+
+/// Throws UserError, prefixed by `name`, for a camera or a camera's direction that is none.
+void check_view(const View& view, const std::string& name);
 
 /// The text of a file, or a UserError that says what is missing.
 std::string read_dataset_file(const std::filesystem::path& file);

@@ -142,7 +142,7 @@ void DatasetWriter::set_encoding(Encoding encoding) {
 
 void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t>& mask) {
     State& s = *state_;
-    check_camera(view.camera, view.name);
+    check_view(view, view.name);
     if (!(view.gain > 0 && std::isfinite(view.gain)))
         throw UserError(fmt::format("{}: the gain {} must be positive and finite", view.name, view.gain));
     const size_t pixel_count = size_t(view.camera.width) * size_t(view.camera.height);
@@ -177,14 +177,25 @@ void DatasetWriter::finish(const Dataset& header) {
     State& s = *state_;
     if (s.views.empty())
         throw UserError(fmt::format("{}: a dataset needs at least one image; none was added", s.folder.string()));
-    check_mesh(header.mesh, header.name);
+    const Grid& grid = header.grid;
     const NormalMap& map = header.normal_map;
-    if (map.side > 0) {
-        if (map.normals.size() != header.mesh.triangle_count() * size_t(map.side) * size_t(map.side + 1) / 2)
+    const bool has_grid = header.has_grid();
+    if (has_grid)
+        check_grid(grid, header.name);
+    else
+        check_mesh(header.mesh, header.name);
+    for (const View& view : s.views)
+        if (has_grid ? view.camera.width != grid.width || view.camera.height != grid.height
+                     : view.camera_direction.has_value())
+            throw std::logic_error("DatasetWriter::finish takes views of the grid's size, or pinhole cameras");
+    const std::vector<Vec3f>& normals = has_grid ? grid.texel_normals : map.normals;
+    if (!normals.empty() || map.side > 0) {
+        const size_t tile = size_t(map.side) * size_t(map.side + 1) / 2;
+        if (normals.size() != (has_grid ? grid.texel_count() : header.mesh.triangle_count() * tile))
             throw std::logic_error("DatasetWriter::finish takes one normal per texel");
-        check_normals(map.normals, header.name);
+        if (!has_grid) check_normals(normals, header.name);
         OutputFile out(s.output.path() / dataset_normals_name);
-        out.write(map.normals.data(), map.normals.size() * sizeof(Vec3f));
+        out.write(normals.data(), normals.size() * sizeof(Vec3f));
         out.close();
     }
     const int file = std::exchange(s.file, -1);
@@ -196,10 +207,12 @@ void DatasetWriter::finish(const Dataset& header) {
     dataset.source = header.source;
     dataset.encoding = s.encoding;
     dataset.views = s.views;
-    dataset.normal_map.side = map.side;
-    write_ply(header.mesh, s.output.path() / dataset_mesh_name);
+    dataset.grid = {grid.width, grid.height, grid.origin, grid.right, grid.down, {}};
+    dataset.normal_map.side = has_grid ? 0 : map.side;
+    if (!has_grid) write_ply(header.mesh, s.output.path() / dataset_mesh_name);
     write_file(s.output.path() / dataset_json_name,
-               dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.bytes}));
+               dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.bytes,
+                                         has_grid && !normals.empty()}));
     s.output.commit();
 }
 

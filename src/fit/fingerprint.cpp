@@ -47,12 +47,19 @@ DatasetFingerprint fingerprint(const Dataset& dataset) {
         for (const double x : {c.fx, c.fy, c.cx, c.cy, view.gain}) digest.add(x);
         for (int i = 0; i < 9; ++i) digest.add(c.cam_from_world_rotation(i / 3, i % 3));
         for (int i = 0; i < 3; ++i) digest.add(c.cam_from_world_translation[i]);
+        if (view.camera_direction)
+            for (int i = 0; i < 3; ++i) digest.add((*view.camera_direction)[i]);
         digest.add(view.held_out);
         if (!view.light) continue;
         digest.add(int(view.light->kind));
         for (int i = 0; i < 3; ++i) digest.add(view.light->place[i]), digest.add(view.light->intensity[i]);
     }
     for (const Vec3f& n : dataset.normal_map.normals) digest.bytes(n.data(), 3 * sizeof(float));
+    if (dataset.has_grid()) {
+        const Grid& grid = dataset.grid;
+        for (const Vec3d& v : {grid.origin, grid.right, grid.down}) digest.bytes(v.data(), 3 * sizeof(double));
+        for (const Vec3f& n : grid.texel_normals) digest.bytes(n.data(), 3 * sizeof(float));
+    }
     f.digest = digest.text();
     return f;
 }
