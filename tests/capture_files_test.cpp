@@ -267,7 +267,7 @@ TEST_F(Files, MasksOfAllKinds) {
 }
 
 TEST(ImageScale, HalvingIsTheMeanInLinearLight) {
-    ImageFile image{4, 2, 8, false, {}, {}, {}};
+    ImageFile image{4, 2, 8, false, {}, {}, {}, {}};
     const auto samples = ramp(24, 255);
     image.rgb8.assign(samples.begin(), samples.end());
     const ImageFile half = scale_down(image, 2, 1);
@@ -283,7 +283,7 @@ TEST(ImageScale, HalvingIsTheMeanInLinearLight) {
 TEST(ImageScale, AnyRatioKeepsTheTotalLightAndItsCentre) {
     // 16-bit linear: the first two moments are those of the old image, up to rounding to 1/65535. A pixel's light is
     // spread over its area, so its centre of mass is the pixel centre and area averaging must keep it to 1/2 new pixel.
-    ImageFile image{11, 7, 16, true, {}, {}, {}};
+    ImageFile image{11, 7, 16, true, {}, {}, {}, {}};
     image.rgb16.assign(size_t(11 * 7 * 3), 0);
     for (size_t c = 0; c < 3; ++c) image.rgb16[(3 * 11 + 6) * 3 + c] = 60000;  // pixel (6, 3)
     const ImageFile out = scale_down(image, 5, 3);

@@ -109,6 +109,15 @@ inline std::string encode_png(int width, int height, int channels, int bits, con
     return "\x89PNG\r\n\x1a\n" + chunk("IHDR", head) + chunk("IDAT", zlib) + chunk("IEND", "");
 }
 
+/// A colour PFM, little-endian, rows bottom to top. values: [height][width][3], row 0 on top.
+inline std::string encode_pfm(int width, int height, const std::vector<float>& values) {
+    Bytes data;
+    const size_t row = size_t(width) * 3;
+    for (size_t y = size_t(height); y-- > 0;)
+        for (size_t i = 0; i < row; ++i) data.put(values[y * row + i]);
+    return "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n" + data.text;
+}
+
 /// A test with a folder of its own, removed afterwards.
 class FolderTest : public ::testing::Test {
 protected:

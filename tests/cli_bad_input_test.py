@@ -4,8 +4,10 @@
 Arguments: the program.
 """
 import json
+import math
 import re
 import shutil
+import struct
 import unittest
 
 from cli_fixture import ProgramTest, take_arguments, write_capture, write_png
@@ -94,6 +96,62 @@ class Import(BadInput):
         for output in ("star/mesh.ply/packed", "/proc/packed"):
             self.refuses(f"cannot write {output}: ", "choose a writable folder", output=output)
         self.refuses("capture: holds ", "choose another name", output="capture")
+
+
+class Lights(ProgramTest):
+    """`import lights`: four images of 6 x 5 pixels under a lamp each."""
+
+    def setUp(self):
+        self.capture = self.root / "lit"
+        (self.capture / "images").mkdir(parents=True)
+        self.addCleanup(shutil.rmtree, self.capture)
+        for i in range(4):
+            write_png(self.capture / f"images/{i}.png", 6, 5, bytes(range(90)))
+        (self.capture / "lights.txt").write_text("0 0 1\n0.6 0 0.8\n0 0.6 0.8\n-0.6 0 0.8\n")
+
+    def arguments(self, *more, lights="lights.txt"):
+        return ("import", "lights", "--images", "lit/images", "--lights", f"lit/{lights}", *more, "-o", "packed")
+
+    def refuses(self, *says, more=(), lights="lights.txt"):
+        self.refused(*self.arguments(*more, lights=lights), says=says)
+
+    def write_pfm(self, name, width, height, values):
+        head = f"PF\n{width} {height}\n-1.0\n".encode()
+        (self.capture / name).write_bytes(head + struct.pack(f"<{3 * width * height}f", *values))
+
+    def test_a_good_one_and_what_cannot_be_done_with_it(self):
+        self.good(*self.arguments("--held-out", "every:2"))
+        self.addCleanup(shutil.rmtree, self.root / "packed")
+        info = json.loads(self.good("info", "packed", "--json").stdout)
+        self.assertEqual((info["grid"]["width"], info["grid"]["height"], info["grid"]["usable"]), (6, 5, 30))
+        self.assertEqual((info["views"], info["held_out"], info["light"]), (4, 2, "distant"))
+        for command in (["fit", "packed", "-o", "new"], ["plan", "packed"]):
+            self.refused(*command, says=["packed: a grid of texels", "fit a reflectance model"])
+
+    def test_counts(self):
+        (self.capture / "images/3.png").unlink()
+        self.refuses("lit/lights.txt: 4 lights, but lit/images holds 3 images", "one line per image")
+        (self.capture / "dome.lp").write_text("3\n0.png 0 0 1\n1.png 0 0 1\n")
+        self.refuses("lit/dome.lp: says 3 images, but lists 2", "mend", lights="dome.lp")
+
+    def test_light_that_points_nowhere(self):
+        (self.capture / "lights.txt").write_text("0 0 1\n0 0 0\n0 0.6 0.8\n-0.6 0 0.8\n")
+        self.refuses("lit/lights.txt:2: the light's vector is 0 0 0", "calibrate it")
+
+    def test_normals_of_another_size(self):
+        self.write_pfm("normals.pfm", 5, 6, [0, 0, 1] * 30)
+        more = ("--normals", "lit/normals.pfm")
+        self.refuses("lit/normals.pfm: normals for 5 x 6 pixels, but the images have 6 x 5", "at their size", more=more)
+
+    def test_depth(self):
+        self.refuses("lit/images/0.png: has 8-bit channels, but --depth 16 was declared", more=("--depth", "16"))
+
+    def test_pixels_that_are_not_finite(self):
+        for i in range(4):
+            (self.capture / f"images/{i}.png").unlink()
+            self.write_pfm(f"images/{i}.pfm", 6, 5, [0.5] * 50 + [math.nan if i == 2 else 0.5] + [0.5] * 39)
+        # Rows stand bottom to top: value 50 is in the third row from below, pixel 16 - 12 of it.
+        self.refuses("lit/images/2.pfm: the pixel at column 4, row 2 is not finite", "repair the image")
 
 
 class Datasets(BadInput):

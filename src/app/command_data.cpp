@@ -1,4 +1,4 @@
-// generate, import, info, plan: everything about a dataset before it is fitted.
+// generate, info, plan: everything about a dataset before it is fitted.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +9,6 @@
 #include "app/commands.h"
 #include "app/solver.h"
 #include "base/error.h"
-#include "base/log.h"
-#include "capture/import.h"
 #include "dataset/synthetic/synthetic.h"
 #include "dataset/truth.h"
 #include "report/table.h"
@@ -19,6 +17,29 @@ namespace radiafit {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+void print_fit(const LightFieldFit& f, bool json) {
+    const auto counts = f.status_counts();
+    if (json) {
+        Json status = Json::object();
+        for (size_t s = 0; s < counts.size(); ++s) status[to_string(Status(s))] = counts[s];
+        const Json object = {{"kind", "fit"},
+                             {"dataset", f.dataset_name},
+                             {"solver", f.solver},
+                             {"engine", f.engine},
+                             {"problems", f.problem_count()},
+                             {"status", status},
+                             {"options", Json::parse(f.options_json.empty() ? "{}" : f.options_json)}};
+        fmt::print("{}\n", object.dump(2));
+        return;
+    }
+    fmt::print("fit of {} by {} on {}: {} terms, surface maps of side {}, view maps of side {}\n", f.dataset_name,
+               f.solver, f.engine, f.options.terms, f.options.surface_side, f.options.view_side);
+    for (size_t s = 0; s < counts.size(); ++s)
+        if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
+}
+
+}  // namespace
 
 void print_dataset(const Dataset& d, bool json) {
     const size_t held_out = d.split(true).size();
@@ -67,29 +88,6 @@ void print_dataset(const Dataset& d, bool json) {
                    truth ? "yes" : "no");
 }
 
-void print_fit(const LightFieldFit& f, bool json) {
-    const auto counts = f.status_counts();
-    if (json) {
-        Json status = Json::object();
-        for (size_t s = 0; s < counts.size(); ++s) status[to_string(Status(s))] = counts[s];
-        const Json object = {{"kind", "fit"},
-                             {"dataset", f.dataset_name},
-                             {"solver", f.solver},
-                             {"engine", f.engine},
-                             {"problems", f.problem_count()},
-                             {"status", status},
-                             {"options", Json::parse(f.options_json.empty() ? "{}" : f.options_json)}};
-        fmt::print("{}\n", object.dump(2));
-        return;
-    }
-    fmt::print("fit of {} by {} on {}: {} terms, surface maps of side {}, view maps of side {}\n", f.dataset_name,
-               f.solver, f.engine, f.options.terms, f.options.surface_side, f.options.view_side);
-    for (size_t s = 0; s < counts.size(); ++s)
-        if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
-}
-
-}  // namespace
-
 void add_generate(CLI::App& app) {
     auto options = std::make_shared<SyntheticOptions>();
     auto out = std::make_shared<std::string>();
@@ -117,30 +115,6 @@ void add_generate(CLI::App& app) {
     command->add_option("-o,--output", *out, "folder of the packed dataset")->required();
     command->callback([=] {
         generate_synthetic(*options, *out);
-        print_dataset(open_dataset(*out), false);
-    });
-}
-
-void add_import(CLI::App& app, const Invocation&) {
-    auto options = std::make_shared<ImportOptions>();
-    auto out = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("import", "pack a real capture");
-    command->require_subcommand(1);
-    CLI::App* colmap = command->add_subcommand("colmap", "photographs with a COLMAP calibration and a mesh");
-    colmap->add_option("--model", options->model, "folder with cameras and images, .txt or .bin")->required();
-    colmap->add_option("--images", options->images, "folder of the undistorted photographs")->required();
-    colmap->add_option("--mesh", options->mesh, "surface in the calibration's frame")->required();
-    colmap->add_option("--masks", options->masks, "folder of NAME.png, white = object");
-    colmap->add_option("--holdout", options->holdout, "every:N, none, or a file of image names")->capture_default_str();
-    colmap->add_option("--max-size", options->max_size, "longest side in pixels; 0 keeps the size")
-        ->capture_default_str();
-    colmap->add_option("--gains", options->gains, "none, estimate, or a table (name ... linear gain)")
-        ->capture_default_str();
-    colmap->add_option("--name", options->name, "of the dataset");
-    colmap->add_option("-o,--output", *out, "folder of the packed dataset")->required();
-    colmap->callback([=] {
-        const ImportReport report = import_colmap(*options, *out);
-        for (const std::string& note : report.notes) log_warning(note);
         print_dataset(open_dataset(*out), false);
     });
 }

@@ -21,6 +21,9 @@ void add_judge(CLI::App& app);
 void add_render(CLI::App& app);
 void add_devices(CLI::App& app);
 
+/// What a dataset is, on standard output.
+void print_dataset(const Dataset& dataset, bool json);
+
 /// The options of FitRequest, for every command that fits or plans a fit.
 void add_fit_options(CLI::App& command, FitRequest& request);
 

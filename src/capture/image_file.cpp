@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 
@@ -23,8 +24,8 @@ std::string one_line(std::string message) {
 }
 
 [[noreturn]] void fail_damaged(const std::filesystem::path& file, const std::string& why) {
-    throw UserError(
-        fmt::format("{}: truncated or corrupt image ({}): copy or export it again", file.string(), one_line(why)));
+    throw UserError(fmt::format("{}: truncated or corrupt image ({}): copy or export it again", file.string(),
+                                why.empty() ? "it cannot be read whole" : one_line(why)));
 }
 
 /// A PNG's chunks, lengths and checksums, before libpng sees the file: OpenImageIO's reader does not check all
@@ -61,7 +62,10 @@ struct OpenImage {
     int colors() const { return channels - (alpha >= 0 ? 1 : 0); }
 };
 
-OpenImage open_image(const std::filesystem::path& file, ImageFile& header, bool any_depth) {
+/// Which channel types are taken.
+enum class Depths { integers, floats_too, any };
+
+OpenImage open_image(const std::filesystem::path& file, ImageFile& header, Depths depths) {
     if (!std::filesystem::is_regular_file(file))
         throw UserError(fmt::format("{}: no such image file: check the folder and the name", file.string()));
     check_png(file);
@@ -80,10 +84,19 @@ OpenImage open_image(const std::filesystem::path& file, ImageFile& header, bool 
         header.bits = 16;
         const std::string space = spec.get_string_attribute("oiio:ColorSpace");
         header.linear = space == "Linear" || space == "linear" || space == "scene_linear";
-    } else if (!any_depth) {
+    } else if (spec.format == oiio::TypeDesc::HALF || spec.format == oiio::TypeDesc::FLOAT) {
+        header.bits = 32;
+    } else {
+        header.bits = 0;
+    }
+    if (depths == Depths::integers && header.bits != 8 && header.bits != 16)
         throw UserError(fmt::format("{}: channels are of type {}, neither 8 nor 16 bits: convert the image to PNG",
                                     file.string(), spec.format.c_str()));
-    }
+    if (depths == Depths::floats_too && header.bits == 0)
+        throw UserError(
+            fmt::format("{}: channels are of type {}, neither 8 or 16 bits nor float: convert the image to "
+                        "PNG or EXR",
+                        file.string(), spec.format.c_str()));
     if (image.colors() != 1 && image.colors() != 3)
         throw UserError(fmt::format("{}: has {} colour channels, neither grey nor RGB: convert the image to RGB",
                                     file.string(), image.colors()));
@@ -94,7 +107,9 @@ OpenImage open_image(const std::filesystem::path& file, ImageFile& header, bool 
 template <class Channel>
 std::vector<Channel> read_channels(const std::filesystem::path& file, OpenImage& image, const ImageFile& header) {
     std::vector<Channel> raw(size_t(header.width) * size_t(header.height) * size_t(image.channels));
-    const auto type = sizeof(Channel) == 1 ? oiio::TypeDesc::UINT8 : oiio::TypeDesc::UINT16;
+    const auto type = sizeof(Channel) == 1   ? oiio::TypeDesc::UINT8
+                      : sizeof(Channel) == 2 ? oiio::TypeDesc::UINT16
+                                             : oiio::TypeDesc::FLOAT;
     const bool complete = image.input->read_image(0, 0, 0, image.channels, type, raw.data());
     if (!complete || image.input->has_error()) fail_damaged(file, image.input->geterror());
     return raw;
@@ -118,31 +133,33 @@ std::vector<uint8_t> take_alpha(const std::vector<Channel>& raw, const OpenImage
     std::vector<uint8_t> alpha(raw.size() / channels);
     for (size_t i = 0; i < alpha.size(); ++i) {
         const Channel value = raw[i * channels + size_t(image.alpha)];
-        alpha[i] = sizeof(Channel) == 1 ? uint8_t(value) : uint8_t((value + 128u) / 257u);
+        if constexpr (sizeof(Channel) == 4)
+            alpha[i] = uint8_t(std::lround(255 * std::clamp(value, 0.0f, 1.0f)));
+        else
+            alpha[i] = sizeof(Channel) == 1 ? uint8_t(value) : uint8_t((value + 128u) / 257u);
     }
     return alpha;
 }
 
 }  // namespace
 
-ImageFile read_image(const std::filesystem::path& file) {
+ImageFile read_image(const std::filesystem::path& file, bool floats) {
     ImageFile image;
-    OpenImage open = open_image(file, image, false);
-    if (image.bits == 8) {
-        const auto raw = read_channels<uint8_t>(file, open, image);
+    OpenImage open = open_image(file, image, floats ? Depths::floats_too : Depths::integers);
+    const auto take = [&]<class Channel>(std::vector<Channel>& rgb) {
+        const auto raw = read_channels<Channel>(file, open, image);
         image.alpha = take_alpha(raw, open);
-        image.rgb8 = spread_colors(raw, open);
-    } else {
-        const auto raw = read_channels<uint16_t>(file, open, image);
-        image.alpha = take_alpha(raw, open);
-        image.rgb16 = spread_colors(raw, open);
-    }
+        rgb = spread_colors(raw, open);
+    };
+    if (image.bits == 8) take(image.rgb8);
+    if (image.bits == 16) take(image.rgb16);
+    if (image.bits == 32) take(image.rgb32);
     return image;
 }
 
 MaskFile read_mask(const std::filesystem::path& file) {
     ImageFile header;
-    OpenImage open = open_image(file, header, true);
+    OpenImage open = open_image(file, header, Depths::any);
     const auto raw = read_channels<uint8_t>(file, open, header);  // other depths are scaled to 8 bits
     MaskFile mask{header.width, header.height, {}};
     mask.values.resize(size_t(header.width) * size_t(header.height));

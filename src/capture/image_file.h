@@ -8,16 +8,18 @@ namespace radiafit {
 /// A photograph as stored: row 0 on top, three channels. Grey files are spread over the three.
 struct ImageFile {
     int width = 0, height = 0;    ///< pixels
-    int bits = 8;                 ///< per channel: 8 or 16
+    int bits = 8;                 ///< per channel: 8, 16 or 32 (floats)
     bool linear = false;          ///< 16 bits only: the file says that its values are linear; else they are sRGB
     std::vector<uint8_t> rgb8;    ///< [height][width][3] if bits == 8
     std::vector<uint16_t> rgb16;  ///< likewise if bits == 16
+    std::vector<float> rgb32;     ///< likewise if bits == 32; as stored, not finite values too
     std::vector<uint8_t> alpha;   ///< [height][width], 0 to 255; empty if the file has none
 };
 
 /// Throws UserError that names file and cure: missing, no image, truncated or corrupt, neither 8 nor 16 bits, neither
 /// grey nor RGB. Colours are never multiplied by alpha. EXIF orientation is ignored, as COLMAP does.
-ImageFile read_image(const std::filesystem::path& file);
+/// `floats`: halves and floats (EXR, PFM, TIFF) are taken too.
+ImageFile read_image(const std::filesystem::path& file, bool floats = false);
 
 /// A mask [height][width], 255 = object, 0 = not: half of the largest grey value or more (1 in files of 0 and 1).
 struct MaskFile {

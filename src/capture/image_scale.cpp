@@ -69,7 +69,7 @@ const std::vector<float>& linear_table(int bits, bool linear) {
 }
 
 ImageFile scale_down(const ImageFile& image, int width, int height) {
-    ImageFile out{width, height, image.bits, image.linear, {}, {}, {}};
+    ImageFile out{width, height, image.bits, image.linear, {}, {}, {}, {}};
     const std::vector<float>& light = linear_table(image.bits, image.linear);
     const double largest = double(light.size() - 1);
     const auto stored = [&](float mean) {

@@ -27,7 +27,7 @@ std::vector<uint8_t> choose_held_out(const std::vector<std::string>& names, cons
             const auto at = std::find(names.begin(), names.end(), line);
             if (at == names.end())
                 text.fail(
-                    fmt::format("no image of the model is named '{}': write one name per line, as in the model", line));
+                    fmt::format("no image is named '{}': write one name per line, as the images have them", line));
             held_out[size_t(at - names.begin())] = 1;
         }
     }

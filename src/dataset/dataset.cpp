@@ -89,8 +89,8 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
 void require_mesh(const Dataset& dataset) {
     if (dataset.has_grid())
         throw UserError(
-            fmt::format("{}: a grid of texels seen from a fixed place, without a mesh: a light field map needs a "
-                        "mesh and moving views; fit a reflectance model",
+            fmt::format("{}: a grid of texels, one per pixel, without a mesh: a light field map needs a mesh; fit a "
+                        "reflectance model",
                         dataset.folder.string()));
 }
 

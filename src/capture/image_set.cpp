@@ -1,0 +1,102 @@
+#include "capture/image_set.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "capture/image_file.h"
+#include "capture/image_scale.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+std::string depth_name(int bits) { return bits == 32 ? "floating-point" : fmt::format("{}-bit", bits); }
+
+void check_alike(const ImageFile& image, const fs::path& file, const ImageSetFormat& format) {
+    if (image.bits != format.bits)
+        throw UserError(fmt::format("{}: has {} channels, but {} has {} ones: export all images alike", file.string(),
+                                    depth_name(image.bits), format.first.string(), depth_name(format.bits)));
+    if (image.width != format.width || image.height != format.height)
+        throw UserError(fmt::format("{}: {} x {} pixels, but {} has {} x {}: all images are to show the same pixels",
+                                    file.string(), image.width, image.height, format.first.string(), format.width,
+                                    format.height));
+}
+
+/// What the mask and the image's alpha leave of it; empty: all.
+std::vector<uint8_t> mask_of(const ImageFile& image, const std::vector<uint8_t>& common) {
+    std::vector<uint8_t> mask = common;
+    if (!image.alpha.empty() && mask.empty()) mask.assign(image.alpha.size(), 255);
+    for (size_t i = 0; i < image.alpha.size(); ++i)
+        if (image.alpha[i] < 128) mask[i] = 0;
+    return mask;
+}
+
+/// A dataset has finite numbers only.
+void settle_floats(std::vector<float>& rgb, const std::vector<uint8_t>& mask, const fs::path& file, int width) {
+    for (size_t i = 0; i < rgb.size(); ++i) {
+        if (std::isfinite(rgb[i])) continue;
+        const size_t pixel = i / 3;
+        if (mask.empty() || mask[pixel])
+            throw UserError(
+                fmt::format("{}: the pixel at column {}, row {} is not finite: repair the image, or mask "
+                            "the pixel out",
+                            file.string(), pixel % size_t(width), pixel / size_t(width)));
+        rgb[i] = 0;
+    }
+}
+
+template <class T>
+std::vector<uint8_t> bytes_of(const std::vector<T>& values) {
+    std::vector<uint8_t> bytes(values.size() * sizeof(T));
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    return bytes;
+}
+
+std::vector<uint8_t> pack_pixels(ImageFile& image, const std::vector<uint8_t>& mask, const fs::path& file,
+                                 const ImageSetFormat& format) {
+    if (format.bits == 8) return std::move(image.rgb8);
+    if (format.bits == 32) {
+        settle_floats(image.rgb32, mask, file, image.width);
+        return bytes_of(image.rgb32);
+    }
+    if (format.decode_srgb) {
+        const std::vector<float>& light = linear_table(16, false);
+        for (uint16_t& v : image.rgb16) v = static_cast<uint16_t>(std::lround(65535.0 * double(light[v])));
+    }
+    return bytes_of(image.rgb16);
+}
+
+}  // namespace
+
+ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth) {
+    const ImageFile first = read_image(file, true);
+    if (depth != 0 && first.bits != depth)
+        throw UserError(
+            fmt::format("{}: has {} channels, but --depth {} was declared: export the image again, or mend "
+                        "the declaration",
+                        file.string(), depth_name(first.bits), depth));
+    const bool srgb = transfer == "srgb" || (transfer == "auto" && first.bits == 8);
+    if (srgb && first.bits == 32)
+        throw UserError(fmt::format("{}: holds floats, which are linear: leave --transfer srgb out", file.string()));
+    ImageSetFormat format{file, first.width, first.height, first.bits};
+    format.decode_srgb = srgb && first.bits == 16;
+    format.encoding = first.bits == 32   ? Encoding::f32_linear
+                      : first.bits == 16 ? Encoding::u16_linear
+                      : srgb             ? Encoding::u8_srgb
+                                         : Encoding::u8_linear;
+    return format;
+}
+
+PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask) {
+    ImageFile image = read_image(file, true);
+    check_alike(image, file, format);
+    PackedImage packed;
+    packed.mask = mask_of(image, mask);
+    packed.pixels = pack_pixels(image, packed.mask, file, format);
+    return packed;
+}
+
+}  // namespace radiafit

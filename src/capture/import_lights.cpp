@@ -1,0 +1,251 @@
+#include "capture/import_lights.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "capture/image_file.h"
+#include "capture/image_set.h"
+#include "capture/light_file.h"
+#include "capture/normal_file.h"
+#include "capture/split.h"
+#include "dataset/dataset.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+/// One image on its way into the dataset.
+struct Source {
+    fs::path file;
+    View view;
+};
+
+void check_options(const LightImportOptions& o) {
+    if (o.lights.empty() == o.light_positions.empty())
+        throw UserError("give the lights either as directions (--lights) or as places (--light-positions)");
+    if (!(o.sample_width >= 0 && std::isfinite(o.sample_width)))
+        throw UserError(fmt::format("--sample-width {}: give what an image's width covers, above 0", o.sample_width));
+    const bool near = !o.light_positions.empty() || !o.camera_positions.empty();
+    if (near && o.sample_width == 0)
+        throw UserError(
+            "places of lights or cameras mean nothing without the sample's size: give --sample-width, what an image's "
+            "width covers in the same unit");
+    if (!near && o.sample_width > 0)
+        throw UserError("--sample-width says nothing about directions: give places, or leave it out");
+    if (o.transfer != "auto" && o.transfer != "linear" && o.transfer != "srgb")
+        throw UserError(fmt::format("--transfer {}: choose auto, linear or srgb", o.transfer));
+    if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
+        throw UserError(fmt::format("--depth {}: choose 8, 16 or 32 (floats)", o.depth));
+    if (!fs::is_directory(o.images))
+        throw UserError(fmt::format("{}: no such folder of images: check --images", o.images.string()));
+}
+
+std::vector<std::string> list_images(const fs::path& folder) {
+    constexpr std::string_view endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".pfm", ".hdr", ".bmp"};
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+        std::string ending = entry.path().extension().string();
+        std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+        if (entry.is_regular_file() && std::find(std::begin(endings), std::end(endings), ending) != std::end(endings))
+            names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// Light files often name images by where they once were, on another system.
+fs::path find_image(const fs::path& folder, const std::string& name, const fs::path& list) {
+    const std::string base = name.substr(name.find_last_of("/\\") + 1);
+    for (const fs::path& file : {folder / name, folder / base})
+        if (fs::is_regular_file(file)) return file;
+    throw UserError(fmt::format("{}: no such image, but {} names it: check --images, or take its line out",
+                                (folder / base).string(), list.string()));
+}
+
+/// Entry i of a list that has one entry per image or one for all.
+const Vec3d& entry_for(const std::vector<Vec3d>& list, size_t i) { return list.size() == 1 ? list[0] : list[i]; }
+
+void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images) {
+    if (entries != 1 && entries != images)
+        throw UserError(fmt::format("{}: {} {}, but there are {} images: write one line per image, or one for all",
+                                    file.string(), entries, what, images));
+}
+
+/// Names, files and lights.
+std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport& report) {
+    const bool near = !o.light_positions.empty();
+    const fs::path lights_file = near ? o.light_positions : o.lights;
+    LightFile lights = read_lights(lights_file);
+    fs::path named_by = lights_file;
+    if (!lights.names.empty() && !o.names.empty())
+        throw UserError(fmt::format("{}: names its images itself: leave --names out", lights_file.string()));
+    const std::vector<std::string> found = list_images(o.images);
+    std::vector<std::string> names = std::move(lights.names);
+    const bool listed = !names.empty() || !o.names.empty();
+    if (!o.names.empty()) names = read_names(named_by = o.names);
+    if (!listed) names = found;
+    if (names.empty()) throw UserError(fmt::format("{}: no images here: check --images", o.images.string()));
+    if (lights.vectors.size() != names.size())
+        throw UserError(fmt::format("{}: {} lights, but {} {} {} images: write one line per image, in the same order",
+                                    lights_file.string(), lights.vectors.size(),
+                                    listed ? o.names.string() : o.images.string(), listed ? "names" : "holds",
+                                    names.size()));
+    if (found.size() > names.size())
+        report.notes.push_back(fmt::format("{} images of {} are left out: {} does not name them",
+                                           found.size() - names.size(), o.images.string(), named_by.string()));
+
+    std::vector<Vec3d> intensities = {Vec3d::Ones()};
+    if (!o.intensities.empty()) {
+        intensities = read_intensities(o.intensities);
+        expect_entries(o.intensities, "intensities", intensities.size(), names.size());
+    }
+    std::vector<Source> sources(names.size());
+    const std::vector<uint8_t> held_out = choose_held_out(names, o.holdout);
+    for (size_t i = 0; i < names.size(); ++i) {
+        sources[i].file = find_image(o.images, names[i], named_by);
+        View& view = sources[i].view;
+        view.name = sources[i].file.filename().string();
+        view.held_out = held_out[i] != 0;
+        view.light = near ? Light{Light::Kind::near, lights.vectors[i], entry_for(intensities, i)}
+                          : Light{Light::Kind::distant, lights.vectors[i].normalized(), entry_for(intensities, i)};
+    }
+    return sources;
+}
+
+/// Reads the images, a few at a time on all threads, and adds them in order.
+void pack(const std::vector<Source>& sources, const std::vector<uint8_t>& mask, const ImageSetFormat& format,
+          DatasetWriter& writer) {
+    Progress progress("packing images", sources.size());
+    const size_t batch = size_t(thread_count()) * 2;
+    for (size_t first = 0; first < sources.size(); first += batch) {
+        std::vector<PackedImage> packed(std::min(batch, sources.size() - first));
+        parallel_for(packed.size(), 1,
+                     [&](size_t i, int) { packed[i] = read_packed(sources[first + i].file, format, mask); });
+        for (size_t i = 0; i < packed.size(); ++i) {
+            writer.add(sources[first + i].view, packed[i].pixels.data(), packed[i].mask);
+            progress.advance();
+        }
+    }
+}
+
+/// Each view's camera, near or far away along +z.
+void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<Source>& sources) {
+    std::vector<Vec3d> places;
+    if (!o.camera_positions.empty()) {
+        places = read_vectors(o.camera_positions, "camera position");
+        expect_entries(o.camera_positions, "camera positions", places.size(), sources.size());
+    }
+    for (size_t i = 0; i < sources.size(); ++i) {
+        View& view = sources[i].view;
+        if (places.empty()) {
+            view.camera.width = grid.width;
+            view.camera.height = grid.height;
+            view.camera_direction = Vec3d::UnitZ();
+        } else {
+            view.camera = grid.camera_at(entry_for(places, i), o.camera_positions.string());
+        }
+    }
+}
+
+std::vector<uint8_t> read_common_mask(const LightImportOptions& o, const ImageSetFormat& format) {
+    if (o.mask.empty()) return {};
+    MaskFile mask = read_mask(o.mask);
+    if (mask.width != format.width || mask.height != format.height)
+        throw UserError(fmt::format("{}: {} x {} pixels, but the images have {} x {}: give the mask at their size",
+                                    o.mask.string(), mask.width, mask.height, format.width, format.height));
+    if (std::count(mask.values.begin(), mask.values.end(), 0) == ptrdiff_t(mask.values.size()))
+        throw UserError(fmt::format("{}: the mask is black throughout: white is to mean object", o.mask.string()));
+    return std::move(mask.values);
+}
+
+/// The grid's normals: from the file, or the plane's; 0 outside the mask. Empty if there is neither file nor mask.
+std::vector<Vec3f> choose_normals(const LightImportOptions& o, const ImageSetFormat& format,
+                                  const std::vector<uint8_t>& mask, LightImportReport& report) {
+    std::vector<Vec3f> normals;
+    if (!o.normals.empty()) {
+        NormalFile file = read_normal_file(o.normals);
+        if (file.width != format.width || file.height != format.height)
+            throw UserError(
+                fmt::format("{}: normals for {} x {} pixels, but the images have {} x {}: give the normals "
+                            "at their size",
+                            o.normals.string(), file.width, file.height, format.width, format.height));
+        normals = std::move(file.normals);
+    } else if (!mask.empty()) {
+        normals.assign(mask.size(), Vec3f::UnitZ());
+    }
+    size_t missing = 0, away = 0, usable = 0;
+    for (size_t i = 0; i < normals.size(); ++i) {
+        if (!mask.empty() && !mask[i]) {
+            normals[i].setZero();
+            continue;
+        }
+        const bool none = normals[i] == Vec3f::Zero();
+        missing += none;
+        usable += !none;
+        away += normals[i].z() < 0;
+    }
+    if (!normals.empty() && usable == 0)
+        throw UserError(fmt::format("{}: no pixel has a normal: give x, y, z in red, green, blue, of length 1",
+                                    o.normals.string()));
+    if (missing) report.notes.push_back(fmt::format("{} pixels have no normal and are left out", missing));
+    if (2 * away > usable)
+        report.notes.push_back(
+            fmt::format("{} of {} normals face away from the camera: they are to have z towards it", away, usable));
+    return normals;
+}
+
+std::string provenance(const LightImportOptions& o) {
+    std::string text = "radiafit import lights";
+    const auto add = [&](const char* option, const std::string& value) {
+        if (!value.empty()) text += fmt::format(" {} {}", option, value);
+    };
+    add("--images", o.images.string());
+    add("--lights", o.lights.string());
+    add("--light-positions", o.light_positions.string());
+    add("--names", o.names.string());
+    add("--intensities", o.intensities.string());
+    add("--camera-positions", o.camera_positions.string());
+    if (o.sample_width > 0) add("--sample-width", fmt::format("{}", o.sample_width));
+    add("--mask", o.mask.string());
+    add("--normals", o.normals.string());
+    add("--transfer", o.transfer);
+    if (o.depth) add("--depth", fmt::format("{}", o.depth));
+    add("--holdout", o.holdout);
+    return text;
+}
+
+}  // namespace
+
+LightImportReport import_lights(const LightImportOptions& options, const fs::path& out) {
+    check_options(options);
+    LightImportReport report;
+    std::vector<Source> sources = list_sources(options, report);
+    const ImageSetFormat format = learn_format(sources[0].file, options.transfer, options.depth);
+    const std::vector<uint8_t> mask = read_common_mask(options, format);
+    Dataset header;
+    header.grid =
+        Grid::centered(format.width, format.height, options.sample_width > 0 ? options.sample_width / format.width : 1);
+    header.grid.texel_normals = choose_normals(options, format, mask, report);
+    place_cameras(options, header.grid, sources);
+
+    DatasetWriter writer(out);
+    writer.set_encoding(format.encoding);
+    pack(sources, mask, format, writer);
+    header.name =
+        options.name.empty() ? (out / ".").lexically_normal().parent_path().filename().string() : options.name;
+    header.description = fmt::format("{} images of one real surface, pixel on pixel, under one {} lamp each; camera{}",
+                                     sources.size(), options.lights.empty() ? "near" : "distant",
+                                     options.camera_positions.empty() ? " fixed and distant" : "s near");
+    header.source = provenance(options);
+    writer.finish(header);
+    for (const Source& s : sources) ++(s.view.held_out ? report.held_out : report.training);
+    return report;
+}
+
+}  // namespace radiafit
