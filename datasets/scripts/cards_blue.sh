@@ -1,0 +1,43 @@
+#!/bin/sh
+# MaterialGAN's "cards-blue": nine flash photographs of a flat card, rectified to its plane; lamp and camera near, places
+# in cm. Packs it into OUTPUT/cards.
+# Usage: cards_blue.sh [--leave-out I] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+#   --leave-out    holds out photograph I (00 to 08) alone, and packs into OUTPUT/cards-without-I; otherwise every eighth.
+# The capture is looked for in $RADIAFIT_CAPTURES/cards_blue (default ../shared/data).
+set -eu
+root=$(cd "$(dirname "$0")/../.." && pwd)
+left_out=
+if [ "${1:-}" = --leave-out ]; then
+    left_out=${2:?--leave-out takes the number of a photograph, 00 to 08}
+    shift 2
+fi
+out=${1:-$root/datasets/packed}
+capture=${RADIAFIT_CAPTURES:-$root/../shared/data}/cards_blue
+radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
+if [ ! -d "$capture" ]; then
+    echo "$capture is missing: set RADIAFIT_CAPTURES to the folder that holds cards_blue" >&2
+    exit 2
+fi
+if [ ! -x "$radiafit" ]; then
+    echo "$radiafit is missing: run make build" >&2
+    exit 2
+fi
+mkdir -p "$out"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The authors' model is pixel = brdf power (n.l) / distance^2, and a white diffuse surface has brdf 1 / pi: what radiafit
+# calls a lamp's intensity, that surface's value, is power / pi.
+awk -F, '{ pi = atan2(0, -1); printf "%.9g %.9g %.9g\n", $1 / pi, $2 / pi, $3 / pi }' \
+    "$capture/light_power.txt" >"$work/intensities.txt"
+holdout=every:8 name=cards
+if [ -n "$left_out" ]; then
+    echo "$left_out.png" >"$work/held_out.txt"
+    holdout=$work/held_out.txt name=cards-without-$left_out
+fi
+# The photographs are stored as they are. Their authors decode them with gamma 2.2; sRGB's curve, which stands for it
+# here, differs from it by less than 0.01 of white.
+"$radiafit" import lights --images "$capture/images" --light-positions "$capture/light_pos.txt" \
+    --camera-positions "$capture/camera_pos.txt" --intensities "$work/intensities.txt" \
+    --sample-width "$(cat "$capture/image_size.txt")" --depth 8 --transfer srgb --holdout "$holdout" \
+    --name cards_blue -o "$out/$name"
