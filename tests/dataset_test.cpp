@@ -529,7 +529,7 @@ TEST_F(GridTest, SurvivesExactly) {
     EXPECT_FALSE(dataset.views[0].camera_direction);
     EXPECT_FALSE(fs::exists(folder_ / "mesh.ply"));
     EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 3"), std::string::npos);
-    expect_in("reflectance", complaint([&] { require_mesh(dataset); }));
+    expect_in("reflectance", complaint([&] { require_light_field(dataset); }));
 
     const GridAtlas atlas = make_atlas(grid);
     const GridAtlas plain = make_atlas({width, height, grid.origin, grid.right, grid.down, {}});

@@ -73,6 +73,11 @@ class Ornament(ProgramTest):
         self.assertGreater(images, 300e6)
         self.assertLess(peak_bytes() - before, images / 4)
 
+    def test_no_light_field(self):
+        self.good("generate", "ornament", "-o", "set")
+        for command in (("fit", "set", "-o", "new"), ("plan", "set")):
+            self.refused(*command, says=("set", "lamp that moves", "import colmap"))
+
     def test_mistakes(self):
         self.refused("generate", "star", "--light", "near", "-o", "set", says=("leave these options out",))
         self.refused("generate", "ornament", "--shot-noise", "2", "-o", "set", says=("noise of 2", "[0, 1]"))

@@ -14,7 +14,7 @@ uint64_t total_bytes(const std::vector<PlanRow>& rows) {
 }
 
 std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
-    require_mesh(dataset);
+    require_light_field(dataset);
     const LfmOptions options = request.model_options();
     const VertexRings rings(dataset.mesh);
     std::vector<PlanRow> rows;

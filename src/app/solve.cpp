@@ -53,7 +53,7 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples,
                  const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
     request.check();
-    require_mesh(dataset);
+    require_light_field(dataset);
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
     const std::vector<uint32_t> training = views ? *views : dataset.split(false);

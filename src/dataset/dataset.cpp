@@ -86,12 +86,15 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
     return atlas;
 }
 
-void require_mesh(const Dataset& dataset) {
-    if (dataset.has_grid())
+void require_light_field(const Dataset& dataset) {
+    const char* why = dataset.has_grid()      ? "a grid of texels without a mesh"
+                      : dataset.light_moves() ? "lit by a lamp that moves"
+                                              : nullptr;
+    if (why)
         throw UserError(
-            fmt::format("{}: a grid of texels, one per pixel, without a mesh: a light field map needs a mesh; fit a "
-                        "reflectance model",
-                        dataset.folder.string()));
+            fmt::format("{}: {}, made for reflectance models; a light field map needs a mesh under light that "
+                        "stays, as `radiafit import colmap` packs it",
+                        dataset.folder.string(), why));
 }
 
 Dataset open_dataset(const fs::path& folder) {

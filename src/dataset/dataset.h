@@ -72,8 +72,8 @@ struct Dataset {
 /// and cure.
 Dataset open_dataset(const std::filesystem::path& folder);
 
-/// Throws UserError for a dataset with a grid, on behalf of what needs a mesh.
-void require_mesh(const Dataset& dataset);
+/// Throws UserError for a dataset that no light field map can be fitted to: a grid, or light that moves.
+void require_light_field(const Dataset& dataset);
 
 /// The atlas that a reflectance model is fitted on: with the dataset's normal map, where it has one. Throws UserError
 /// if that was made for another side. The dataset must outlive the atlas.
