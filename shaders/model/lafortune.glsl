@@ -59,3 +59,30 @@ SHARED_FN real2 shape_bend(Shape s, Shape d, Terms t) {
     real second = q * q + real(2.0) * dn * ratio - n * ratio * ratio + dn * d.x[2] * logarithm;
     return real2(L * q, L * second);
 }
+
+#ifdef __cplusplus
+// For C++ alone. Lowest and highest value of each basis function's coefficient, and of the shape.
+static constexpr double coefficient_bounds[BASIS_COUNT][2] = {{0, 1}, {0, 4}};
+static constexpr double shape_bounds[SHAPE_COUNT][2] = {{-1.5, 0}, {0, 1.5}, {0, 5.2983173665480363}};  // n = 1 to 200
+
+// Gauge: (rho_s, Cx, Cz) -> (rho_s s^-n, s Cx, s Cz) changes nothing, but for the cut. fix_gauge() scales a shape to
+// max(|Cx|, |Cz|) = 1, where D <= 1 for any two directions, and returns the factor that rho_s takes in turn.
+// gauge_tangent(): the direction in which a shape moves without effect.
+static constexpr int gauge_count = 1;  // columns of the Jacobian that depend on the others by it
+static real fix_gauge(Shape& s) {
+    real largest = max(max(-s.x[0], s.x[1]), real(1.0e-3));
+    s.x[0] = s.x[0] / largest;
+    s.x[1] = s.x[1] / largest;
+    return exp(exp(s.x[2]) * log(largest));
+}
+static Shape gauge_tangent(const Shape& s) { return Shape{{s.x[0], s.x[1], real(0.0)}}; }
+
+// Where fits begin: n = 4, 10, 25, 60, 120 for each Cx / Cz = -0.85, -1, -1.15, in the gauge above.
+#define STARTS_OF(Cx, Cz) \
+    {Cx, Cz, 1.386294361}, {Cx, Cz, 2.302585093}, {Cx, Cz, 3.218875825}, {Cx, Cz, 4.094344562}, {Cx, Cz, 4.787491743}
+static constexpr int start_count = 15;
+static constexpr int start_group = 5;  // so many at a time differ in their last value only
+static constexpr double starts[start_count][SHAPE_COUNT] = {
+    STARTS_OF(-0.85, 1), STARTS_OF(-1, 1), STARTS_OF(-1, 1 / 1.15)};
+#undef STARTS_OF
+#endif

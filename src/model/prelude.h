@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 /// The C++ side of the dialect that model and optimizer texts under shaders/ are written in. A text is included inside
 /// `template <class real> struct NAME : shared_text::Types<real> { ... }`; see shaders/model/prelude.glsl.
@@ -27,9 +28,13 @@ struct real4_t {
     real x, y, z, w;
 };
 
-template <class real>
-real select(bool c, const real& a, const real& b) {
-    return c ? a : b;
+/// A SIMD pack compares to a mask and has its own select.
+template <class real, class Condition>
+real select(const Condition& c, const real& a, const real& b) {
+    if constexpr (std::is_same_v<Condition, bool>)
+        return c ? a : b;
+    else
+        return real::select(c, a, b);
 }
 
 }  // namespace radiafit::shared_text

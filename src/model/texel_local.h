@@ -1,0 +1,100 @@
+#pragma once
+#include <array>
+#include <cstddef>
+
+/// Reflectance models whose problems are single texels. For each colour channel c
+///     m_c = sum_k a[k][c] basis_k(terms; shape),
+/// where the last basis function alone depends on the shape, which the channels share. `Text` is a model's shared text
+/// (shaders/model/NAME.glsl): sample_terms() once per sample; basis(), shape_slope() and shape_bend() at every
+/// parameter; for C++, bounds, and for a model with a shape its starts and gauge. A text without a shape
+/// (SHAPE_COUNT 0) needs basis() and coefficient_bounds only.
+///
+/// Parameters of a texel: a[basis][3], then the shape: Lafortune's rho_d, rho_s, Cx, Cz, log n (Eq. 16).
+namespace radiafit {
+
+/// A radiance sample of one texel: a pixel of one image. One weight, shared by the channels, >= 0.
+template <int terms>
+struct TexelSample {
+    std::array<float, size_t(terms)> term;  ///< sample_terms() of the text
+    std::array<float, 3> target;
+    float weight = 1;
+};
+
+template <class Text>
+struct TexelLocal {
+    using real = typename Text::real;
+    using Terms = typename Text::Terms;
+    static constexpr int basis = Text::basis_count, shape = Text::shape_count;
+    static constexpr int parameters = 3 * basis + shape;
+    static constexpr int shared = basis + shape;  ///< columns of the Jacobian that the channels share but for a factor
+    /// How many of these are independent, but for the gauge: so many samples a texel needs at least.
+    static constexpr int independent = [] {
+        if constexpr (shape > 0) return shared - Text::gauge_count;
+        return shared;
+    }();
+    using Parameters = std::array<real, size_t(parameters)>;
+
+    static typename Text::Shape shape_of(const Parameters& p) {
+        typename Text::Shape s{};
+        for (int i = 0; i < shape; ++i) s.x[i] = p[size_t(3 * basis + i)];
+        return s;
+    }
+    static std::array<real, 3> value(const Parameters& p, const Terms& t) {
+        const auto b = Text::basis(shape_of(p), t);
+        std::array<real, 3> m{};
+        for (size_t c = 0; c < 3; ++c)
+            for (int k = 0; k < basis; ++k) m[c] += p[size_t(3 * k) + c] * b.x[k];
+        return m;
+    }
+    /// Row c of the Jacobian is nonzero at a[k][c], where it is column k, and at shape parameter i, where it is
+    /// a[basis - 1][c] times column basis + i.
+    static std::array<real, size_t(shared)> columns(const typename Text::Shape& s, const Terms& t) {
+        const auto b = Text::basis(s, t);
+        std::array<real, size_t(shared)> q{};
+        for (int k = 0; k < basis; ++k) q[size_t(k)] = b.x[k];
+        if constexpr (shape > 0) {
+            const auto slope = Text::shape_slope(s, t);
+            for (int i = 0; i < shape; ++i) q[size_t(basis + i)] = slope.x[i];
+        }
+        return q;
+    }
+    /// First and second derivative of the value along d.
+    struct Bend {
+        std::array<real, 3> first, second;
+    };
+    static Bend bend(const Parameters& p, const Parameters& d, const Terms& t) {
+        const auto s = shape_of(p);
+        const auto b = Text::basis(s, t);
+        Bend out{};
+        for (size_t c = 0; c < 3; ++c)
+            for (int k = 0; k < basis; ++k) out.first[c] += d[size_t(3 * k) + c] * b.x[k];
+        if constexpr (shape > 0) {
+            const auto along = Text::shape_bend(s, shape_of(d), t);
+            for (size_t c = 0; c < 3; ++c) {
+                const size_t lobe = size_t(3 * (basis - 1)) + c;
+                out.first[c] += p[lobe] * along.x;
+                out.second[c] = real(2) * d[lobe] * along.x + p[lobe] * along.y;
+            }
+        }
+        return out;
+    }
+
+    /// Lowest and highest value of parameter i.
+    static constexpr std::array<double, 2> bounds(int i) {
+        if constexpr (shape > 0)
+            if (i >= 3 * basis) return {Text::shape_bounds[i - 3 * basis][0], Text::shape_bounds[i - 3 * basis][1]};
+        return {Text::coefficient_bounds[i / 3][0], Text::coefficient_bounds[i / 3][1]};
+    }
+    /// The same values by other parameters: the only gauge in which two of them may be compared.
+    static Parameters canonical(Parameters p) {
+        if constexpr (shape > 0) {
+            auto s = shape_of(p);
+            const real factor = Text::fix_gauge(s);
+            for (size_t c = 0; c < 3; ++c) p[size_t(3 * (basis - 1)) + c] = p[size_t(3 * (basis - 1)) + c] * factor;
+            for (int i = 0; i < shape; ++i) p[size_t(3 * basis + i)] = s.x[i];
+        }
+        return p;
+    }
+};
+
+}  // namespace radiafit
