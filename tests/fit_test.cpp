@@ -282,7 +282,7 @@ TEST_F(Corruption, ImagesOfAnotherShapeOrMeaning) {
         });
     };
     expect("status = nan", [&] { set("status.G", NAN); });
-    expect("status = 7", [&] { set("status.G", 7); });
+    expect("status = 8", [&] { set("status.G", 8); });
     expect("status = 1.5", [&] { set("status.G", 1.5); });
     expect("samples = -1", [&] { set("samples.R", -1); });
     expect("iterations = inf", [&] { set("iterations.B", INFINITY); });

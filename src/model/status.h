@@ -12,7 +12,8 @@ enum class Status : uint8_t {
     stationary,     ///< no step lowers the error any more
     max_iterations,
     no_samples,
-    not_finite,  ///< the error of the start is not finite
+    not_finite,       ///< the error of the start, or a sample, is not finite
+    underdetermined,  ///< at an optimum, but the samples don't tell the parameters apart
     count
 };
 std::string to_string(Status status);  ///< as the key in fit.json, such as "max_iterations"

@@ -1,0 +1,87 @@
+#pragma once
+#include "cpu/texel_sums.h"
+#include "model/status.h"
+
+/// Levenberg-Marquardt for texel-local models, eight texels at a time, one sweep over their samples per trial.
+/// Coefficients are linear: after every sweep they are solved exactly, so that steps are in the shape alone (variable
+/// projection, Golub and Pereyra 1973, with Kaufman's Jacobian). A model without a shape is one linear solve.
+namespace radiafit {
+
+struct TexelFitOptions {
+    int iterations = 50;
+    /// A texel is done when a step in its shape lowers E by no more, or promises no more, relatively.
+    double tolerance = 1e-6;
+};
+
+template <int count>
+struct TexelOutcome {
+    std::array<float, size_t(count)> parameters;  ///< TexelLocal's order, in the canonical gauge, always finite
+    double error = 0;                             ///< E = 1/2 sum w r^2
+    int iterations = 0;                           ///< trials
+    uint32_t samples = 0;                         ///< with a weight
+    Status status = Status::active;
+};
+
+/// `Text`: a model's text with real = Pack. Every texel takes its own steps and ends by itself: which others share its
+/// pack does not change a bit of its result.
+///
+/// How a texel ends: stationary; max_iterations; underdetermined (its samples don't tell the parameters apart: the fit
+/// is as good as any, its parameters mean little); no_samples and not_finite (a sample is): the model's first start, no
+/// coefficients.
+template <class Text>
+class TexelFit {
+public:
+    using Model = TexelLocal<Text>;
+    using Batch = TexelBatch<Text::term_count>;
+    using Outcome = TexelOutcome<Model::parameters>;
+    using Outcomes = std::array<Outcome, Pack::size>;
+    using Parameters = std::array<float, size_t(Model::parameters)>;
+
+    explicit TexelFit(TexelFitOptions options = {}) : options_(options) {}
+
+    /// From the best of the model's starts. Allocates nothing.
+    Outcomes solve(const Batch& batch) const;
+    /// From given parameters, which are put within bounds.
+    Outcomes solve(const Batch& batch, const std::array<Parameters, Pack::size>& start) const;
+    /// The best of the model's starts for each texel, its coefficients solved for.
+    static std::array<Parameters, Pack::size> start(const Batch& batch);
+
+private:
+    static constexpr int B = Model::basis, Q = Model::shape, C = Model::shared;
+    using Mask = WidePack::Mask;
+    /// Parameters and what the samples say of them.
+    struct Point {
+        std::array<SmallVector<WidePack, B>, 3> a;  ///< [channel][basis]
+        SmallVector<WidePack, Q> s;
+        TexelSums<Text> sums;
+        void take(const Mask& which, const Point& other);
+    };
+    /// E's Gauss-Newton model along the shape, the coefficients at their optimum throughout.
+    struct Quadratic {
+        SmallMatrix<WidePack, Q> curvature;  ///< lower triangle
+        SmallVector<WidePack, Q> gradient;
+    };
+    struct Step {
+        SmallVector<WidePack, Q> by;
+        WidePack promised;  ///< how much the model says E falls
+    };
+
+    static Point best_start(const Batch& batch);
+    Outcomes run(const Batch& batch, Point now) const;
+    static void evaluate(const Batch& batch, Point& p);
+    static Quadratic along_shape(const Point& p);
+    static Step propose(const Point& p, const WidePack& damping);
+    static Point moved(const Point& from, const Step& step);
+    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, SmallMatrix<WidePack, Q> m);
+    static Mask determined(const Point& p);
+    static Parameters parameters_of(const Point& p, int lane, bool fitted);
+    static typename Text::Shape shape_of(const SmallVector<WidePack, Q>& s) {
+        typename Text::Shape out{};
+        for (size_t i = 0; i < size_t(Q); ++i) out.x[i] = narrow(s[i]);
+        return out;
+    }
+
+    TexelFitOptions options_;
+};
+
+}  // namespace radiafit

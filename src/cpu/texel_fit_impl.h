@@ -1,0 +1,297 @@
+#pragma once
+#include <limits>
+
+#include "base/flush_subnormals.h"
+#include "cpu/texel_fit.h"
+
+/// The definitions of TexelFit: for the file that instantiates it for the models that there are, and for tests of
+/// others.
+namespace radiafit {
+
+namespace detail {
+/// The leading block of B columns.
+template <int B, int C>
+SmallMatrix<WidePack, B> leading(const SmallMatrix<WidePack, C>& m) {
+    SmallMatrix<WidePack, B> out;
+    for (size_t i = 0; i < size_t(B); ++i)
+        for (size_t j = 0; j <= i; ++j) out[i][j] = m[i][j];
+    return out;
+}
+inline bool any(const WidePack::Mask& m) {
+    for (int lane = 0; lane < Pack::size; ++lane)
+        if (m[lane]) return true;
+    return false;
+}
+/// Pivots below this part of their diagonal entry are what sums of floats can't tell from zero.
+constexpr double noise = 1e-6;
+}  // namespace detail
+
+template <class Text>
+void TexelFit<Text>::Point::take(const Mask& which, const Point& other) {
+    const auto mix = [&](WidePack& mine, const WidePack& theirs) { mine = WidePack::select(which, theirs, mine); };
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t k = 0; k < size_t(B); ++k) mix(a[c][k], other.a[c][k]);
+    for (size_t i = 0; i < size_t(Q); ++i) mix(s[i], other.s[i]);
+    for (size_t i = 0; i < size_t(C); ++i) {
+        for (size_t j = 0; j <= i; ++j) mix(sums.shared[i][j], other.sums.shared[i][j]);
+        for (size_t c = 0; c < 3; ++c) mix(sums.linear[i][c], other.sums.linear[i][c]);
+    }
+    mix(sums.error, other.sums.error);
+}
+
+/// Sums at p, then the coefficients' optimum for p's shape, and the sums there.
+template <class Text>
+void TexelFit<Text>::evaluate(const Batch& batch, Point& p) {
+    typename Model::Parameters packed;
+    for (size_t k = 0; k < size_t(B); ++k)
+        for (size_t c = 0; c < 3; ++c) {
+            packed[3 * k + c] = narrow(p.a[c][k]);
+            p.a[c][k] = widen(packed[3 * k + c]);
+        }
+    for (size_t i = 0; i < size_t(Q); ++i) {
+        packed[size_t(3 * B) + i] = narrow(p.s[i]);
+        p.s[i] = widen(packed[size_t(3 * B) + i]);
+    }
+    p.sums = texel_sums<Text>(batch.rows(), packed);
+    const SmallMatrix<WidePack, B> a = detail::leading<B, C>(p.sums.shared);
+    const SmallFactor<WidePack, B> factor(a, detail::noise);
+    for (size_t c = 0; c < 3; ++c) {
+        SmallVector<WidePack, B> g;
+        for (size_t k = 0; k < size_t(B); ++k) g[k] = p.sums.linear[k][c];
+        const auto best = bounded_step<WidePack, B>(a, factor, g, p.a[c], Text::coefficient_bounds);
+        for (size_t k = 0; k < size_t(B); ++k) {
+            p.a[c][k] += best.step[k];
+            for (size_t i = 0; i < size_t(C); ++i)
+                p.sums.linear[i][c] += p.sums.shared[std::max(i, k)][std::min(i, k)] * best.step[k];
+        }
+        p.sums.error += best.change;
+    }
+    p.sums.error = max(p.sums.error, WidePack(0.0));
+}
+
+/// E's Gauss-Newton model along the shape, with the coefficients at their optimum throughout: those within their bounds
+/// follow, the others stay.
+template <class Text>
+auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic {
+    Quadratic out{};
+    const auto& shared = p.sums.shared;
+    for (size_t c = 0; c < 3; ++c) {
+        SmallMatrix<WidePack, B> a = detail::leading<B, C>(shared);
+        Mask free[size_t(B)];
+        for (size_t k = 0; k < size_t(B); ++k) {
+            free[k] = (p.a[c][k] > WidePack(Text::coefficient_bounds[k][0])) &
+                      (p.a[c][k] < WidePack(Text::coefficient_bounds[k][1]));
+            for (size_t j = 0; j < k; ++j) a[k][j] = WidePack::select(free[k] & free[j], a[k][j], 0.0);
+        }
+        const SmallFactor<WidePack, B> factor(a, detail::noise);
+        SmallVector<WidePack, B> follow[size_t(Q)];
+        const WidePack lobe = p.a[c][size_t(B) - 1], squared = lobe * lobe;
+        for (size_t i = 0; i < size_t(Q); ++i) {
+            for (size_t k = 0; k < size_t(B); ++k)
+                follow[i][k] = WidePack::select(free[k], shared[size_t(B) + i][k], 0.0);
+            follow[i] = factor.forward(follow[i]);
+            for (size_t j = 0; j <= i; ++j)
+                out.curvature[i][j] +=
+                    squared * (shared[size_t(B) + i][size_t(B) + j] - factor.product(follow[i], follow[j]));
+            out.gradient[i] += lobe * p.sums.linear[size_t(B) + i][c];
+        }
+    }
+    return out;
+}
+
+/// The directions in which E has a slope or a curvature, the gauge's tangent made stiff: it has neither.
+template <class Text>
+auto TexelFit<Text>::propose(const Point& p, const WidePack& damping) -> Step {
+    const Quadratic model = along_shape(p);
+    SmallMatrix<WidePack, Q> full = with_gauge(p.s, model.curvature);
+    SmallVector<WidePack, Q> down;
+    for (size_t i = 0; i < size_t(Q); ++i) {
+        // what stands at its bound and wants beyond stays there
+        const auto [lowest, highest] = Text::shape_bounds[i];
+        const Mask held = ((p.s[i] <= WidePack(lowest)) & (model.gradient[i] > WidePack(0.0))) |
+                          ((p.s[i] >= WidePack(highest)) & (model.gradient[i] < WidePack(0.0)));
+        down[i] = WidePack::select(held, 0.0, -model.gradient[i]);
+        for (size_t j = 0; j < i; ++j) full[i][j] = WidePack::select(held, 0.0, full[i][j]);
+        for (size_t k = i + 1; k < size_t(Q); ++k) full[k][i] = WidePack::select(held, 0.0, full[k][i]);
+    }
+    SmallMatrix<WidePack, Q> damped = full;
+    for (size_t i = 0; i < size_t(Q); ++i) damped[i][i] += damping * model.curvature[i][i];
+    Step out{SmallFactor<WidePack, Q>(damped, detail::noise).solve(down), 0.0};
+    for (size_t i = 0; i < size_t(Q); ++i) {
+        out.promised += WidePack(0.5) * out.by[i] * (down[i] + damping * model.curvature[i][i] * out.by[i]);
+    }
+    return out;
+}
+
+/// The gauge's tangent has no curvature of its own.
+template <class Text>
+auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, SmallMatrix<WidePack, Q> m)
+    -> SmallMatrix<WidePack, Q> {
+    const typename Text::Shape tangent = Text::gauge_tangent(shape_of(s));
+    WidePack trace(0.0);
+    for (size_t i = 0; i < size_t(Q); ++i) trace += m[i][i];
+    for (size_t i = 0; i < size_t(Q); ++i)
+        for (size_t j = 0; j <= i; ++j) m[i][j] += trace * widen(tangent.x[i] * tangent.x[j]);
+    return m;
+}
+
+template <class Text>
+auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point {
+    Point to{from.a, from.s, {}};
+    for (size_t i = 0; i < size_t(Q); ++i)
+        to.s[i] =
+            min(max(from.s[i] + step.by[i], WidePack(Text::shape_bounds[i][0])), WidePack(Text::shape_bounds[i][1]));
+    typename Text::Shape shape = shape_of(to.s);
+    Text::fix_gauge(shape);  // the coefficients are solved for anyway
+    for (size_t i = 0; i < size_t(Q); ++i) to.s[i] = widen(shape.x[i]);
+    return to;
+}
+
+/// Whether the samples tell apart the columns of the Jacobian.
+template <class Text>
+auto TexelFit<Text>::determined(const Point& p) -> Mask {
+    SmallMatrix<WidePack, C> m = p.sums.shared;
+    if constexpr (Q > 0) {
+        SmallMatrix<WidePack, Q> shape;
+        for (size_t i = 0; i < size_t(Q); ++i)
+            for (size_t j = 0; j <= i; ++j) shape[i][j] = m[size_t(B) + i][size_t(B) + j];
+        shape = with_gauge(p.s, shape);
+        for (size_t i = 0; i < size_t(Q); ++i)
+            for (size_t j = 0; j <= i; ++j) m[size_t(B) + i][size_t(B) + j] = shape[i][j];
+    }
+    return SmallFactor<WidePack, C>(m, detail::noise).smallest() > WidePack(detail::noise);
+}
+
+template <class Text>
+auto TexelFit<Text>::run(const Batch& batch, Point now) const -> Outcomes {
+    const FlushSubnormals flush;  // far from a sharp lobe's peak all products are
+    evaluate(batch, now);
+    Outcomes out;
+    Mask active{};
+    for (int lane = 0; lane < Pack::size; ++lane) {
+        Outcome& o = out[size_t(lane)];
+        o.samples = batch.count(lane);
+        if (!batch.finite(lane) || !std::isfinite(now.sums.error[lane]))
+            o.status = Status::not_finite;
+        else if (!o.samples)
+            o.status = Status::no_samples;
+        else
+            active[lane] = -1;
+    }
+    const auto end = [&](const Mask& which, Status status) {
+        for (int lane = 0; lane < Pack::size; ++lane)
+            if (active[lane] && which[lane]) out[size_t(lane)].status = status, active[lane] = 0;
+    };
+    const Mask all = active;
+    if constexpr (Q == 0) {
+        // once more from the solution: residuals are small there, so that their sums are accurate
+        evaluate(batch, now);
+        end(all, Status::stationary);
+    } else {
+        WidePack damping(1e-3), exact;  // `exact`: what rounding alone leaves of E
+        for (int lane = 0; lane < Pack::size; ++lane) exact.set(lane, 1e-14 * batch.squares(lane));
+        for (int k = 0; k < options_.iterations; ++k) {
+            const Step step = propose(now, damping);
+            Mask tiny = all;
+            for (size_t i = 0; i < size_t(Q); ++i) tiny = tiny & (max(step.by[i], -step.by[i]) <= WidePack(6e-8));
+            end(tiny | (step.promised <= WidePack(options_.tolerance) * now.sums.error + exact), Status::stationary);
+            if (!detail::any(active)) break;
+
+            Point trial = moved(now, step);
+            evaluate(batch, trial);
+            const Mask better = active & (trial.sums.error < now.sums.error);
+            const WidePack gain = now.sums.error - trial.sums.error;
+            const WidePack factor = WidePack::select(gain > WidePack(0.75) * step.promised, 0.3,
+                                                     WidePack::select(gain < WidePack(0.25) * step.promised, 3.0, 1.0));
+            damping = max(damping * WidePack::select(better, factor, 10.0), WidePack(1e-9));
+            now.take(better, trial);
+            const Mask done = better & (gain <= WidePack(options_.tolerance) * now.sums.error);
+            for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)].iterations += active[lane] ? 1 : 0;
+            end(done | (damping > WidePack(1e7)), Status::stationary);
+        }
+        end(all, Status::max_iterations);
+    }
+    const Mask told_apart = determined(now);
+    constexpr uint32_t columns = uint32_t(Model::independent);
+    for (int lane = 0; lane < Pack::size; ++lane) {
+        Outcome& o = out[size_t(lane)];
+        const bool fitted = all[lane];
+        if (fitted && (o.samples < columns || !told_apart[lane])) o.status = Status::underdetermined;
+        o.error = fitted ? now.sums.error[lane] : 0;
+        o.parameters = parameters_of(now, lane, fitted);
+    }
+    return out;
+}
+
+template <class Text>
+auto TexelFit<Text>::parameters_of(const Point& p, int lane, bool fitted) -> Parameters {
+    Parameters out{};
+    for (size_t k = 0; k < size_t(B); ++k)
+        for (size_t c = 0; c < 3; ++c) out[3 * k + c] = fitted ? float(p.a[c][k][lane]) : 0.0f;
+    if constexpr (Q > 0)
+        for (size_t i = 0; i < size_t(Q); ++i)
+            out[size_t(3 * B) + i] = fitted ? float(p.s[i][lane]) : float(Text::starts[0][i]);
+    return out;
+}
+
+template <class Text>
+auto TexelFit<Text>::best_start(const Batch& batch) -> Point {
+    Point best{};
+    if constexpr (Q > 0) {
+        const FlushSubnormals flush;
+        const StartSums<Text> sums = start_sums<Text>(batch.rows());
+        WidePack lowest(std::numeric_limits<double>::infinity());
+        SmallMatrix<WidePack, B> a = sums.plain;
+        std::array<std::array<WidePack, 3>, size_t(B)> target = sums.target;
+        for (size_t i = 0; i < size_t(Text::start_count); ++i) {
+            a[size_t(B) - 1] = sums.lobe[i];
+            target[size_t(B) - 1] = sums.lobe_target[i];
+            const SmallFactor<WidePack, B> factor(a, detail::noise);
+            Point p{};
+            WidePack error(0.0);
+            for (size_t c = 0; c < 3; ++c) {
+                SmallVector<WidePack, B> g;
+                for (size_t k = 0; k < size_t(B); ++k) g[k] = -target[k][c];
+                const auto fit = bounded_step<WidePack, B>(a, factor, g, {}, Text::coefficient_bounds);
+                p.a[c] = fit.step;
+                error += fit.change;
+            }
+            for (size_t j = 0; j < size_t(Q); ++j) p.s[j] = WidePack(Text::starts[i][j]);
+            const Mask better = error < lowest;
+            best.take(better, p);
+            lowest = WidePack::select(better, error, lowest);
+        }
+    }
+    return best;
+}
+
+template <class Text>
+auto TexelFit<Text>::solve(const Batch& batch) const -> Outcomes {
+    return run(batch, best_start(batch));
+}
+
+template <class Text>
+auto TexelFit<Text>::solve(const Batch& batch, const std::array<Parameters, Pack::size>& start) const -> Outcomes {
+    Point p{};
+    for (int lane = 0; lane < Pack::size; ++lane) {
+        const auto at = [&](size_t i) {
+            const auto [lowest, highest] = Model::bounds(int(i));
+            return std::clamp(double(start[size_t(lane)][i]), lowest, highest);
+        };
+        for (size_t k = 0; k < size_t(B); ++k)
+            for (size_t c = 0; c < 3; ++c) p.a[c][k].set(lane, at(3 * k + c));
+        for (size_t i = 0; i < size_t(Q); ++i) p.s[i].set(lane, at(size_t(3 * B) + i));
+    }
+    if constexpr (Q > 0) p = moved(p, Step{});
+    return run(batch, p);
+}
+
+template <class Text>
+auto TexelFit<Text>::start(const Batch& batch) -> std::array<Parameters, Pack::size> {
+    const Point p = best_start(batch);
+    std::array<Parameters, Pack::size> out;
+    for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)] = parameters_of(p, lane, batch.count(lane) > 0);
+    return out;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,33 @@
+#pragma once
+#include <array>
+#include <span>
+
+#include "model/status.h"
+#include "model/texel_local.h"
+
+namespace radiafit {
+
+struct CeresTexelOptions {
+    enum class Linear { dense_qr, dense_normal_cholesky } linear = Linear::dense_normal_cholesky;
+    int iterations = 50;
+    double tolerance = 1e-6;      ///< of the cost's relative change: TexelFitOptions'
+    double initial_radius = 1e4;  ///< of the trust region
+};
+
+template <class Text>
+struct CeresTexelOutcome {
+    typename TexelLocal<Text>::Parameters parameters;  ///< canonical gauge
+    double error = 0;                                  ///< E = 1/2 sum w r^2
+    int iterations = 0;
+    Status status = Status::no_samples;
+};
+
+/// Ceres on one texel of a texel-local model: one residual block of all samples and channels, all parameters in one
+/// block within the model's bounds, the Jacobian from the shared text. `Text`: LafortuneText<double>. From `start`,
+/// which must be within bounds.
+template <class Text>
+CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count>> samples,
+                                    const typename TexelLocal<Text>::Parameters& start,
+                                    const CeresTexelOptions& options);
+
+}  // namespace radiafit
