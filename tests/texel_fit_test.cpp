@@ -6,12 +6,11 @@
 #include <limits>
 
 #include "cpu/texel_fit_impl.h"
+#include "cpu/texel_models.h"
 #include "reference/ceres_texel.h"
 #include "texel_scene.h"
 
 namespace radiafit {
-
-extern template class TexelFit<LafortuneText<Pack>>;
 
 /// A polynomial texture map (Malzbender et al. 2001): linear, no shape.
 template <class real_type>
@@ -38,7 +37,7 @@ namespace {
 
 using namespace testing;
 using Text = LafortuneText<double>;
-using Fit = TexelFit<LafortuneText<Pack>>;
+using Fit = LafortuneFit;
 using Parameters = LafortuneModel::Parameters;
 
 Parameters doubles(const Fit::Parameters& p) {

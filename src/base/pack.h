@@ -15,7 +15,7 @@ struct PackOf {
     using Mask = decltype(Vector{} < Vector{});
     Vector v;
 
-    PackOf() : v{} {}
+    PackOf() = default;  ///< holds nothing yet; PackOf{} is zero
     PackOf(real x) : v{x, x, x, x, x, x, x, x} {}
     template <class Other>
     requires(std::is_arithmetic_v<Other> && !std::is_same_v<Other, real>) explicit PackOf(Other x) : PackOf(real(x)) {}

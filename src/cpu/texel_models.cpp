@@ -1,6 +1,6 @@
-// The texel-local models that there are: one line each.
+#include "cpu/texel_models.h"
+
 #include "cpu/texel_fit_impl.h"
-#include "model/lafortune_text.h"
 
 namespace radiafit {
 

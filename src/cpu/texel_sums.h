@@ -17,15 +17,15 @@ struct TexelSums {
     static constexpr int B = Text::basis_count, C = B + Text::shape_count;
     SmallMatrix<WidePack, C> shared;
     std::array<std::array<WidePack, 3>, size_t(C)> linear;
-    WidePack error;
+    WidePack error{};
 };
 
 namespace detail {
-/// Calls body on runs of rows short enough for sums in floats.
+/// Rows whose sums are taken in floats, between two visits to doubles; what is computed of them stays in L1.
+constexpr size_t run_length = 64;
 template <class Row, class Body>
 void for_runs(std::span<const Row> rows, const Body& body) {
-    constexpr size_t run = 64;
-    for (size_t i = 0; i < rows.size(); i += run) body(rows.subspan(i, std::min(run, rows.size() - i)));
+    for (size_t i = 0; i < rows.size(); i += run_length) body(rows.subspan(i, std::min(run_length, rows.size() - i)));
 }
 template <class Text>
 typename Text::Terms terms_of(const typename TexelBatch<Text::term_count>::Row& row) {
@@ -43,28 +43,43 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
     constexpr size_t B = size_t(Model::basis), C = size_t(Model::shared);
     const typename Text::Shape shape = Model::shape_of(p);
     TexelSums<Text> out{};
+    // Three loops, because all sums at once are more than there are registers.
+    struct Computed {
+        Pack q[C];
+        Pack weighted[3];  ///< w r_c
+    };
+    std::array<Computed, detail::run_length> computed;
     detail::for_runs(rows, [&](auto run) {
-        Pack shared[C * (C + 1) / 2], linear[C][3], error;
-        for (const auto& row : run) {
+        Pack error{};
+        for (size_t n = 0; n < run.size(); ++n) {
+            const auto& row = run[n];
             const auto q = Model::columns(shape, detail::terms_of<Text>(row));
-            Pack r[3], squares;
+            for (size_t i = 0; i < C; ++i)
+                computed[n].q[i] = q[i];  // one by one: a copy of all reads what was just written
             for (size_t c = 0; c < 3; ++c) {
-                r[c] = p[c] * q[0] - row.target[c];
-                for (size_t k = 1; k < B; ++k) r[c] += p[3 * k + c] * q[k];
-                squares += r[c] * r[c];
+                Pack r = p[c] * q[0] - row.target[c];
+                for (size_t k = 1; k < B; ++k) r += p[3 * k + c] * q[k];
+                computed[n].weighted[c] = row.weight * r;
+                error += computed[n].weighted[c] * r;
             }
-            error += row.weight * squares;
-            for (size_t i = 0, at = 0; i < C; ++i) {
-                const Pack weighted = row.weight * q[i];
-                for (size_t c = 0; c < 3; ++c) linear[i][c] += weighted * r[c];
-                for (size_t j = 0; j <= i; ++j) shared[at++] += weighted * q[j];
-            }
-        }
-        for (size_t i = 0, at = 0; i < C; ++i) {
-            for (size_t j = 0; j <= i; ++j) out.shared[i][j] += widen(shared[at++]);
-            for (size_t c = 0; c < 3; ++c) out.linear[i][c] += widen(linear[i][c]);
         }
         out.error += WidePack(0.5) * widen(error);
+
+        Pack linear[C][3] = {};
+        for (size_t n = 0; n < run.size(); ++n)
+            for (size_t i = 0; i < C; ++i)
+                for (size_t c = 0; c < 3; ++c) linear[i][c] += computed[n].q[i] * computed[n].weighted[c];
+        for (size_t i = 0; i < C; ++i)
+            for (size_t c = 0; c < 3; ++c) out.linear[i][c] += widen(linear[i][c]);
+
+        Pack shared[C * (C + 1) / 2] = {};
+        for (size_t n = 0; n < run.size(); ++n)
+            for (size_t i = 0, at = 0; i < C; ++i) {
+                const Pack weighted = run[n].weight * computed[n].q[i];
+                for (size_t j = 0; j <= i; ++j) shared[at++] += weighted * computed[n].q[j];
+            }
+        for (size_t i = 0, at = 0; i < C; ++i)
+            for (size_t j = 0; j <= i; ++j) out.shared[i][j] += widen(shared[at++]);
     });
     return out;
 }
@@ -76,7 +91,6 @@ struct StartSums {
     static constexpr size_t B = size_t(Text::basis_count), count = size_t(Text::start_count);
     SmallMatrix<WidePack, Text::basis_count> plain;          ///< sum w b_i b_j, i, j < B - 1
     std::array<std::array<WidePack, 3>, B> target;           ///< sum w b_i target_c, i < B - 1
-    WidePack squares;                                        ///< sum w target_c^2
     std::array<std::array<WidePack, B>, count> lobe;         ///< sum w b_(B-1) b_i
     std::array<std::array<WidePack, 3>, count> lobe_target;  ///< sum w b_(B-1) target_c
 };
@@ -90,40 +104,47 @@ StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>
         for (int k = 0; k < Text::shape_count; ++k) s.x[k] = Pack(float(Text::starts[i][k]));
         return s;
     };
+    std::array<std::array<Pack, last + 3>, detail::run_length> weighted;  // w b_i, w target_c
+    std::array<std::array<Pack, group>, detail::run_length> lobes;
     detail::for_runs(rows, [&](auto run) {
-        Pack plain[B][B], target[B][3], squares;
+        Pack plain[B][B] = {}, target[B][3] = {};
         const typename Text::Shape any = shape_at(0);
-        for (const auto& row : run) {
+        for (size_t n = 0; n < run.size(); ++n) {
+            const auto& row = run[n];
             const auto b = Text::basis(any, detail::terms_of<Text>(row));
-            for (size_t c = 0; c < 3; ++c) squares += row.weight * row.target[c] * row.target[c];
+            for (size_t c = 0; c < 3; ++c) weighted[n][last + c] = row.weight * row.target[c];
             for (size_t i = 0; i < last; ++i) {
-                const Pack weighted = row.weight * b.x[i];
-                for (size_t j = 0; j <= i; ++j) plain[i][j] += weighted * b.x[j];
-                for (size_t c = 0; c < 3; ++c) target[i][c] += weighted * row.target[c];
+                weighted[n][i] = row.weight * b.x[i];
+                for (size_t j = 0; j <= i; ++j) plain[i][j] += weighted[n][i] * b.x[j];
+                for (size_t c = 0; c < 3; ++c) target[i][c] += weighted[n][i] * row.target[c];
             }
         }
         for (size_t i = 0; i < last; ++i) {
             for (size_t j = 0; j <= i; ++j) out.plain[i][j] += widen(plain[i][j]);
             for (size_t c = 0; c < 3; ++c) out.target[i][c] += widen(target[i][c]);
         }
-        out.squares += widen(squares);
         for (size_t first = 0; first < size_t(Text::start_count); first += group) {
             // all values of a group but the last are one variable, so that what depends on them alone is computed once
-            Pack lobe[group][B], with_target[group][3];
             typename Text::Shape shape = shape_at(first);
             Pack varied[group];
             for (size_t g = 0; g < group; ++g) varied[g] = shape_at(first + g).x[Text::shape_count - 1];
-            for (const auto& row : run) {
-                const auto t = detail::terms_of<Text>(row);
+            for (size_t n = 0; n < run.size(); ++n) {
+                const auto t = detail::terms_of<Text>(run[n]);
 #pragma GCC unroll 8
                 for (size_t g = 0; g < group; ++g) {
                     shape.x[Text::shape_count - 1] = varied[g];
-                    const auto b = Text::basis(shape, t);
-                    const Pack weighted = row.weight * b.x[last];
-                    for (size_t i = 0; i < B; ++i) lobe[g][i] += weighted * b.x[i];
-                    for (size_t c = 0; c < 3; ++c) with_target[g][c] += weighted * row.target[c];
+                    lobes[n][g] = Text::basis(shape, t).x[last];
                 }
             }
+            Pack lobe[group][B] = {}, with_target[group][3] = {};
+            for (size_t n = 0; n < run.size(); ++n)
+#pragma GCC unroll 8
+                for (size_t g = 0; g < group; ++g) {
+                    const Pack b = lobes[n][g];
+                    for (size_t i = 0; i < last; ++i) lobe[g][i] += weighted[n][i] * b;
+                    lobe[g][last] += run[n].weight * b * b;
+                    for (size_t c = 0; c < 3; ++c) with_target[g][c] += weighted[n][last + c] * b;
+                }
             for (size_t g = 0; g < group; ++g) {
                 for (size_t i = 0; i < B; ++i) out.lobe[first + g][i] += widen(lobe[g][i]);
                 for (size_t c = 0; c < 3; ++c) out.lobe_target[first + g][c] += widen(with_target[g][c]);
