@@ -12,7 +12,14 @@ template <class real>
 struct PackOf {
     static constexpr int size = 8;
     using Vector = PairLanes<real>;
-    using Mask = decltype(Vector{} < Vector{});
+    /// Eight truths.
+    struct Mask {
+        decltype(Vector{} < Vector{}) bits;
+        bool operator[](int lane) const { return bits[lane] != 0; }
+        void set(int lane, bool x) { bits[lane] = x ? -1 : 0; }
+        friend Mask operator&(const Mask& a, const Mask& b) { return {a.bits & b.bits}; }
+        friend Mask operator|(const Mask& a, const Mask& b) { return {a.bits | b.bits}; }
+    };
     Vector v;
 
     PackOf() = default;  ///< holds nothing yet; PackOf{} is zero
@@ -33,13 +40,13 @@ struct PackOf {
     PackOf& operator-=(const PackOf& b) { return v -= b.v, *this; }
     PackOf& operator*=(const PackOf& b) { return v *= b.v, *this; }
 
-    friend Mask operator<(const PackOf& a, const PackOf& b) { return a.v < b.v; }
-    friend Mask operator<=(const PackOf& a, const PackOf& b) { return a.v <= b.v; }
-    friend Mask operator>(const PackOf& a, const PackOf& b) { return a.v > b.v; }
-    friend Mask operator>=(const PackOf& a, const PackOf& b) { return a.v >= b.v; }
+    friend Mask operator<(const PackOf& a, const PackOf& b) { return {a.v < b.v}; }
+    friend Mask operator<=(const PackOf& a, const PackOf& b) { return {a.v <= b.v}; }
+    friend Mask operator>(const PackOf& a, const PackOf& b) { return {a.v > b.v}; }
+    friend Mask operator>=(const PackOf& a, const PackOf& b) { return {a.v >= b.v}; }
     friend PackOf max(const PackOf& a, const PackOf& b) { return PackOf(a.v < b.v ? b.v : a.v); }
     friend PackOf min(const PackOf& a, const PackOf& b) { return PackOf(b.v < a.v ? b.v : a.v); }
-    static PackOf select(const Mask& c, const PackOf& a, const PackOf& b) { return PackOf(c ? a.v : b.v); }
+    static PackOf select(const Mask& c, const PackOf& a, const PackOf& b) { return PackOf(c.bits ? a.v : b.v); }
 };
 
 using Pack = PackOf<float>;
@@ -49,8 +56,9 @@ inline WidePack widen(const Pack& x) { return WidePack(__builtin_convertvector(x
 inline Pack narrow(const WidePack& x) { return Pack(__builtin_convertvector(x.v, Pack::Vector)); }
 
 namespace detail {
-using PackBits = int32_t __attribute__((vector_size(32)));
-}
+using PackBits = uint32_t __attribute__((vector_size(32)));
+using PackInts = int32_t __attribute__((vector_size(32)));
+}  // namespace detail
 
 /// e^x within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x stands for the
 /// nearest such: never zero, never infinite. NaN stays NaN.
@@ -73,9 +81,9 @@ inline Pack exp(const Pack& x) {
 /// number.
 inline Pack log(const Pack& x) {
     // x = 2^k m, sqrt(1/2) <= m < sqrt(2)
-    const detail::PackBits bits = (detail::PackBits)x.v, from_half = bits - 0x3f3504f3;
-    const Pack k(__builtin_convertvector(from_half >> 23, Pack::Vector));
-    const Pack f = Pack((Pack::Vector)(bits - (from_half & ~0x7fffff))) - Pack(1.0f);
+    const detail::PackBits bits = (detail::PackBits)x.v, from_half = bits - 0x3f3504f3u;
+    const Pack k(__builtin_convertvector((detail::PackInts)from_half >> 23, Pack::Vector));
+    const Pack f = Pack((Pack::Vector)(bits - (from_half & ~0x7fffffu))) - Pack(1.0f);
     // the minimax polynomial of (ln(1 + f) - f + f^2 / 2) / f^3: relative error of ln(1 + f) 5.8e-9
     const Pack f2 = f * f, f4 = f2 * f2;
     const Pack low = (Pack(3.333333171e-1f) + f * Pack(-2.500082103e-1f)) +

@@ -67,13 +67,13 @@ private:
     };
 
     static Point best_start(const Batch& batch);
-    Outcomes run(const Batch& batch, Point now) const;
+    Outcomes run(const Batch& batch, const Point& start) const;
     static void evaluate(const Batch& batch, Point& p);
     static Quadratic along_shape(const Point& p);
     static Step propose(const Point& p, const WidePack& damping);
     static Point moved(const Point& from, const Step& step);
-    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, SmallMatrix<WidePack, Q> m);
-    static Mask determined(const Point& p);
+    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of);
+    static WidePack least_pivot(const Point& p);
     static Parameters parameters_of(const Point& p, int lane, bool fitted);
     static typename Text::Shape shape_of(const SmallVector<WidePack, Q>& s) {
         typename Text::Shape out{};

@@ -125,8 +125,9 @@ auto TexelFit<Text>::propose(const Point& p, const WidePack& damping) -> Step {
 
 /// The gauge's tangent has no curvature of its own.
 template <class Text>
-auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, SmallMatrix<WidePack, Q> m)
+auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of)
     -> SmallMatrix<WidePack, Q> {
+    SmallMatrix<WidePack, Q> m = of;
     const typename Text::Shape tangent = Text::gauge_tangent(shape_of(s));
     WidePack trace(0.0);
     for (size_t i = 0; i < size_t(Q); ++i) trace += m[i][i];
@@ -147,9 +148,9 @@ auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point {
     return to;
 }
 
-/// Whether the samples tell apart the columns of the Jacobian.
+/// How well the samples tell apart the columns of the Jacobian: the least part of one that no others make up.
 template <class Text>
-auto TexelFit<Text>::determined(const Point& p) -> Mask {
+WidePack TexelFit<Text>::least_pivot(const Point& p) {
     SmallMatrix<WidePack, C> m = p.sums.shared;
     if constexpr (Q > 0) {
         SmallMatrix<WidePack, Q> shape;
@@ -159,12 +160,13 @@ auto TexelFit<Text>::determined(const Point& p) -> Mask {
         for (size_t i = 0; i < size_t(Q); ++i)
             for (size_t j = 0; j <= i; ++j) m[size_t(B) + i][size_t(B) + j] = shape[i][j];
     }
-    return SmallFactor<WidePack, C>(m, detail::noise).smallest() > WidePack(detail::noise);
+    return SmallFactor<WidePack, C>(m, detail::noise).smallest();
 }
 
 template <class Text>
-auto TexelFit<Text>::run(const Batch& batch, Point now) const -> Outcomes {
+auto TexelFit<Text>::run(const Batch& batch, const Point& start) const -> Outcomes {
     const FlushSubnormals flush;  // far from a sharp lobe's peak all products are
+    Point now = start;
     evaluate(batch, now);
     Outcomes out;
     Mask active{};
@@ -176,11 +178,11 @@ auto TexelFit<Text>::run(const Batch& batch, Point now) const -> Outcomes {
         else if (!o.samples)
             o.status = Status::no_samples;
         else
-            active[lane] = -1;
+            active.set(lane, true);
     }
     const auto end = [&](const Mask& which, Status status) {
         for (int lane = 0; lane < Pack::size; ++lane)
-            if (active[lane] && which[lane]) out[size_t(lane)].status = status, active[lane] = 0;
+            if (active[lane] && which[lane]) out[size_t(lane)].status = status, active.set(lane, false);
     };
     const Mask all = active;
     if constexpr (Q == 0) {
@@ -188,7 +190,7 @@ auto TexelFit<Text>::run(const Batch& batch, Point now) const -> Outcomes {
         evaluate(batch, now);
         end(all, Status::stationary);
     } else {
-        WidePack damping(1e-3), exact;  // `exact`: what rounding alone leaves of E
+        WidePack damping(1e-2), exact;  // `exact`: what rounding alone leaves of E
         for (int lane = 0; lane < Pack::size; ++lane) exact.set(lane, 1e-14 * batch.squares(lane));
         for (int k = 0; k < options_.iterations; ++k) {
             const Step step = propose(now, damping);
@@ -211,7 +213,7 @@ auto TexelFit<Text>::run(const Batch& batch, Point now) const -> Outcomes {
         }
         end(all, Status::max_iterations);
     }
-    const Mask told_apart = determined(now);
+    const Mask told_apart = least_pivot(now) > WidePack(detail::noise);
     constexpr uint32_t columns = uint32_t(Model::independent);
     for (int lane = 0; lane < Pack::size; ++lane) {
         Outcome& o = out[size_t(lane)];

@@ -33,8 +33,8 @@ public:
         }
     }
 
-    SmallVector<real, N> solve(SmallVector<real, N> b) const {
-        b = forward(b);
+    SmallVector<real, N> solve(const SmallVector<real, N>& right) const {
+        SmallVector<real, N> b = forward(right);
         for (size_t i = size_t(N); i-- > 0;) {
             b[i] = b[i] * inverse_[i];
             for (size_t k = i + 1; k < size_t(N); ++k) b[i] -= l_[k][i] * b[k];
@@ -42,7 +42,8 @@ public:
         return b;
     }
     /// L^-1 b
-    SmallVector<real, N> forward(SmallVector<real, N> b) const {
+    SmallVector<real, N> forward(const SmallVector<real, N>& right) const {
+        SmallVector<real, N> b = right;
         for (size_t i = 0; i < size_t(N); ++i)
             for (size_t k = 0; k < i; ++k) b[i] -= l_[i][k] * b[k];
         return b;
