@@ -126,7 +126,7 @@ class Lights(ProgramTest):
         self.assertEqual((info["grid"]["width"], info["grid"]["height"], info["grid"]["usable"]), (6, 5, 30))
         self.assertEqual((info["views"], info["held_out"], info["light"]), (4, 2, "distant"))
         for command in (["fit", "packed", "-o", "new"], ["plan", "packed"]):
-            self.refused(*command, says=["packed: a grid of texels", "fit a reflectance model"])
+            self.refused(*command, says=["packed: a grid of texels", "made for reflectance models"])
 
     def test_counts(self):
         (self.capture / "images/3.png").unlink()
