@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "model/lafortune_text.h"
 #include "model/texel_local.h"
+#include "model/texel_texts.h"
 
 namespace radiafit {
 namespace {
 
+template <class real>
+using LafortuneText = texel_text::lafortune<real>;
 using Model = TexelLocal<LafortuneText<double>>;
 constexpr int count = Model::parameters;
 using Jet = ceres::Jet<double, count>;

@@ -37,7 +37,7 @@ namespace {
 
 using namespace testing;
 using Text = LafortuneText<double>;
-using Fit = LafortuneFit;
+using Fit = TexelFit<LafortuneText<Pack>>;
 using Parameters = LafortuneModel::Parameters;
 
 Parameters doubles(const Fit::Parameters& p) {

@@ -4,11 +4,14 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "model/lafortune_text.h"
 #include "model/texel_local.h"
+#include "model/texel_texts.h"
 
 /// Random Lafortune texels and their samples, for tests and benchmarks.
 namespace radiafit::testing {
+
+template <class real>
+using LafortuneText = texel_text::lafortune<real>;
 
 using LafortuneSample = TexelSample<LafortuneText<double>::term_count>;
 using LafortuneTexel = std::vector<LafortuneSample>;

@@ -15,7 +15,8 @@ namespace radiafit {
 namespace {
 
 using namespace testing;
-using Text = LafortuneText<double>;
+using Text = texel_text::lafortune<double>;
+using Fit = TexelFit<texel_text::lafortune<Pack>>;
 
 constexpr size_t samples_per_texel = 230;
 constexpr double noise = 0.005;
@@ -34,8 +35,8 @@ constexpr Lobes lobes[] = {{"moderate", 3, 30}, {"sharp", 30, 150}};
 
 struct Scene {
     std::vector<LafortuneTexel> texels;
-    std::vector<LafortuneFit::Batch> batches;
-    std::vector<LafortuneFit::Parameters> starts;
+    std::vector<Fit::Batch> batches;
+    std::vector<Fit::Parameters> starts;
     CpuPeaks peaks = measure_cpu_peaks();
 
     explicit Scene(const Lobes& which, size_t count = 512) : batches(count / 8) {
@@ -45,7 +46,7 @@ struct Scene {
             for (const LafortuneSample& s : texels.back()) batches[i / 8].push(int(i % 8), s);
         }
         for (const auto& batch : batches)
-            for (const auto& start : LafortuneFit::start(batch)) starts.push_back(start);
+            for (const auto& start : Fit::start(batch)) starts.push_back(start);
     }
     static const Scene& of(int64_t which) {
         static std::map<int64_t, Scene> scenes;
@@ -60,7 +61,7 @@ void fit(benchmark::State& state) {
     double iterations = 0, error = 0, trials = 0;
     for (const auto& batch : scene.batches) {
         int longest = 0;
-        for (const auto& o : LafortuneFit().solve(batch)) {
+        for (const auto& o : Fit().solve(batch)) {
             iterations += o.iterations;
             error += rmse(o.error);
             longest = std::max(longest, o.iterations);
@@ -69,7 +70,7 @@ void fit(benchmark::State& state) {
     }
     const double begin = cpu_time_s();
     for (auto _ : state)
-        for (const auto& batch : scene.batches) benchmark::DoNotOptimize(LafortuneFit().solve(batch));
+        for (const auto& batch : scene.batches) benchmark::DoNotOptimize(Fit().solve(batch));
     const auto texels = double(scene.texels.size());
     state.counters["fits_per_s"] = texels * double(state.iterations()) / (cpu_time_s() - begin);
     state.counters["rmse"] = error / texels;
@@ -82,7 +83,7 @@ void best_start(benchmark::State& state) {
     const Scene& scene = Scene::of(state.range(0));
     const double begin = cpu_time_s();
     for (auto _ : state)
-        for (const auto& batch : scene.batches) benchmark::DoNotOptimize(LafortuneFit::start(batch));
+        for (const auto& batch : scene.batches) benchmark::DoNotOptimize(Fit::start(batch));
     const double texels = double(scene.texels.size()) * double(state.iterations());
     state.counters["us_per_texel"] = 1e6 * (cpu_time_s() - begin) / texels;
 }
@@ -90,7 +91,7 @@ void best_start(benchmark::State& state) {
 /// Samples into lanes.
 void fill(benchmark::State& state) {
     const Scene& scene = Scene::of(0);
-    LafortuneFit::Batch batch;
+    Fit::Batch batch;
     const double begin = cpu_time_s();
     for (auto _ : state) {
         batch.clear();
@@ -103,12 +104,12 @@ void fill(benchmark::State& state) {
 
 void sweep(benchmark::State& state) {
     const Scene& scene = Scene::of(state.range(0));
-    TexelLocal<LafortuneText<Pack>>::Parameters p;
+    TexelLocal<texel_text::lafortune<Pack>>::Parameters p;
     for (size_t i = 0; i < p.size(); ++i)
         for (int lane = 0; lane < 8; ++lane) p[i].set(lane, scene.starts[size_t(lane)][i]);
     const FlushSubnormals flush;
     const double begin = cpu_time_s();
-    for (auto _ : state) benchmark::DoNotOptimize(texel_sums<LafortuneText<Pack>>(scene.batches[0].rows(), p));
+    for (auto _ : state) benchmark::DoNotOptimize(texel_sums<texel_text::lafortune<Pack>>(scene.batches[0].rows(), p));
     const double seconds = cpu_time_s() - begin, total = 8 * double(samples_per_texel) * double(state.iterations());
     state.counters["ns_per_sample"] = 1e9 * seconds / total;
     state.counters["gflop_per_s"] = 1e-9 * sweep_flops * total / seconds;
@@ -129,7 +130,7 @@ void ceres(benchmark::State& state, CeresTexelOptions::Linear linear) {
     };
     double iterations = 0, error = 0, ours = 0, good = 0;
     for (size_t i = 0; i < count; i += 8) {
-        const auto outcomes = LafortuneFit().solve(scene.batches[i / 8]);
+        const auto outcomes = Fit().solve(scene.batches[i / 8]);
         for (size_t lane = 0; lane < 8; ++lane) {
             const auto o = solve(i + lane);
             iterations += o.iterations;
@@ -145,7 +146,7 @@ void ceres(benchmark::State& state, CeresTexelOptions::Linear linear) {
     const double own = (cpu_time_s() - begin) / double(state.iterations()) / count;
     const double again = cpu_time_s();
     for (int i = 0; i < 20; ++i)
-        for (size_t k = 0; k < count / 8; ++k) benchmark::DoNotOptimize(LafortuneFit().solve(scene.batches[k]));
+        for (size_t k = 0; k < count / 8; ++k) benchmark::DoNotOptimize(Fit().solve(scene.batches[k]));
     const double batched = (cpu_time_s() - again) / 20 / count;
     state.counters["fits_per_s"] = 1 / own;
     state.counters["rmse"] = error / count;

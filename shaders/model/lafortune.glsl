@@ -61,7 +61,9 @@ SHARED_FN real2 shape_bend(Shape s, Shape d, Terms t) {
 }
 
 #ifdef __cplusplus
-// For C++ alone. Lowest and highest value of each basis function's coefficient, and of the shape.
+// For C++ alone. Names, and lowest and highest value, of each basis function's coefficient and of the shape.
+static constexpr const char* coefficient_names[BASIS_COUNT] = {"rho_d", "rho_s"};
+static constexpr const char* shape_names[SHAPE_COUNT] = {"Cx", "Cz", "log_n"};
 static constexpr double coefficient_bounds[BASIS_COUNT][2] = {{0, 1}, {0, 4}};
 static constexpr double shape_bounds[SHAPE_COUNT][2] = {{-1.5, 0}, {0, 1.5}, {0, 5.2983173665480363}};  // n = 1 to 200
 

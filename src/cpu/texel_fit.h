@@ -69,10 +69,12 @@ private:
     static Point best_start(const Batch& batch);
     Outcomes run(const Batch& batch, const Point& start) const;
     static void evaluate(const Batch& batch, Point& p);
-    static Quadratic along_shape(const Point& p);
-    static Step propose(const Point& p, const WidePack& damping);
-    static Point moved(const Point& from, const Step& step);
-    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of);
+    // Of models with a shape.
+    static Quadratic along_shape(const Point& p) requires(Q > 0);
+    static Step propose(const Point& p, const WidePack& damping) requires(Q > 0);
+    static Point moved(const Point& from, const Step& step) requires(Q > 0);
+    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s,
+                                               const SmallMatrix<WidePack, Q>& of) requires(Q > 0);
     static WidePack least_pivot(const Point& p);
     static Parameters parameters_of(const Point& p, int lane, bool fitted);
     static typename Text::Shape shape_of(const SmallVector<WidePack, Q>& s) {

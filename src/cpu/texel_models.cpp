@@ -4,6 +4,8 @@
 
 namespace radiafit {
 
-template class TexelFit<LafortuneText<Pack>>;
+#define EACH(NAME) template class TexelFit<texel_text::NAME<Pack>>;
+RADIAFIT_TEXEL_MODELS(EACH)
+#undef EACH
 
 }  // namespace radiafit

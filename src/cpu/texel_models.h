@@ -1,11 +1,12 @@
 #pragma once
 #include "cpu/texel_fit.h"
-#include "model/lafortune_text.h"
+#include "model/texel_texts.h"
 
-/// The texel-local models that there are.
+/// Fits of the texel-local models that there are.
 namespace radiafit {
 
-using LafortuneFit = TexelFit<LafortuneText<Pack>>;
-extern template class TexelFit<LafortuneText<Pack>>;
+#define EACH(NAME) extern template class TexelFit<texel_text::NAME<Pack>>;
+RADIAFIT_TEXEL_MODELS(EACH)
+#undef EACH
 
 }  // namespace radiafit

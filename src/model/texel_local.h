@@ -6,8 +6,9 @@
 ///     m_c = sum_k a[k][c] basis_k(terms; shape),
 /// where the last basis function alone depends on the shape, which the channels share. `Text` is a model's shared text
 /// (shaders/model/NAME.glsl): sample_terms() once per sample; basis(), shape_slope() and shape_bend() at every
-/// parameter; for C++, bounds, and for a model with a shape its starts and gauge. A text without a shape
-/// (SHAPE_COUNT 0) needs basis() and coefficient_bounds only.
+/// parameter; for C++, names and bounds, and for a model with a shape its starts and gauge. A text without a shape
+/// (SHAPE_COUNT 0) needs basis(), and the coefficients' names and bounds, only. The texts that there are:
+/// model/texel_texts.h, made from the list in src/model/CMakeLists.txt.
 ///
 /// Parameters of a texel: a[basis][3], then the shape: Lafortune's rho_d, rho_s, Cx, Cz, log n (Eq. 16).
 namespace radiafit {

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/lafortune_text.h"
+#include "model/texel_texts.h"
 
 namespace radiafit {
 namespace {
@@ -109,8 +109,11 @@ CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count
     return out;
 }
 
-template CeresTexelOutcome<LafortuneText<double>> ceres_texel<LafortuneText<double>>(
-    std::span<const TexelSample<LafortuneText<double>::term_count>>,
-    const TexelLocal<LafortuneText<double>>::Parameters&, const CeresTexelOptions&);
+#define EACH(NAME)                                                                              \
+    template CeresTexelOutcome<texel_text::NAME<double>> ceres_texel<texel_text::NAME<double>>( \
+        std::span<const TexelSample<texel_text::NAME<double>::term_count>>,                     \
+        const TexelLocal<texel_text::NAME<double>>::Parameters&, const CeresTexelOptions&);
+RADIAFIT_TEXEL_MODELS(EACH)
+#undef EACH
 
 }  // namespace radiafit

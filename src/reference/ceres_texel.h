@@ -23,7 +23,7 @@ struct CeresTexelOutcome {
 };
 
 /// Ceres on one texel of a texel-local model: one residual block of all samples and channels, all parameters in one
-/// block within the model's bounds, the Jacobian from the shared text. `Text`: LafortuneText<double>. From `start`,
+/// block within the model's bounds, the Jacobian from the shared text. `Text`: texel_text::NAME<double>`. From `start`,
 /// which must be within bounds.
 template <class Text>
 CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count>> samples,

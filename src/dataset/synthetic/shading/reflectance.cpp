@@ -4,7 +4,7 @@
 
 #include "dataset/synthetic/shading/blinn.h"
 #include "dataset/synthetic/shading/oren_nayar.h"
-#include "model/lafortune_text.h"
+#include "model/texel_texts.h"
 
 namespace radiafit {
 namespace {
@@ -21,7 +21,7 @@ Vec3d reflect(ReflectanceModel model, const TexelParameters& p, const Angles& an
     if (!(angles.u_z > 0)) return Vec3d::Zero();
     if (model == ReflectanceModel::oren_nayar_blinn)
         return mix(p, oren_nayar(double(p[6]), angles), blinn(double(p[8]), angles));
-    using Text = LafortuneText<double>;
+    using Text = texel_text::lafortune<double>;
     const Text::Terms terms = {{angles.across(), angles.u_z * angles.v_z, angles.u_z}};  // sample_terms() of u and v
     const Text::Shape shape = {{double(p[6]), double(p[7]), std::log(double(p[8]))}};
     const Text::Basis basis = Text::basis(shape, terms);

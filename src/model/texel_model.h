@@ -1,0 +1,40 @@
+#pragma once
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/linear.h"
+
+namespace radiafit {
+
+/// A texel-local model by its name, for what needn't be fast: what it is called, its bounds, its values. Kernels use
+/// the texts themselves (model/texel_local.h).
+class TexelModel {
+public:
+    virtual ~TexelModel() = default;
+
+    const char* name;  ///< of shaders/model/NAME.glsl
+    int terms;         ///< numbers of a sample that no parameter enters
+    int basis;         ///< coefficients per channel; those of basis function k are parameters 3 k + channel
+    int shape;         ///< parameters that the channels share, behind the coefficients
+    int parameters;    ///< 3 basis + shape
+    int independent;   ///< so many samples a texel needs at least
+    std::vector<std::string> coefficient_names;  ///< [basis]
+    std::vector<std::string> shape_names;        ///< [shape]
+    std::vector<std::array<double, 2>> bounds;   ///< [parameters] lowest and highest value
+    std::vector<std::vector<double>> starts;     ///< [..][shape] where fits may begin; empty for a model without shape
+
+    std::string parameter_name(int i) const;  ///< "rho_d.R", "Cx"
+    /// Reflected radiance per channel where a white diffuse surface that faces the lamp has 1. u, v: unit directions to
+    /// lamp and camera in the texel's frame; 0 unless u_z > 0 and v_z > 0.
+    virtual std::array<float, 3> value(std::span<const float> p, const Vec3f& u, const Vec3f& v) const = 0;
+    /// The same values by other parameters: the only gauge in which two of them may be compared.
+    virtual void make_canonical(std::span<float> p) const = 0;
+};
+
+std::span<const TexelModel* const> texel_models();
+/// Null if there is none of this name.
+const TexelModel* find_texel_model(const std::string& name);
+
+}  // namespace radiafit

@@ -1,0 +1,28 @@
+#pragma once
+#include "model/lfm.h"
+#include "model/texel_model.h"
+
+namespace radiafit {
+
+/// What a fit of a texel-local model is made of.
+///
+/// The target of a sample is its pixel's linear value over the lamp's irradiance at the texel, per channel. A sample
+/// counts if u_z > 0 and v_z > 0, and neither of the two rules below leaves it out, all channels alike; each problem's
+/// E is over its samples' number (S-bar: samples of the texel).
+struct TexelOptions {
+    const TexelModel* model = nullptr;
+    int surface_side = 16;     ///< n of a mesh's atlas; a grid has its own texels
+    Mode mode = Mode::modern;  ///< of the bounds penalty of streamed optimizers
+    float mu = 1;              ///< its weight
+    /// Leaves out pixels with a channel at or above this share of the largest value that can be stored, in linear light
+    /// and before the view's gain; float encodings have no largest value. 0: off.
+    float clip_above = 0;
+    /// Leaves out samples darker (sum of channels) than this share of what the texel's Lambertian fit says,
+    /// albedo_c u_z with albedo_c = sum t_c u_z / sum u_z^2 over the samples that the rules above leave: cast shadows.
+    /// 0: off.
+    float shadow_below = 0;
+};
+/// Throws UserError unless side, weights and shares are in range.
+void check_options(const TexelOptions& options);
+
+}  // namespace radiafit
