@@ -8,6 +8,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import check_costs
 import check_layers
 import check_shaders
 
@@ -143,6 +144,72 @@ class Shaders(Tree):
         self.assertEqual(self.errors(), ["shaders/a/thing.frag:3: #include needs a file in quotes"])
         self.write("shaders/a/thing.frag", "void main() {}\n")
         self.assertEqual(self.errors(), ["shaders/a/thing.frag:1: a stage begins with #version"])
+
+
+@unittest.skipUnless(all(map(shutil.which, check_costs.TOOLS)), "a SPIR-V tool is absent")
+class Costs(Tree):
+    def errors(self):
+        return check_costs.check(self.root)[0]
+
+    def declare(self, *rows):
+        self.write("src/gl/pass_costs.cpp", "".join(f"    {row},\n" for row in rows))
+
+    def counted(self, body, before=""):
+        """What the check says that a stage costs, of which nothing is declared rightly."""
+        text = (STAGE + "layout(location = 1) uniform vec4 x;\nlayout(location = 2) uniform vec4 y;\n" +
+                "layout(location = 3) uniform int n;\nlayout(binding = 0) uniform sampler2D source;\n" +
+                "layout(binding = 1) uniform usampler2D drawn;\n" + before + "void main() {\n" + body + "\n}\n")
+        self.write("shaders/a/thing.frag", text)
+        self.declare('{"a/thing.frag", "", 99, {0, 0, 0}, {}}')
+        errors = self.errors()
+        self.assertEqual(len(errors), 1, errors)
+        return errors[0].rsplit('"", ', 1)[-1].rstrip("},")
+
+    def test_counts_known_by_hand(self):
+        fetch = "texelFetch(source, ivec2(gl_FragCoord.xy), 0)"  # two conversions
+        for body, expected in [
+            ("colour = x * y;", "1, {4, 0, 0}, {"),
+            ("colour = x * y + 1.0;", "1, {8, 0, 0}, {"),
+            ("colour = vec4(x.yzw, 1.0);", "1, {0, 0, 0}, {"),
+            ("colour = vec4(dot(x.xyz, y.xyz));", "1, {5, 0, 0}, {"),
+            ("colour = vec4(sqrt(x.x) / exp(y.x));", "1, {3, 0, 0}, {"),
+            (f"colour = {fetch};", "1, {2, 1, 16}, {"),
+            (f"colour = {fetch} + {fetch};", "1, {6, 1, 16}, {"),
+            ("colour = vec4(texelFetch(drawn, ivec2(0), 0));", "1, {4, 1, 4}, {"),
+            ("vec4 s = x; for (int i = 0; i < 3; ++i) s *= y; colour = s;", "1, {12, 0, 0}, {"),
+            # two of the counter, four of the sum, and one fetch that converts nothing
+            ("vec4 s = x; for (int i = 0; i < n; ++i) s += texelFetch(source, ivec2(i), 0); colour = s;",
+             "1, {0, 0, 0}, {6, 1, 16"),
+            # the outer counter is left out
+            ("vec4 s = x; for (int j = 0; j < n; ++j) for (int i = 0; i < n; ++i) s += y; colour = s;",
+             "1, {0, 0, 0}, {6, 0, 0"),
+        ]:
+            with self.subTest(body=body):
+                self.assertEqual(self.counted(body), expected)
+        self.assertEqual(self.counted("colour = x; more[0] = more[1] = y;", "layout(location = 1) out vec4 more[2];\n"),
+                         "3, {0, 0, 0}, {")
+
+    def test_a_changed_shader_and_an_undeclared_one_are_named(self):
+        self.write("shaders/a/thing.frag", STAGE + "void main() { colour = gl_FragCoord * gl_FragCoord; }\n")
+        self.declare('{"a/thing.frag", "", 1, {4, 0, 0}, {}}')
+        self.assertEqual(self.errors(), [])
+        self.write("shaders/a/thing.frag", STAGE + "void main() { colour = gl_FragCoord * gl_FragCoord * 2.0; }\n")
+        self.assertIn('has    {"a/thing.frag", "", 1, {8, 0, 0}, {}}', self.errors()[0])
+        self.write("shaders/a/other.frag", STAGE + "void main() { colour = vec4(0.0); }\n")
+        self.assertIn("shaders/a/other.frag: src/gl/pass_costs.cpp declares no cost of it", self.errors())
+
+    def test_what_a_variant_leaves_open_must_not_matter(self):
+        self.write("shaders/a/thing.frag", STAGE + "void main() { colour = vec4(SIDE == 8 ? 1.0 : gl_FragCoord.x * 3.0); }\n")
+        self.declare('{"a/thing.frag", "", 1, {0, 0, 0}, {}}')
+        self.assertIn("depending on what the variant leaves open", self.errors()[0])
+
+    def test_work_between_two_loops_has_no_place(self):
+        self.write("shaders/a/thing.frag", STAGE + "layout(location = 1) uniform ivec2 n;\n" +
+                   "layout(binding = 0) uniform sampler2D source;\nvoid main() {\n    colour = vec4(0.0);\n"
+                   "    for (int j = 0; j < n.x; ++j) {\n        colour += texelFetch(source, ivec2(j), 0);\n"
+                   "        for (int i = 0; i < n.y; ++i) colour *= colour;\n    }\n}\n")
+        self.declare('{"a/thing.frag", "", 1, {0, 0, 0}, {}}')
+        self.assertIn("work between two loops", self.errors()[0])
 
 
 @unittest.skipUnless(shutil.which("clang-format"), "clang-format is absent")

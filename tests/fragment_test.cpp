@@ -325,6 +325,56 @@ TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {
     EXPECT_GT(moving, gradient.size() / 20);
 }
 
+// tests/check_costs.py holds the declarations to the shaders; this, the passes to the declarations.
+TEST(Fragment, EveryPassDeclaresItsCostAndItsInvocationsAreCounted) {
+    const NoiseDataset noise(awkward_mesh(1));
+    const auto context = make_context(ContextKind::egl);
+    const TriangleAtlas atlas(noise.dataset.mesh, 8);
+    const VertexRings rings(noise.dataset.mesh);
+    for (Passes passes : {Passes::paper, Passes::combined})
+        for (Mode mode : {Mode::paper, Mode::modern}) {
+            LfmOptions options;
+            options.mode = mode;
+            options.lookup = mode == Mode::paper ? ViewLookup::nearest : ViewLookup::bilinear;
+            FragmentEngine engine(noise.dataset, atlas, rings, all_views(), options, {.passes = passes});
+            PassRunner& run = engine.passes();
+            run.tally(true);
+            const uint64_t draws = run.counters.draws;
+            engine.reset(lfm_start(engine.layout(), engine.count().mean, 1));
+            OptimizerOptions optimizer;
+            optimizer.rule = mode == Mode::paper ? Rule::cg_paper : Rule::cg_modern;
+            optimizer.iterations = 1;
+            optimize(engine, optimizer);
+            const auto tallies = run.tallies();
+            uint64_t tallied = 0, tiles = 0, texels = 0;
+            for (const auto& [label, tally] : tallies) {
+                ASSERT_NE(tally.cost, nullptr) << label << " declares no cost";
+                EXPECT_GT(tally.fragments, 0u) << label;
+                EXPECT_GT(tally.written_bytes, tally.fragments) << label;
+                EXPECT_GE(tally.written_bytes, tally.blended_bytes) << label;
+                EXPECT_EQ(tally.entries > 0, tally.cost->entry.operations > 0) << label;
+                tallied += tally.draws;
+                if (label.starts_with("gather/surface_gradient.frag")) tiles = tally.fragments;
+                if (label.starts_with("gather/tile_texels.frag PRODUCT")) texels = tally.entries;
+                const uint64_t whole = uint64_t(engine.grid().columns) * engine.grid().rows;
+                if (label.starts_with("gather/footprint.frag")) {  // a whole target, for every image and sweep
+                    EXPECT_EQ(tally.fragments, tally.draws * whole);
+                }
+                if (label.starts_with("distribute/item.frag")) {
+                    EXPECT_LT(tally.fragments, tally.draws * width * height);
+                }
+            }
+            EXPECT_EQ(tallied, run.counters.draws - draws);
+            // The texels of the tiles that an image draws, no more: once for each corner as fragments, and in the
+            // gather.
+            EXPECT_EQ(tiles, texels);
+            EXPECT_EQ(passes == Passes::paper, tiles > 0);
+            run.tally(false);
+            engine.line_pass();
+            EXPECT_EQ(run.tallies().size(), tallies.size());
+        }
+}
+
 TEST(Fragment, BatchesAreNeighboursAndLoseNoView) {
     Dataset dataset;
     dataset.mesh = awkward_mesh(0);

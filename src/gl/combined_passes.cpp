@@ -105,12 +105,12 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     tile_vertices_ = Texture(GL_RGBA32UI, places.columns, places.rows);
     tile_vertices_.upload(GL_RGBA_INTEGER, GL_UNSIGNED_INT, of_tile.data());
 
-    const Defines shape =
-        w_.shape.defines(w_.storage) + Defines{{"COLOUR", std::to_string(w_.bits)}, {"BATCH", std::to_string(batch_)}};
+    const Defines maps = w_.shape.defines(w_.storage);
+    const Defines shape = maps + Defines{{"COLOUR", std::to_string(w_.bits)}, {"BATCH", std::to_string(batch_)}};
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
     const Defines square{{"DIAGONAL", ""}}, projected{{"PROJECTED", ""}};
-    footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest);
-    look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);
+    footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", maps + nearest);
+    look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", maps);
     direction_program_ = Program::draw("combine/map3.vert", "combine/direction.frag", shape + projected);
     line_passes_ = line_passes({gauss_newton, curvature}, shape);
     quartic_passes_ = line_passes({gauss_newton, curvature, third, fourth}, shape + Defines{{"QUARTIC", ""}});
@@ -121,7 +121,8 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
         const Defines what = squares ? shape + square : shape;
         product_passes_[squares] = direction_passes(false, what);
         gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", what);
-        scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
+        scatter_program_[squares] =
+            Program::draw("gather/scatter.vert", "gather/scatter.frag", squares ? maps + square : maps);
         scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
     }
     for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1]})
@@ -217,9 +218,7 @@ void CombinedPasses::begin_images(const std::vector<ImageOnDevice>& images,
     w_.vertices.bind(9);
     for (size_t i = 0; i < images.size(); ++i) {
         images[i].texture->bind(1);
-        items_.draw(*images[i].camera, int(i));
-        ++w_.run.counters.draws;
-        ++w_.run.counters.framebuffer_switches;
+        w_.run.draw_items(items_, *images[i].camera, int(i));
     }
     for (size_t i = 0; i < images.size(); ++i) {
         set_eye(footprint_program_, *images[i].camera);
@@ -248,7 +247,7 @@ void CombinedPasses::draw_tiles(const std::vector<TilePass>& passes, int term) {
         pass.program.set(10, term);
         w_.run.bind(pass.target, pass.program);
         w_.run.blend_from(pass.own, pass.all);
-        w_.run.draw_whole();
+        w_.run.draw_whole(w_.run.tile_texels());
         w_.run.no_blend();
     }
 }

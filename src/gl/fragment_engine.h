@@ -48,6 +48,7 @@ public:
 
     size_t problem_count() const { return 3 * layout_.problem_count(); }
     const LfmLayout& layout() const { return layout_; }
+    const ProblemGrid& grid() const { return shape_.grid; }
 
     // The verbs of optim/engine.h.
     ProblemStatistics count();
@@ -79,6 +80,7 @@ public:
     void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for line_pass()
 
     const FragmentTimes& times() const;
+    PassRunner& passes() { return run_; }  ///< to tally them
     /// Allocated on the device by this engine; gl/fragment_plan.h foretells it.
     uint64_t bytes() const { return bytes_; }
 

@@ -134,11 +134,12 @@ void Gathers::gather_tiles(PassRunner& run, TileGather& gather, const Program& f
     marks_.bind(8);
     first.set(8, corner);
     run.bind(target(0), first);
-    run.draw_whole();
+    run.draw_whole(run.tile_texels());
     for (size_t i = 0; i < gather.levels.size(); ++i) {
-        gather.levels[i].sums.bind(7);
+        const Texture& bands = gather.levels[i].sums;
+        bands.bind(7);
         run.bind(target(i + 1), gather.further[i][maximum]);
-        run.draw_whole();
+        run.draw_whole(uint64_t(bands.width()) * bands.height());  // every band is an entry once
     }
 }
 

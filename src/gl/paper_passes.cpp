@@ -108,9 +108,7 @@ PaperPasses::PaperPasses(const PassWorld& world)
 void PaperPasses::begin_image(const ImageOnDevice& image) {
     for (Program* program : {&target_program_, &residual_program_}) SlsMesh::set_camera(*program, *image.camera);
     w_.mesh.select({{image.camera}});
-    items_.draw(*image.camera);
-    ++w_.run.counters.draws;
-    ++w_.run.counters.framebuffer_switches;
+    w_.run.draw_items(items_, *image.camera);
     set_eye(footprint_program_, *image.camera);
     w_.vertices.bind(9);
     w_.run.bind(footprint_target_, footprint_program_);

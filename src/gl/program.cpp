@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "gl/pass_costs.h"
 
 namespace radiafit {
 namespace {
@@ -121,6 +122,9 @@ Program Program::draw(const std::string& vertex_file, const std::string& fragmen
     const GLuint fragment = compile(GL_FRAGMENT_SHADER, fragment_file, defines);
     program.name_ = link({vertex, fragment}, vertex_file + " and " + fragment_file);
     program.find_locations();
+    const std::string variant = pass_variant(defines);
+    program.label_ = variant.empty() ? fragment_file : fragment_file + " " + variant;
+    program.cost_ = find_pass_cost(fragment_file, variant);
     return program;
 }
 

@@ -15,6 +15,8 @@ inline Defines operator+(Defines a, const Defines& b) {
     return a;
 }
 
+struct PassCost;
+
 /// Where shader texts live: RADIAFIT_SHADERS if set, else the shaders/ folder of the sources this was built from.
 std::string shader_folder();
 
@@ -36,10 +38,16 @@ public:
     static Program draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines = {});
     static Program compute(const std::string& file, const Defines& defines = {});
     ~Program();
-    Program(Program&& other) noexcept : name_(std::exchange(other.name_, 0)), locations_(other.locations_) {}
+    Program(Program&& other) noexcept
+        : name_(std::exchange(other.name_, 0)),
+          locations_(other.locations_),
+          label_(std::move(other.label_)),
+          cost_(other.cost_) {}
     Program& operator=(Program&& other) noexcept {
         std::swap(name_, other.name_);
         std::swap(locations_, other.locations_);
+        std::swap(label_, other.label_);
+        std::swap(cost_, other.cost_);
         return *this;
     }
 
@@ -65,11 +73,17 @@ public:
     }
     bool uses(int location) const { return location < 64 && (locations_ >> location & 1) != 0; }
     unsigned name() const { return name_; }
+    /// The fragment stage and what its cost depends on, such as "gather/look_up.frag STORAGE=0 TERMS=1".
+    const std::string& label() const { return label_; }
+    /// What a fragment declares to cost; null where none is declared (gl/pass_costs.h).
+    const PassCost* cost() const { return cost_; }
 
 private:
     void find_locations();
     GLuint name_ = 0;
     uint64_t locations_ = 0;  ///< bit i: a uniform at location i is active
+    std::string label_;
+    const PassCost* cost_ = nullptr;
 };
 
 }  // namespace radiafit

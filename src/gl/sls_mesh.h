@@ -53,6 +53,8 @@ public:
     /// image bound to unit 1.
     void draw(const Camera& camera, int layer = 0) const;
     const Texture& items() const { return items_; }
+    const Framebuffer& framebuffer(int layer) const { return framebuffers_[size_t(layer)]; }
+    const Program& program() const { return program_; }
 
 private:
     const SlsMesh* mesh_;

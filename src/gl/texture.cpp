@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/error.h"
 #include "gl/context.h"
@@ -101,8 +102,9 @@ void Texture::clear() {
     gl().ClearTexImage(name_, 0, integer ? GL_RGBA_INTEGER : GL_RGBA, integer ? GL_UNSIGNED_INT : GL_FLOAT, nullptr);
 }
 
-Framebuffer::Framebuffer(const std::vector<Target>& colours, const Texture* depth)
-    : colours_(static_cast<int>(colours.size())) {
+int Texture::texel_bytes() const { return bytes_per_texel(format_); }
+
+Framebuffer::Framebuffer(const std::vector<Target>& colours, const Texture* depth) {
     gl().CreateFramebuffers(1, &name_);
     std::vector<GLenum> buffers;
     for (const Target& target : colours) {
@@ -112,6 +114,7 @@ Framebuffer::Framebuffer(const std::vector<Target>& colours, const Texture* dept
         else
             gl().NamedFramebufferTexture(name_, attachment, target.texture->name(), 0);
         buffers.push_back(attachment);
+        colour_bytes_.push_back(target.texture->texel_bytes());
         width_ = target.texture->width();
         height_ = target.texture->height();
     }
@@ -127,6 +130,10 @@ Framebuffer::~Framebuffer() {
     if (name_) gl().DeleteFramebuffers(1, &name_);
 }
 
+int Framebuffer::texel_bytes(int first, int end) const {
+    return std::accumulate(colour_bytes_.begin() + first, colour_bytes_.begin() + end, 0);
+}
+
 void Framebuffer::bind() const { bind(width_, height_); }
 
 void Framebuffer::bind(int width, int height) const {
@@ -136,7 +143,7 @@ void Framebuffer::bind(int width, int height) const {
 
 void Framebuffer::clear() const {
     const float zero[4] = {0, 0, 0, 0};
-    for (int i = 0; i < colours_; ++i) gl().ClearNamedFramebufferfv(name_, GL_COLOR, i, zero);
+    for (int i = 0; i < colours(); ++i) gl().ClearNamedFramebufferfv(name_, GL_COLOR, i, zero);
 }
 
 Buffer::Buffer(size_t bytes, const void* data, bool dynamic) : bytes_(bytes) {

@@ -38,6 +38,7 @@ public:
     int width() const { return width_; }
     int height() const { return height_; }
     int layers() const { return layers_; }
+    int texel_bytes() const;
     int64_t bytes() const { return bytes_; }
     explicit operator bool() const { return name_ != 0; }
 
@@ -81,16 +82,21 @@ public:
     int width() const { return width_; }
     int height() const { return height_; }
     GLuint name() const { return name_; }
+    int colours() const { return static_cast<int>(colour_bytes_.size()); }
+    /// Bytes of one texel of the colours [first, end), together.
+    int texel_bytes(int first, int end) const;
+    int texel_bytes() const { return texel_bytes(0, colours()); }
 
 private:
     void swap(Framebuffer& other) noexcept {
         std::swap(name_, other.name_);
-        std::swap(colours_, other.colours_);
+        std::swap(colour_bytes_, other.colour_bytes_);
         std::swap(width_, other.width_);
         std::swap(height_, other.height_);
     }
     GLuint name_ = 0;
-    int colours_ = 0, width_ = 0, height_ = 0;
+    std::vector<int> colour_bytes_;  ///< of a texel of each colour
+    int width_ = 0, height_ = 0;
 };
 
 /// A buffer of fixed size.

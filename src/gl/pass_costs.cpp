@@ -1,0 +1,105 @@
+#include "gl/pass_costs.h"
+
+#include <algorithm>
+
+namespace radiafit {
+namespace {
+
+// One line each, as tests/check_costs.py reads them and says them where they are wrong:
+// shader, variant, targets, a fragment's {operations, reads, bytes read}, {} or the same of an entry of its loop
+// clang-format off
+constexpr PassCost table[] = {
+    {"combine/direction.frag", "BATCH=4 COLOUR=8 PROJECTED STORAGE=0 TERMS=1", 4, {407, 7, 80}, {}},
+    {"combine/gradient.frag", "BATCH=4 COLOUR=8 DIAGONAL STORAGE=0 TERMS=1", 3, {116, 1, 16}, {}},
+    {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 DIAGONAL FIRST=2 STORAGE=0 TERMS=1", 4, {13, 2, 20}, {35, 2, 32}},
+    {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=0 STORAGE=0 TERMS=1 WITH_ERROR", 5, {15, 6, 84}, {175, 2, 32}},
+    {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=1 STORAGE=0 TERMS=1 WITH_ERROR", 5, {15, 6, 84}, {173, 2, 32}},
+    {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=2 STORAGE=0 TERMS=1 WITH_ERROR", 5, {15, 6, 84}, {173, 2, 32}},
+    {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=2 DIAGONAL FIRST=0 STORAGE=0 TERMS=1", 8, {13, 2, 20}, {59, 3, 48}},
+    {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=2 QUARTIC STORAGE=0 TERMS=1", 4, {271, 13, 196}, {458, 6, 64}},
+    {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=2 FIRST=0 QUARTIC STORAGE=0 TERMS=1", 8, {271, 21, 324}, {722, 8, 96}},
+    {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=3 COUNT FIRST=0 STORAGE=0 TERMS=1", 3, {271, 5, 68}, {278, 4, 32}},
+    {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=3 FIRST=0 STORAGE=0 TERMS=1", 6, {271, 29, 452}, {842, 10, 128}},
+    {"distribute/item.frag", "", 1, {19, 0, 0}, {}},
+    {"distribute/item.frag", "COLOUR=8", 1, {27, 1, 4}, {}},
+    {"distribute/pixel_index.frag", "", 1, {51, 2, 8}, {}},
+    {"gather/band_sum.frag", "", 1, {7, 0, 0}, {9, 1, 16}},
+    {"gather/band_sum.frag", "MAXIMUM", 1, {7, 0, 0}, {11, 1, 16}},
+    {"gather/footprint.frag", "NEAREST STORAGE=0 TERMS=1", 2, {93, 4, 64}, {}},
+    {"gather/footprint.frag", "STORAGE=0 TERMS=1", 2, {89, 4, 64}, {}},
+    {"gather/line_term.frag", "ALONG QUANTITY=0 STORAGE=0 TERMS=1 VALUES=1", 1, {15, 3, 48}, {}},
+    {"gather/line_term.frag", "ALONG QUANTITY=1 STORAGE=0 TERMS=1 VALUES=1", 1, {12, 2, 32}, {}},
+    {"gather/line_term.frag", "ALONG QUANTITY=2 STORAGE=0 TERMS=1 VALUES=1", 1, {18, 3, 48}, {}},
+    {"gather/line_term.frag", "ALONG QUANTITY=3 STORAGE=0 TERMS=1 VALUES=1", 1, {9, 2, 32}, {}},
+    {"gather/look_up.frag", "STORAGE=0 TERMS=1", 1, {38, 6, 96}, {}},
+    {"gather/residual.frag", "PROJECTED STORAGE=0 TARGET_ONLY TERMS=1", 1, {61, 2, 8}, {}},
+    {"gather/residual.frag", "PROJECTED STORAGE=0 TERMS=1 VALUES=1", 1, {70, 3, 24}, {}},
+    {"gather/ring_sum.frag", "", 1, {166, 15, 240}, {}},
+    {"gather/ring_sum.frag", "MAXIMUM", 1, {194, 15, 240}, {}},
+    {"gather/scatter.frag", "DIAGONAL STORAGE=0 TERMS=1", 1, {10, 1, 16}, {}},
+    {"gather/scatter.frag", "STORAGE=0 TERMS=1", 1, {9, 1, 16}, {}},
+    {"gather/store.frag", "FROM_STORAGE STORAGE=0", 1, {2, 1, 16}, {}},
+    {"gather/store.frag", "STORAGE=0", 1, {2, 1, 16}, {}},
+    {"gather/surface_gradient.frag", "DIAGONAL STORAGE=0 TERMS=1 VALUES=1", 1, {8, 1, 16}, {}},
+    {"gather/surface_gradient.frag", "STORAGE=0 TERMS=1 VALUES=1", 1, {5, 1, 16}, {}},
+    {"gather/tile_texels.frag", "DIAGONAL PRODUCT STORAGE=0 TERMS=1", 1, {33, 1, 4}, {22, 2, 32}},
+    {"gather/tile_texels.frag", "MAXIMUM STORAGE=0 TERMS=1", 1, {33, 1, 4}, {17, 1, 16}},
+    {"gather/tile_texels.frag", "PRODUCT STORAGE=0 TERMS=1", 1, {33, 1, 4}, {19, 2, 32}},
+    {"gather/tile_texels.frag", "SQUARE STORAGE=0 TERMS=1", 1, {33, 1, 4}, {19, 1, 16}},
+    {"gather/tile_texels.frag", "STORAGE=0 TERMS=1", 1, {33, 1, 4}, {15, 1, 16}},
+    {"gather/view_sum.frag", "", 1, {264, 16, 256}, {}},
+    {"gather/view_sum.frag", "MAXIMUM", 1, {248, 16, 256}, {}},
+    {"optimize/advance.frag", "STORAGE=0 TERMS=1", 1, {15, 5, 80}, {}},
+    {"optimize/advance.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {16, 5, 80}, {}},
+    {"optimize/after_direction.frag", "", 8, {203, 14, 224}, {}},
+    {"optimize/after_line.frag", "", 2, {827, 9, 144}, {}},
+    {"optimize/dot.frag", "PRODUCT=0 STORAGE=0 TERMS=1", 1, {15, 2, 32}, {}},
+    {"optimize/dot.frag", "PRODUCT=0 STORAGE=0 TERMS=1 VIEW_MAPS", 1, {15, 2, 32}, {}},
+    {"optimize/dot.frag", "PRODUCT=1 STORAGE=0 TERMS=1", 1, {15, 3, 48}, {}},
+    {"optimize/dot.frag", "PRODUCT=1 STORAGE=0 TERMS=1 VIEW_MAPS", 1, {15, 3, 48}, {}},
+    {"optimize/dot.frag", "PRODUCT=2 STORAGE=0 TERMS=1", 1, {5, 2, 32}, {}},
+    {"optimize/dot.frag", "PRODUCT=2 STORAGE=0 TERMS=1 VIEW_MAPS", 1, {5, 2, 32}, {}},
+    {"optimize/gradient.frag", "STORAGE=0 TERMS=1", 1, {115, 8, 128}, {}},
+    {"optimize/gradient.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {114, 9, 144}, {}},
+    {"optimize/laplacian.frag", "STORAGE=0 TERMS=1", 1, {68, 5, 80}, {}},
+    {"optimize/laplacian.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {65, 5, 80}, {}},
+    {"optimize/penalty_curvature.frag", "STORAGE=0 TERMS=1", 1, {33, 3, 48}, {}},
+    {"optimize/penalty_curvature.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {34, 4, 64}, {}},
+    {"optimize/penalty_error.frag", "STORAGE=0 TERMS=1", 1, {52, 2, 32}, {}},
+    {"optimize/penalty_error.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {53, 3, 48}, {}},
+    {"optimize/precondition.frag", "FLOORED STORAGE=0 TERMS=1", 1, {24, 3, 48}, {}},
+    {"optimize/precondition.frag", "FLOORED STORAGE=0 TERMS=1 VIEW_MAPS", 1, {25, 4, 64}, {}},
+    {"optimize/precondition.frag", "STORAGE=0 TERMS=1", 1, {12, 2, 32}, {}},
+    {"optimize/precondition.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {13, 3, 48}, {}},
+    {"optimize/update_direction.frag", "STORAGE=0 TERMS=1", 4, {35, 9, 144}, {}},
+    {"optimize/update_direction.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 4, {36, 9, 144}, {}},
+};
+// clang-format on
+
+// Sizes that constants in the program stand for; the test counts with two values of each.
+constexpr const char* sizes[] = {"VIEW_SIDE", "COLUMNS", "SIDE",        "RECTANGLES", "ROWS",
+                                 "BANDS",     "ENTRIES", "SOURCE_SIDE", "TARGET_SIDE"};
+
+}  // namespace
+
+std::span<const PassCost> pass_costs() { return table; }
+
+std::string pass_variant(const Defines& defines) {
+    std::vector<std::string> items;
+    for (const auto& [name, value] : defines)
+        if (std::find(std::begin(sizes), std::end(sizes), name) == std::end(sizes))
+            items.push_back(value.empty() ? name : name + "=" + value);
+    std::sort(items.begin(), items.end());
+    std::string variant;
+    for (const std::string& item : items) variant += (variant.empty() ? "" : " ") + item;
+    return variant;
+}
+
+const PassCost* find_pass_cost(const std::string& shader, const std::string& variant) {
+    const auto found = std::find_if(std::begin(table), std::end(table), [&](const PassCost& cost) {
+        return cost.shader == shader && cost.variant == variant;
+    });
+    return found == std::end(table) ? nullptr : found;
+}
+
+}  // namespace radiafit

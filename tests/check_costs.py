@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""Every fragment stage declares in src/gl/pass_costs.cpp what one invocation costs, and the declaration is what its SPIR-V holds.
+
+The SPIR-V is glslangValidator's, with calls inlined, loops of constant length unrolled and dead code removed by spirv-opt,
+then counted as it stands: both sides of a branch count. What src/gl/pass_costs.h says is counted:
+
+  - operations: components of arithmetic, conversions, comparisons, selections and bit operations, addresses included; a
+    multiply-add is two, a dot product of n components 2 n - 1; a division, a root or a transcendental function is one.
+    Moves, constants and jumps are none.
+  - reads: texels fetched; one fetched twice at the same place counts once. Bytes by the format behind each sampler.
+  - targets: colours written.
+
+Work in a loop whose length isn't constant is declared apart, per entry; around such a loop there may be one more, whose own
+counter is left out. Definitions that a variant leaves open must not matter: each count is made twice, with other values.
+Usage: check_costs.py [ROOT]. Exit status 77 (skipped) without glslangValidator and spirv-opt."""
+import concurrent.futures
+import os
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import check_shaders  # noqa: E402
+
+ROW = re.compile(r'^ *\{"([\w/]+\.frag)", "([^"]*)", (\d+), \{([\d, ]*)\}, \{([\d, ]*)\}\},$', re.M)
+# What a variant leaves open, with two values for each.
+OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES": (64, 19), "ROWS": (64, 23), "BANDS": (5, 3),
+        "ENTRIES": (15, 7), "SOURCE_SIDE": (8, 2), "TARGET_SIDE": (2, 1)}
+# Bytes of a texel behind each sampler at STORAGE=0 with images of 8 bits per channel; all others are RGBA32F or RGBA32UI.
+BYTES = {"drawn": 4, "image": 4, "items": 4, "items COLOUR": 8}
+EACH_COMPONENT = set("""
+    SNegate FNegate IAdd FAdd ISub FSub IMul FMul UDiv SDiv FDiv UMod SRem SMod FRem FMod VectorTimesScalar
+    ConvertFToU ConvertFToS ConvertSToF ConvertUToF UConvert SConvert FConvert
+    ShiftRightLogical ShiftRightArithmetic ShiftLeftLogical BitwiseOr BitwiseXor BitwiseAnd Not
+    LogicalEqual LogicalNotEqual LogicalOr LogicalAnd LogicalNot Select
+    IEqual INotEqual UGreaterThan SGreaterThan UGreaterThanEqual SGreaterThanEqual ULessThan SLessThan ULessThanEqual
+    SLessThanEqual FOrdEqual FUnordEqual FOrdNotEqual FUnordNotEqual FOrdLessThan FUnordLessThan FOrdGreaterThan
+    FUnordGreaterThan FOrdLessThanEqual FUnordLessThanEqual FOrdGreaterThanEqual FUnordGreaterThanEqual IsNan IsInf""".split())
+NOTHING = set("""
+    Load Store AccessChain CompositeExtract CompositeConstruct CompositeInsert VectorShuffle VectorExtractDynamic
+    VectorInsertDynamic CopyObject Bitcast Undef Image Phi Variable Label Branch BranchConditional SelectionMerge LoopMerge
+    Return FunctionEnd Function Switch Unreachable""".split())
+TOOLS = ("glslangValidator", "spirv-opt", "spirv-dis")
+
+
+class CostError(Exception):
+    pass
+
+
+def spirv_of(text, label):
+    """Optimized SPIR-V of a fragment stage, disassembled."""
+    with tempfile.TemporaryDirectory(prefix="radiafit-costs-") as folder:
+        path = pathlib.Path(folder)
+
+        def run(*command, **more):
+            result = subprocess.run(command, capture_output=True, text=True, **more)
+            if result.returncode:
+                raise CostError(f"{label}: {command[0]}: {(result.stdout + result.stderr).strip()}")
+            return result.stdout
+
+        run("glslangValidator", "-G100", "--stdin", "-S", "frag", "-o", path / "plain.spv", input=text)
+        words = list(struct.unpack(f"<{(path / 'plain.spv').stat().st_size // 4}I", (path / "plain.spv").read_bytes()))
+        at = 5
+        while at < len(words):  # spirv-opt unrolls loops that ask for it
+            if words[at] & 0xffff == 246:  # OpLoopMerge
+                words[at + 3] |= 1
+            at += words[at] >> 16
+        (path / "plain.spv").write_bytes(struct.pack(f"<{len(words)}I", *words))
+        run("spirv-opt", "--target-env=opengl4.5", "-O", "--loop-unroll", "-O", path / "plain.spv", "-o", path / "short.spv")
+        return run("spirv-dis", path / "short.spv")
+
+
+def components(type_name):
+    vector = re.match(r"v([234])(float|double|int|uint|bool)$", type_name.lstrip("%"))
+    return int(vector[1]) if vector else 1
+
+
+def loop_depths(blocks, merges, label):
+    """How many loops each block stands in. blocks: label -> (its lines, where it goes); merges: head -> the loop's end."""
+    depth = dict.fromkeys(blocks, 0)
+    for head, end in merges.items():
+        inside, open_blocks = set(), [head]
+        while open_blocks:
+            block = open_blocks.pop()
+            if block == end or block in inside:
+                continue
+            inside.add(block)
+            open_blocks += blocks[block][1]
+        for block in inside:
+            depth[block] += 1
+    if max(depth.values()) > 2:
+        raise CostError(f"{label}: three loops inside one another; declare one of them constant")
+    return depth
+
+
+def count(text, label, coloured_items):
+    """(targets, [operations, reads, bytes], [the same per entry of a loop])"""
+    blocks, merges, block, targets = {}, {}, None, 0
+    kind_of, pointed, value, length, variable_of = {}, {}, {}, {}, {}  # by identifier
+    for line in spirv_of(text, label).splitlines():
+        match = re.match(r"\s*(?:(%\w+) = )?Op(\w+)\s*(.*)$", line)
+        if not match:
+            continue
+        result, op, operands = match[1], match[2], match[3].split()
+        if result and operands:
+            kind_of[result] = operands[0]
+        if op == "TypePointer":
+            pointed[result] = operands[1]
+        elif op == "Constant":
+            value[result] = operands[1]
+        elif op == "TypeArray":
+            length[result] = int(value[operands[1]])
+        elif op == "Variable" and operands[1] == "Output":
+            targets += length.get(pointed[operands[0]], 1)
+        elif op == "Label":
+            block = result
+            blocks[block] = ([], [])
+        if block is None:
+            continue
+        blocks[block][0].append((result, op, operands))
+        if op == "LoopMerge":
+            merges[block] = operands[0]
+        elif op == "Branch":
+            blocks[block][1].append(operands[0])
+        elif op == "BranchConditional":
+            blocks[block][1].extend(operands[1:3])
+        elif op == "Switch":
+            raise CostError(f"{label}: a switch, which this count doesn't know")
+
+    depths = loop_depths(blocks, merges, label)
+    deepest = max(depths.values())
+    work = {depth: [0, 0, 0] for depth in range(3)}
+    fetched = set()
+    for name, (lines, _) in blocks.items():
+        here = work[depths[name]]
+        for result, op, operands in lines:
+            if op == "Load":
+                variable_of[result] = operands[1]
+            elif op == "Image":
+                variable_of[result] = variable_of[operands[1]]
+            if op == "ImageFetch":
+                sampler = variable_of[operands[1]].lstrip("%")
+                if (sampler, operands[2]) in fetched:
+                    continue
+                fetched.add((sampler, operands[2]))
+                here[1] += 1
+                here[2] += BYTES[sampler + " COLOUR"] if sampler == "items" and coloured_items else BYTES.get(sampler, 16)
+            elif op == "ExtInst":
+                here[0] += components(operands[0]) * (2 if operands[2] == "Fma" else 1)
+            elif op == "Dot":
+                here[0] += 2 * components(kind_of[operands[1]]) - 1
+            elif op in ("Any", "All"):
+                here[0] += components(kind_of[operands[1]]) - 1
+            elif op in EACH_COMPONENT:
+                here[0] += components(operands[0])
+            elif op not in NOTHING:
+                raise CostError(f"{label}: Op{op}, which this count doesn't know")
+    if deepest == 2:
+        if work[1][1] or work[1][0] > 12:
+            raise CostError(f"{label}: work between two loops, {work[1][0]} operations and {work[1][1]} reads, has no place "
+                            "in a declaration")
+        return targets, work[0], work[2]
+    return targets, work[0], work[1]
+
+
+def count_variant(shaders, name, variant):
+    given = [tuple((item.split("=", 1) + [""])[:2]) for item in variant.split()]
+    found = []
+    for turn in range(2):
+        defines = given + [(key, str(values[turn])) for key, values in OPEN.items()]
+        text, _ = check_shaders.expand(shaders, name, defines)
+        found.append(count(text, f"shaders/{name} [{variant}]", any(key == "COLOUR" for key, _ in given)))
+    if found[0] != found[1]:
+        raise CostError(f"shaders/{name} [{variant}]: {found[0]} or {found[1]}, depending on what the variant leaves open; "
+                        "put it into the variant (pass_variant in src/gl/pass_costs.cpp)")
+    return found[0]
+
+
+def row_text(name, variant, cost):
+    targets, once, entry = cost
+    return '{"%s", "%s", %d, {%s}, {%s}},' % (name, variant, targets, ", ".join(map(str, once)),
+                                            ", ".join(map(str, entry)) if any(entry) else "")
+
+
+def check(root):
+    shaders, table = root / "shaders", root / "src" / "gl" / "pass_costs.cpp"
+    rows = [(m[1], m[2], m[0].strip()) for m in ROW.finditer(table.read_text(encoding="utf-8"))]
+    errors = []
+
+    def check_row(row):
+        name, variant, declared = row
+        try:
+            counted = row_text(name, variant, count_variant(shaders, name, variant))
+        except (CostError, check_shaders.ShaderError) as error:
+            return str(error)
+        return None if counted == declared else f"src/gl/pass_costs.cpp declares {declared}\n    its SPIR-V has    {counted}"
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        errors += [error for error in pool.map(check_row, rows) if error]
+    for path in sorted(shaders.rglob("*.frag")):
+        name = path.relative_to(shaders).as_posix()
+        if not any(row[0] == name for row in rows):
+            errors.append(f"shaders/{name}: src/gl/pass_costs.cpp declares no cost of it")
+    return errors, len(rows)
+
+
+def main():
+    missing = [tool for tool in TOOLS if not shutil.which(tool)]
+    if missing:
+        print(f"skipped: {' and '.join(missing)} absent (scripts/install-packages.sh installs them)")
+        return 77
+    errors, rows = check(pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
+    print("\n".join(errors) if errors else f"{rows} declared costs are those of the SPIR-V")
+    return 1 if errors or rows == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
