@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "base/error.h"
+#include "gl/peaks.h"
 #include "gl/program.h"
 #include "gl/texture.h"
 
@@ -151,6 +153,22 @@ TEST(Program, ErrorsNameTheFile) {
         EXPECT_NE(std::string(e.what()).find("model/lfm.glsl"), std::string::npos) << e.what();
     }
     EXPECT_THROW(expand_shader("no/such.frag"), UserError);
+}
+
+// That the kernels did their work measure_gl_peaks() checks itself, and throws.
+TEST(Peaks, AreRatesOfWorkDone) {
+    for (ContextKind kind : {ContextKind::egl, ContextKind::osmesa}) {
+        const auto context = make(kind, true);
+        const GlPeaks peaks = measure_gl_peaks();
+        for (double rate : {peaks.operations_s, peaks.reads_s, peaks.bytes_s}) {
+            EXPECT_TRUE(std::isfinite(rate));
+            EXPECT_GT(rate, 1e6);
+        }
+        EXPECT_GT(peaks.operations_s, peaks.reads_s);
+        EXPECT_EQ(context->allocated_bytes(), 0);
+        std::printf("  %s: %.1f G operations/s, %.2f G reads/s, %.1f GB/s\n", to_string(kind).c_str(),
+                    1e-9 * peaks.operations_s, 1e-9 * peaks.reads_s, 1e-9 * peaks.bytes_s);
+    }
 }
 
 }  // namespace

@@ -73,6 +73,9 @@ constexpr PassCost table[] = {
     {"optimize/precondition.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 1, {13, 3, 48}, {}},
     {"optimize/update_direction.frag", "STORAGE=0 TERMS=1", 4, {35, 9, 144}, {}},
     {"optimize/update_direction.frag", "STORAGE=0 TERMS=1 VIEW_MAPS", 4, {36, 9, 144}, {}},
+    {"peaks/copy.frag", "", 1, {2, 1, 16}, {}},
+    {"peaks/fetch.frag", "", 1, {2, 0, 0}, {114, 16, 256}},
+    {"peaks/fused.frag", "", 1, {9, 0, 0}, {386, 0, 0}},
 };
 // clang-format on
 

@@ -1,0 +1,114 @@
+#include "gl/peaks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "base/error.h"
+#include "gl/pass_costs.h"
+#include "gl/texture.h"
+#include "gl/timer.h"
+
+namespace radiafit {
+namespace {
+
+constexpr int repetitions = 5;
+constexpr double long_enough_s = 0.02;
+
+void draw_whole(const VertexArray& empty) {
+    empty.bind();
+    gl().DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+Texture ones(int side) {
+    Texture texture(GL_RGBA32F, side, side);
+    const std::vector<float> values(size_t(4) * side * side, 1.0f);
+    texture.upload(GL_RGBA, GL_FLOAT, values.data());
+    return texture;
+}
+
+void expect_result(const Texture& texture, float expected, const std::string& what) {
+    std::vector<float> values(size_t(4) * texture.width() * texture.height());
+    texture.download(GL_RGBA, GL_FLOAT, values.data(), values.size() * sizeof(float));
+    for (float value : {values.front(), values.back()})
+        if (value != expected)
+            throw SystemError(fmt::format("{} gives {} instead of {}: no peak can be told", what, value, expected));
+}
+
+/// Seconds of body(n), the least of some repetitions, with n doubled from 1 until that takes long enough; and n.
+template <class Body>
+std::pair<double, int> time_enough(const Body& body) {
+    body(1);  // compiles
+    for (int n = 1;; n *= 2) {
+        double least = 1e9;
+        for (int i = 0; i < repetitions; ++i) {
+            GlStopwatch clock;
+            clock.start();
+            body(n);
+            clock.stop();
+            least = std::min(least, clock.seconds());
+            if (least < long_enough_s) break;
+        }
+        if (least >= long_enough_s || n >= 1 << 18) return {least, n};
+    }
+}
+
+/// Work per second of a program with a loop over `turns`, whose every turn adds `per_turn` to the result.
+Work rate_of_loop(const std::string& shader, float per_turn) {
+    const Texture source = ones(32), result(GL_RGBA32F, 512, 512);
+    const Framebuffer target({{&result}});
+    const Program program = Program::draw("common/whole.vert", shader);
+    const VertexArray empty;
+    program.set(1, 1.0f);
+    program.set(2, 1.0f);
+    const auto [seconds, turns] = time_enough([&](int n) {
+        source.bind(0);
+        program.set(0, n);
+        target.bind();
+        program.use();
+        draw_whole(empty);
+    });
+    expect_result(result, per_turn * float(turns), shader);
+    const uint64_t fragments = uint64_t(result.width()) * result.height();
+    const Work work = Work(program.cost()->fragment * fragments) +=
+        program.cost()->entry * (fragments * uint64_t(turns));
+    const auto rate = [&, s = seconds](uint64_t amount) { return uint64_t(double(amount) / s); };
+    return {rate(work.operations), rate(work.reads), rate(work.read_bytes)};
+}
+
+// To and fro: into one target again and again, a tiling renderer would never leave its caches.
+double bytes_per_second(bool blend) {
+    const int side = 2048;
+    const Texture textures[2] = {ones(side), ones(side)};
+    const Framebuffer targets[2] = {Framebuffer({{&textures[0]}}), Framebuffer({{&textures[1]}})};
+    const Program program = Program::draw("common/whole.vert", "peaks/copy.frag");
+    const VertexArray empty;
+    if (blend) {
+        gl().Enable(GL_BLEND);
+        gl().BlendEquation(GL_MAX);  // sums would grow beyond all floats
+    }
+    program.use();
+    const auto [seconds, draws] = time_enough([&](int n) {
+        for (int i = 0; i < n; ++i)
+            for (int to = 0; to < 2; ++to) {
+                textures[1 - to].bind(0);
+                targets[to].bind();
+                draw_whole(empty);
+            }
+    });
+    gl().Disable(GL_BLEND);
+    for (const Texture& texture : textures) expect_result(texture, 1, "peaks/copy.frag");
+    const double texels = 2.0 * draws * side * side;
+    return texels * double(program.cost()->fragment.read_bytes + (blend ? 2 : 1) * 16) / seconds;
+}
+
+}  // namespace
+
+GlPeaks measure_gl_peaks() {
+    return {double(rate_of_loop("peaks/fused.frag", 48).operations), double(rate_of_loop("peaks/fetch.frag", 16).reads),
+            std::max(bytes_per_second(false), bytes_per_second(true))};
+}
+
+}  // namespace radiafit

@@ -1,0 +1,16 @@
+#pragma once
+
+namespace radiafit {
+
+/// What the fragment stage of the current context can do at most, measured: the yardsticks of utilization. Operations,
+/// reads and bytes are those that gl/pass_costs.h counts.
+struct GlPeaks {
+    double operations_s = 0;  ///< per second: multiply-adds in registers, two each
+    double reads_s = 0;       ///< texels of 16 bytes that caches hold
+    double bytes_s = 0;       ///< main memory: 64 MB copied or blended into 64 MB, whichever is faster
+};
+/// About a second on a software renderer, half of it to compile; best of five each. Throws SystemError where the
+/// results show that the device did not do the work.
+GlPeaks measure_gl_peaks();
+
+}  // namespace radiafit
