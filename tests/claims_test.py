@@ -135,6 +135,12 @@ class Claims(ProgramTest):
         self.assertEqual(verdict("C9", half=28.7), "does not hold")
         self.assertEqual(verdict("C9", half=29.3), "does not hold")
 
+    def test_utilization(self):
+        rows = [{"problem": "light field map", "optimizer": o, "passes": p, "computation_share": 0.29, "reads_share": 0.4,
+                 "bandwidth_share": 0.1, "renderer": GPU} for o in ("sd", "cg") for p in ("paper", "combined")]
+        self.assertEqual(self.verdict("C10", "fig10_utilization", {"utilization": rows}), "not comparable")
+        self.assertIn("light field map: computation 29.0 %", self.judge()["C10"]["value"])
+
     def test_scaling(self):
         def verdict(claim, cost=1.0, **changed):
             return self.verdict(claim, "scaling", {"memory": memory(**changed), "time": costs(cost)})

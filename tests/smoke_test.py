@@ -179,6 +179,28 @@ class Smoke(ProgramTest):
                 self.assertAlmostEqual(float(row["train_psnr_db"]),
                                        float(rows[dataset, "cpu-low", k]["train_psnr_db"]), delta=0.5)
 
+    def check_fig10_utilization(self, tables):
+        rows = {(r["problem"], r["passes"], r["optimizer"]): r for r in tables["utilization"]}
+        problems = ["light field map"]
+        self.assertEqual(set(rows), {(p, k, o) for p in problems for k in ("paper", "combined") for o in ("sd", "cg")})
+        peaks = [float(p["per_second"]) for p in tables["peaks"] if p["device"] == tables["utilization"][0]["renderer"]]
+        self.assertEqual(len(peaks), 3)
+        for key, row in rows.items():
+            for share, amount, peak in zip(("computation", "reads", "bandwidth"), ("operations", "reads", "bytes"), peaks):
+                value = int(row[amount]) / float(row["seconds_per_iteration"]) / peak
+                self.assertAlmostEqual(float(row[share + "_share"]) / value, 1, delta=0.01)
+                self.assertTrue(0 < value < 1.2, f"{key}: {value} of the peak; no more than its own noise is above it")
+            own = [p for p in tables["passes"] if (p["problem"], p["passes"], p["optimizer"]) == key]
+            for amount in ("operations", "reads"):
+                self.assertEqual(sum(int(p[amount]) for p in own), int(row[amount]))
+            traffic = sum(int(p[b]) for p in own for b in ("read_bytes", "written_bytes", "blended_bytes"))
+            self.assertLess(traffic, int(row["bytes"]))  # clears come on top
+            self.assertEqual(any(p["program"].startswith(("gather/line_term", "combine/tile_line")) for p in own), key[2] == "cg")
+        for problem in problems:  # what the passes are combined for (Section 6.5)
+            for optimizer in ("sd", "cg"):
+                paper, combined = (rows[problem, passes, optimizer] for passes in ("paper", "combined"))
+                self.assertLess(int(combined["reads"]), int(paper["reads"]))
+
     def check_scaling(self, tables):
         for row in tables["memory"]:
             self.assertEqual(row["planned_bytes"], row["allocated_bytes"])
