@@ -34,14 +34,14 @@ void with_terms(int terms, const Body& body) {
     }
 }
 
-/// K terms; 0: as many as the shape says, at most 16.
+/// K terms; 0: as many as the shape says, at most max_terms.
 template <class real, int K>
 class LfmKernel {
 protected:
     using V = Lanes<real>;
     using Pair = PairLanes<real>;
     using Text = LfmText<real, Pair>;
-    static constexpr int most = K ? K : 16;
+    static constexpr int most = K ? K : max_terms;
 
     LfmKernel(int terms, int view_side) : terms_(terms), row_(size_t(view_side) * size_t(terms)) {}
     int terms() const { return K ? K : terms_; }

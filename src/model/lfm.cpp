@@ -11,8 +11,9 @@ void check_options(const LfmOptions& o) {
     const auto require = [](bool holds, const std::string& what) {
         if (!holds) throw UserError(what);
     };
-    require(o.terms >= 1 && o.terms <= 16,
-            "terms = " + std::to_string(o.terms) + ": a light field map has 1 to 16 terms");
+    require(
+        o.terms >= 1 && o.terms <= max_terms,
+        "terms = " + std::to_string(o.terms) + ": a light field map has 1 to " + std::to_string(max_terms) + " terms");
     require(o.surface_side >= 2 && o.surface_side <= 64,
             "surface-side = " + std::to_string(o.surface_side) + ": choose 2 to 64 texels");
     require(o.view_side >= 2 && o.view_side <= 64,

@@ -13,9 +13,11 @@ namespace radiafit {
 enum class ViewLookup { bilinear, nearest };
 enum class Mode { paper, modern };
 
+constexpr int max_terms = 16;  ///< of a light field map
+
 /// What a light field map fit is made of (Section 4.1), and the weights of its objective (Eq. 11).
 struct LfmOptions {
-    int terms = 1;         ///< K >= 1
+    int terms = 1;         ///< K in [1, max_terms]
     int surface_side = 8;  ///< n: n(n+1)/2 texels per surface map
     int view_side = 8;     ///< m: m x m texels per view map, m >= 2
     ViewLookup lookup = ViewLookup::bilinear;
@@ -25,7 +27,7 @@ struct LfmOptions {
     float mu = 1;                  ///< weight of E_b, first term only
     float lower = 0, upper = 16;   ///< bounds of the first term's maps
 };
-/// Throws UserError unless terms in [1, 16], sides in [2, 64], weights finite and >= 0, lower < upper.
+/// Throws UserError unless terms in [1, max_terms], sides in [2, 64], weights finite and >= 0, lower < upper.
 void check_options(const LfmOptions& options);
 
 /// Parameters order: problem after problem, p = [p_v1 ... p_vQ] (Section 4.1). The block of vertex v holds

@@ -8,7 +8,6 @@ namespace radiafit {
 namespace {
 
 using Text = LfmText<double, double>;
-constexpr size_t max_terms = 16;
 
 }  // namespace
 

@@ -102,7 +102,7 @@ void SurfaceStep::add_samples(size_t map, const V* p) {
     std::fill(sums_.begin(), sums_.end(), V{});
     for (size_t group = first_group_[map]; group < first_group_[map + 1]; ++group) {
         const LfmVertex::Group& g = vertex_.groups[group];
-        V h[16];
+        V h[max_terms];
         for (size_t k = 0; k < terms; ++k) {
             h[k] = V{};
             for (int j = 0; j < 4; ++j) h[k] += g.weight[j] * view[vertex_.corner(g, j) * terms + k];

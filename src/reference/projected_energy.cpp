@@ -42,7 +42,7 @@ V ProjectedEnergy::add_samples(size_t map, const V* p) {
     V squares{};
     for (size_t i = first_group_[map]; i < first_group_[map + 1]; ++i) {
         const LfmVertex::Group& group = vertex_.groups[i];
-        constexpr size_t most = K ? K : 16;
+        constexpr size_t most = K ? K : max_terms;
         V h[most], slope[most] = {}, products[most * (most + 1) / 2] = {};
         size_t corner[4], column[4];
         float w[4];
