@@ -3,6 +3,7 @@
 
 #include "cpu/lfm_objective.h"
 #include "model/lfm_text.h"
+#include "model/with_terms.h"
 
 /// The two loops over samples (Eq. 12-13), written once for every way to hold them. View look-ups hoist: a kernel takes
 /// the samples of one (vertex, image) between begin() and end(). Two samples share a register of twice four lanes; they
@@ -18,21 +19,6 @@ struct Footprint {
     uint32_t texel;
     real weight[4];
 };
-
-/// Calls body(integral_constant K) with K = terms where that is 1, 2 or 3, else K = 0: a count known at run time only.
-template <class Body>
-void with_terms(int terms, const Body& body) {
-    switch (terms) {
-        case 1:
-            return body(std::integral_constant<int, 1>{});
-        case 2:
-            return body(std::integral_constant<int, 2>{});
-        case 3:
-            return body(std::integral_constant<int, 3>{});
-        default:
-            return body(std::integral_constant<int, 0>{});
-    }
-}
 
 /// K terms; 0: as many as the shape says, at most max_terms.
 template <class real, int K>

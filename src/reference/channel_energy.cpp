@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/lfm_text.h"
+#include "model/with_terms.h"
 
 namespace radiafit {
 namespace {
@@ -95,8 +96,7 @@ double ChannelEnergy::penalties(const double* x, double* gradient) const {
 double ChannelEnergy::evaluate(const double* x, double* gradient) const {
     double* g = gradient ? gradient : scratch_.data();
     std::fill(g, g + size(), 0.0);
-    const size_t terms = vertex_->terms();
-    double error = terms == 1 ? data<1>(x, g) : terms == 2 ? data<2>(x, g) : terms == 3 ? data<3>(x, g) : data<0>(x, g);
+    double error = with_terms(vertex_->options.terms, [&](auto k) { return data<k>(x, g); });
     const double weight = vertex_->inverse_density;
     for (size_t i = 0; i < size(); ++i) g[i] *= weight;
     error *= weight;

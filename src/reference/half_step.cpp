@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/with_terms.h"
+
 namespace radiafit {
 namespace {
 
@@ -130,19 +132,7 @@ bool SurfaceStep::operator()(V* p) {
     const size_t width = vertex_.tile->texel_count() * vertex_.terms();
     for (size_t map = 0; map < vertex_.maps; ++map) {
         steps_[map].clear();
-        switch (vertex_.terms()) {
-            case 1:
-                add_samples<1>(map, p);
-                break;
-            case 2:
-                add_samples<2>(map, p);
-                break;
-            case 3:
-                add_samples<3>(map, p);
-                break;
-            default:
-                add_samples<0>(map, p);
-        }
+        with_terms(vertex_.options.terms, [&](auto k) { add_samples<k>(map, p); });
         steps_[map].add_smoothness(tile_, broadcast3(vertex_.lambda_surface));
         if (steps_[map].solve(vertex_.options, p + map * width) != 0) return false;
     }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "model/with_terms.h"
+
 namespace radiafit {
 namespace {
 
@@ -92,19 +94,7 @@ bool ProjectedEnergy::evaluate(V* p) {
     V squares{};
     for (size_t map = 0; map < vertex_.maps; ++map) {
         eliminated_->clear_x();
-        switch (vertex_.terms()) {
-            case 1:
-                squares += add_samples<1>(map, p);
-                break;
-            case 2:
-                squares += add_samples<2>(map, p);
-                break;
-            case 3:
-                squares += add_samples<3>(map, p);
-                break;
-            default:
-                squares += add_samples<0>(map, p);
-        }
+        squares += with_terms(vertex_.options.terms, [&](auto k) { return add_samples<k>(map, p); });
         eliminated_->add(solve_surface_.factor(map));
     }
     const size_t terms = vertex_.terms();
