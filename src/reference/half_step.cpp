@@ -150,7 +150,6 @@ bool ViewStep::operator()(V* p) {
     const size_t terms = vertex_.terms();
     const size_t texels = vertex_.tile->texel_count();
     step_.clear();
-    LaneCholesky& a = step_.a();
     for (size_t i = 0; i + 1 < vertex_.groups.size(); ++i) {
         const LfmVertex::Group& g = vertex_.groups[i];
         std::fill(products_.begin(), products_.end(), V{});
@@ -162,18 +161,7 @@ bool ViewStep::operator()(V* p) {
                 sums_[k] += surface[k] * vertex_.target[s];
             }
         }
-        for (int x = 0; x < 4; ++x) {
-            const size_t row = vertex_.corner(g, x) * terms;
-            for (size_t k = 0; k < terms; ++k) {
-                step_.b()[row + k] += g.weight[x] * vertex_.inverse_density * sums_[k];
-                for (int y = 0; y <= x; ++y) {
-                    const size_t column = vertex_.corner(g, y) * terms;
-                    const double weight = g.weight[x] * g.weight[y] * vertex_.inverse_density;
-                    for (size_t l = 0; l < (y < x ? terms : k + 1); ++l)
-                        a.at(row + k, column + l) += weight * products_[product(k, l)];
-                }
-            }
-        }
+        add_view_sums<0>(vertex_, g, products_.data(), sums_.data(), step_.a(), step_.b().data());
     }
     step_.add_smoothness(view_, vertex_.lambda_view);
     return step_.solve(vertex_.options, p + vertex_.view_begin()) == 0;

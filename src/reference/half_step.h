@@ -7,9 +7,6 @@
 /// Minimizers of E_t over one kind of map while the other stays: quadratic there, but for the bounds.
 namespace radiafit {
 
-/// Place of the product of terms k and l among those of all pairs.
-inline size_t product(size_t k, size_t l) { return k >= l ? k * (k + 1) / 2 + l : l * (l + 1) / 2 + k; }
-
 /// L'L of one kind of map, lower triangle.
 struct Smoothness {
     struct Entry {
@@ -46,6 +43,30 @@ private:
     LaneCholesky a_, factor_;
     std::vector<V> b_, solution_, active_, next_;
 };
+
+/// What one group's samples add to the view map's part of E_t: to its second derivative a, and to a vector b in the
+/// view map's order.
+/// products: sums over samples of g_k g_l, l <= k, row after row. sums [term]: of g_k times what b is about.
+/// K = 0 where the number of terms isn't known beforehand.
+template <int K>
+void add_view_sums(const LfmVertex& vertex, const LfmVertex::Group& group, const Lanes<double>* products,
+                   const Lanes<double>* sums, LaneCholesky& a, Lanes<double>* b) {
+    const size_t terms = K ? K : vertex.terms();
+    // Two corners of a look-up share products in both orders of k and l.
+    const auto place = [](size_t k, size_t l) { return k >= l ? k * (k + 1) / 2 + l : l * (l + 1) / 2 + k; };
+    for (int x = 0; x < 4; ++x) {
+        const size_t row = vertex.corner(group, x) * terms;
+        for (size_t k = 0; k < terms; ++k) {
+            b[row + k] += group.weight[x] * vertex.inverse_density * sums[k];
+            for (int y = 0; y <= x; ++y) {
+                const size_t column = vertex.corner(group, y) * terms;
+                const double weight = group.weight[x] * group.weight[y] * vertex.inverse_density;
+                for (size_t l = 0; l < (y < x ? terms : k + 1); ++l)
+                    a.at(row + k, column + l) += weight * products[place(k, l)];
+            }
+        }
+    }
+}
 
 /// All surface maps of a vertex, given its view map.
 class SurfaceStep {

@@ -74,14 +74,7 @@ V ProjectedEnergy::add_samples(size_t map, const V* p) {
                 }
             }
         }
-        for (int x = 0; x < 4; ++x)
-            for (size_t k = 0; k < terms; ++k) {
-                gradient_[corner[x] + k] += group.weight[x] * weight * slope[k];
-                for (int y = 0; y <= x; ++y)
-                    for (size_t l = 0; l < (y < x ? terms : k + 1); ++l)
-                        own_.at(corner[x] + k, corner[y] + l) +=
-                            group.weight[x] * group.weight[y] * weight * products[product(k, l)];
-            }
+        add_view_sums<K>(vertex_, group, products, slope, own_, gradient_.data());
     }
     return squares;
 }
