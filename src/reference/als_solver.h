@@ -10,8 +10,8 @@ struct AlsOptions {
 };
 
 /// Alternating least squares on E_t: all surface maps given the view map, then the view map given the surface maps,
-/// each half step the exact minimum over all K terms at once. A surface half step is one banded system per map and
-/// channel, a view half step one dense system per channel; the three channels go side by side, in lanes.
+/// each half step the exact minimum over all K terms at once: one banded system per map and channel; the three channels
+/// go side by side, in lanes.
 /// Parameters that no sample and no smoothness holds stay where they are. Bounds (modern penalty) are part of the half
 /// step: the set of parameters beyond them is guessed from the last one, and the step repeated until the guess holds.
 /// Throws UserError for the paper's penalty, which isn't convex where a half step needs it.

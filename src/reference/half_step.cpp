@@ -29,6 +29,11 @@ Smoothness::Smoothness(const MapNeighbours& map) {
             }
 }
 
+size_t view_band(const LfmVertex& vertex, const Smoothness& view) {
+    const size_t texels = std::max(view.band, size_t(vertex.options.view_side) + 1);
+    return (texels + 1) * vertex.terms() - 1;
+}
+
 HalfStep::HalfStep(size_t texels, size_t band, size_t terms)
     : terms_(terms),
       a_(texels * terms, band),
@@ -142,7 +147,7 @@ bool SurfaceStep::operator()(V* p) {
 ViewStep::ViewStep(const LfmVertex& vertex, const Smoothness& view)
     : vertex_(vertex),
       view_(view),
-      step_(vertex.view->texel_count(), vertex.view->texel_count() * vertex.terms(), vertex.terms()),
+      step_(vertex.view->texel_count(), view_band(vertex, view), vertex.terms()),
       products_(vertex.terms() * (vertex.terms() + 1) / 2),
       sums_(vertex.terms()) {}
 

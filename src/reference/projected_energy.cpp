@@ -9,11 +9,6 @@ namespace {
 
 using V = Lanes<double>;
 
-/// Texels that a look-up's corners are apart, or that L'L couples.
-size_t view_band(const LfmVertex& vertex, const Smoothness& view) {
-    return std::max(view.band, size_t(vertex.options.view_side) + 1);
-}
-
 }  // namespace
 
 ProjectedEnergy::ProjectedEnergy(const LfmVertex& vertex, const Smoothness& tile, const Smoothness& view)
@@ -22,7 +17,7 @@ ProjectedEnergy::ProjectedEnergy(const LfmVertex& vertex, const Smoothness& tile
       solve_surface_(vertex, tile),
       first_group_(vertex.first_groups()),
       gradient_(vertex.view->texel_count() * vertex.terms()),
-      own_(gradient_.size(), (view_band(vertex, view) + 1) * vertex.terms() - 1) {
+      own_(gradient_.size(), view_band(vertex, view)) {
     const size_t terms = vertex.terms();
     std::vector<bool> reached(vertex.view->texel_count(), false);
     for (size_t i = 0; i + 1 < vertex.groups.size(); ++i)
