@@ -3,7 +3,6 @@
 #include <cmath>
 #include <memory>
 
-#include "base/error.h"
 #include "reference/half_step.h"
 
 namespace radiafit {
@@ -14,8 +13,7 @@ using V = Lanes<double>;
 }  // namespace
 
 VertexSolver als_solver(const LfmOptions& model, const AlsOptions& options) {
-    if (model.mode == Mode::paper && model.mu > 0)
-        throw UserError("solver 'als' needs the modern bounds penalty; choose --mode modern, or --mu 0");
+    require_modern_penalty(model, "als");
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {

@@ -240,10 +240,7 @@ std::span<const CeresSetting> ceres_settings() {
 
 VertexSolver ceres_solver(const LfmOptions& model, const CeresOptions& options) {
     const Method& method = find(options.setting);
-    if (model.mode == Mode::paper && model.mu > 0)
-        throw UserError(
-            "solver 'ceres' minimizes sums of squares, and the paper's bounds penalty is none; choose --mode modern, "
-            "or --mu 0");
+    require_modern_penalty(model, "ceres");
     FLAGS_minloglevel = google::GLOG_FATAL;  // a failed step is a status here, not a line on the terminal
     return [method, options](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
         const auto solve = method.kind == Method::trust_region ? solve_trust_region : solve_line_search;

@@ -109,8 +109,7 @@ private:
 }  // namespace
 
 VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options) {
-    if (model.mode == Mode::paper && model.mu > 0)
-        throw UserError("solver 'varpro' needs the modern bounds penalty; choose --mode modern, or --mu 0");
+    require_modern_penalty(model, "varpro");
     const int unknowns = model.view_side * model.view_side * model.terms;
     if (unknowns > 1024)  // some tenths of a second a step, growing with the cube
         throw UserError(fmt::format(

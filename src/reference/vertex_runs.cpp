@@ -1,7 +1,10 @@
 #include "reference/vertex_runs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "model/lfm_start.h"
 
@@ -22,6 +25,14 @@ double VertexRun::time_at(const std::array<int, 3>& rows) const {
         longest = std::max(longest, time);
     }
     return joint ? longest : sum;
+}
+
+void require_modern_penalty(const LfmOptions& model, const char* solver) {
+    if (model.mode == Mode::paper && model.mu > 0)
+        throw UserError(fmt::format(
+            "solver '{}' minimizes sums of squares, and the paper's bounds penalty is none; choose --mode modern, or "
+            "--mu 0",
+            solver));
 }
 
 RunsResult solve_vertices(const LfmVertices& vertices, uint64_t seed, const VertexSolver& solver,

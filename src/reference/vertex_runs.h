@@ -39,6 +39,9 @@ struct RunsResult {
 /// Improves p (a vertex's block, lanes) from the start and says how it went.
 using VertexSolver = std::function<void(const LfmVertex& vertex, std::span<Lanes<double>> p, VertexRun& run)>;
 
+/// Throws UserError for the paper's bounds penalty, which is no sum of squares; `solver` is the name users know.
+void require_modern_penalty(const LfmOptions& model, const char* solver);
+
 /// From lfm_start(seed), every vertex with samples, or the chosen ones; the others keep the start. Threads over
 /// vertices.
 RunsResult solve_vertices(const LfmVertices& vertices, uint64_t seed, const VertexSolver& solver,
