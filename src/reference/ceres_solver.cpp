@@ -5,7 +5,6 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <fmt/format.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "base/config.h"
 #include "base/error.h"
 #include "reference/ceres_blocks.h"
+#include "reference/ceres_status.h"
 #include "reference/channel_energy.h"
 
 namespace radiafit {
@@ -97,7 +97,8 @@ public:
             now_->error = {initial_cost};
             now_->time_s = {run_->clock() - start_};
         }
-        now_->status = status(termination);
+        now_->status =
+            ceres_status(termination, std::isfinite(now_->error.back()) ? Status::stationary : Status::not_finite);
     }
 
 private:
@@ -105,18 +106,6 @@ private:
     void add(const ceres::IterationSummary& row) {
         now_->error.push_back(now_->error.empty() ? row.cost : std::min(now_->error.back(), row.cost));
         now_->time_s.push_back(run_->clock() - start_);
-    }
-    Status status(ceres::TerminationType termination) const {
-        switch (termination) {
-            case ceres::CONVERGENCE:
-                return Status::stationary;
-            case ceres::NO_CONVERGENCE:
-                return Status::max_iterations;
-            case ceres::USER_SUCCESS:
-                return Status::residual;
-            default:  // no step lowers the cost, or there is no cost
-                return std::isfinite(now_->error.back()) ? Status::stationary : Status::not_finite;
-        }
     }
 
     VertexRun* run_;
@@ -241,7 +230,7 @@ std::span<const CeresSetting> ceres_settings() {
 VertexSolver ceres_solver(const LfmOptions& model, const CeresOptions& options) {
     const Method& method = find(options.setting);
     require_modern_penalty(model, "ceres");
-    FLAGS_minloglevel = google::GLOG_FATAL;  // a failed step is a status here, not a line on the terminal
+    silence_ceres();
     return [method, options](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
         const auto solve = method.kind == Method::trust_region ? solve_trust_region : solve_line_search;
         solve(method, options, vertex, p, run);

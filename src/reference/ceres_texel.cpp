@@ -3,12 +3,12 @@
 #include <ceres/cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "model/texel_texts.h"
+#include "reference/ceres_status.h"
 
 namespace radiafit {
 namespace {
@@ -59,17 +59,6 @@ private:
     Samples samples_;
 };
 
-Status status(ceres::TerminationType termination) {
-    switch (termination) {
-        case ceres::CONVERGENCE:
-            return Status::stationary;
-        case ceres::NO_CONVERGENCE:
-            return Status::max_iterations;
-        default:
-            return Status::not_finite;
-    }
-}
-
 }  // namespace
 
 template <class Text>
@@ -79,7 +68,7 @@ CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count
     using Model = TexelLocal<Text>;
     CeresTexelOutcome<Text> out{start};
     if (samples.empty()) return out;
-    FLAGS_minloglevel = google::GLOG_FATAL;  // a failed step is a status here, not a line on the terminal
+    silence_ceres();
     double* x = out.parameters.data();
     TexelCost<Text> cost(samples);
     ceres::Problem::Options problem_options;
@@ -105,7 +94,7 @@ CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count
     out.parameters = Model::canonical(out.parameters);
     out.error = summary.final_cost;
     out.iterations = int(summary.iterations.size()) - 1;
-    out.status = status(summary.termination_type);
+    out.status = ceres_status(summary.termination_type, Status::not_finite);
     return out;
 }
 
