@@ -1,6 +1,6 @@
 #include "reference/als_solver.h"
 
-#include <cmath>
+#include <algorithm>
 #include <memory>
 
 #include "reference/half_step.h"
@@ -17,43 +17,26 @@ VertexSolver als_solver(const LfmOptions& model, const AlsOptions& options) {
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
-        const double start = run.clock();
+        JointRows rows(vertex, options.stop_residual, run);
         SurfaceStep solve_surface(vertex, *tile);
         ViewStep solve_view(vertex, *view);
         std::vector<V> trial(p.begin(), p.end());
-        V error = lfm_error(vertex, p.data());
-        const double enough = 0.5 * double(vertex.surface_texels()) * options.stop_residual * options.stop_residual;
-        run.joint = true;
-        for (int c = 0; c < 3; ++c) {
-            run.channel[c].status = std::isfinite(error[c]) ? Status::active : Status::not_finite;
-            run.channel[c].error = {error[c]};
-            run.channel[c].time_s = {run.clock() - start};
-        }
-        for (int k = 0; k < options.iterations; ++k) {
-            bool any = false;
-            for (const auto& c : run.channel) any = any || c.status == Status::active;
-            if (!any) break;
+        rows.begin(lfm_error(vertex, p.data()));
+        for (int k = 0; k < options.iterations && rows.any_active(); ++k) {
             const bool solved = solve_surface(trial.data()) && solve_view(trial.data());
             const V after = lfm_error(vertex, trial.data());
             for (int c = 0; c < 3; ++c) {
-                VertexRun::Channel& channel = run.channel[c];
-                if (channel.status != Status::active) continue;
+                if (!rows.active(c)) continue;
                 // An exact half step can't raise E_t but by rounding.
-                const bool lower = solved && after[c] < error[c];
-                if (!lower || error[c] - after[c] <= options.stop_change * error[c])
-                    channel.status = Status::stationary;
-                if (lower) {
-                    error[c] = after[c];
-                    for (size_t i = 0; i < p.size(); ++i) p[i][c] = trial[i][c];
-                }
-                if (error[c] <= enough) channel.status = Status::residual;
-                channel.error.push_back(error[c]);
-                channel.time_s.push_back(run.clock() - start);
+                const double before = rows.error(c);
+                const bool lower = solved && after[c] < before;
+                if (!lower || before - after[c] <= options.stop_change * before) rows.end(c, Status::stationary);
+                for (size_t i = 0; lower && i < p.size(); ++i) p[i][c] = trial[i][c];
+                rows.add(c, lower ? after[c] : before);
             }
             std::copy(p.begin(), p.end(), trial.begin());
         }
-        for (auto& c : run.channel)
-            if (c.status == Status::active) c.status = Status::max_iterations;
+        rows.finish();
     };
 }
 

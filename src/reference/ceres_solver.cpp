@@ -77,9 +77,8 @@ const Method& find(const std::string& name) {
 /// Writes one channel's rows as Ceres reports them, and stops it where the cost is small enough.
 class Rows final : public ceres::IterationCallback {
 public:
-    /// stop_residual: rule 1 of Section 5.3.2; 0 = off.
     Rows(const LfmVertex& vertex, double stop_residual, VertexRun& run)
-        : run_(&run), enough_(0.5 * double(vertex.surface_texels()) * stop_residual * stop_residual) {}
+        : run_(&run), enough_(enough_error(vertex, stop_residual)) {}
 
     void begin(int channel) {
         now_ = &run_->channel[channel];

@@ -119,48 +119,34 @@ VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
-        const double start = run.clock();
-        const double enough = 0.5 * double(vertex.surface_texels()) * options.stop_residual * options.stop_residual;
+        JointRows rows(vertex, options.stop_residual, run);
         ProjectedEnergy energy(vertex, *tile, *view);
         Newton newton(vertex);
         std::vector<V> trial(p.begin(), p.end());
         V* const view_map = trial.data() + vertex.view_begin();
         V foreseen{};
-        run.joint = true;
-        const auto row = [&](int c, double error) {
-            VertexRun::Channel& channel = run.channel[c];
-            channel.error.push_back(error);
-            channel.time_s.push_back(run.clock() - start);
-            if (error <= enough) channel.status = Status::residual;
-        };
-        const V first = lfm_error(vertex, p.data());
-        for (int c = 0; c < 3; ++c) {
-            run.channel[c].status = std::isfinite(first[c]) ? Status::active : Status::not_finite;
-            row(c, first[c]);
-        }
+        rows.begin(lfm_error(vertex, p.data()));
+        rows.end_where_enough();
         for (int k = 0; k < options.iterations; ++k) {
             const bool solved = energy.evaluate(trial.data());
             Mask accepted{};
             for (int c = 0; c < 3; ++c) {
-                VertexRun::Channel& channel = run.channel[c];
-                if (channel.status != Status::active) continue;
-                const double before = channel.error.back(), after = solved ? energy.error()[c] : INFINITY;
+                if (!rows.active(c)) continue;
+                const double before = rows.error(c), after = solved ? energy.error()[c] : INFINITY;
                 if (k > 0) newton.learn(c, (before - after) / foreseen[c]);
                 accepted[c] = after < before ? -1 : 0;
-                row(c, std::min(before, after));
+                rows.add(c, std::min(before, after));
                 if (k > 0 && accepted[c] && before - after <= options.stop_change * before)
-                    channel.status = Status::stationary;
+                    rows.end(c, Status::stationary);
             }
             for (size_t i = 0; i < p.size(); ++i) p[i] = accepted ? trial[i] : p[i];
-            if (std::ranges::none_of(run.channel, [](const auto& c) { return c.status == Status::active; })) break;
+            if (!rows.any_active()) break;
             newton.take(energy, view_map, accepted);
             foreseen = newton.step(view_map);
             for (int c = 0; c < 3; ++c)
-                if (!(foreseen[c] > 1e-12 * run.channel[c].error.back()) && run.channel[c].status == Status::active)
-                    run.channel[c].status = Status::stationary;
+                if (rows.active(c) && !(foreseen[c] > 1e-12 * rows.error(c))) rows.end(c, Status::stationary);
         }
-        for (auto& c : run.channel)
-            if (c.status == Status::active) c.status = Status::max_iterations;
+        rows.finish();
     };
 }
 

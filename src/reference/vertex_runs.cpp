@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -25,6 +26,42 @@ double VertexRun::time_at(const std::array<int, 3>& rows) const {
         longest = std::max(longest, time);
     }
     return joint ? longest : sum;
+}
+
+double enough_error(const LfmVertex& vertex, double stop_residual) {
+    return 0.5 * double(vertex.surface_texels()) * stop_residual * stop_residual;
+}
+
+JointRows::JointRows(const LfmVertex& vertex, double stop_residual, VertexRun& run)
+    : run_(&run), enough_(enough_error(vertex, stop_residual)), start_(run.clock()) {
+    run.joint = true;
+}
+
+void JointRows::begin(const Lanes<double>& error) {
+    for (int c = 0; c < 3; ++c) {
+        end(c, std::isfinite(error[c]) ? Status::active : Status::not_finite);
+        write(c, error[c]);
+    }
+}
+
+void JointRows::add(int c, double error) {
+    write(c, error);
+    if (error <= enough_) end(c, Status::residual);
+}
+
+void JointRows::end_where_enough() {
+    for (int c = 0; c < 3; ++c)
+        if (error(c) <= enough_) end(c, Status::residual);
+}
+
+void JointRows::write(int c, double error) {
+    run_->channel[c].error.push_back(error);
+    run_->channel[c].time_s.push_back(run_->clock() - start_);
+}
+
+void JointRows::finish() {
+    for (int c = 0; c < 3; ++c)
+        if (active(c)) end(c, Status::max_iterations);
 }
 
 void require_modern_penalty(const LfmOptions& model, const char* solver) {

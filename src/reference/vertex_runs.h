@@ -31,6 +31,36 @@ struct VertexRun {
     double time_at(const std::array<int, 3>& rows) const;
 };
 
+/// The error at which a problem of the vertex may stop: rule 1 of Section 5.3.2. stop_residual: root mean square; 0 =
+/// off.
+double enough_error(const LfmVertex& vertex, double stop_residual);
+
+/// Writes a run whose channels go side by side. Made when the solver gets the vertex: its clock starts then.
+class JointRows {
+public:
+    JointRows(const LfmVertex& vertex, double stop_residual, VertexRun& run);
+
+    /// Row 0.
+    void begin(const Lanes<double>& error);
+    /// A further row; ends the channel where the error is small enough.
+    void add(int c, double error);
+    /// Ends channels whose last row's error is small enough.
+    void end_where_enough();
+    void end(int c, Status why) { run_->channel[c].status = why; }
+    /// Channels still active have used up their iterations.
+    void finish();
+
+    double error(int c) const { return run_->channel[c].error.back(); }  ///< of the last row
+    bool active(int c) const { return run_->channel[c].status == Status::active; }
+    bool any_active() const { return active(0) || active(1) || active(2); }
+
+private:
+    void write(int c, double error);
+
+    VertexRun* run_;
+    double enough_, start_;
+};
+
 struct RunsResult {
     std::vector<float> parameters;  ///< [layout.size()]
     std::vector<VertexRun> runs;    ///< [vertices]
