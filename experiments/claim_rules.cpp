@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 
 #include "base/error.h"
 #include "experiment.h"
@@ -272,6 +273,36 @@ Judgement utilization(const FinishedRun& run) {
     return j;
 }
 
+// Stopping.
+
+Judgement idle_before_arrival(const FinishedRun& run) {
+    const CsvTable t = run.table("rules.csv");
+    Judgement j{.verdict = "does not hold", .what = "idle and arrived at a threshold of 1/255: "};
+    std::map<std::string, bool> idle;  // by rule: with every optimizer
+    for (size_t i = 0; i < t.row_count(); ++i) {
+        if (t.number(i, "levels") == 0) continue;
+        const std::string &rule = t.text(i, "rule"), &optimizer = t.text(i, "optimizer");
+        const double half = t.number(i, "first_below_half"), median = t.number(i, "median_reached");
+        const auto when = [](double k) { return k < 0 ? "never" : fmt::format("at {:g}", k); };
+        const std::string text =
+            fmt::format("{}, {}: half idle {}, median arrived {}", rule, optimizer, when(half), when(median));
+        if (t.number(i, "levels") != 1) {
+            j.why.push_back(fmt::format("{}/255, {}", t.text(i, "levels"), text));
+            continue;
+        }
+        const bool early = t.number(i, "idle_before_arrival") == 1;
+        idle[rule] = early && (!idle.contains(rule) || idle[rule]);
+        j.measures.push_back(text);
+        j.values[rule][optimizer] = {{"first_below_half", half}, {"median_reached", median}};
+    }
+    if (idle.empty()) throw UserError("rules.csv: no threshold of 1 level; run stopping again");
+    for (const auto& [rule, early] : idle)
+        if (early) j.verdict = "holds";
+    j.why.insert(j.why.begin(), "iterations; a problem has arrived within 1.01 of the best error of any solver");
+    j.demand(run.setting("tolerance") == 1.01 && run.setting("lambda") == 1e-4, "lambda = 1e-4 and 1.01 E_best");
+    return j;
+}
+
 // Memory and cost.
 
 /// Each line's name and slope; to be 1 within the tolerance.
@@ -378,7 +409,7 @@ constexpr Claim table[] = {
      "slope of log time over log texels: gather at least 0.5, scatter at most 0.2", nullptr, nullptr},
     {"C16", "5.3.2", "threshold stopping rules are too restrictive, and utilization falls as problems finish",
      "under a threshold rule less than half of the problems are active before the median one is within 1.01 E_best",
-     nullptr, nullptr},
+     "stopping", idle_before_arrival},
     {"C17", "5.1.1", "a pixel lands in one texel, and every parameter still gets many samples",
      "median of at least 10 samples per texel; no texel takes two pixels of one image, as distribution sees to",
      "table1_datasets", pixels_and_texels},

@@ -141,6 +141,21 @@ class Claims(ProgramTest):
         self.assertEqual(self.verdict("C10", "fig10_utilization", {"utilization": rows}), "not comparable")
         self.assertIn("light field map: computation 29.0 %", self.judge()["C10"]["value"])
 
+    def test_stopping(self):
+        def verdict(residual=(-1, 20), change=(4, -1), sd=(3, -1), **config):
+            rows = [{"rule": rule, "levels": levels, "optimizer": o, "first_below_half": half, "median_reached": median,
+                     "idle_before_arrival": int(half >= 0 and (median < 0 or half < median))}
+                    for levels in (0, 1, 4) for rule, o, (half, median) in (
+                        ("residual", "cg", residual), ("residual", "sd", residual),
+                        ("output change", "cg", change), ("output change", "sd", sd))]
+            return self.verdict("C16", "stopping", {"rules": rows}, **{"tolerance": 1.01, "lambda": 1e-4, **config})
+
+        self.assertEqual(verdict(), "holds")
+        self.assertEqual(verdict(change=(21, 20)), "does not hold")
+        self.assertEqual(verdict(sd=(-1, -1)), "does not hold", "with either optimizer")
+        self.assertEqual(verdict(residual=(5, 20), change=(-1, 9)), "holds", "either rule")
+        self.assertEqual(verdict(tolerance=1.1), "not comparable")
+
     def test_scaling(self):
         def verdict(claim, cost=1.0, **changed):
             return self.verdict(claim, "scaling", {"memory": memory(**changed), "time": costs(cost)})

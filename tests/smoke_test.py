@@ -201,6 +201,28 @@ class Smoke(ProgramTest):
                 paper, combined = (rows[problem, passes, optimizer] for passes in ("paper", "combined"))
                 self.assertLess(int(combined["reads"]), int(paper["reads"]))
 
+    def check_stopping(self, tables):
+        rules = tables["rules"]
+        self.assertEqual({(r["rule"], r["optimizer"]) for r in rules},
+                         {(rule, o) for rule in ("residual", "output change") for o in ("cg", "sd")})
+        for row in rules:
+            own = [c for c in tables["curves"] if all(c[k] == row[k] for k in ("rule", "levels", "optimizer"))]
+            active = [float(c["active_share"]) for c in own]
+            median = [float(c["median_error_over_best"]) for c in own]
+            self.assertEqual(len(own), int(row["iterations"]) + 1)
+            self.assertEqual(active, sorted(active, reverse=True))  # a stopped problem stays so
+            self.assertEqual(median, sorted(median, reverse=True))  # an error never rises
+            half = next((k for k, share in enumerate(active) if share < 0.5), -1)
+            arrived = next((k for k, m in enumerate(median) if m <= 1.01), -1)
+            self.assertEqual((half, arrived), (int(row["first_below_half"]), int(row["median_reached"])))
+            self.assertEqual(row["idle_before_arrival"] == "1", half >= 0 and (arrived < 0 or half < arrived))
+            if row["levels"] == "0":
+                self.assertGreater(active[-1], 0.9, "nothing but rounding stops a problem without a threshold")
+        for rule in ("residual", "output change"):  # a looser threshold stops no fewer
+            ends = [(float(r["levels"]), float(r["mean_active_share"])) for r in rules
+                    if (r["rule"], r["optimizer"]) == (rule, "sd") and float(r["levels"]) in (0, 0.5)]
+            self.assertGreater(dict(ends)[0], dict(ends)[0.5])
+
     def check_scaling(self, tables):
         for row in tables["memory"]:
             self.assertEqual(row["planned_bytes"], row["allocated_bytes"])
