@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/dataset.h"
+#include "dataset/stream_views.h"
 
 /// Images of one surface that show it pixel on pixel: all of one size and depth.
 namespace radiafit {
@@ -22,15 +22,9 @@ struct ImageSetFormat {
 /// that all images were declared to have, or 0. Throws UserError for another depth, and for floats in sRGB.
 ImageSetFormat learn_format(const std::filesystem::path& first, const std::string& transfer, int depth);
 
-/// One image as the dataset takes it.
-struct PackedImage {
-    std::vector<uint8_t> pixels;  ///< [height][width][3] in the format's encoding
-    std::vector<uint8_t> mask;    ///< [height][width], 0 = left out; empty: none is
-};
-
-/// mask: of all images, [height][width], or empty; the image's own alpha, below one half, leaves out more. Throws
-/// UserError that names file and cure for another size or depth than the first image's, and for a pixel that is not
-/// finite; where it is left out anyway, it becomes 0.
+/// One image in the format's encoding. mask: of all images, [height][width], or empty; the image's own alpha, below one
+/// half, leaves out more. Throws UserError that names file and cure for another size or depth than the first image's,
+/// and for a pixel that is not finite; where it is left out anyway, it becomes 0.
 PackedImage read_packed(const std::filesystem::path& file, const ImageSetFormat& format,
                         const std::vector<uint8_t>& mask);
 

@@ -18,7 +18,7 @@
 #include "capture/image_scale.h"
 #include "capture/mesh_file.h"
 #include "capture/split.h"
-#include "dataset/dataset.h"
+#include "dataset/stream_views.h"
 #include "geometry/raster.h"
 
 namespace radiafit {
@@ -223,35 +223,23 @@ std::vector<uint8_t> crop_mask(const std::vector<uint8_t>& mask, int width, cons
     return out;
 }
 
-/// Reads the images again, a few at a time on all threads, and adds them in order.
+/// Reads the images again.
 void pack(const std::vector<Source>& sources, const std::vector<double>& gains, const ColmapModel& model,
           Encoding encoding, DatasetWriter& writer) {
-    struct Packed {
-        std::vector<uint8_t> pixels, mask;
-    };
-    Progress progress("packing images", sources.size());
-    const size_t batch = size_t(thread_count()) * 2;
-    for (size_t first = 0; first < sources.size(); first += batch) {
-        std::vector<Packed> packed(std::min(batch, sources.size() - first));
-        parallel_for(packed.size(), 1, [&](size_t i, int) {
-            const Source& source = sources[first + i];
-            const Loaded loaded = load(source, model);
-            packed[i].pixels = pack_pixels(loaded.image, source.crop, encoding);
-            packed[i].mask = crop_mask(loaded.mask, loaded.image.width, source.crop);
-        });
-        for (size_t i = 0; i < packed.size(); ++i) {
-            const Source& source = sources[first + i];
-            View view;
-            view.name = source.name;
-            view.camera = source.camera.cropped(source.crop[0], source.crop[1], source.crop[2], source.crop[3]);
-            view.held_out = source.held_out;
-            view.gain = gains[first + i];
-            view.crop_origin = {source.crop[0], source.crop[1]};
-            view.full_size = {source.camera.width, source.camera.height};
-            writer.add(std::move(view), packed[i].pixels.data(), packed[i].mask);
-            progress.advance();
-        }
-    }
+    stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
+        const Source& source = sources[i];
+        const Loaded loaded = load(source, model);
+        packed.pixels = pack_pixels(loaded.image, source.crop, encoding);
+        packed.mask = crop_mask(loaded.mask, loaded.image.width, source.crop);
+        View view;
+        view.name = source.name;
+        view.camera = source.camera.cropped(source.crop[0], source.crop[1], source.crop[2], source.crop[3]);
+        view.held_out = source.held_out;
+        view.gain = gains[i];
+        view.crop_origin = {source.crop[0], source.crop[1]};
+        view.full_size = {source.camera.width, source.camera.height};
+        return view;
+    });
 }
 
 std::string provenance(const ImportOptions& options) {

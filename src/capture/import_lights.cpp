@@ -7,14 +7,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/log.h"
-#include "base/parallel.h"
 #include "capture/image_file.h"
 #include "capture/image_set.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
 #include "capture/split.h"
-#include "dataset/dataset.h"
+#include "dataset/stream_views.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -118,20 +116,12 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
     return sources;
 }
 
-/// Reads the images, a few at a time on all threads, and adds them in order.
 void pack(const std::vector<Source>& sources, const std::vector<uint8_t>& mask, const ImageSetFormat& format,
           DatasetWriter& writer) {
-    Progress progress("packing images", sources.size());
-    const size_t batch = size_t(thread_count()) * 2;
-    for (size_t first = 0; first < sources.size(); first += batch) {
-        std::vector<PackedImage> packed(std::min(batch, sources.size() - first));
-        parallel_for(packed.size(), 1,
-                     [&](size_t i, int) { packed[i] = read_packed(sources[first + i].file, format, mask); });
-        for (size_t i = 0; i < packed.size(); ++i) {
-            writer.add(sources[first + i].view, packed[i].pixels.data(), packed[i].mask);
-            progress.advance();
-        }
-    }
+    stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
+        packed = read_packed(sources[i].file, format, mask);
+        return sources[i].view;
+    });
 }
 
 /// Each view's camera, near or far away along +z.

@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "dataset/stream_views.h"
 #include "dataset/synthetic/closed_mesh.h"
 #include "dataset/synthetic/moving_lights.h"
 #include "dataset/synthetic/ornament_pattern.h"
 #include "dataset/synthetic/paint.h"
 #include "dataset/synthetic/render_reflectance.h"
-#include "dataset/synthetic/stream_views.h"
 #include "dataset/synthetic/synthetic.h"
 #include "dataset/synthetic/viewpoints.h"
 #include "dataset/truth.h"
@@ -75,10 +75,10 @@ void write_ornament(const SyntheticSize& size, uint64_t seed, const OrnamentOpti
     };
     std::vector<Worker> workers(static_cast<size_t>(thread_count()));
     writer.set_encoding(options.sensor.encoding);
-    stream_views(cameras.size(), writer, [&](size_t i, int worker, std::vector<uint8_t>& bytes) {
+    stream_views("generate", cameras.size(), writer, [&](size_t i, int worker, PackedImage& packed) {
         auto& [renderer, image] = workers[size_t(worker)];
         renderer.render({atlas, truth}, cameras[i], lights[i], options.shading, image);
-        options.sensor.expose(image.pixels, seed, i, bytes);
+        options.sensor.expose(image.pixels, seed, i, packed.pixels);
         View view = synthetic_view(i, cameras[i]);
         view.light = lights[i];
         return view;

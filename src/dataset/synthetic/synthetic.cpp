@@ -7,11 +7,10 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "dataset/dataset.h"
+#include "dataset/stream_views.h"
 #include "dataset/synthetic/closed_mesh.h"
 #include "dataset/synthetic/ornament.h"
 #include "dataset/synthetic/render_view.h"
-#include "dataset/synthetic/stream_views.h"
 #include "dataset/synthetic/viewpoints.h"
 
 namespace radiafit {
@@ -68,12 +67,12 @@ void write_views(const Scene& scene, const std::vector<Camera>& cameras, Dataset
     const auto workers = static_cast<size_t>(thread_count());
     std::vector<ViewRenderer> renderers(workers);
     std::vector<LinearImage> images(workers);
-    stream_views(cameras.size(), writer, [&](size_t i, int worker, std::vector<uint8_t>& bytes) {
+    stream_views("generate", cameras.size(), writer, [&](size_t i, int worker, PackedImage& packed) {
         LinearImage& image = images[size_t(worker)];
         renderers[size_t(worker)].render(scene, cameras[i], supersamples, image);
-        bytes.clear();
+        packed.pixels.clear();
         for (const Vec3f& pixel : image.pixels)
-            for (int c = 0; c < 3; ++c) bytes.push_back(to_byte(exposure * pixel[c]));
+            for (int c = 0; c < 3; ++c) packed.pixels.push_back(to_byte(exposure * pixel[c]));
         return synthetic_view(i, cameras[i]);
     });
 }
