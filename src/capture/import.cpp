@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "capture/colmap.h"
+#include "capture/file_names.h"
 #include "capture/gains.h"
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
@@ -290,8 +291,7 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     pack(sources, gains, model, encoding, writer);
 
     Dataset header;
-    header.name =
-        options.name.empty() ? (out / ".").lexically_normal().parent_path().filename().string() : options.name;
+    header.name = dataset_name(options.name, out);
     header.description = fmt::format("{} photographs of a real object, calibrated by COLMAP", sources.size());
     header.source = provenance(options);
     header.encoding = encoding;

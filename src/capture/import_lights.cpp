@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/error.h"
+#include "capture/file_names.h"
 #include "capture/image_file.h"
 #include "capture/image_set.h"
 #include "capture/light_file.h"
@@ -48,8 +48,7 @@ std::vector<std::string> list_images(const fs::path& folder) {
     constexpr std::string_view endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".pfm", ".hdr", ".bmp"};
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-        std::string ending = entry.path().extension().string();
-        std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+        const std::string ending = lower_ending(entry.path());
         if (entry.is_regular_file() && std::find(std::begin(endings), std::end(endings), ending) != std::end(endings))
             names.push_back(entry.path().filename().string());
     }
@@ -227,8 +226,7 @@ LightImportReport import_lights(const LightImportOptions& options, const fs::pat
     DatasetWriter writer(out);
     writer.set_encoding(format.encoding);
     pack(sources, mask, format, writer);
-    header.name =
-        options.name.empty() ? (out / ".").lexically_normal().parent_path().filename().string() : options.name;
+    header.name = dataset_name(options.name, out);
     header.description = fmt::format("{} images of one real surface, pixel on pixel, under one {} lamp each; camera{}",
                                      sources.size(), options.lights.empty() ? "near" : "distant",
                                      options.camera_positions.empty() ? " fixed and distant" : "s near");

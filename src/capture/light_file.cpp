@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <span>
 
 #include "base/error.h"
+#include "capture/file_names.h"
 #include "capture/text_file.h"
 
 namespace radiafit {
@@ -62,9 +62,7 @@ LightFile read_lp(const fs::path& file) {
 }  // namespace
 
 LightFile read_lights(const fs::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (ending == ".lp") return read_lp(file);
+    if (lower_ending(file) == ".lp") return read_lp(file);
     TextFile text(file, "list of lights");
     LightFile lights;
     for (std::string_view line; text.next_entry(line);) {

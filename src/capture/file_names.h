@@ -1,0 +1,13 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace radiafit {
+
+/// ".png" of IMAGE.PNG.
+std::string lower_ending(const std::filesystem::path& file);
+
+/// `chosen`, or if that is empty the folder's own name, whether or not its path ends in a slash.
+std::string dataset_name(const std::string& chosen, const std::filesystem::path& folder);
+
+}  // namespace radiafit
