@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
+#include "dataset/value_file.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -21,14 +21,7 @@ void check_range(const fs::path& file, const View& view, const char* what, uint6
 }
 
 std::vector<Vec3f> read_normals(const fs::path& file, size_t count, const std::string& whose) {
-    std::error_code error;
-    const uint64_t bytes = fs::file_size(file, error);
-    if (error) throw_damaged(file, "the file is missing or cannot be read");
-    if (bytes != count * sizeof(Vec3f))
-        throw_damaged(file, fmt::format("the file has {} bytes, but {} need {}", bytes, whose, count * sizeof(Vec3f)));
-    std::vector<Vec3f> normals(count);
-    InputFile(file).read(normals.data(), 0, bytes);
-    return normals;
+    return read_values<Vec3f>(file, count, whose, throw_damaged);
 }
 
 void read_mesh(const fs::path& folder, const DatasetSizes& sizes, Dataset& dataset) {

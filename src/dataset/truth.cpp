@@ -9,6 +9,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "dataset/value_file.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -27,18 +28,6 @@ void write_all(const std::vector<T>& values, const fs::path& file) {
     OutputFile out(file);
     out.write(values.data(), values.size() * sizeof(T));
     out.close();
-}
-
-template <class T>
-std::vector<T> read_all(const fs::path& file, size_t count) {
-    std::error_code error;
-    const uint64_t bytes = fs::file_size(file, error);
-    if (error) damaged(file, "the file is missing or cannot be read");
-    if (bytes != count * sizeof(T))
-        damaged(file, fmt::format("the file has {} bytes, but {} texels need {}", bytes, count, count * sizeof(T)));
-    std::vector<T> values(count);
-    InputFile(file).read(values.data(), 0, bytes);
-    return values;
 }
 
 }  // namespace
@@ -82,8 +71,9 @@ ReflectanceTruth read_truth(const fs::path& folder) {
     } catch (const Json::exception&) {
         damaged(file, "a field is missing or of another type, or the text is no JSON");
     }
-    truth.parameters = read_all<std::array<float, 9>>(folder / truth_parameters_name, texels);
-    truth.material = read_all<uint8_t>(folder / truth_material_name, texels);
+    const std::string whose = fmt::format("{} texels", texels);
+    truth.parameters = read_values<std::array<float, 9>>(folder / truth_parameters_name, texels, whose, damaged);
+    truth.material = read_values<uint8_t>(folder / truth_material_name, texels, whose, damaged);
     for (const uint8_t m : truth.material)
         if (m >= truth.materials.size())
             damaged(folder / truth_material_name, fmt::format("material {} of {}", m, truth.materials.size()));
