@@ -25,7 +25,7 @@ FinishedRun::FinishedRun(fs::path folder, const fs::path& results)
 }
 
 std::string FinishedRun::device() const {
-    if (json_.contains("gl_renderer")) return json_.at("gl_renderer").get<std::string>();
+    if (json_.contains("gl")) return json_.at("gl").at("renderer").get<std::string>();
     return fmt::format("{}, {} threads", cpu(), threads());
 }
 

@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "dataset/synthetic/synthetic.h"
+#include "gl/context.h"
 #include "report/figures.h"
 
 namespace radiafit {
@@ -65,6 +66,19 @@ void Experiment::draw(const ResultFolder& results, const std::string& caption) c
 }
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
+
+void note_gl(const FitOutcome& outcome, Record& record) {
+    if (outcome.gl_renderer.empty()) return;
+    record.gl_vendor = outcome.gl_vendor;
+    record.gl_renderer = outcome.gl_renderer;
+    record.gl_version = outcome.gl_version;
+}
+
+void note_gl(const Context& context, Record& record) {
+    record.gl_vendor = context.vendor();
+    record.gl_renderer = context.renderer();
+    record.gl_version = context.version();
+}
 
 void read_maps(Config& config, LfmOptions& model) {
     double lambda = 1e-3;

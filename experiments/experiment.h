@@ -13,6 +13,7 @@
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
 namespace radiafit {
+class Context;
 
 class Experiment {
 public:
@@ -27,6 +28,8 @@ public:
     /// The synthetic dataset of this profile's scale, generated if it isn't there yet.
     Dataset dataset(const std::string& shape) const;
 
+    /// What run.json of results opened from now on will hold.
+    Record& record() { return record_; }
     /// Opens the result folder: results/NAME/DEVICE/UTC-REVISION. Call once the config is finished.
     ResultFolder open_results(const std::string& device) const;
     /// Draws paper_figs/NAME.gp over the rows in `results` and says where everything lies.
@@ -44,6 +47,10 @@ private:
     std::unique_ptr<Config> config_;
     Record record_;
 };
+
+/// The record names the OpenGL that made the outcome, if any did; or the context's.
+void note_gl(const FitOutcome& outcome, Record& record);
+void note_gl(const Context& context, Record& record);
 
 /// Points (x, y) of a figure's lines, by the lines' names.
 using Points = std::vector<std::pair<double, double>>;

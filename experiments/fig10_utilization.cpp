@@ -136,6 +136,7 @@ void fig10(Experiment& experiment) {
     const Dataset dataset = experiment.dataset(o.dataset);
     const auto context = Context::create(context_options(o.request));
     const std::string renderer = context->renderer();
+    note_gl(*context, experiment.record());
     const GlPeaks peaks = measure_gl_peaks();
     const CpuPeaks cpu = measure_cpu_peaks();
 

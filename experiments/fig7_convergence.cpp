@@ -54,8 +54,8 @@ struct Run {
     }
 };
 
-Run run(const Dataset& dataset, const Options& o, const SharedSamples& samples, const char* optimizer, const char* mode,
-        int iterations) {
+Run run(Record& record, const Dataset& dataset, const Options& o, const SharedSamples& samples, const char* optimizer,
+        const char* mode, int iterations) {
     FitRequest request;
     request.engine = o.engine;
     request.optimizer = optimizer;
@@ -71,6 +71,7 @@ Run run(const Dataset& dataset, const Options& o, const SharedSamples& samples, 
         read_errors(out.errors.back());
         progress.advance();
     });
+    note_gl(fit, record);
     out.status = fit.fit.status;
     return out;
 }
@@ -185,9 +186,9 @@ void fig7(Experiment& experiment) {
         request.model = o.model;
         const TriangleAtlas atlas(dataset.mesh, o.model.surface_side);
         const SharedSamples samples = distribute(dataset, atlas, request);
-        const Run cg = run(dataset, o, samples, "cg", "paper", o.cap);
-        const Run sd = run(dataset, o, samples, "sd", "paper", o.cap);
-        const Run modern = run(dataset, o, samples, "cg", "modern", o.modern_iterations);
+        const Run cg = run(results.record(), dataset, o, samples, "cg", "paper", o.cap);
+        const Run sd = run(results.record(), dataset, o, samples, "sd", "paper", o.cap);
+        const Run modern = run(results.record(), dataset, o, samples, "cg", "modern", o.modern_iterations);
         const Comparison comparison = compare(cg, sd, modern, o);
         write_rows(results, dataset, o, cg, sd, comparison);
         const auto row = summary_row(dataset, o, cg, sd, comparison);

@@ -138,11 +138,12 @@ Switching switching_of(const Dataset& dataset, const FitRequest& request) {
     return least;
 }
 
-Bar fragment(const Dataset& dataset, FitRequest request, const std::string& passes) {
+Bar fragment(Record& record, const Dataset& dataset, FitRequest request, const std::string& passes) {
     request.engine = "fragment";
     request.passes = passes;
     const Switching switching = switching_of(dataset, request);
     const FitOutcome out = solve(dataset, request);
+    note_gl(out, record);
     Bar bar{.method = "OpenGL (" + passes + " passes)", .optimizer = request.optimizer, .renderer = out.gl_renderer};
     bar.iterations = request.iterations;
     bar.streaming = out.times.streaming;
@@ -190,7 +191,7 @@ void fig8(Experiment& experiment) {
             check_end(bars.back(), by_cpu);
         }
         for (const char* passes : {"paper", "combined"}) {
-            bars.push_back(measured([&] { return fragment(dataset, request, passes); }));
+            bars.push_back(measured([&] { return fragment(experiment.record(), dataset, request, passes); }));
             check_end(bars.back(), by_gl);
         }
         if (o.record_iterations == request.iterations) continue;  // the bars say it

@@ -66,7 +66,7 @@ struct Row {
 
 class Contest {
 public:
-    Contest(const Options& options, std::string cpu) : options_(options), cpu_(std::move(cpu)) {}
+    Contest(const Options& options, Experiment& experiment) : options_(options), experiment_(experiment) {}
 
     void run(const Dataset& dataset) {
         const Options& o = options_;
@@ -90,9 +90,10 @@ public:
 private:
     void add(const Dataset& dataset, const std::string& method, const FitRequest& request) {
         const FitOutcome out = solve(dataset, request);
+        note_gl(out, experiment_.record());
         Row row{.dataset = dataset.name,
                 .method = method,
-                .renderer = out.gl_renderer.empty() ? cpu_ : out.gl_renderer,
+                .renderer = out.gl_renderer.empty() ? experiment_.cpu_name() : out.gl_renderer,
                 .request = request,
                 .train = judge(out.fit, dataset, Split::train),
                 .held = judge(out.fit, dataset, Split::test),
@@ -104,7 +105,7 @@ private:
     }
 
     Options options_;
-    std::string cpu_;
+    Experiment& experiment_;
     std::vector<Row> rows_;
 };
 
@@ -141,7 +142,7 @@ void fig9(Experiment& experiment) {
     std::vector<Dataset> datasets;
     for (const std::string& shape : o.datasets) datasets.push_back(experiment.dataset(shape));
     if (!o.capture.empty()) datasets.push_back(open_dataset(o.capture));
-    Contest contest(o, experiment.cpu_name());
+    Contest contest(o, experiment);
     for (const Dataset& dataset : datasets) contest.run(o.held_out == "validation" ? validation_of(dataset) : dataset);
     std::string renderer;
     for (const Row& row : contest.rows())

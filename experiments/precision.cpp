@@ -59,6 +59,7 @@ void precision(Experiment& experiment) {
                 request.storage = storage;
                 request.sums = sums;
                 FitOutcome out = solve(dataset, request, nullptr, {}, &views);
+                note_gl(out, experiment.record());
                 runs.push_back({.optimizer = optimizer,
                                 .storage = storage,
                                 .sums = sums,

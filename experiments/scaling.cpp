@@ -98,7 +98,7 @@ struct Contestant {
     int repeat;
 };
 
-std::vector<Time> times_of(const Dataset& dataset, const Options& o, const std::string& cpu) {
+std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const Options& o) {
     const FitRequest defaults = o.request(o.time_side);
     const TriangleAtlas atlas(dataset.mesh, o.time_side);
     const Contestant contestants[] = {{"cpu", "cpu", defaults.passes, o.repeat_cpu},
@@ -115,8 +115,9 @@ std::vector<Time> times_of(const Dataset& dataset, const Options& o, const std::
         request.engine = c.engine;
         request.passes = c.passes;
         const FitOutcome out = solve(dataset, request, nullptr, {}, &views);
+        note_gl(out, experiment.record());
         return Time{c.name,
-                    c.engine == "cpu" ? cpu : out.gl_renderer,
+                    c.engine == "cpu" ? experiment.cpu_name() : out.gl_renderer,
                     views.size(),
                     uint64_t(c.repeat) * once.list.samples.size(),
                     uint64_t(out.fit.parameters.size()) / 4 * 3,
@@ -152,7 +153,7 @@ void scaling(Experiment& experiment) {
                 request.storage = storage;
                 memory.push_back(memory_of(dataset, request));
             }
-    const std::vector<Time> times = times_of(dataset, o, experiment.cpu_name());
+    const std::vector<Time> times = times_of(experiment, dataset, o);
 
     const std::string renderer = times.back().renderer;
     ResultFolder results = experiment.open_results(renderer);

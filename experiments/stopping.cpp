@@ -53,12 +53,13 @@ FitRequest request_of(const Options& o, const char* optimizer) {
     return request;
 }
 
-Run run(const Dataset& dataset, const FitRequest& request, const SharedSamples& samples) {
+Run run(Record& record, const Dataset& dataset, const FitRequest& request, const SharedSamples& samples) {
     Run out;
     const FitOutcome fit = solve(dataset, request, &samples, [&](int, const auto& read_errors) {
         out.errors.emplace_back(3 * dataset.mesh.vertex_count());
         read_errors(out.errors.back());
     });
+    note_gl(fit, record);
     out.samples = fit.fit.samples;
     const auto seen = double(std::count_if(out.samples.begin(), out.samples.end(), [](uint32_t n) { return n > 0; }));
     for (const TraceRow& row : fit.trace.rows) out.active.push_back(double(row.active) / seen);
@@ -118,7 +119,7 @@ void stopping(Experiment& experiment) {
     for (int i = 0; i < 2; ++i) {
         FitRequest request = request_of(o, optimizers[i]);
         request.iterations = o.cap;
-        free_runs[i] = run(dataset, request, samples);
+        free_runs[i] = run(results.record(), dataset, request, samples);
         take_best(free_runs[i]);
         const size_t shown = std::min(free_runs[i].errors.size(), size_t(o.iterations) + 1);
         free_runs[i].errors.resize(shown);
@@ -127,7 +128,7 @@ void stopping(Experiment& experiment) {
     FitRequest modern = request_of(o, "cg");
     modern.mode = "modern";
     modern.iterations = o.modern_iterations;
-    take_best(run(dataset, modern, samples));
+    take_best(run(results.record(), dataset, modern, samples));
 
     CsvWriter curves(results.path() / "curves.csv",
                      {"rule", "levels", "optimizer", "iteration", "active_share", "median_error_over_best"});
@@ -155,7 +156,8 @@ void stopping(Experiment& experiment) {
             for (double levels : o.levels) {
                 FitRequest request = request_of(o, optimizers[i]);
                 (rule[0] == 'r' ? request.stop_residual : request.stop_output_change) = levels / 255;
-                add(rule, levels, optimizers[i], course_of(run(dataset, request, samples), best, o.tolerance));
+                add(rule, levels, optimizers[i],
+                    course_of(run(results.record(), dataset, request, samples), best, o.tolerance));
             }
         }
     }

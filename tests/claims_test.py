@@ -60,10 +60,11 @@ class Claims(ProgramTest):
         (self.root / "paper_figs").mkdir()
         shutil.copy(CHECKOUT / "experiments/claims.toml", self.root / "experiments")
 
-    def add(self, experiment, tables, *, device="cpu", time="20240101T000000Z", profile="standard", **config):
+    def add(self, experiment, tables, *, device="cpu", time="20240101T000000Z", profile="standard", gl=None, **config):
         run = self.root / "results" / experiment / device / f"{time}-abc"
         run.mkdir(parents=True)
-        (run / "run.json").write_text(json.dumps({"profile": profile, "cpu": "C", "threads": 2, "config": config}))
+        record = {"profile": profile, "cpu": "C", "threads": 2, "config": config} | ({"gl": gl} if gl else {})
+        (run / "run.json").write_text(json.dumps(record))
         for name, rows in tables.items():
             with open(run / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
                 writer = csv.DictWriter(file, rows[0], extrasaction="ignore")
@@ -182,11 +183,12 @@ class Claims(ProgramTest):
                                                  for name in ("star", "bust")]}, time=time)
         both = {"datasets": [DATASETS, {**DATASETS, "dataset": "bust"}]}
         self.add("table1_datasets", both, time="20250101T000000Z", profile="smoke")
-        self.add("table1_datasets", both, device="other")
+        self.add("table1_datasets", both, device="other", gl={"vendor": "V", "renderer": GPU, "version": "4.5"})
         self.judge()
         rows = [row for row in json.loads((self.root / "results/claims.json").read_text())["claims"] if row["id"] == "C17"]
         self.assertEqual([row["verdict"] for row in rows], ["does not hold", "holds"])
         self.assertEqual([row["run"].split("/")[1] for row in rows], ["cpu", "other"])
+        self.assertEqual([row["renderer"] for row in rows], ["C, 2 threads", GPU])
 
     def test_damaged_results(self):
         self.add("table1_datasets", {"datasets": [{"dataset": "star"}]})

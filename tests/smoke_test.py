@@ -59,11 +59,20 @@ class Smoke(ProgramTest):
                     value = number(text)
                     if value is not None:
                         self.assertTrue(math.isfinite(value), f"{table.name}: {column} = {text}")
+        self.check_gl(record, {row["renderer"] for table in tables for row in read_rows(table) if "renderer" in row})
         self.check_figures()
         check = getattr(self, "check_" + self.name, None)
         if check:
             check({table.stem: read_rows(table) for table in tables})
         self.assertFalse([path for path in snapshot(self.root) if pathlib.Path(path).name.startswith(".tmp")])
+
+    def check_gl(self, record, renderers):
+        """The record names the one OpenGL that made rows, and none where none did."""
+        renderers = {renderer for renderer in renderers if not renderer.startswith("cpu")}
+        self.assertEqual({record["gl"]["renderer"]} if "gl" in record else set(), renderers)
+        if renderers:
+            self.assertTrue(record["gl"]["vendor"])
+            self.assertRegex(record["gl"]["version"], r"^\d+\.\d+")
 
     def check_figures(self):
         figures = self.root / "paper_figs"
