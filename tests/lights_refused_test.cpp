@@ -1,0 +1,93 @@
+// What `import lights` refuses, and says of it.
+#include "lights_fixture.h"
+
+namespace radiafit {
+namespace {
+
+using namespace testing;
+
+TEST_F(LightsTest, CountsMustAgree) {
+    write_sphere();
+    fs::remove(options_.images / name(9));
+    std::string text = refused();
+    expect_in("lights.txt: 10 lights, but", text);
+    expect_in("holds 9 images", text);
+    expect_in("one line per image", text);
+    write_sphere();
+    write_bytes(options_.intensities, "1\n2\n");
+    expect_in("intensities.txt: 2 intensities, but there are 10 images", refused());
+    fs::remove_all(options_.images);
+    expect_in("images: no such folder", refused());
+    fs::create_directories(options_.images);
+    expect_in("images: no images here", refused());
+}
+
+TEST_F(LightsTest, LightsMustPointSomewhere) {
+    write_sphere();
+    const std::string lights = read_bytes(options_.lights);
+    write_bytes(options_.lights, "0 0 0\n" + lights);
+    expect_in("lights.txt:1: the light's vector is 0 0 0", refused());
+    write_bytes(options_.lights, "1 2\n" + lights);
+    expect_in("lights.txt:1: a light takes three numbers, here are 2", refused());
+    write_bytes(options_.lights, lights);
+    for (const char* bad : {"0 0 0\n", "0\n", "1 -1 1\n"}) {
+        write_bytes(options_.intensities, bad);
+        expect_in("intensities.txt:1: a light's intensity", refused());
+    }
+    options_.lights.clear();
+    expect_in("--light-positions", refused());
+}
+
+TEST_F(LightsTest, ImagesMustBeAlike) {
+    write_sphere();
+    write_bytes(options_.images / name(4), encode_png(width, height, 3, 8, std::vector<uint16_t>(3 * pixels, 9)));
+    expect_in("04.png: has 8-bit channels, but", refused());
+    write_bytes(options_.images / name(4), encode_png(height, width, 3, 16, std::vector<uint16_t>(3 * pixels, 9)));
+    expect_in("04.png: 20 x 24 pixels, but", refused());
+    for (int i = 0; i < count; ++i)
+        write_bytes(options_.images / name(i), encode_png(width, height, 3, 8, std::vector<uint16_t>(3 * pixels, 9)));
+    options_.depth = 16;
+    const std::string text = refused();
+    expect_in("00.png: has 8-bit channels, but --depth 16 was declared", text);
+    expect_in("export the image again", text);
+    options_.depth = 0;
+    options_.transfer = "gamma";
+    expect_in("--transfer gamma", refused());
+}
+
+TEST_F(LightsTest, NormalsAndMaskMustFit) {
+    write_sphere();
+    const fs::path normals = options_.normals, mask = options_.mask;
+    write_bytes(normals, encode_pfm(height, width, std::vector<float>(3 * pixels, 1)));
+    std::string text = refused();
+    expect_in("normals.pfm: normals for 20 x 24 pixels, but the images have 24 x 20", text);
+    expect_in("at their size", text);
+    const std::string whole = encode_pfm(width, height, std::vector<float>(3 * pixels, 1));
+    write_bytes(normals, whole.substr(0, whole.size() - 12));
+    expect_in("normals.pfm: truncated or corrupt image (it cannot be read whole)", refused());
+    std::vector<float> broken(3 * pixels, 0.57f);
+    broken[3 * (5 * width + 2) + 2] = nan_value;
+    write_bytes(normals, encode_pfm(width, height, broken));
+    expect_in("normals.pfm: the normal at column 2, row 5 is not finite", refused());
+    write_bytes(normals, encode_pfm(width, height, std::vector<float>(3 * pixels, 0)));
+    expect_in("normals.pfm: no pixel has a normal", refused());
+    write_shape();
+    write_bytes(mask, encode_png(height, width, 1, 8, std::vector<uint16_t>(pixels, 255)));
+    expect_in("mask.png: 20 x 24 pixels, but the images have 24 x 20", refused());
+    write_bytes(mask, encode_png(width, height, 1, 8, std::vector<uint16_t>(pixels, 0)));
+    expect_in("mask.png: the mask is black throughout", refused());
+    // Not wrong, but worth a word: a hole in the scan, and a flipped axis.
+    options_.mask.clear();
+    import();
+    ASSERT_EQ(report_.notes.size(), 1u);
+    expect_in("pixels have no normal", report_.notes[0]);
+    options_.mask = mask;
+    for (Vec3f& n : normals_) n.z() = -n.z();
+    write_shape();
+    import();
+    ASSERT_EQ(report_.notes.size(), 1u);
+    expect_in("face away", report_.notes[0]);
+}
+
+}  // namespace
+}  // namespace radiafit
