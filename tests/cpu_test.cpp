@@ -14,19 +14,12 @@ namespace {
 using testing::lfm_oracle;
 using testing::Sum;
 
-struct Scene {
-    Dataset dataset;
-    TriangleAtlas atlas;
-    VertexRings rings;
-    SampleList samples;
-    LfmOptions options;
-
-    explicit Scene(LfmOptions o, uint64_t seed = 1)
-        : dataset(testing::sheet_dataset(testing::troubled_mesh(4, 23, seed), 12, 64, seed)),
-          atlas(dataset.mesh, o.surface_side),
-          rings(dataset.mesh),
-          samples(testing::random_samples(atlas, 12, 0.7f, seed)),
-          options(o) {}
+struct Scene : testing::SampledScene {
+    explicit Scene(const LfmOptions& o, uint64_t seed = 1)
+        : SampledScene(o, testing::sheet_dataset(testing::troubled_mesh(4, 23, seed), 12, 64, seed),
+                       [&](const TriangleAtlas& tiles, const Dataset&) {
+                           return testing::random_samples(tiles, 12, 0.7f, seed);
+                       }) {}
 };
 
 template <class real>

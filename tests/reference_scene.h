@@ -27,20 +27,12 @@ inline LfmOptions smooth(int terms = 1, ViewLookup lookup = ViewLookup::bilinear
 }
 
 /// A sheet whose samples come from a glossy surface that no light field map of few terms holds exactly.
-struct Scene {
-    Dataset dataset;
-    TriangleAtlas atlas;
-    VertexRings rings;
-    SampleList samples;
-    LfmOptions options;
+struct Scene : SampledScene {
     LfmVertices vertices;
 
-    explicit Scene(LfmOptions o, uint64_t seed = 1)
-        : dataset(sheet_dataset(troubled_mesh(3, 7, seed), 20, 64, seed)),
-          atlas(dataset.mesh, o.surface_side),
-          rings(dataset.mesh),
-          samples(glossy(atlas, dataset, seed)),
-          options(o),
+    explicit Scene(const LfmOptions& o, uint64_t seed = 1)
+        : SampledScene(o, sheet_dataset(troubled_mesh(3, 7, seed), 20, 64, seed),
+                       [&](const TriangleAtlas& tiles, const Dataset& set) { return glossy(tiles, set, seed); }),
           vertices(dataset, atlas, rings, samples, o) {}
 
     static SampleList glossy(const TriangleAtlas& atlas, const Dataset& dataset, uint64_t seed) {

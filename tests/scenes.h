@@ -6,6 +6,7 @@
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
+#include "model/lfm.h"
 #include "samples/sample_list.h"
 
 /// Small scenes that hold every trouble a mesh can bring, and sample lists that need no images.
@@ -77,5 +78,23 @@ inline SampleList random_samples(const TriangleAtlas& atlas, size_t images, floa
     list.groups.push_back({0, uint32_t(list.samples.size())});
     return list;
 }
+
+/// What engines and solvers are made of.
+struct SampledScene {
+    Dataset dataset;
+    TriangleAtlas atlas;
+    VertexRings rings;
+    SampleList samples;
+    LfmOptions options;
+
+    /// sample(atlas, dataset) gives the samples.
+    template <class Sampler>
+    SampledScene(const LfmOptions& o, Dataset set, const Sampler& sample)
+        : dataset(std::move(set)),
+          atlas(dataset.mesh, o.surface_side),
+          rings(dataset.mesh),
+          samples(sample(atlas, dataset)),
+          options(o) {}
+};
 
 }  // namespace radiafit::testing
