@@ -2,12 +2,13 @@
 """Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands explicit locations).
 
 #include "..." lines are expanded as src/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
-after the #version line. A stage is compiled
+after the #version line, and where the name of a file is a definition's, that in its place. A stage is compiled
 
   - as it stands;
   - with each macro that it tests by #ifdef, #if NAME == VALUE or #if NAME > VALUE given one at a time; or, in its place,
   - with every combination on a line of its first ten, "-" being "not defined":
         // variants: TERMS=1,3 STORAGE=0,1,2 ALONG=-,1
+    MODEL=* stands for every texel-local model: those texts in shaders/model that define BASIS_COUNT.
 
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, and any
 other .glsl file that no stage reaches is an error: it would be untested.
@@ -30,36 +31,45 @@ class ShaderError(Exception):
     pass
 
 
-def expand(shaders, name, defines=None, files=None):
-    """The text that the driver gets, and the files in it in the order of #line's second number."""
-    files = [] if files is None else files
+def expand(shaders, name, defines=(), files=None):
+    """The text that the driver gets, and the files in it in the order of #line's second number. The first is a stage,
+    unless files is given."""
+    stage = files is None
+    files = [] if stage else files
     index = len(files)
     files.append(name)
     path = shaders / name
     if not path.is_file():
         raise ShaderError(f"shaders/{name}: no such file")
-    out = [] if defines is not None else [f"#line 1 {index}"]
+    out = [] if stage else [f"#line 1 {index}"]
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         include = INCLUDE.match(line)
-        if number == 1 and defines is not None:
+        if number == 1 and stage:
             out.append(line)
             out += [f"#define {key} {value}" for key, value in defines]
             out.append(f"#line 2 {index}")
         elif include:
             if not include[1]:
                 raise ShaderError(f"shaders/{name}:{number}: #include needs a file in quotes")
-            if include[1] not in files:
-                out.append(expand(shaders, include[1], None, files)[0])
+            file = pathlib.PurePosixPath(include[1])
+            file = str(file.with_name(dict(defines).get(file.stem, file.stem) + file.suffix))
+            if file not in files:
+                out.append(expand(shaders, file, defines, files)[0])
             out.append(f"#line {number + 1} {index}")
         else:
             out.append(line)
     return "\n".join(out), files
 
 
-def declared_variants(path):
+def texel_models(shaders):
+    return sorted(path.stem for path in (shaders / "model").glob("*.glsl")
+                  if "#define BASIS_COUNT" in path.read_text(encoding="utf-8"))
+
+
+def declared_variants(path, models):
     for line in path.read_text(encoding="utf-8").splitlines()[:10]:
         if line.startswith("// variants:"):
-            axes = [(name, values.split(",")) for name, values in
+            axes = [(name, models if (name, values) == ("MODEL", "*") else values.split(",")) for name, values in
                     (item.split("=", 1) for item in line.split(":", 1)[1].split())]
             return [[(name, value) for (name, _), value in zip(axes, values) if value != "-"]
                     for values in itertools.product(*(values for _, values in axes))]
@@ -104,10 +114,9 @@ def check_stage(shaders, name):
     errors, count, reached = [], 0, set()
     path = shaders / name
     try:
-        text, files = expand(shaders, name, [])
-        if not text.startswith("#version "):
+        if not path.read_text(encoding="utf-8").startswith("#version "):
             raise ShaderError(f"shaders/{name}:1: a stage begins with #version")
-        variants = declared_variants(path) or found_variants(text)
+        variants = declared_variants(path, texel_models(shaders)) or found_variants(expand(shaders, name)[0])
         for defines in variants:
             text, files = expand(shaders, name, defines)
             errors += compile_text(text, STAGES[path.suffix], files, label_of(name, defines))
@@ -127,7 +136,7 @@ def check_shared_text(shaders, name):
     try:
         for include in before + [name]:
             if include not in files:
-                parts.append(expand(shaders, include, None, files)[0])
+                parts.append(expand(shaders, include, (), files)[0])
     except ShaderError as error:
         return [str(error)]
     return compile_text("\n".join(parts + ["void main() {}"]) + "\n", "frag", files, name + " in an empty stage")

@@ -126,6 +126,15 @@ class Shaders(Tree):
             self.write("shaders/a/thing.frag", STAGE + "#ifndef KIND\n#define KIND 0\n#endif\n" + body.replace("#ifdef FLAG", condition))
             self.assertIn("[a/thing.frag KIND=3]", self.errors()[0])
 
+    def test_a_definition_names_an_included_file(self):
+        stage = STAGE + '// variants: MODEL=*\n#include "model/MODEL.glsl"\nvoid main() { colour = vec4(one()); }\n'
+        self.write("shaders/a/thing.frag", stage)
+        self.write("shaders/model/prelude.glsl", "#define real float\n")
+        self.write("shaders/model/a.glsl", "#define BASIS_COUNT 1\nfloat one() { return 1.0; }\n")
+        self.assertEqual(self.errors(), [])
+        self.write("shaders/model/b.glsl", "#define BASIS_COUNT 1\nfloat two() { return 1.0; }\n")
+        self.assertIn("[a/thing.frag MODEL=b]", self.errors()[0])
+
     def test_nothing_goes_uncompiled(self):
         self.write("shaders/a/alone.glsl", "float x;\n")
         self.assertIn("no stage includes it", self.errors()[0])

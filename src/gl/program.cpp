@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -25,19 +26,28 @@ std::string read_shader(const std::string& file) {
     return text.str();
 }
 
+// "model/MODEL.glsl" with MODEL defined as lambert: "model/lambert.glsl".
+std::string included_file(const std::string& name, const Defines& defines) {
+    const std::filesystem::path path(name);
+    for (const auto& [macro, value] : defines)
+        if (path.stem() == macro) return (path.parent_path() / (value + path.extension().string())).string();
+    return name;
+}
+
 // Appends `file` line by line. A file is included once.
-void append(const std::string& file, const Defines* defines, ShaderText& out) {
+void append(const std::string& file, const Defines& defines, ShaderText& out) {
     const size_t index = out.files.size();
+    const bool stage = index == 0;
     out.files.push_back(file);
     std::istringstream stream(read_shader(file));
     std::string line;
     int number = 0;
-    if (!defines) out.text += fmt::format("#line 1 {}\n", index);
+    if (!stage) out.text += fmt::format("#line 1 {}\n", index);
     while (std::getline(stream, line)) {
         ++number;
-        if (defines && number == 1) {
+        if (stage && number == 1) {
             out.text += line + "\n";
-            for (const auto& [name, value] : *defines) out.text += fmt::format("#define {} {}\n", name, value);
+            for (const auto& [name, value] : defines) out.text += fmt::format("#define {} {}\n", name, value);
             out.text += fmt::format("#line 2 {}\n", index);
             continue;
         }
@@ -46,8 +56,8 @@ void append(const std::string& file, const Defines* defines, ShaderText& out) {
             const size_t open = line.find('"'), close = line.rfind('"');
             if (open == std::string::npos || close <= open)
                 throw UserError(fmt::format("{}:{}: #include needs a file in quotes", file, number));
-            const std::string name = line.substr(open + 1, close - open - 1);
-            if (std::find(out.files.begin(), out.files.end(), name) == out.files.end()) append(name, nullptr, out);
+            const std::string name = included_file(line.substr(open + 1, close - open - 1), defines);
+            if (std::find(out.files.begin(), out.files.end(), name) == out.files.end()) append(name, defines, out);
             out.text += fmt::format("#line {} {}\n", number + 1, index);
             continue;
         }
@@ -112,7 +122,7 @@ std::string shader_folder() {
 
 ShaderText expand_shader(const std::string& file, const Defines& defines) {
     ShaderText result;
-    append(file, &defines, result);
+    append(file, defines, result);
     return result;
 }
 

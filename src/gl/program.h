@@ -21,7 +21,7 @@ struct PassCost;
 std::string shader_folder();
 
 /// A shader with every #include "…" (relative to shader_folder()) expanded once, and #line kept, so that errors name
-/// the real file.
+/// the real file. Where the name of a file is a definition's, that definition takes its place: "model/MODEL.glsl".
 struct ShaderText {
     std::string text;
     std::vector<std::string> files;  ///< #line's second number is an index into this
