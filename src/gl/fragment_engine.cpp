@@ -2,34 +2,20 @@
 
 #include <algorithm>
 
-#include "base/clock.h"
-#include "base/error.h"
-#include "gl/view_order.h"
 #include "model/lfm_start.h"
 
 namespace radiafit {
-
-std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_t> views) {
-    std::array<int, 2> size{1, 1};
-    for (uint32_t view : views) {
-        size[0] = std::max(size[0], dataset.views[view].camera.width);
-        size[1] = std::max(size[1], dataset.views[view].camera.height);
-    }
-    return size;
-}
 
 std::string to_string(Passes passes) { return passes == Passes::paper ? "paper" : "combined"; }
 
 FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                                std::vector<uint32_t> views, const LfmOptions& options,
                                const FragmentOptions& fragment_options)
-    : dataset_(&dataset),
-      views_(std::move(views)),
-      options_((check_options(options), options)),
+    : options_((check_options(options), options)),
       fragment_options_(fragment_options),
       layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
       shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side)},
-      stream_(dataset, fragment_options.source, fragment_options.space),
+      images_(dataset, std::move(views), fragment_options.source, fragment_options.space),
       mesh_(atlas),
       run_(mesh_),
       problems_(shape_, fragment_options.sums),
@@ -54,15 +40,12 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     map_passes_ = std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, options_, storage);
     map_passes_->prepare(vectors_);
 
-    const auto [width, height] = largest_image(dataset, views_);
+    const auto [width, height] = images_.largest();
     const PassWorld world{shape_,         mesh_,     run_,    gathers_,
                           problems_,      vertices_, storage, fragment_options.sums,
-                          options.lookup, width,     height,  stream_.bits()};
+                          options.lookup, width,     height,  images_.bits()};
     image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
-    if (image_passes_->batch() > 1) views_ = batches_of_neighbours(dataset, views_, image_passes_->batch());
-    // Two batches of slots: one is filled while the other is read.
-    images_.resize(size_t(image_passes_->batch()));
-    for (size_t i = 0; i < 2 * images_.size(); ++i) slots_.emplace_back(width, height, stream_.bits());
+    images_.set_batch(image_passes_->batch());
 
     after_direction_ = Program::draw("common/whole.vert", "optimize/after_direction.frag");
     after_line_ = Program::draw("common/whole.vert", "optimize/after_line.frag");
@@ -74,39 +57,24 @@ FragmentEngine::~FragmentEngine() = default;
 // Streams every image once through body(images), batch by batch.
 template <class Body>
 void FragmentEngine::sweep(const Body& body) {
-    const double wall = wall_time_s(), cpu = cpu_time_s(), streamed = stream_.seconds();
-    const size_t batch = images_.size();
-    for (size_t first = 0, turn = 0; first < views_.size(); first += batch, ++turn) {
-        std::vector<ImageOnDevice> on_device;
-        for (size_t i = 0; i < std::min(batch, views_.size() - first); ++i) {
-            const uint32_t view = views_[first + i];
-            stream_.load(view, images_[i]);
-            const double begin = wall_time_s();
-            ImageSlot& slot = slots_[(turn % 2) * batch + i];
-            slot.upload(images_[i]);
-            times_.upload_s += wall_time_s() - begin;
-            on_device.push_back(
-                {&dataset_->views[view].camera, &slot.texture(), images_[i].scale16(), images_[i].bits});
-        }
-        if (fragment_options_.scissored && !samples_.empty()) {  // count() is spared
-            gl().Enable(GL_SCISSOR_TEST);
-            gl().Scissor(0, 0, 1, 1);
-        }
-        body(on_device);
-        gl().Disable(GL_SCISSOR_TEST);
-        times_.images += on_device.size();
-    }
-    image_passes_->end_sweep();
-    mesh_.select({});
-    gathers_.mark_tiles(mesh_);
-    gl().Finish();
-    ++times_.sweeps;
-    times_.stream_s += stream_.seconds() - streamed;
-    times_.sweep_s += wall_time_s() - wall;
-    times_.sweep_cpu_s += cpu_time_s() - cpu;
+    images_.run(
+        [&](const std::vector<ImageOnDevice>& images) {
+            if (fragment_options_.scissored && !samples_.empty()) {  // count() is spared
+                gl().Enable(GL_SCISSOR_TEST);
+                gl().Scissor(0, 0, 1, 1);
+            }
+            body(images);
+            gl().Disable(GL_SCISSOR_TEST);
+        },
+        [&] {
+            image_passes_->end_sweep();
+            mesh_.select({});
+            gathers_.mark_tiles(mesh_);
+        });
 }
 
 const FragmentTimes& FragmentEngine::times() const {
+    static_cast<SweepTimes&>(times_) = images_.times();
     times_.counters = run_.counters;
     return times_;
 }

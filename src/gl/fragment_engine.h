@@ -3,8 +3,8 @@
 #include <memory>
 #include <span>
 
-#include "dataset/image_stream.h"
 #include "gl/context.h"
+#include "gl/image_sweep.h"
 #include "gl/map_passes.h"
 #include "optim/engine.h"
 
@@ -22,16 +22,8 @@ struct FragmentOptions {
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };
 
-/// Width and height that hold each of the views' images; at least 1.
-std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_t> views);
-
 /// Where the time of the sweeps over images went, since construction.
-struct FragmentTimes {
-    double stream_s = 0;     ///< wall: reading images
-    double upload_s = 0;     ///< wall: handing them to OpenGL
-    double sweep_s = 0;      ///< wall: whole sweeps over images, both of the above included
-    double sweep_cpu_s = 0;  ///< process CPU time of the same
-    uint64_t sweeps = 0, images = 0;
+struct FragmentTimes : SweepTimes {
     PassCounters counters;  ///< of all passes
 };
 
@@ -91,13 +83,11 @@ private:
     std::vector<float> read_state(int field) const;
 
     int64_t allocated_before_ = Context::current().allocated_bytes();
-    const Dataset* dataset_;
-    std::vector<uint32_t> views_;
     LfmOptions options_;
     FragmentOptions fragment_options_;
     LfmLayout layout_;
     MapShape shape_;
-    ImageStream stream_;
+    ImageSweep images_;
     SlsMesh mesh_;
     PassRunner run_;
     ProblemTextures problems_;
@@ -108,8 +98,6 @@ private:
     std::unique_ptr<MapPasses> map_passes_;
     std::unique_ptr<ImagePasses> image_passes_;
     Program after_direction_, after_line_;
-    std::vector<ImageSlot> slots_;
-    std::vector<TargetImage> images_;
     std::vector<uint32_t> samples_;  ///< [vertices], from count()
     mutable FragmentTimes times_;
     int first_term_ = 0, last_term_ = 1 << 30;

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "gl/gathers.h"
+#include "gl/image_sweep.h"
 #include "gl/problem_textures.h"
 
 namespace radiafit {
@@ -13,14 +14,6 @@ struct MapSums {
     MapSums() = default;
     MapSums(const MapShape& shape, Sums sums);
     void clear(PassRunner& run) const;
-};
-
-/// One image on the device and everything a pass needs to know about it.
-struct ImageOnDevice {
-    const Camera* camera;
-    const Texture* texture;
-    float target_scale;  ///< per unit of a 16-bit channel
-    int bits;
 };
 
 /// Sums over the samples of images, one or several at a time: the part of the engine that is written twice, once as

@@ -18,6 +18,9 @@ enum class Storage {
     fp16_truncate  ///< RGBA16F render targets: truncates, as 2003's hardware may have
 };
 std::string to_string(Storage storage);
+inline GLenum storage_format(Storage storage) {
+    return storage == Storage::fp32 ? GL_RGBA32F : storage == Storage::fp16 ? GL_RG32UI : GL_RGBA16F;
+}
 
 /// How sums over samples (gradient, diagonal, error, along d) are kept from image to image and pass to pass. Halves are
 /// blended as the device does it: llvmpipe truncates every sum. They hold up to 65504: no more than that many samples

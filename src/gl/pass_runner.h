@@ -29,6 +29,7 @@ struct PassTally {
 /// Issues passes: one framebuffer, one program, one draw. Blending is off unless asked for.
 class PassRunner {
 public:
+    PassRunner() = default;  ///< of passes that draw no tiles
     explicit PassRunner(const SlsMesh& mesh) : mesh_(&mesh) {}
     ~PassRunner();
     PassRunner(const PassRunner&) = delete;
@@ -113,7 +114,7 @@ private:
     }
     void add_draw(uint64_t entries);
 
-    const SlsMesh* mesh_;
+    const SlsMesh* mesh_ = nullptr;
     VertexArray empty_;
     const Framebuffer* target_ = nullptr;
     const Program* program_ = nullptr;
