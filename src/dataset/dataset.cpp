@@ -79,6 +79,11 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
     return atlas;
 }
 
+std::unique_ptr<Atlas> texel_atlas(const Dataset& dataset, int side) {
+    if (dataset.has_grid()) return std::make_unique<GridAtlas>(make_atlas(dataset.grid));
+    return std::make_unique<TriangleAtlas>(reflectance_atlas(dataset, side));
+}
+
 void require_light_field(const Dataset& dataset) {
     const char* why = dataset.has_grid()      ? "a grid of texels without a mesh"
                       : dataset.light_moves() ? "lit by a lamp that moves"
@@ -88,6 +93,14 @@ void require_light_field(const Dataset& dataset) {
             fmt::format("{}: {}, made for reflectance models; a light field map needs a mesh under light that "
                         "stays, as `radiafit import colmap` packs it",
                         dataset.folder.string(), why));
+}
+
+void require_lights(const Dataset& dataset) {
+    if (dataset.light_moves()) return;
+    throw UserError(
+        fmt::format("{}: no image says what lit it; a reflectance model needs a lamp per image, as `radiafit import "
+                    "lights` and `radiafit generate ornament` pack them; or fit a light field map (--model lfm)",
+                    dataset.folder.string()));
 }
 
 Dataset open_dataset(const fs::path& folder) {

@@ -74,10 +74,14 @@ Dataset open_dataset(const std::filesystem::path& folder);
 
 /// Throws UserError for a dataset that no light field map can be fitted to: a grid, or light that moves.
 void require_light_field(const Dataset& dataset);
+/// Throws UserError for a dataset that no reflectance model can be fitted to: one without lights.
+void require_lights(const Dataset& dataset);
 
 /// The atlas that a reflectance model is fitted on: with the dataset's normal map, where it has one. Throws UserError
 /// if that was made for another side. The dataset must outlive the atlas.
 TriangleAtlas reflectance_atlas(const Dataset& dataset, int side);
+/// The same, or a grid's, which has a side of its own.
+std::unique_ptr<Atlas> texel_atlas(const Dataset& dataset, int side);
 
 /// Writes a packed dataset under a temporary name beside `folder`; nothing is visible there before finish().
 /// An unfinished writer removes its temporary folder. An existing dataset (even a damaged one) is replaced whole, an

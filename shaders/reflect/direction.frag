@@ -1,0 +1,48 @@
+#version 450 core
+// variants: MODEL=* GRID=-,1 ITEMS=1 COLOUR=8,16 BATCH=1,4 DIAGONAL=-,1
+// Sums over samples of each texel, blended: the gradient, laid out as the parameters are, with the sum of r^2 in the
+// first map's alpha; and with DIAGONAL the squares of the Jacobian's columns that the channels share, four a target, those
+// of the shape without the last coefficients' factor.
+#include "reflect/parameters.glsl"
+#include "reflect/observe.glsl"
+layout(binding = 5) uniform MAPS parameters;
+#ifdef DIAGONAL
+#define RESULTS (MAP_COUNT + (BASIS_COUNT + SHAPE_COUNT + 3) / 4)
+#else
+#define RESULTS MAP_COUNT
+#endif
+#include "reflect/output.glsl"
+
+#define ADD(image) add(image, place, site, p, results)
+void add(int image, ivec2 place, Site site, Parameters p, inout vec4 results[RESULTS]) {
+    Sample s = observe(image, place, site);
+    Basis b = basis(p.shape, s.terms);
+    vec3 r = residual_of(p, b, s);
+    results[0].a += dot(r, r);
+    float columns[BASIS_COUNT + SHAPE_COUNT];
+    for (int k = 0; k < BASIS_COUNT; ++k) {
+        columns[k] = s.counts ? b.x[k] : 0.0;
+        results[k].rgb += r * columns[k];
+    }
+#if SHAPE_COUNT > 0
+    Slope slope = shape_slope(p.shape, s.terms);
+    float along = dot(r, p.a[BASIS_COUNT - 1]);
+    for (int i = 0; i < SHAPE_COUNT; ++i) {
+        columns[BASIS_COUNT + i] = s.counts ? slope.x[i] : 0.0;
+        results[BASIS_COUNT + i / 3][i % 3] += along * columns[BASIS_COUNT + i];
+    }
+#endif
+#ifdef DIAGONAL
+    for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i) results[MAP_COUNT + i / 4][i % 4] += columns[i] * columns[i];
+#endif
+}
+
+void main() {
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    Site site = read_site(place);
+    Parameters p = read_parameters(parameters, place);
+    vec4 results[RESULTS];
+    for (int i = 0; i < RESULTS; ++i) results[i] = vec4(0.0);
+    FOR_EACH_IMAGE(ADD)
+    WRITE(results);
+}

@@ -1,0 +1,37 @@
+#version 450 core
+// variants: MODEL=* GRID=-,1 ITEMS=1 COLOUR=8,16 BATCH=1,4
+// Sums over samples of each texel along d, blended: of a^2 and of a^2 + r b, with a and b the first and second derivative
+// of the model's value (C++: TexelLocal::bend).
+#include "reflect/parameters.glsl"
+#include "reflect/observe.glsl"
+layout(binding = 5) uniform MAPS parameters;
+layout(binding = 6) uniform MAPS direction;
+#define RESULTS 1
+#include "reflect/output.glsl"
+
+#define ADD(image) add(image, place, site, p, d, results)
+void add(int image, ivec2 place, Site site, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
+    Sample s = observe(image, place, site);
+    Basis value = basis(p.shape, s.terms);
+    vec3 r = residual_of(p, value, s), a = vec3(0.0), b = vec3(0.0);
+    for (int k = 0; k < BASIS_COUNT; ++k) a += d.a[k] * value.x[k];
+#if SHAPE_COUNT > 0
+    vec2 along = shape_bend(p.shape, d.shape, s.terms);
+    a += p.a[BASIS_COUNT - 1] * along.x;
+    b = 2.0 * d.a[BASIS_COUNT - 1] * along.x + p.a[BASIS_COUNT - 1] * along.y;
+#endif
+    a = s.counts ? a : vec3(0.0);
+    b = s.counts ? b : vec3(0.0);
+    float squares = dot(a, a);
+    results[0].rg += vec2(squares, squares + dot(r, b));
+}
+
+void main() {
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    Site site = read_site(place);
+    Parameters p = read_parameters(parameters, place), d = read_parameters(direction, place);
+    vec4 results[RESULTS];
+    results[0] = vec4(0.0);
+    FOR_EACH_IMAGE(ADD)
+    WRITE(results);
+}

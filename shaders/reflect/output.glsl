@@ -1,0 +1,9 @@
+// RESULTS numbered results, all written, each to its own target; or ONLY one of them, as the paper's hardware would.
+#ifdef ONLY
+layout(location = 0) out vec4 written;
+#define WRITE(results) written = results[ONLY]
+#else
+layout(location = 0) out vec4 written[RESULTS];
+#define WRITE(results) \
+    for (int i = 0; i < RESULTS; ++i) written[i] = results[i]
+#endif

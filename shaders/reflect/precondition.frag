@@ -1,0 +1,31 @@
+#version 450 core
+// variants: MODEL=* STORAGE=0,1
+// One map of P = diag(J'J) / S-bar, not below 1e-4 of the texel's largest entry.
+#include "reflect/parameters.glsl"
+layout(binding = 5) uniform MAPS parameters;
+layout(binding = 11) uniform sampler2DArray sums;  // direction.frag's DIAGONAL
+layout(binding = 12) uniform sampler2D density;    // 1 / S-bar
+layout(location = 10) uniform int map;
+layout(location = 0) out STORED precondition;
+
+vec3 entries[MAP_COUNT];
+float sum_of(int column) { return texelFetch(sums, ivec3(ivec2(gl_FragCoord.xy), column / 4), 0)[column % 4]; }
+
+void main() {
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    vec3 last = load(texelFetch(parameters, ivec3(place, BASIS_COUNT - 1), 0));
+    float largest = 0.0;
+    for (int k = 0; k < BASIS_COUNT; ++k) entries[k] = vec3(sum_of(k));
+    for (int j = 0; j < SHAPE_MAPS; ++j)
+        for (int c = 0; c < 3; ++c)
+            entries[BASIS_COUNT + j][c] = 3 * j + c < SHAPE_COUNT ? dot(last, last) * sum_of(BASIS_COUNT + 3 * j + c) : 0.0;
+    for (int i = 0; i < MAP_COUNT; ++i)
+        largest = max(largest, max(entries[i].r, max(entries[i].g, entries[i].b)));
+    float inverse = texelFetch(density, place, 0).r;
+    vec3 entry = entries[map] * inverse;
+    vec3 least = vec3(1.0e-4 * largest * inverse + 1.0e-30);
+#if STORAGE != 0
+    least = max(least, vec3(6.0e-5));  // binary16 ends there, and a zero would divide
+#endif
+    precondition = store(mix(least, entry, greaterThan(entry, least)));
+}

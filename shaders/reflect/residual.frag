@@ -1,0 +1,18 @@
+#version 450 core
+// variants: MODEL=* GRID=-,1 TARGET_ONLY=-,1 BATCH=1
+// The residual of the pixel that each texel takes, or its target, and in alpha whether it counts.
+#include "reflect/parameters.glsl"
+#include "reflect/observe.glsl"
+layout(binding = 5) uniform MAPS parameters;
+layout(location = 0) out vec4 residual;
+void main() {
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    Sample s = observe(0, place, read_site(place));
+#ifdef TARGET_ONLY
+    vec3 value = s.target;
+#else
+    Parameters p = read_parameters(parameters, place);
+    vec3 value = residual_of(p, basis(p.shape, s.terms), s);
+#endif
+    residual = s.counts ? vec4(value, 1.0) : vec4(0.0);
+}

@@ -1,0 +1,56 @@
+#version 450 core
+// variants: MODEL=* GRID=-,1 ITEMS=1 COLOUR=8,16 BATCH=1,4 CANDIDATES=1,5
+// Sums over samples of each texel, blended: what linear least squares in the coefficients needs for CANDIDATES shapes,
+// numbers FIRST and those behind it, four a target. In their order (C++: gl/texel_start.h): products of the basis functions
+// that no shape enters, in pairs and with the target; for each candidate those of the last one with all and the target.
+#include "reflect/parameters.glsl"
+#include "reflect/observe.glsl"
+#ifndef FIRST
+#define FIRST 0
+#define RESULTS 1
+#endif
+#include "reflect/output.glsl"
+#define PLAIN (BASIS_COUNT - 1)
+#define NUMBERS (PLAIN * (PLAIN + 1) / 2 + 3 * PLAIN + CANDIDATES * (BASIS_COUNT + 3))
+#if SHAPE_COUNT > 0
+layout(location = 14) uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
+#endif
+
+// Those of basis function k and what stands before it, behind `at` numbers of others.
+#define ADD_PRODUCTS(k, at)                                          \
+    {                                                                \
+        for (int j = 0; j < BASIS_COUNT; ++j)                        \
+            if (j <= k) sums[(at) + j] += b.x[k] * b.x[j];           \
+        for (int c = 0; c < 3; ++c) sums[(at) + k + 1 + c] += b.x[k] * t[c]; \
+    }
+
+#define ADD(image) add(image, place, site, sums)
+void add(int image, ivec2 place, Site site, inout float sums[NUMBERS]) {
+    Sample s = observe(image, place, site);
+    vec3 t = s.counts ? s.target : vec3(0.0);
+    for (int candidate = 0; candidate < CANDIDATES; ++candidate) {
+        Shape shape;
+        shape.x[0] = 0.0;
+#if SHAPE_COUNT > 0
+        for (int i = 0; i < SHAPE_COUNT; ++i) shape.x[i] = shapes[candidate * SHAPE_MAPS + i / 3][i % 3];
+#endif
+        Basis b = basis(shape, s.terms);
+        for (int k = 0; k < BASIS_COUNT; ++k) b.x[k] = s.counts ? b.x[k] : 0.0;
+        if (candidate == 0)
+            for (int k = 0; k < PLAIN; ++k) ADD_PRODUCTS(k, k * (k + 1) / 2 + 3 * k)
+        ADD_PRODUCTS(PLAIN, PLAIN * (PLAIN + 1) / 2 + 3 * PLAIN + candidate * (BASIS_COUNT + 3))
+    }
+}
+
+void main() {
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    Site site = read_site(place);
+    float sums[NUMBERS];
+    for (int i = 0; i < NUMBERS; ++i) sums[i] = 0.0;
+    FOR_EACH_IMAGE(ADD)
+    vec4 results[RESULTS];
+    for (int i = 0; i < RESULTS; ++i)
+        for (int c = 0; c < 4; ++c)
+            results[i][c] = FIRST + 4 * i + c < NUMBERS ? sums[min(FIRST + 4 * i + c, NUMBERS - 1)] : 0.0;
+    WRITE(results);
+}

@@ -1,0 +1,68 @@
+#pragma once
+#include <memory>
+
+#include "gl/image_sweep.h"
+#include "gl/texel_arrays.h"
+#include "gl/texel_start.h"
+
+namespace radiafit {
+
+/// What the passes over images add to. Each belongs to one verb of the engine.
+struct TexelAccumulators {
+    TexelSums gradient;  ///< maps of the gradient; the first's alpha: sum of r^2
+    TexelSums diagonal;  ///< of J'J, four numbers a layer
+    TexelSums line;      ///< one layer: sum of a^2, of a^2 + r b along d
+    TexelSums count;     ///< t u_z and u_z^2; samples
+};
+
+/// Sums over the samples of images, one or several at a time: the part of the engine that is written twice, once as
+/// the paper has it and once with passes combined. Everything is added; the engine clears.
+class TexelPasses {
+public:
+    virtual ~TexelPasses() = default;
+    /// Most images that one call may take.
+    virtual int batch() const = 0;
+    virtual void count(const std::vector<ImageOnDevice>& images) = 0;
+    /// One window of one group of a StartLayout into `sums`, as many layers as the window has targets.
+    virtual void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSums& sums) = 0;
+    /// At x: the gradient's sums, and on request the diagonal's.
+    virtual void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) = 0;
+    /// At x along d.
+    virtual void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) = 0;
+};
+
+/// What every implementation of TexelPasses is made from. All references outlive it.
+struct TexelWorld {
+    const TexelShape& shape;
+    SlsMesh* mesh;  ///< null: a grid, whose texels are pixels
+    PassRunner& run;
+    const Texture& surface;  ///< shaders/reflect/site.glsl
+    const TexelAccumulators& sums;
+    Storage storage;
+    float clip_above;           ///< of TexelOptions; 0 where the dataset's encoding has no largest value
+    int max_width, max_height;  ///< of the images
+    int bits;                   ///< per channel
+
+    void draw() const {
+        if (mesh)
+            run.draw_tiles();
+        else
+            run.draw_whole();
+    }
+    /// MODEL, STORAGE, BATCH and what says where texels are: GRID, or SIDE and RECTANGLES.
+    Defines defines(int batch) const;
+    /// What sample.glsl needs of the images of a batch, some of which may be missing.
+    void set_images(const Program& program, const std::vector<ImageOnDevice>& images, int batch) const;
+    /// The shapes of a group's candidates, for start.frag.
+    void set_shapes(const Program& program, int group) const;
+};
+
+/// Section 5 as it stands: one image at a time; residuals in SLS first, then every map of the gradient by blending; one
+/// render target a pass.
+std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelWorld& world);
+/// Images that a combined pass takes at a time.
+inline constexpr int texel_batch = 4;
+/// The same sums in one program: several images at a time, up to 8 render targets (Section 6.5's proposal).
+std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world);
+
+}  // namespace radiafit

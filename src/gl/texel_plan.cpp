@@ -1,0 +1,55 @@
+#include "gl/texel_plan.h"
+
+#include <fmt/format.h>
+
+#include "gl/texel_passes.h"
+
+namespace radiafit {
+
+std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas& atlas, std::span<const uint32_t> views,
+                                            const TexelOptions& options, const FragmentOptions& fragment_options) {
+    const TexelShape shape(atlas, *options.model);
+    const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
+    const bool combined = fragment_options.passes == Passes::combined;
+    const uint64_t batch = combined ? texel_batch : 1;
+    const auto [width, height] = largest_image(dataset, views);
+    const uint64_t pixels = uint64_t(width) * uint64_t(height);
+    const int bits = ImageStream(dataset, StreamSource::disk, TargetSpace::linear).bits();
+    constexpr uint64_t float4 = 16, half4 = 8;
+    const uint64_t stored = fragment_options.storage == Storage::fp32 ? float4 : half4;
+    const uint64_t summed = fragment_options.sums == Sums::fp32 ? float4 : half4;
+
+    std::vector<PlannedArray> plan;
+    const auto layers = [&](const char* array, int count, uint64_t bytes_each) {
+        const uint64_t texels = uint64_t(count) * uint64_t(shape.width()) * uint64_t(shape.height());
+        plan.push_back(
+            {array, fmt::format("{} x {} x {}", count, shape.width(), shape.height()), texels, texels * bytes_each});
+    };
+    for (const char* name : {"p", "trial", "g", "trial g", "P", "fresh P", "d"}) layers(name, shape.maps(), stored);
+    layers("gradient sums", shape.maps(), summed);
+    layers("diagonal sums", shape.diagonal_layers(), summed);
+    layers("sums along d", 1, summed);
+    layers("samples and albedo", 2, float4);
+    layers("positions and normals", 2, float4);
+    layers("state of problems", 2, float4);
+    layers("products of problems", 1, float4);
+    layers("step, density, penalty", 3, 4);
+    if (!combined) layers("residuals", 1, float4);
+
+    const auto images = [&](const char* array, uint64_t count, uint64_t bytes_each) {
+        plan.push_back(
+            {array, fmt::format("{} x {} x {}", count, width, height), count * pixels, count * pixels * bytes_each});
+    };
+    images("image slots", 2 * batch, bits == 8 ? 4 : 8);
+    if (triangles) {
+        images("item buffer", batch, !combined ? 4 : bits == 8 ? 8 : 16);
+        images("depth", 1, 4);
+        uint64_t drawn = 0;
+        for (uint32_t t = 0; t < triangles->tile_count(); ++t) drawn += !triangles->degenerate(t);
+        const uint64_t bytes = drawn * 3 * (3 * 12 + 4 + 12 + 4);
+        plan.push_back({"mesh", fmt::format("{} triangles, attributes and indices", drawn), bytes, bytes});
+    }
+    return plan;
+}
+
+}  // namespace radiafit
