@@ -31,7 +31,8 @@ ROW = re.compile(r'^ *\{"([\w/]+\.frag)", "([^"]*)", (\d+), \{([\d, ]*)\}, \{([\
 OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES": (64, 19), "ROWS": (64, 23), "BANDS": (5, 3),
         "ENTRIES": (15, 7), "SOURCE_SIDE": (8, 2), "TARGET_SIDE": (2, 1)}
 # Bytes of a texel behind each sampler at STORAGE=0 with images of 8 bits per channel; all others are RGBA32F or RGBA32UI.
-BYTES = {"drawn": 4, "image": 4, "items": 4, "items COLOUR": 8}
+BYTES = {"drawn": 4, "image": 4, "images": 4, "items": 4, "items COLOUR=8": 8, "items COLOUR=16": 16, "lengths": 4, "density": 4,
+         "penalties": 4}
 EACH_COMPONENT = set("""
     SNegate FNegate IAdd FAdd ISub FSub IMul FMul UDiv SDiv FDiv UMod SRem SMod FRem FMod VectorTimesScalar
     ConvertFToU ConvertFToS ConvertSToF ConvertUToF UConvert SConvert FConvert
@@ -97,7 +98,7 @@ def loop_depths(blocks, merges, label):
     return depth
 
 
-def count(text, label, coloured_items):
+def count(text, label, colour):
     """(targets, [operations, reads, bytes], [the same per entry of a loop])"""
     blocks, merges, block, targets = {}, {}, None, 0
     kind_of, pointed, value, length, variable_of = {}, {}, {}, {}, {}  # by identifier
@@ -148,7 +149,7 @@ def count(text, label, coloured_items):
                     continue
                 fetched.add((sampler, operands[2]))
                 here[1] += 1
-                here[2] += BYTES[sampler + " COLOUR"] if sampler == "items" and coloured_items else BYTES.get(sampler, 16)
+                here[2] += BYTES[f"items COLOUR={colour}"] if sampler == "items" and colour else BYTES.get(sampler, 16)
             elif op == "ExtInst":
                 here[0] += components(operands[0]) * (2 if operands[2] == "Fma" else 1)
             elif op == "Dot":
@@ -173,7 +174,7 @@ def count_variant(shaders, name, variant):
     for turn in range(2):
         defines = given + [(key, str(values[turn])) for key, values in OPEN.items()]
         text, _ = check_shaders.expand(shaders, name, defines)
-        found.append(count(text, f"shaders/{name} [{variant}]", any(key == "COLOUR" for key, _ in given)))
+        found.append(count(text, f"shaders/{name} [{variant}]", dict(given).get("COLOUR")))
     if found[0] != found[1]:
         raise CostError(f"shaders/{name} [{variant}]: {found[0]} or {found[1]}, depending on what the variant leaves open; "
                         "put it into the variant (pass_variant in src/gl/pass_costs.cpp)")

@@ -10,6 +10,6 @@ layout(location = 0) out STORED trial;
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
     ivec3 at = ivec3(place, map);
-    float taken = trial_step(read_state(place), texelFetch(steps, place, 0).r);
+    float taken = trial_step(read_state(place), texelFetch(lengths, place, 0).r);
     trial = store(load(texelFetch(p, at, 0)) + taken * load(texelFetch(d, at, 0)));
 }

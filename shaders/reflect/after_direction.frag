@@ -14,7 +14,7 @@ void main() {
     vec3 product = texelFetch(products, at, 0).rgb;
     float trial_error =
         0.5 * texelFetch(density, at, 0).r * texelFetch(sums, ivec3(at, 0), 0).a + texelFetch(penalties, at, 0).r;
-    after_direction(s, rule, restart != 0, texelFetch(steps, at, 0).r, 1.0, StopRules(stop.x, stop.y), trial_error,
+    after_direction(s, rule, restart != 0, texelFetch(lengths, at, 0).r, 1.0, StopRules(stop.x, stop.y), trial_error,
                     product.r, product.g, product.b);
     fields[0] = vec4(s.error, s.norm, s.slope, s.step_factor);
     fields[1] = vec4(s.beta, s.accepted, s.status, s.iterations);

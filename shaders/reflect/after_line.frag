@@ -11,7 +11,7 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     ProblemState s = read_state(at);
     vec2 sum = texelFetch(density, at, 0).r * texelFetch(sums, ivec3(at, 0), 0).rg + texelFetch(penalties, at, 0).r;
-    float step = texelFetch(steps, at, 0).r;
+    float step = texelFetch(lengths, at, 0).r;
     after_line(s, step, rule, 1.0, StopRules(stop.x, stop.y), LineSums(sum.x, sum.y, 0.0, 0.0));
     second_fields = vec4(s.beta, s.accepted, s.status, s.iterations);
     alpha = vec4(step, 0.0, 0.0, 0.0);

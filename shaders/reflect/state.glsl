@@ -2,7 +2,7 @@
 #include "model/prelude.glsl"
 #include "optimize/problem_state.glsl"
 layout(binding = 9) uniform sampler2DArray state;
-layout(binding = 10) uniform sampler2D steps;      // alpha
+layout(binding = 10) uniform sampler2D lengths;    // alpha
 layout(binding = 12) uniform sampler2D density;    // 1 / S-bar
 layout(binding = 13) uniform sampler2D penalties;  // mu E_b, or its second derivative along d
 
