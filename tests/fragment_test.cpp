@@ -243,7 +243,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, FragmentAgreement, ::testing::ValuesIn(cases()),
                          [](const auto& info) { return info.param.name; });
 
 std::vector<float> run(ContextKind kind, Passes passes, Storage storage, const Dataset& dataset,
-                       StreamSource source = StreamSource::memory, Sums sums = Sums::fp32) {
+                       StreamSource source = StreamSource::memory, Sums sums = Sums::fp32, bool resident = false) {
     const auto context = make_context(kind);
     const TriangleAtlas atlas(dataset.mesh, 8);
     const VertexRings rings(dataset.mesh);
@@ -252,6 +252,7 @@ std::vector<float> run(ContextKind kind, Passes passes, Storage storage, const D
     fragment.storage = storage;
     fragment.source = source;
     fragment.sums = sums;
+    fragment.resident = resident;
     FragmentEngine engine(dataset, atlas, rings, all_views(), {}, fragment);
     engine.reset(lfm_start(engine.layout(), engine.count().mean, 3));
     OptimizerOptions optimizer;
@@ -267,7 +268,10 @@ TEST(Fragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
     const NoiseDataset noise(awkward_mesh(1));
     for (Passes passes : {Passes::paper, Passes::combined}) {
         const auto first = run(ContextKind::egl, passes, Storage::fp32, noise.dataset);
-        EXPECT_EQ(first, run(ContextKind::egl, passes, Storage::fp32, noise.dataset, StreamSource::disk));
+        for (StreamSource source : {StreamSource::disk, StreamSource::disk_cold})
+            EXPECT_EQ(first, run(ContextKind::egl, passes, Storage::fp32, noise.dataset, source));
+        EXPECT_EQ(first,
+                  run(ContextKind::egl, passes, Storage::fp32, noise.dataset, StreamSource::disk, Sums::fp32, true));
         const bool software = [] { return make_context(ContextKind::egl)->software(); }();
         if (software) {
             EXPECT_EQ(first, run(ContextKind::osmesa, passes, Storage::fp32, noise.dataset));
@@ -404,12 +408,14 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
     for (const Dataset* dataset : {&noise.dataset, &deep.dataset})
         for (Passes passes : {Passes::paper, Passes::combined})
             for (Storage storage : {Storage::fp32, Storage::fp16, Storage::fp16_truncate})
-                for (Sums sums : {Sums::fp32, Sums::fp16}) {
+                for (const auto& [sums, resident] :
+                     {std::pair{Sums::fp32, false}, std::pair{Sums::fp16, false}, std::pair{Sums::fp32, true}}) {
                     LfmOptions options;
                     options.terms = dataset == &deep.dataset ? 2 : 1;
                     options.surface_side = dataset == &deep.dataset ? 22 : 8;
                     options.view_side = dataset == &deep.dataset ? 17 : 8;
-                    const FragmentOptions fragment{.passes = passes, .storage = storage, .sums = sums};
+                    const FragmentOptions fragment{
+                        .passes = passes, .storage = storage, .sums = sums, .resident = resident};
                     const TriangleAtlas atlas(dataset->mesh, options.surface_side);
                     const VertexRings rings(dataset->mesh);
                     uint64_t planned = 0;
@@ -417,8 +423,8 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
                          plan_fragment_engine(*dataset, atlas, rings, all_views(), options, fragment))
                         planned += row.bytes;
                     const FragmentEngine engine(*dataset, atlas, rings, all_views(), options, fragment);
-                    EXPECT_EQ(planned, engine.bytes())
-                        << to_string(passes) << " " << to_string(storage) << " sums " << int(sums);
+                    EXPECT_EQ(planned, engine.bytes()) << to_string(passes) << " " << to_string(storage) << " sums "
+                                                       << int(sums) << (resident ? " resident" : "");
                 }
 }
 

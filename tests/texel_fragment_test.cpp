@@ -271,6 +271,7 @@ TEST(TexelFragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
     for (const Passes passes : {Passes::paper, Passes::combined}) {
         const auto first = run(ContextKind::egl, data, {.passes = passes}).parameters;
         EXPECT_EQ(first, run(ContextKind::egl, data, {.passes = passes, .source = StreamSource::disk}).parameters);
+        EXPECT_EQ(first, run(ContextKind::egl, data, {.passes = passes, .resident = true}).parameters);
         if (make_context(ContextKind::egl)->software()) {
             EXPECT_EQ(first, run(ContextKind::osmesa, data, {.passes = passes}).parameters);
         }
@@ -299,11 +300,13 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
         const TexelDataset data({.grid = grid, .encoding = grid ? Encoding::u8_linear : Encoding::u16_linear});
         for (const TexelModel* model : texel_models())
             for (const Passes passes : {Passes::paper, Passes::combined})
-                for (const auto& [storage, sums] :
-                     {std::pair{Storage::fp32, Sums::fp32}, std::pair{Storage::fp16, Sums::fp16}}) {
+                for (const auto& [storage, sums, resident] :
+                     {std::tuple{Storage::fp32, Sums::fp32, false}, std::tuple{Storage::fp16, Sums::fp16, false},
+                      std::tuple{Storage::fp32, Sums::fp32, true}}) {
                     TexelOptions options;
                     options.model = model;
-                    const FragmentOptions fragment{.passes = passes, .storage = storage, .sums = sums};
+                    const FragmentOptions fragment{
+                        .passes = passes, .storage = storage, .sums = sums, .resident = resident};
                     uint64_t planned = 0;
                     for (const PlannedArray& row :
                          plan_texel_engine(data.dataset, *data.atlas, data.views, options, fragment))
@@ -317,6 +320,29 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                 }
     }
     EXPECT_EQ(context->allocated_bytes(), 0);
+}
+
+// tests/check_costs.py holds the declarations to the shaders; this, the passes over linear images to the declarations.
+TEST(TexelFragment, EveryPassDeclaresItsCost) {
+    const auto context = make_context(ContextKind::osmesa);
+    for (const bool grid : {false, true}) {
+        const TexelDataset data({.grid = grid});
+        for (const TexelModel* model : texel_models())
+            for (const Passes passes : {Passes::paper, Passes::combined}) {
+                TexelOptions options;
+                options.model = model;
+                TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options, {.passes = passes});
+                engine.passes().tally(true);
+                engine.count();
+                engine.reset(engine.start());
+                OptimizerOptions optimizer;
+                optimizer.iterations = 1;
+                optimize(engine, optimizer);
+                EXPECT_GT(engine.passes().tallies().size(), 8u);
+                for (const auto& [label, tally] : engine.passes().tallies())
+                    EXPECT_NE(tally.cost, nullptr) << label << " declares no cost";
+            }
+    }
 }
 
 TEST(TexelFragment, RefusesImagesWithoutLights) {

@@ -50,7 +50,10 @@ TargetSpace choose_space(const std::string& name) {
 StreamSource choose_source(const std::string& name) {
     return choose<StreamSource>(
         "source", name,
-        {{"disk", StreamSource::disk}, {"disk-cold", StreamSource::disk_cold}, {"memory", StreamSource::memory}});
+        {{"disk", StreamSource::disk},
+         {"disk-cold", StreamSource::disk_cold},
+         {"memory", StreamSource::memory},
+         {"device", StreamSource::disk}});  // read once, and kept there: FragmentOptions::resident
 }
 
 RecordKind choose_record(const std::string& name) {
@@ -81,6 +84,7 @@ FragmentOptions fragment_options(const FitRequest& request) {
     options.storage = choose_storage(request.storage);
     options.sums = choose_sums(request.sums);
     options.source = choose_source(request.source);
+    options.resident = request.source == "device";
     options.space = choose_space(request.space);
     return options;
 }

@@ -30,7 +30,8 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--sums", r.sums, "fp32 or fp16: sums over samples, of the fragment engine")->capture_default_str();
     c.add_option("--distributor", r.distributor, "gl or cpu, for engines that read a sample list")
         ->capture_default_str();
-    c.add_option("--source", r.source, "disk, disk-cold (past the page cache) or memory, of engines that stream images")
+    c.add_option("--source", r.source,
+                 "disk, disk-cold (past the page cache), memory, or device (kept there), of engines that stream images")
         ->capture_default_str();
     c.add_option("--view", r.view, "nearest or bilinear look-up in view maps")->capture_default_str();
     c.add_option("--space", r.space, "stored or linear: what residuals are formed in")->capture_default_str();

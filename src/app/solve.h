@@ -29,7 +29,7 @@ struct FitRequest {
     std::string storage = "fp32";     ///< fp32 | fp16 | fp16-truncate, of the fragment engine
     std::string sums = "fp32";        ///< fp32 | fp16: sums over samples, of the fragment engine
     std::string distributor = "cpu";  ///< cpu | gl, for engines that read a sample list
-    std::string source = "memory";    ///< disk | disk-cold | memory, of engines that stream images
+    std::string source = "memory";    ///< disk | disk-cold | memory | device, of engines that stream images
     std::string view = "bilinear";    ///< bilinear | nearest
     std::string space = "stored";     ///< stored | linear
     std::string context = "egl";      ///< egl | osmesa

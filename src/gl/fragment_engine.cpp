@@ -15,7 +15,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       fragment_options_(fragment_options),
       layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
       shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side)},
-      images_(dataset, std::move(views), fragment_options.source, fragment_options.space),
+      images_(dataset, std::move(views), fragment_options.source, fragment_options.space, fragment_options.resident),
       mesh_(atlas),
       run_(mesh_),
       problems_(shape_, fragment_options.sums),

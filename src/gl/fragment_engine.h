@@ -18,6 +18,7 @@ struct FragmentOptions {
     Storage storage = Storage::fp32;
     Sums sums = Sums::fp32;
     StreamSource source = StreamSource::memory;
+    bool resident = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
     TargetSpace space = TargetSpace::stored;
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };

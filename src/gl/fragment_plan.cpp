@@ -38,6 +38,20 @@ void add_ring_levels(Plan& plan, const VertexRings& rings, uint64_t problems) {
 
 }  // namespace
 
+PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
+                         bool resident) {
+    const uint64_t each = bits == 8 ? 4 : half4;
+    if (resident) {
+        uint64_t pixels = 0;
+        for (uint32_t view : views)
+            pixels += uint64_t(dataset.views[view].camera.width) * dataset.views[view].camera.height;
+        return {"images", fmt::format("{}, of their own sizes", views.size()), pixels, pixels * each};
+    }
+    const auto [width, height] = largest_image(dataset, views);
+    const uint64_t pixels = 2 * batch * uint64_t(width) * uint64_t(height);
+    return {"image slots", fmt::format("{} x {} x {}", 2 * batch, width, height), pixels, pixels * each};
+}
+
 std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
                                                const VertexRings& rings, std::span<const uint32_t> views,
                                                const LfmOptions& options, const FragmentOptions& fragment_options) {
@@ -86,8 +100,7 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("sums of view maps", "levels", view_sums, float4);
     add_ring_levels(plan, rings, problems);
 
-    plan.add("image slots", fmt::format("{} x {} x {}", 2 * batch, width, height), 2 * batch * pixels,
-             bits == 8 ? 4 : 8);
+    plan.arrays.push_back(plan_images(dataset, views, batch, bits, fragment_options.resident));
     const uint64_t item = !combined ? 4 : bits == 8 ? 8 : 16;
     plan.add("item buffer", fmt::format("{} x {} x {}", batch, width, height), batch * pixels, item);
     plan.add("depth", fmt::format("{} x {}", width, height), pixels, 4);

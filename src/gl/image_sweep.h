@@ -33,8 +33,9 @@ struct SweepTimes {
 /// Streams images through the device, batch by batch, each into a slot of its own.
 class ImageSweep {
 public:
-    /// dataset must outlive it.
-    ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space);
+    /// dataset must outlive it. resident: every image gets a slot that it keeps, and is read once, by set_batch().
+    ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
+               bool resident);
     int bits() const { return stream_.bits(); }  ///< per channel
     float scale16() const { return stream_.scale() * (bits() == 8 ? 1.0f / 257 : 1.0f); }
     std::array<int, 2> largest() const { return largest_image(*dataset_, views_); }
@@ -65,7 +66,8 @@ private:
     const Dataset* dataset_;
     std::vector<uint32_t> views_;
     ImageStream stream_;
-    std::vector<ImageSlot> slots_;  ///< two batches: one is filled while the other is read
+    bool resident_;
+    std::vector<ImageSlot> slots_;  ///< two batches: one is filled while the other is read; or one for each view
     std::vector<TargetImage> images_;
     std::vector<ImageOnDevice> on_device_;
     SweepTimes times_;

@@ -17,7 +17,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
       dataset_((require_lights(dataset), &dataset)),
       options_((check_options(options), options)),
       shape_(atlas, *options.model),
-      images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear) {
+      images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear, fragment_options.resident) {
     if (const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas)) {
         mesh_.emplace(*triangles);
         run_.emplace(*mesh_);

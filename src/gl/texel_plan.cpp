@@ -40,7 +40,7 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
         plan.push_back(
             {array, fmt::format("{} x {} x {}", count, width, height), count * pixels, count * pixels * bytes_each});
     };
-    images("image slots", 2 * batch, bits == 8 ? 4 : 8);
+    plan.push_back(plan_images(dataset, views, batch, bits, fragment_options.resident));
     if (triangles) {
         images("item buffer", batch, !combined ? 4 : bits == 8 ? 8 : 16);
         images("depth", 1, 4);
