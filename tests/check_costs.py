@@ -30,9 +30,14 @@ ROW = re.compile(r'^ *\{"([\w/]+\.frag)", "([^"]*)", (\d+), \{([\d, ]*)\}, \{([\
 # What a variant leaves open, with two values for each.
 OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES": (64, 19), "ROWS": (64, 23), "BANDS": (5, 3),
         "ENTRIES": (15, 7), "SOURCE_SIDE": (8, 2), "TARGET_SIDE": (2, 1)}
-# Bytes of a texel behind each sampler at STORAGE=0 with images of 8 bits per channel; all others are RGBA32F or RGBA32UI.
-BYTES = {"drawn": 4, "image": 4, "images": 4, "items": 4, "items COLOUR=8": 8, "items COLOUR=16": 16, "lengths": 4, "density": 4,
-         "penalties": 4}
+# Bytes of a texel behind each sampler at STORAGE=0; all others are RGBA32F or RGBA32UI. Images have 8 bits a channel; those
+# of shaders/reflect, in linear light, 16, as COLOUR=16 says elsewhere.
+BYTES = {"drawn": 4, "image": 4, "items": 4}
+BYTES_REFLECT = {"image": 8, "images": 8, "items": 4, "density": 4, "penalties": 4, "lengths": 4}
+BYTES_COLOUR = {"8": {"image": 4, "items": 8}, "16": {"image": 8, "items": 16}}
+# Operations per component of the result, where not one; of those below, per component of the operand.
+OPERATIONS = {"Fma": 2, "FClamp": 2, "SClamp": 2, "UClamp": 2, "FMix": 3, "Normalize": 3, "Cross": 3}
+OPERATIONS_OF_OPERAND = {"Length": 2, "Distance": 3}
 EACH_COMPONENT = set("""
     SNegate FNegate IAdd FAdd ISub FSub IMul FMul UDiv SDiv FDiv UMod SRem SMod FRem FMod VectorTimesScalar
     ConvertFToU ConvertFToS ConvertSToF ConvertUToF UConvert SConvert FConvert
@@ -98,10 +103,17 @@ def loop_depths(blocks, merges, label):
     return depth
 
 
-def count(text, label, colour):
+def bytes_of_texels(name, defines):
+    """By sampler."""
+    sizes = dict(BYTES_REFLECT if name.startswith("reflect/") else BYTES)
+    sizes.update(BYTES_COLOUR.get(dict(defines).get("COLOUR"), {}))
+    return sizes
+
+
+def count(text, label, bytes_of):
     """(targets, [operations, reads, bytes], [the same per entry of a loop])"""
     blocks, merges, block, targets = {}, {}, None, 0
-    kind_of, pointed, value, length, variable_of = {}, {}, {}, {}, {}  # by identifier
+    kind_of, pointed, value, length, variable_of, place_of = {}, {}, {}, {}, {}, {}  # by identifier
     for line in spirv_of(text, label).splitlines():
         match = re.match(r"\s*(?:(%\w+) = )?Op(\w+)\s*(.*)$", line)
         if not match:
@@ -140,18 +152,24 @@ def count(text, label, colour):
         here = work[depths[name]]
         for result, op, operands in lines:
             if op == "Load":
+                variable_of[result], place_of[result] = variable_of.get(operands[1], operands[1]), operands[1]
+            elif op == "AccessChain":
                 variable_of[result] = operands[1]
             elif op == "Image":
-                variable_of[result] = variable_of[operands[1]]
+                variable_of[result], place_of[result] = variable_of[operands[1]], place_of[operands[1]]
             if op == "ImageFetch":
                 sampler = variable_of[operands[1]].lstrip("%")
-                if (sampler, operands[2]) in fetched:
+                if (place_of[operands[1]], operands[2]) in fetched:
                     continue
-                fetched.add((sampler, operands[2]))
+                fetched.add((place_of[operands[1]], operands[2]))
                 here[1] += 1
-                here[2] += BYTES[f"items COLOUR={colour}"] if sampler == "items" and colour else BYTES.get(sampler, 16)
+                here[2] += bytes_of.get(sampler, 16)
             elif op == "ExtInst":
-                here[0] += components(operands[0]) * (2 if operands[2] == "Fma" else 1)
+                function, argument = operands[2:4]
+                if function in OPERATIONS_OF_OPERAND:
+                    here[0] += OPERATIONS_OF_OPERAND[function] * components(kind_of[argument])
+                else:
+                    here[0] += components(operands[0]) * OPERATIONS.get(function, 1)
             elif op == "Dot":
                 here[0] += 2 * components(kind_of[operands[1]]) - 1
             elif op in ("Any", "All"):
@@ -174,7 +192,7 @@ def count_variant(shaders, name, variant):
     for turn in range(2):
         defines = given + [(key, str(values[turn])) for key, values in OPEN.items()]
         text, _ = check_shaders.expand(shaders, name, defines)
-        found.append(count(text, f"shaders/{name} [{variant}]", dict(given).get("COLOUR")))
+        found.append(count(text, f"shaders/{name} [{variant}]", bytes_of_texels(name, given)))
     if found[0] != found[1]:
         raise CostError(f"shaders/{name} [{variant}]: {found[0]} or {found[1]}, depending on what the variant leaves open; "
                         "put it into the variant (pass_variant in src/gl/pass_costs.cpp)")

@@ -182,6 +182,8 @@ class Costs(Tree):
             ("colour = vec4(x.yzw, 1.0);", "1, {0, 0, 0}, {"),
             ("colour = vec4(dot(x.xyz, y.xyz));", "1, {5, 0, 0}, {"),
             ("colour = vec4(sqrt(x.x) / exp(y.x));", "1, {3, 0, 0}, {"),
+            ("colour = vec4(normalize(x.xyz), length(y.xyz));", "1, {15, 0, 0}, {"),
+            ("colour = vec4(cross(x.xyz, y.xyz), clamp(x.x, y.x, y.y));", "1, {11, 0, 0}, {"),
             (f"colour = {fetch};", "1, {2, 1, 16}, {"),
             (f"colour = {fetch} + {fetch};", "1, {6, 1, 16}, {"),
             ("colour = vec4(texelFetch(drawn, ivec2(0), 0));", "1, {4, 1, 4}, {"),
