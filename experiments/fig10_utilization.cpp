@@ -12,6 +12,7 @@
 #include "gl/peaks.h"
 #include "model/lfm_start.h"
 #include "optim/optimizer.h"
+#include "reflectance_problem.h"
 #include "report/csv.h"
 #include "report/table.h"
 
@@ -21,8 +22,9 @@ namespace {
 struct Options {
     std::string dataset = "star";
     FitRequest request;
+    ReflectanceProblem reflectance;
 
-    explicit Options(Config& c) {
+    explicit Options(Config& c) : reflectance(c) {
         request.mode = "paper";
         request.view = "nearest";
         request.source = "disk-cold";
@@ -74,8 +76,8 @@ void measure(E& engine, std::span<const float> start, OptimizerOptions optimizer
     for (const auto& [label, tally] : usage.tallies)
         if (!tally.cost)
             throw UserError(
-                fmt::format("{} declares no cost in src/gl/pass_costs.cpp; choose the sides of maps, and a "
-                            "dataset of 8 bits a channel, of which it does",
+                fmt::format("{} declares no cost in src/gl/pass_costs.cpp; choose a dataset with 8 bits a "
+                            "channel",
                             label));
     engine.reset(start);
     const std::vector<TraceRow> rows = optimize(engine, optimizer).rows;
@@ -93,6 +95,16 @@ Usage light_field_map(const Dataset& dataset, FitRequest request, const char* op
     Usage usage{.problem = "light field map", .optimizer = optimizer, .passes = passes};
     measure(engine, lfm_start(engine.layout(), statistics.mean, request.seed), request.optimizer_options(), usage);
     usage.cached_share = cached_share(dataset.folder / dataset_images_name);
+    return usage;
+}
+
+Usage lafortune(const ReflectanceProblem& problem, FitRequest request, const char* optimizer, const char* passes) {
+    request.optimizer = optimizer;
+    request.passes = passes;
+    const auto engine = problem.engine(fragment_options(request));
+    Usage usage{.problem = "Lafortune", .optimizer = optimizer, .passes = passes};
+    measure(*engine, engine->start(), request.optimizer_options(), usage);
+    usage.cached_share = cached_share(problem.dataset().folder / dataset_images_name);
     return usage;
 }
 
@@ -132,8 +144,9 @@ void write_peaks(const ResultFolder& results, const GlPeaks& gl, const CpuPeaks&
 }
 
 void fig10(Experiment& experiment) {
-    const Options o(experiment.config());
+    Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
+    o.reflectance.open(experiment);
     const auto context = Context::create(context_options(o.request));
     const std::string renderer = context->renderer();
     note_gl(*context, experiment.record());
@@ -144,6 +157,9 @@ void fig10(Experiment& experiment) {
     for (const char* passes : {"paper", "combined"})
         for (const char* optimizer : {"sd", "cg"})
             usages.push_back(light_field_map(dataset, o.request, optimizer, passes));
+    for (const char* passes : {"paper", "combined"})
+        for (const char* optimizer : {"sd", "cg"})
+            usages.push_back(lafortune(o.reflectance, o.request, optimizer, passes));
 
     ResultFolder results = experiment.open_results(renderer);
     write_peaks(results, peaks, cpu, renderer, experiment.cpu_name());
@@ -168,10 +184,9 @@ void fig10(Experiment& experiment) {
     rows.commit();
     results.commit();
     log_info("share of the measured peaks\n" + table.text());
-    experiment.draw(
-        results, fmt::format("{} ({} scale), images from {}; {}: {:.3g} G operations/s, {:.3g} GB/s, {:.3g} G reads/s",
-                             dataset.name, experiment.profile(), o.request.source, renderer, 1e-9 * peaks.operations_s,
-                             1e-9 * peaks.bytes_s, 1e-9 * peaks.reads_s));
+    experiment.draw(results,
+                    fmt::format("{} and {} ({} scale), images from {}; {}", dataset.name, o.reflectance.dataset().name,
+                                experiment.profile(), o.request.source, renderer));
 }
 
 }  // namespace

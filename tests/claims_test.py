@@ -142,6 +142,25 @@ class Claims(ProgramTest):
         self.assertEqual(self.verdict("C10", "fig10_utilization", {"utilization": rows}), "not comparable")
         self.assertIn("light field map: computation 29.0 %", self.judge()["C10"]["value"])
 
+    def test_streaming(self):
+        def verdict(claim, share=0.7, ratio=0.9, faster=5, repetitions=5, cached=0.0):
+            rows = [{"problem": problem, "passes": passes, "optimizer": o, "source": source, "streaming_share": share,
+                     "over_disk_cold": 1 if source == "disk-cold" else ratio, "faster_repetitions": faster,
+                     "repetitions": repetitions, "cached_share": cached, "renderer": GPU}
+                    for problem in ("light field map", "Lafortune") for passes in ("paper", "combined")
+                    for o in ("sd", "cg") for source in ("disk-cold", "memory", "device")]
+            return self.verdict(claim, "streaming", {"times": rows})
+
+        self.assertEqual(verdict("C6"), "holds")
+        self.assertEqual(verdict("C6", share=0.49), "does not hold")
+        self.assertEqual(verdict("C6", share=0.91), "does not hold")
+        self.assertEqual(verdict("C6", cached=0.02), "not run")
+        self.assertEqual(verdict("C11"), "holds")
+        self.assertEqual(verdict("C11", ratio=0.96), "does not hold")
+        self.assertEqual(verdict("C11", faster=4), "does not hold", "not significant")
+        self.assertEqual(verdict("C11", faster=4, repetitions=4), "not comparable")
+        self.assertEqual(verdict("C11", cached=0.02), "not run")
+
     def test_stopping(self):
         def verdict(residual=(-1, 20), change=(4, -1), sd=(3, -1), **config):
             rows = [{"rule": rule, "levels": levels, "optimizer": o, "first_below_half": half, "median_reached": median,

@@ -190,7 +190,7 @@ class Smoke(ProgramTest):
 
     def check_fig10_utilization(self, tables):
         rows = {(r["problem"], r["passes"], r["optimizer"]): r for r in tables["utilization"]}
-        problems = ["light field map"]
+        problems = ["light field map", "Lafortune"]
         self.assertEqual(set(rows), {(p, k, o) for p in problems for k in ("paper", "combined") for o in ("sd", "cg")})
         peaks = [float(p["per_second"]) for p in tables["peaks"] if p["device"] == tables["utilization"][0]["renderer"]]
         self.assertEqual(len(peaks), 3)
@@ -204,11 +204,33 @@ class Smoke(ProgramTest):
                 self.assertEqual(sum(int(p[amount]) for p in own), int(row[amount]))
             traffic = sum(int(p[b]) for p in own for b in ("read_bytes", "written_bytes", "blended_bytes"))
             self.assertLess(traffic, int(row["bytes"]))  # clears come on top
-            self.assertEqual(any(p["program"].startswith(("gather/line_term", "combine/tile_line")) for p in own), key[2] == "cg")
+            lines = ("gather/line_term", "combine/tile_line", "reflect/line")
+            self.assertEqual(any(p["program"].startswith(lines) for p in own), key[2] == "cg")
         for problem in problems:  # what the passes are combined for (Section 6.5)
             for optimizer in ("sd", "cg"):
                 paper, combined = (rows[problem, passes, optimizer] for passes in ("paper", "combined"))
                 self.assertLess(int(combined["reads"]), int(paper["reads"]))
+
+    def check_streaming(self, tables):
+        rows = tables["times"]
+        sources = ("disk-cold", "disk", "memory", "device")
+        problems = ["light field map", "Lafortune"]
+        self.assertEqual([(r["problem"], r["passes"], r["optimizer"], r["source"]) for r in rows],
+                         [(p, k, o, s) for p in problems for k in ("paper", "combined") for o in ("sd", "cg") for s in sources])
+        for row in rows:
+            own = [t for t in tables["iterations"] if all(t[k] == row[k] for k in ("problem", "passes", "source"))]
+            self.assertEqual(len(own), int(row["repetitions"]))
+            halves = ("direction",) if row["optimizer"] == "sd" else ("direction", "line")
+            times = [sum(float(t[half + "_s"]) for half in halves) for t in own]
+            self.assertLessEqual(min(times) * 0.999, float(row["seconds_per_iteration"]))
+            self.assertLessEqual(float(row["seconds_per_iteration"]), max(times) * 1.001)
+            if row["source"] == "device":  # nothing is streamed
+                self.assertEqual(float(row["streaming_s"]), 0)
+            else:
+                self.assertTrue(0 < float(row["streaming_share"]) < 1)
+            if row["source"] == "disk-cold":
+                self.assertEqual(float(row["over_disk_cold"]), 1)
+            self.assertLessEqual(int(row["faster_repetitions"]), int(row["repetitions"]))
 
     def check_stopping(self, tables):
         rules = tables["rules"]
