@@ -20,7 +20,7 @@ namespace radiafit {
 namespace {
 
 constexpr const char* sources[] = {"disk-cold", "disk", "memory", "device"};
-constexpr int source_count = 4;
+constexpr int cold = 0, warm = 1, source_count = 4;
 
 struct Options {
     std::string dataset = "star";
@@ -50,7 +50,8 @@ struct Iteration {
 struct Contest {
     std::string problem, passes;
     std::vector<Iteration> times[source_count] = {};  ///< [source][repetition]
-    double cached_share = 0;  ///< of the images' pages, the most after any iteration from a cold disk
+    double cached_share = 0;  ///< of the images' pages, the most before or after any iteration from a cold disk
+    double warm_share = 1;    ///< the least before any iteration from the page cache
 };
 
 /// The verbs of an iteration as optim/optimizer.h calls them. Steepest descent takes the same but for the line, which
@@ -81,6 +82,14 @@ Iteration iterate(E& engine) {
     return took;
 }
 
+/// Into the page cache.
+void read_whole(const std::filesystem::path& path) {
+    const InputFile file(path);
+    std::vector<char> bytes(1 << 20);
+    for (uint64_t at = 0; at < file.size(); at += bytes.size())
+        file.read(bytes.data(), at, std::min<uint64_t>(bytes.size(), file.size() - at));
+}
+
 /// All sources by turns. make(options): an engine, started.
 template <class Make>
 Contest contest(const Dataset& dataset, const Options& o, const char* problem, const char* passes, const Make& make) {
@@ -102,10 +111,16 @@ Contest contest(const Dataset& dataset, const Options& o, const char* problem, c
             throw SystemError(fmt::format("{} with images from {}: error {:.9g}, from {}: {:.9g}", problem, source,
                                           error.back(), sources[0], error.front()));
     }
+    const std::filesystem::path images = dataset.folder / dataset_images_name;
     for (int repetition = 0; repetition < o.repetitions; ++repetition)
         for (int i = 0; i < source_count; ++i) {
+            // Whoever came before left the page cache as it liked.
+            if (i == cold) drop_from_cache(images);
+            if (i == warm) read_whole(images);
+            const double before = cached_share(images);
+            if (i == warm) c.warm_share = std::min(c.warm_share, before);
             c.times[i].push_back(iterate(*engines[size_t(i)]));
-            if (i == 0) c.cached_share = std::max(c.cached_share, cached_share(dataset.folder / dataset_images_name));
+            if (i == cold) c.cached_share = std::max({c.cached_share, before, cached_share(images)});
         }
     return c;
 }
@@ -119,9 +134,10 @@ double median(std::vector<double> values) {
 void write_rows(const ResultFolder& results, const std::vector<Contest>& contests, const std::string& renderer) {
     CsvWriter each(results.path() / "iterations.csv", {"problem", "passes", "source", "repetition", "line_s",
                                                        "line_streaming_s", "direction_s", "direction_streaming_s"});
-    CsvWriter rows(results.path() / "times.csv", {"problem", "passes", "optimizer", "source", "seconds_per_iteration",
-                                                  "streaming_s", "streaming_share", "over_disk_cold",
-                                                  "faster_repetitions", "repetitions", "cached_share", "renderer"});
+    CsvWriter rows(
+        results.path() / "times.csv",
+        {"problem", "passes", "optimizer", "source", "seconds_per_iteration", "streaming_s", "streaming_share",
+         "over_disk_cold", "faster_repetitions", "repetitions", "cached_share", "warm_share", "renderer"});
     Table table({"problem", "passes", "source", "time per iteration", "streaming", "over a cold disk"});
     for (const Contest& c : contests) {
         for (int i = 0; i < source_count; ++i)
@@ -146,7 +162,8 @@ void write_rows(const ResultFolder& results, const std::vector<Contest>& contest
                 const auto number = [](double x) { return fmt::format("{:.5g}", x); };
                 rows.row({c.problem, c.passes, descent ? "sd" : "cg", sources[i], number(median(seconds)),
                           number(median(streaming)), number(median(shares)), number(median(ratios)),
-                          std::to_string(faster), std::to_string(ratios.size()), number(c.cached_share), renderer});
+                          std::to_string(faster), std::to_string(ratios.size()), number(c.cached_share),
+                          number(c.warm_share), renderer});
                 table.add({fmt::format("{}, {}", c.problem, descent ? "sd" : "cg"), c.passes, sources[i],
                            fmt::format("{:.3f} s", median(seconds)), fmt::format("{:.1f} %", 100 * median(shares)),
                            fmt::format("{:.3f}", median(ratios))});
