@@ -232,7 +232,7 @@ Dataset gray_dataset(const fs::path& folder, uint8_t value, bool masks = false) 
 
 Contestant painter(const std::function<float(size_t pixel, size_t channel)>& color,
                    TargetSpace space = TargetSpace::stored) {
-    return {[color](const Camera&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
+    return {[color](const View&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
                 rgb.resize(3 * pixels.size());
                 for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = color(i / 3, i % 3);
             },
@@ -267,7 +267,7 @@ TEST(Judge, ConstantDifferenceOnTheForegroundOnly) {
     EXPECT_EQ(result.stored.values, 3 * expected);
 
     // What a contestant paints where no mesh is seen changes nothing.
-    const Contestant loud{[](const Camera&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
+    const Contestant loud{[](const View&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
                               rgb.assign(3 * pixels.size(), 0.4f);
                               for (size_t i = 0; i < pixels.size(); ++i)
                                   if (pixels[i].triangle == no_triangle) rgb[3 * i] = NAN;

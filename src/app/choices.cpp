@@ -38,6 +38,10 @@ Mode choose_mode(const std::string& name) {
     return choose<Mode>("mode", name, {{"paper", Mode::paper}, {"modern", Mode::modern}});
 }
 
+/// The paper gives no weight. At 1 the jump of its penalty's gradient at the bound (Section 3.1: a - b, here -16)
+/// dwarfs the data term's and stalls conjugate gradients; 1e-4 is on a par with it.
+float bounds_weight(double mu, Mode mode) { return mu >= 0 ? float(mu) : mode == Mode::paper ? 1e-4f : 1.0f; }
+
 }  // namespace
 
 DistributorChoice choose_distributor(const std::string& name) {
@@ -90,7 +94,7 @@ FragmentOptions fragment_options(const FitRequest& request) {
 }
 
 Rule FitRequest::rule() const {
-    const bool descent = choose<bool>("optimizer", optimizer, {{"cg", false}, {"sd", true}});
+    const bool descent = choose<bool>("optimizer", optimizer, {{"cg", false}, {"sd", true}, {"lm", false}});
     return descent ? Rule::steepest_descent : choose_mode(mode) == Mode::paper ? Rule::cg_paper : Rule::cg_modern;
 }
 
@@ -121,19 +125,35 @@ uint64_t FitRequest::memory_bytes() const {
 LfmOptions FitRequest::model_options() const {
     LfmOptions options = model;
     options.mode = choose_mode(mode);
-    // The paper gives no weight. At 1 the jump of its penalty's gradient at the bound (Section 3.1: a - b, here -16)
-    // dwarfs the data term's and stalls conjugate gradients; 1e-4 is on a par with it.
-    options.mu = mu >= 0 ? float(mu) : options.mode == Mode::paper ? 1e-4f : 1.0f;
+    options.mu = bounds_weight(mu, options.mode);
     options.lookup = choose<ViewLookup>("view look-up", view,
                                         {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}});
     check_options(options);
     return options;
 }
 
+TexelOptions FitRequest::texel_options() const {
+    TexelOptions options;
+    options.model = find_texel_model(kind);
+    if (!options.model) {
+        std::vector<std::string> names = {"lfm"};
+        for (const TexelModel* known : texel_models()) names.emplace_back(known->name);
+        reject_name("model", kind, names);
+    }
+    options.surface_side = model.surface_side;
+    options.mode = choose_mode(mode);
+    options.mu = bounds_weight(mu, options.mode);
+    options.clip_above = clip_above;
+    options.shadow_below = shadow_below;
+    check_options(options);
+    return options;
+}
+
 std::string FitRequest::label() const {
-    if (solver == "stream") return optimizer + "-" + mode;
-    if (solver == "ceres") return "ceres-" + ceres;
-    return solver == "two-step" ? "two-step-" + optimizer + "-" + mode : solver;
+    const std::string rule = levenberg_marquardt() ? optimizer : optimizer + "-" + mode;
+    if (solver == "stream") return rule;
+    if (solver == "ceres") return texel_local() ? solver : "ceres-" + ceres;
+    return solver == "two-step" ? "two-step-" + rule : solver;
 }
 
 void FitRequest::check() const {
@@ -151,6 +171,9 @@ void FitRequest::check() const {
     rule();
     memory_bytes();
     model_options();
+    if (texel_local()) texel_options();
+    if (levenberg_marquardt() && (!texel_local() || (solver == "stream" && engine != "cpu")))
+        throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
     if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
     if (refills < 0) throw UserError(fmt::format("refills = {}: choose 0 or more", refills));
     if (!(stop_residual >= 0 && stop_output_change >= 0))
@@ -162,6 +185,7 @@ void FitRequest::check() const {
 
 std::string FitRequest::json() const {
     const nlohmann::ordered_json object = {
+        {"model", kind},
         {"solver", solver},
         {"engine", engine},
         {"optimizer", optimizer},
@@ -180,7 +204,9 @@ std::string FitRequest::json() const {
         {"view_side", model.view_side},
         {"lambda_surface", model.lambda_surface},
         {"lambda_view", model.lambda_view},
-        {"mu", model_options().mu},
+        {"mu", bounds_weight(mu, choose_mode(mode))},
+        {"clip_above", clip_above},
+        {"shadow_below", shadow_below},
         {"lower", model.lower},
         {"upper", model.upper},
         {"deflate", deflate},

@@ -18,7 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void print_fit(const LightFieldFit& f, bool json) {
+/// `what`: the model and its sizes.
+void print_fit(const FitRecord& f, const std::string& what, bool json) {
     const auto counts = f.status_counts();
     if (json) {
         Json status = Json::object();
@@ -33,10 +34,25 @@ void print_fit(const LightFieldFit& f, bool json) {
         fmt::print("{}\n", object.dump(2));
         return;
     }
-    fmt::print("fit of {} by {} on {}: {} terms, surface maps of side {}, view maps of side {}\n", f.dataset_name,
-               f.solver, f.engine, f.options.terms, f.options.surface_side, f.options.view_side);
+    fmt::print("fit of {} by {} on {}: {}\n", f.dataset_name, f.solver, f.engine, what);
     for (size_t s = 0; s < counts.size(); ++s)
         if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
+}
+
+void print_light_field(const std::filesystem::path& path, bool json) {
+    const LightFieldFit f = read_fit(path).fit;
+    print_fit(f,
+              fmt::format("{} terms, surface maps of side {}, view maps of side {}", f.options.terms,
+                          f.options.surface_side, f.options.view_side),
+              json);
+}
+
+void print_reflectance(const std::filesystem::path& path, bool json) {
+    const ReflectanceFit f = read_reflectance(path).fit;
+    print_fit(f,
+              fmt::format("{}, {} parameters in each of {} texels", f.options.model->name, f.options.model->parameters,
+                          f.problem_count()),
+              json);
 }
 
 }  // namespace
@@ -135,8 +151,10 @@ void add_info(CLI::App& app) {
                 fmt::format("{}: neither a dataset nor a fit: it holds no dataset.json and no fit.json; give a folder "
                             "that radiafit generate, import or fit wrote",
                             path.string()));
-        if (fit)
-            print_fit(read_fit(path).fit, *json);
+        if (fit && fitted_model(path) != "lfm")
+            print_reflectance(path, *json);
+        else if (fit)
+            print_light_field(path, *json);
         else
             print_dataset(open_dataset(path), *json);
     });
@@ -150,8 +168,9 @@ void add_plan(CLI::App& app) {
     add_fit_options(*command, *request);
     command->callback([=] {
         request->check();
-        reject_idle_options(*request);
         const Dataset dataset = open_dataset(*folder);
+        settle_options(*command, dataset, *request);
+        reject_idle_options(*request);
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
             Table table({"array", "shape", "count", "MB"});
             for (const PlanRow& r : rows)
@@ -160,9 +179,10 @@ void add_plan(CLI::App& app) {
             fmt::print("{}\n{}\n", title, table.text());
         };
         show("this program", plan(dataset, *request));
-        show("paper layout (Section 6.3; the accounting is ours)",
-             paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), request->model.surface_side,
-                          request->model.view_side));
+        if (!request->texel_local())
+            show("paper layout (Section 6.3; the accounting is ours)",
+                 paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), request->model.surface_side,
+                              request->model.view_side));
     });
 }
 

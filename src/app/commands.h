@@ -27,7 +27,13 @@ void print_dataset(const Dataset& dataset, bool json);
 /// The options of FitRequest, for every command that fits or plans a fit.
 void add_fit_options(CLI::App& command, FitRequest& request);
 
-/// The trivial baseline (one mean colour per texel) of the views, sides and space that a fit used.
+/// What the user left open and the dataset decides: of a texel-local model the surface side (of the dataset's normals)
+/// and, where it can, Levenberg-Marquardt.
+void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest& request);
+
+/// The trivial baseline of the views, sides and space that a fit used: one mean colour per texel.
 LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset);
+/// The same for reflectance: the Lambertian model on the same samples.
+ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset);
 
 }  // namespace radiafit

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
 #include "app/choices.h"
+#include "app/solver.h"
+#include "base/parallel.h"
+#include "cpu/texel_solver.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/fragment_plan.h"
+#include "gl/texel_plan.h"
 
 namespace radiafit {
 
@@ -13,18 +17,75 @@ uint64_t total_bytes(const std::vector<PlanRow>& rows) {
     return sum;
 }
 
+namespace {
+
+std::vector<PlanRow> rows_of(const std::vector<PlannedArray>& arrays) {
+    std::vector<PlanRow> rows;
+    for (const PlannedArray& a : arrays) rows.push_back({a.array, a.shape, a.count, a.bytes});
+    return rows;
+}
+
+/// Pixels in texels over all training views, from every eighth of them.
+uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request) {
+    const std::vector<uint32_t> views = dataset.split(false);
+    FitRequest on_cpu = request;
+    on_cpu.distributor = "cpu";
+    const Distributors distributors = make_distributors(atlas, on_cpu);
+    const size_t step = 8, looked_at = (views.size() + step - 1) / step;
+    std::vector<uint64_t> kept(looked_at, 0);
+    std::vector<std::unique_ptr<ImageStream>> streams{size_t(thread_count())};
+    parallel_for(looked_at, 1, [&](size_t i, int worker) {
+        auto& stream = streams[size_t(worker)];
+        if (!stream) stream = std::make_unique<ImageStream>(dataset, StreamSource::disk, TargetSpace::linear);
+        TargetImage image;
+        Distribution distribution;
+        const uint32_t view = views[i * step];
+        stream->load(view, image);
+        distributors.owned[size_t(worker)]->distribute(dataset.views[view].camera, image, distribution);
+        kept[i] = distribution.kept_pixels;
+    });
+    uint64_t sum = 0;
+    for (const uint64_t k : kept) sum += k;
+    return looked_at ? sum * views.size() / looked_at : 0;
+}
+
+std::vector<PlanRow> plan_texels(const Dataset& dataset, const FitRequest& request) {
+    require_lights(dataset);
+    const TexelOptions options = request.texel_options();
+    const auto atlas = texel_atlas(dataset, options.surface_side);
+    if (request.solver == "stream" && request.engine == "fragment")
+        return rows_of(plan_texel_engine(dataset, *atlas, dataset.split(false), options, fragment_options(request)));
+    const uint64_t texels = atlas->texel_count(), samples = estimate_samples(dataset, *atlas, request);
+    const uint64_t n = uint64_t(options.model->parameters);
+    std::vector<PlanRow> rows;
+    rows.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
+                    texels * 4 * (n + 4) - 3 * texels});
+    if (request.solver == "two-step") {
+        rows.push_back({"samples held in step 1, at most", "--memory", 0, request.memory_bytes()});
+        return rows;
+    }
+    rows.push_back({"samples, about", "pixels in texels x 16 bytes", samples,
+                    samples * sizeof(TexelRadiance) + texels * sizeof(uint64_t)});
+    if (request.solver == "stream" && !request.levenberg_marquardt())
+        rows.push_back({"engine, about",
+                        "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
+                        texel_solvers(*options.model).stream_bytes(texels, samples)});
+    return rows;
+}
+
+}  // namespace
+
 std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
+    if (request.texel_local()) return plan_texels(dataset, request);
     require_light_field(dataset);
     const LfmOptions options = request.model_options();
     const VertexRings rings(dataset.mesh);
-    std::vector<PlanRow> rows;
     if (request.engine == "fragment") {
         const TriangleAtlas atlas(dataset.mesh, options.surface_side);
-        for (PlannedArray& a :
-             plan_fragment_engine(dataset, atlas, rings, dataset.split(false), options, fragment_options(request)))
-            rows.push_back({std::move(a.array), std::move(a.shape), a.count, a.bytes});
-        return rows;
+        return rows_of(
+            plan_fragment_engine(dataset, atlas, rings, dataset.split(false), options, fragment_options(request)));
     }
+    std::vector<PlanRow> rows;
     const int tile_texels = options.surface_side * (options.surface_side + 1) / 2;
     const LfmLayout layout(rings, tile_texels, options.view_side, options.terms);
     const size_t training = dataset.split(false).size();

@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "gl/gl_distributor.h"
+#include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
 
 namespace radiafit {
@@ -23,8 +24,13 @@ void reject_unseen(const Dataset& dataset) {
 
 std::vector<Distributor*> Distributors::workers() const { return worker_pointers(owned); }
 
-Distributors make_distributors(const TriangleAtlas& atlas, const FitRequest& request) {
+Distributors make_distributors(const Atlas& any, const FitRequest& request) {
     Distributors out;
+    if (const auto* grid = dynamic_cast<const GridAtlas*>(&any)) {
+        for (int i = 0; i < thread_count(); ++i) out.owned.push_back(std::make_unique<GridDistributor>(*grid));
+        return out;
+    }
+    const auto& atlas = dynamic_cast<const TriangleAtlas&>(any);
     if (choose_distributor(request.distributor) == DistributorChoice::gl) {
         out.context = Context::create(context_options(request));
         out.owned.push_back(std::make_unique<GlDistributor>(atlas));

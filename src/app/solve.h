@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,10 @@ namespace radiafit {
 /// What to fit with; names as on the command line. check() throws UserError for an unknown name, telling those that
 /// exist, and for a value out of range; it does not mind an option that means nothing to the solver.
 struct FitRequest {
+    std::string kind = "lfm";         ///< of model: lfm, or a texel-local model's name
     std::string solver = "stream";    ///< a name in solvers()
     std::string engine = "cpu";       ///< cpu | fragment
-    std::string optimizer = "cg";     ///< cg | sd
+    std::string optimizer = "cg";     ///< cg | sd; of a texel-local model on the CPU also lm
     std::string mode = "modern";      ///< paper | modern: of the optimizer and of the bounds penalty
     std::string passes = "combined";  ///< paper | combined, of the fragment engine
     std::string storage = "fp32";     ///< fp32 | fp16 | fp16-truncate, of the fragment engine
@@ -34,7 +36,9 @@ struct FitRequest {
     std::string space = "stored";     ///< stored | linear
     std::string context = "egl";      ///< egl | osmesa
     int device = -1;
-    LfmOptions model;
+    LfmOptions model;  ///< its surface_side is any model's
+    // Of texel-local models; see TexelOptions.
+    float clip_above = 0, shadow_below = 0;
     double mu = -1;        ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;  ///< fit terms one after another instead of together
     int iterations = 25;
@@ -54,8 +58,11 @@ struct FitRequest {
     OptimizerOptions optimizer_options() const;
     uint64_t memory_bytes() const;
     LfmOptions model_options() const;  ///< model with mode and view look-up filled in, checked
-    std::string label() const;         ///< "cg-modern", as the trace's solver column
-    std::string json() const;          ///< every option, as one JSON object
+    bool texel_local() const { return kind != "lfm"; }
+    TexelOptions texel_options() const;  ///< checked
+    bool levenberg_marquardt() const { return optimizer == "lm"; }
+    std::string label() const;  ///< "cg-modern", as the trace's solver column
+    std::string json() const;   ///< every option, as one JSON object
     void check() const;
 };
 
@@ -65,11 +72,10 @@ struct FitTimes {
     double outside = 0;  ///< emptying the page cache, which is no part of the total
 };
 
-struct FitOutcome {
-    LightFieldFit fit;
+/// What a run tells besides its fit.
+struct FitRun {
     Trace trace;
     FitTimes times;
-    DistributionStatistics distribution;  ///< where a sample list was built
     std::string gl_vendor, gl_renderer, gl_version;
     double sweep_cpu_ms_per_image = 0;  ///< process CPU time of the fragment engine's sweeps over images
     FragmentTimes sweeps;               ///< of the fragment engine
@@ -78,10 +84,15 @@ struct FitOutcome {
     // Of the two-step solver.
     RecordStatistics records;
     uint64_t record_bytes_read = 0;
-    uint64_t sample_iterations = 0;  ///< radiance samples of each vertex times its iterations
+    uint64_t sample_iterations = 0;  ///< radiance samples of each vertex (or texel) times its iterations
     double record_cached_share = 0;  ///< of the records' pages, when step 2 began
     uint64_t working_set_bytes = 0;  ///< of the largest vertex
-    ResamplingCounts resampling;     ///< of the pca solver
+};
+
+struct FitOutcome : FitRun {
+    LightFieldFit fit;
+    DistributionStatistics distribution;  ///< where a sample list was built
+    ResamplingCounts resampling;          ///< of the pca solver
 };
 
 /// Called after every iteration with a way to read each problem's E_t.
@@ -102,6 +113,16 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
 /// views; engines that redistribute every pass ignore it.
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples = nullptr,
                  const IterationHook& each_iteration = {}, const std::vector<uint32_t>* views = nullptr);
+
+struct ReflectanceOutcome : FitRun {
+    ReflectanceFit fit;
+    std::unique_ptr<Atlas> atlas;
+    uint64_t samples = 0;  ///< pixels in texels, those that don't count included
+};
+/// The same for a texel-local model over a dataset with lights.
+ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& request,
+                                     const IterationHook& each_iteration = {},
+                                     const std::vector<uint32_t>* views = nullptr);
 
 /// Bytes per array, before anything is allocated.
 struct PlanRow {

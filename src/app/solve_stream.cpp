@@ -40,13 +40,8 @@ void with_fragment_engine(FitTask& task) {
     Stopwatch clock;
     FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, options);
     run_engine(engine, engine.layout(), task);
-    const FragmentTimes& times = engine.times();
-    out.times.streaming = times.stream_s + times.upload_s;
-    out.times.optimization = clock.wall_s() - out.times.streaming;
+    take_sweeps(engine.times(), clock.wall_s(), task.dataset, out);
     out.engine_bytes = engine.bytes();
-    out.sweeps = times;
-    out.images_cached_share = cached_share(task.dataset.folder / dataset_images_name);
-    out.sweep_cpu_ms_per_image = times.images ? 1e3 * times.sweep_cpu_s / double(times.images) : 0;
 }
 
 void with_cpu_engine(FitTask& task) {
@@ -60,6 +55,14 @@ void with_cpu_engine(FitTask& task) {
 }
 
 }  // namespace
+
+void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run) {
+    run.times.streaming = times.stream_s + times.upload_s;
+    run.times.optimization = seconds - run.times.streaming;
+    run.sweeps = times;
+    run.images_cached_share = cached_share(dataset.folder / dataset_images_name);
+    run.sweep_cpu_ms_per_image = times.images ? 1e3 * times.sweep_cpu_s / double(times.images) : 0;
+}
 
 void solve_stream(FitTask& task) {
     task.request.engine == "fragment" ? with_fragment_engine(task) : with_cpu_engine(task);

@@ -32,15 +32,6 @@ uint64_t image_checksum(const Dataset& dataset) {
     return hash;
 }
 
-/// All that decides what records hold that are to stay.
-std::string record_key(const FitTask& task) {
-    if (task.request.records.empty()) return "";
-    return fmt::format("dataset {}, images {:016x}, views {:016x}, surface side {}, {}, {} records, distributor {}",
-                       fingerprint(task.dataset).digest, image_checksum(task.dataset),
-                       hash_bytes(task.views.data(), task.views.size() * sizeof(uint32_t)), task.atlas.side(),
-                       task.request.space, task.request.record, task.request.distributor);
-}
-
 void distribute_to(const fs::path& folder, const std::string& key, FitTask& task) {
     const Distributors distributors = make_distributors(task.atlas, task.request);
     task.out.records = write_records(folder, task.dataset, task.atlas, task.rings, task.views, distributors.workers(),
@@ -53,12 +44,7 @@ void distribute_to(const fs::path& folder, const std::string& key, FitTask& task
 void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
     FitOutcome& out = task.out;
     const DiskRecords records(folder, key);
-    {
-        const Stopwatch outside;
-        if (task.request.cold) drop_from_cache(DiskRecords::file(folder));
-        out.record_cached_share = cached_share(DiskRecords::file(folder));
-        out.times.outside += outside.wall_s();
-    }
+    settle_cache(DiskRecords::file(folder), task.request, out);
     Stopwatch clock;
     Progress progress("vertices", records.vertex_count());
     TwoStepResult result = solve_two_step(
@@ -66,7 +52,6 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
         {.optimizer = task.request.optimizer_options(), .deflate = task.request.deflate, .seed = task.request.seed},
         [&] { progress.advance(); });
     progress.finish();
-    if (out.records.bytes_written == 0) log_info(fmt::format("records of an earlier run: {}", folder.string()));
     if (!result.statistics.any()) reject_unseen(task.dataset);
     out.times.streaming = result.read_s;
     out.times.optimization = clock.wall_s() - result.read_s;
@@ -79,25 +64,50 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
 
 }  // namespace
 
-void solve_two_step(FitTask& task) {
-    const FitRequest& request = task.request;
+std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views, int side,
+                       const std::string& kind) {
+    if (request.records.empty()) return "";
+    return fmt::format("dataset {}, images {:016x}, views {:016x}, surface side {}, {}, {} records, distributor {}",
+                       fingerprint(dataset).digest, image_checksum(dataset),
+                       hash_bytes(views.data(), views.size() * sizeof(uint32_t)), side, request.space, kind,
+                       request.distributor);
+}
+
+void settle_cache(const fs::path& records, const FitRequest& request, FitRun& run) {
+    const Stopwatch outside;
+    if (request.cold) drop_from_cache(records);
+    run.record_cached_share = cached_share(records);
+    run.times.outside += outside.wall_s();
+}
+
+void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& times,
+                  const std::function<void(const fs::path&)>& write, const std::function<void(const fs::path&)>& read) {
     const bool keep = !request.records.empty();
     const fs::path scratch = request.scratch.empty() ? fs::temp_directory_path() : request.scratch;
     const fs::path folder = keep ? fs::path(request.records) : scratch / "radiafit-records";
-    const std::string key = record_key(task);
-    if (keep && fs::exists(folder)) return solve_from(folder, key, task);
+    if (keep && fs::exists(folder)) {
+        read(folder);
+        return log_info(fmt::format("records of an earlier run: {}", folder.string()));
+    }
     if (request.cold) {
         const Stopwatch outside;
-        drop_from_cache(task.dataset.folder / dataset_images_name);
-        task.out.times.outside += outside.wall_s();
+        drop_from_cache(dataset.folder / dataset_images_name);
+        times.outside += outside.wall_s();
     }
     Stopwatch clock;
     AtomicFolder records(folder, AtomicFolder::Existing::replace);  // goes again, unless it is to stay
-    distribute_to(records.path(), key, task);
-    task.out.times.distribution = clock.wall_s();
-    if (!keep || fs::exists(folder)) return solve_from(records.path(), key, task);  // another run was faster
+    write(records.path());
+    times.distribution = clock.wall_s();
+    if (!keep || fs::exists(folder)) return read(records.path());  // another run was faster
     records.commit();
-    solve_from(folder, key, task);
+    read(folder);
+}
+
+void solve_two_step(FitTask& task) {
+    const std::string key = record_key(task.dataset, task.request, task.views, task.atlas.side(), task.request.record);
+    with_records(
+        task.dataset, task.request, task.out.times, [&](const fs::path& folder) { distribute_to(folder, key, task); },
+        [&](const fs::path& folder) { solve_from(folder, key, task); });
 }
 
 }  // namespace radiafit

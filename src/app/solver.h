@@ -44,7 +44,8 @@ struct Distributors {
     std::vector<std::unique_ptr<Distributor>> owned;
     std::vector<Distributor*> workers() const;
 };
-Distributors make_distributors(const TriangleAtlas& atlas, const FitRequest& request);
+/// Over a grid every texel has its own pixel, and `distributor` means nothing.
+Distributors make_distributors(const Atlas& atlas, const FitRequest& request);
 
 struct Solver {
     const char* name;
@@ -64,6 +65,20 @@ void solve_ceres(FitTask& task);
 void solve_als(FitTask& task);
 void solve_varpro(FitTask& task);
 void solve_pca(FitTask& task);
+
+/// Around everything that a solver of records does: calls `write(folder)` where records are wanted and not there yet,
+/// timed as distribution, then `read(folder)`. See FitRequest::records, scratch and cold.
+void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& times,
+                  const std::function<void(const std::filesystem::path& folder)>& write,
+                  const std::function<void(const std::filesystem::path& folder)>& read);
+/// All that decides what records hold that are to stay; empty if they aren't.
+std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views, int side,
+                       const std::string& kind);
+/// Drops records from the page cache if so requested, and notes how much of them is there.
+void settle_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
+
+/// What a fragment engine tells of its sweeps after so many seconds.
+void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
 
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.
 void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,

@@ -126,13 +126,28 @@ std::span<const Solver> solvers() {
 #undef PENALTY
 #undef OPTIMIZER
 
+/// Names of FitRequest::json() that mean something to a texel-local model; empty if the solver fits none.
+std::string texel_options_of(const FitRequest& request) {
+    const std::string model = " surface_side clip_above shadow_below iterations ";
+    const std::string optimizer =
+        request.levenberg_marquardt() ? " optimizer " : " optimizer mode mu stop_residual stop_output_change ";
+    if (request.solver == "stream") return model + optimizer + " engine ";  // and what reject_idle_options() adds
+    if (request.solver == "two-step") return model + optimizer + SAMPLES " memory records ";
+    if (request.solver == "ceres") return model + SAMPLES;
+    return "";
+}
+
 void reject_idle_options(const FitRequest& request) {
     std::string options, what = "solver " + request.solver;
     for (const Solver& solver : solvers())
         if (request.solver == solver.name) options = solver.options;
+    if (request.texel_local()) {
+        options = texel_options_of(request);
+        what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what);
+    }
     if (request.solver == "stream") {
         options += request.engine == "fragment" ? " passes storage sums source context device " : SAMPLES;
-        what = "engine " + request.engine;
+        if (!request.texel_local()) what = "engine " + request.engine;
     }
     const auto given = nlohmann::json::parse(request.json());
     FitRequest plain;
@@ -140,7 +155,8 @@ void reject_idle_options(const FitRequest& request) {
     auto defaults = nlohmann::json::parse(plain.json());
     defaults["mode"] = FitRequest().mode;
     for (const auto& [name, value] : given.items()) {
-        if (name == "solver" || value == defaults.at(name) || options.find(" " + name + " ") != std::string::npos)
+        if (name == "solver" || name == "model" || value == defaults.at(name) ||
+            options.find(" " + name + " ") != std::string::npos)
             continue;
         std::string option = name == "stop_output_change" ? "stop_change" : name;
         std::replace(option.begin(), option.end(), '_', '-');

@@ -1,6 +1,7 @@
 #pragma once
 #include "cpu/texel_sums.h"
 #include "model/status.h"
+#include "optim/trace.h"
 
 /// Levenberg-Marquardt for texel-local models, eight texels at a time, one sweep over their samples per trial.
 /// Coefficients are linear: after every sweep they are solved exactly, so that steps are in the shape alone (variable
@@ -39,8 +40,9 @@ public:
 
     explicit TexelFit(TexelFitOptions options = {}) : options_(options) {}
 
-    /// From the best of the model's starts. Allocates nothing.
-    Outcomes solve(const Batch& batch) const;
+    /// From the best of the model's starts. Allocates nothing. `trace`, if given, gets the batch's rows: the sum of
+    /// E over a texel's samples, from the start on.
+    Outcomes solve(const Batch& batch, Trace* trace = nullptr) const;
     /// From given parameters, which are put within bounds.
     Outcomes solve(const Batch& batch, const std::array<Parameters, Pack::size>& start) const;
     /// The best of the model's starts for each texel, its coefficients solved for.
@@ -67,7 +69,7 @@ private:
     };
 
     static Point best_start(const Batch& batch);
-    Outcomes run(const Batch& batch, const Point& start) const;
+    Outcomes run(const Batch& batch, const Point& start, Trace* trace) const;
     static void evaluate(const Batch& batch, Point& p);
     // Of models with a shape.
     static Quadratic along_shape(const Point& p) requires(Q > 0);

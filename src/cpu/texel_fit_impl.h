@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 
+#include "base/clock.h"
 #include "base/flush_subnormals.h"
 #include "cpu/texel_fit.h"
 
@@ -165,7 +166,7 @@ WidePack TexelFit<Text>::least_pivot(const Point& p) {
 }
 
 template <class Text>
-auto TexelFit<Text>::run(const Batch& batch, const Point& start) const -> Outcomes {
+auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace) const -> Outcomes {
     const FlushSubnormals flush;  // far from a sharp lobe's peak all products are
     Point now = start;
     evaluate(batch, now);
@@ -186,6 +187,18 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start) const -> Outcom
             if (active[lane] && which[lane]) out[size_t(lane)].status = status, active.set(lane, false);
     };
     const Mask all = active;
+    const Stopwatch clock;
+    const auto note = [&](const Mask& accepted) {
+        if (!trace) return;
+        TraceRow row{int(trace->rows.size()), clock.wall_s()};
+        for (int lane = 0; lane < Pack::size; ++lane) {
+            if (all[lane]) row.error += now.sums.error[lane] / batch.count(lane);
+            row.accepted += accepted[lane];
+            row.active += active[lane];
+        }
+        trace->rows.push_back(row);
+    };
+    note(all);
     if constexpr (Q == 0) {
         // once more from the solution: residuals are small there, so that their sums are accurate
         evaluate(batch, now);
@@ -211,6 +224,7 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start) const -> Outcom
             const Mask done = better & (gain <= WidePack(options_.tolerance) * now.sums.error);
             for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)].iterations += active[lane] ? 1 : 0;
             end(done | (damping > WidePack(1e7)), Status::stationary);
+            note(better);
         }
         end(all, Status::max_iterations);
     }
@@ -269,8 +283,8 @@ auto TexelFit<Text>::best_start(const Batch& batch) -> Point {
 }
 
 template <class Text>
-auto TexelFit<Text>::solve(const Batch& batch) const -> Outcomes {
-    return run(batch, best_start(batch));
+auto TexelFit<Text>::solve(const Batch& batch, Trace* trace) const -> Outcomes {
+    return run(batch, best_start(batch), trace);
 }
 
 template <class Text>
@@ -286,12 +300,13 @@ auto TexelFit<Text>::solve(const Batch& batch, const std::array<Parameters, Pack
         for (size_t i = 0; i < size_t(Q); ++i) p.s[i].set(lane, at(size_t(3 * B) + i));
     }
     if constexpr (Q > 0) p = moved(p, Step{});
-    return run(batch, p);
+    return run(batch, p, nullptr);
 }
 
 template <class Text>
 auto TexelFit<Text>::start(const Batch& batch) -> std::array<Parameters, Pack::size> {
-    const Point p = best_start(batch);
+    Point p = best_start(batch);
+    if constexpr (Q == 0) evaluate(batch, p);
     std::array<Parameters, Pack::size> out;
     for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)] = parameters_of(p, lane, batch.count(lane) > 0);
     return out;

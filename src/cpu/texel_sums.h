@@ -84,6 +84,22 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
     return out;
 }
 
+/// 1/2 sum w r_c^2 alone.
+template <class Text>
+WidePack texel_error(std::span<const typename TexelBatch<Text::term_count>::Row> rows,
+                     const typename TexelLocal<Text>::Parameters& p) {
+    WidePack error(0.0);
+    detail::for_runs(rows, [&](auto run) {
+        Pack sum{};
+        for (const auto& row : run) {
+            const auto value = TexelLocal<Text>::value(p, detail::terms_of<Text>(row));
+            for (size_t c = 0; c < 3; ++c) sum += row.weight * (value[c] - row.target[c]) * (value[c] - row.target[c]);
+        }
+        error += WidePack(0.5) * widen(sum);
+    });
+    return error;
+}
+
 /// What a linear fit of the coefficients needs at each of `Text::starts`: those basis functions that don't depend on
 /// the shape are summed once.
 template <class Text>

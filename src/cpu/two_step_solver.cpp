@@ -12,34 +12,6 @@ namespace {
 
 constexpr size_t chunk = 16;  ///< vertices read in one piece
 
-/// What a chunk of vertices adds to the trace; added up in the order of chunks, whoever solved them.
-struct ChunkTrace {
-    std::vector<TraceRow> rows;
-    TraceRow& at(size_t k) {
-        // later rows repeat what the problems that ended before left
-        while (rows.size() <= k) {
-            rows.push_back(rows.empty() ? TraceRow{} : rows.back());
-            rows.back().iteration = int(rows.size()) - 1;
-            rows.back().accepted = rows.back().active = 0;
-        }
-        return rows[k];
-    }
-    void add(const Trace& trace) {
-        const std::vector<TraceRow>& r = trace.rows;
-        const size_t length = std::max(rows.size(), r.size());
-        if (r.empty()) return;
-        at(length - 1);
-        for (size_t k = 0; k < length; ++k) {
-            const TraceRow& row = r[std::min(k, r.size() - 1)];
-            rows[k].error += row.error;
-            rows[k].time_s += row.time_s;
-            if (k >= r.size()) continue;
-            rows[k].accepted += row.accepted;
-            rows[k].active += row.active;
-        }
-    }
-};
-
 struct Worker {
     VertexProblem problem;
     LfmEngine<VertexProblem> engine{problem};
@@ -66,7 +38,7 @@ TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas,
 
     const VertexProblem fresh(dataset, atlas, rings, records, options);
     std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
-    std::vector<ChunkTrace> traces((vertices + chunk - 1) / chunk);
+    std::vector<TraceSum> traces((vertices + chunk - 1) / chunk);
     parallel_for(traces.size(), 1, [&](size_t c, int worker) {
         if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>(fresh);
         Worker& w = *workers[size_t(worker)];
@@ -81,16 +53,16 @@ TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas,
             const Trace trace = optimize_terms(w.engine, two_step.optimizer, options.terms, two_step.deflate,
                                                {out.parameters.data() + layout.offset(v), layout.block_size(v)});
             w.engine.outcomes({out.outcomes.data() + 3 * v, 3});
-            traces[c].add(trace);
+            traces[c].add(trace.rows);
             w.sample_iterations += uint64_t(records.vertex(v).samples) * uint64_t(trace.rows.back().iteration);
             w.largest_working_set = std::max(w.largest_working_set, w.problem.working_set_bytes());
             if (progress) progress();
         }
     });
 
-    ChunkTrace sum;
-    for (const ChunkTrace& trace : traces) sum.add({trace.rows});
-    out.trace.rows = std::move(sum.rows);
+    TraceSum sum;
+    for (const TraceSum& trace : traces) sum.add(trace.rows());  // in the order of chunks, whoever solved them
+    out.trace.rows = sum.rows();
     const double threads = thread_count();
     for (TraceRow& row : out.trace.rows) row.time_s /= threads;
     for (const auto& w : workers) {

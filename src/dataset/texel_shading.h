@@ -6,8 +6,7 @@
 
 namespace radiafit {
 
-/// How views see and light the texels of an atlas (docs/formats.md, "What a light means"). A dataset without lights is
-/// seen under a lamp at the camera, of intensity 1 and distant.
+/// How views see and light the texels of an atlas (docs/formats.md, "What a light means"). All views have a light.
 class TexelShading {
 public:
     /// What belongs to a texel, whatever the view.
@@ -20,12 +19,11 @@ public:
         Vec3f irradiance;  ///< linear RGB of a white diffuse surface that faces the lamp
     };
 
-    TexelShading(const std::vector<View>& views, const std::vector<uint32_t>& chosen);
+    /// The dataset must outlive it.
+    TexelShading(const Dataset& dataset, const std::vector<uint32_t>& views);
 
-    static Place place(const Atlas& atlas, uint32_t texel) {
-        return {atlas.position(texel).cast<double>(), make_frame(atlas.normal(texel))};
-    }
-    /// `image`: position in `chosen`.
+    static Place place(const Atlas& atlas, uint32_t texel);
+    /// `image`: position in `views`.
     Lit lit(const Place& place, uint32_t image) const { return lit(place, *views_[image]); }
     static Lit lit(const Place& place, const View& view);
 

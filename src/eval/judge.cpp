@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "eval/exposure.h"
 #include "eval/lfm_renderer.h"
+#include "eval/reflectance_renderer.h"
 
 namespace radiafit {
 namespace {
@@ -34,15 +35,15 @@ public:
 
     JudgedView compare(const Contestant& contestant, uint32_t index, int worker) {
         const View& view = dataset_->views.at(index);
-        rasterizer_.draw(dataset_->mesh, view.camera);
+        seen_ = seen_pixels(*dataset_, view, rasterizer_);
         stream_.load(index, image_);
-        contestant.shade(view.camera, rasterizer_.pixels(), rgb_, worker);
+        contestant.shade(view, seen_, rgb_, worker);
 
         JudgedView out;
         out.width = view.camera.width;
         out.height = view.camera.height;
         out.gain = view.gain;
-        const size_t pixels = rasterizer_.pixels().size();
+        const size_t pixels = seen_.size();
         if (rgb_.size() != 3 * pixels) throw std::invalid_argument("judge: a contestant left pixels out");
         out.photograph.resize(3 * pixels);
         out.foreground.resize(pixels);
@@ -50,7 +51,7 @@ public:
         for (size_t i = 0; i < pixels; ++i) {
             const auto channels = image_.channel16(i);
             for (size_t c = 0; c < 3; ++c) out.photograph[3 * i + c] = clamped(float(channels[c]) * scale);
-            out.foreground[i] = rasterizer_.pixels()[i].triangle != no_triangle && image_.masked_in(i);
+            out.foreground[i] = seen_[i].triangle != no_triangle && image_.masked_in(i);
         }
         if (has_gains_ && view.held_out) out.gain = 1 / best_exposure(contestant.space, out);
         out.render.assign(3 * pixels, 0.0f);
@@ -63,6 +64,8 @@ public:
                                     : exposed(dataset_->encoding, 1 / out.gain, light(contestant.space, rgb_[c]));
         return out;
     }
+
+    const std::vector<RasterPixel>& seen() const { return seen_; }  ///< of the view compared last
 
 private:
     double light(TargetSpace space, float value) const {
@@ -83,11 +86,14 @@ private:
     bool has_gains_;
     ImageStream stream_;
     Rasterizer rasterizer_;
+    std::vector<RasterPixel> seen_;
     TargetImage image_;
     std::vector<float> rgb_;
 };
 
-ImageFigures figures(const JudgedView& judged, const View& view, Encoding encoding) {
+/// `parts`, if given, takes the errors of each part of the surface as well.
+ImageFigures figures(const JudgedView& judged, const View& view, Encoding encoding, const SurfaceParts* surface,
+                     const std::vector<RasterPixel>& seen, std::vector<PartFigures>& parts) {
     ImageFigures f;
     f.name = view.name;
     f.gain = judged.gain;
@@ -97,6 +103,7 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
         for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
             const double render = judged.render[c], photograph = judged.photograph[c];
             f.stored.add(render - photograph);
+            if (surface) parts[surface->of(seen[i])].stored.add(render - photograph);
             if (encoding == Encoding::u8_srgb) f.linear.add(srgb_decode(render) - srgb_decode(photograph));
         }
     }
@@ -105,16 +112,35 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
 }
 
 Contestant contestant_of(LfmRenderer& renderer) {
-    return {[&renderer](const Camera& camera, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb,
-                        int worker) { renderer.shade(camera, pixels, rgb, worker); },
+    return {[&renderer](const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker) {
+                renderer.shade(view.camera, pixels, rgb, worker);
+            },
             renderer.space()};
+}
+Contestant contestant_of(const ReflectanceRenderer& renderer) {
+    return {[&renderer](const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
+                renderer.shade(view, pixels, rgb);
+            },
+            TargetSpace::linear};
 }
 
 }  // namespace
 
 std::string to_string(Split split) { return split == Split::train ? "train" : "test"; }
 
-JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split) {
+std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer) {
+    if (!dataset.has_grid()) {
+        rasterizer.draw(dataset.mesh, view.camera);
+        return rasterizer.pixels();
+    }
+    std::vector<RasterPixel> out(dataset.grid.texel_count());
+    const std::vector<Vec3f>& normals = dataset.grid.texel_normals;
+    for (uint32_t t = 0; t < out.size(); ++t)
+        if (normals.empty() || normals[t] != Vec3f::Zero()) out[t].triangle = t;
+    return out;
+}
+
+JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const SurfaceParts* parts) {
     JudgeResult result;
     result.split = split;
     const std::vector<uint32_t> views = dataset.split(split == Split::test);
@@ -127,12 +153,18 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     std::vector<std::unique_ptr<Bench>> benches;
     benches.resize(size_t(thread_count()));
     result.images.resize(views.size());
+    if (parts)
+        for (const std::string& name : parts->names) result.parts.push_back({name, {}});
+    std::vector<std::vector<PartFigures>> image_parts(views.size(), result.parts);
     parallel_for(views.size(), 1, [&](size_t i, int worker) {
         auto& bench = benches.at(size_t(worker));
         if (!bench) bench = std::make_unique<Bench>(dataset, stream.another());
         const JudgedView judged = bench->compare(contestant, views[i], worker);
-        result.images[i] = figures(judged, dataset.views[views[i]], dataset.encoding);
+        result.images[i] =
+            figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(), image_parts[i]);
     });
+    for (const auto& of_image : image_parts)
+        for (size_t k = 0; k < of_image.size(); ++k) result.parts[k].stored.add(of_image[k].stored);
     for (const ImageFigures& image : result.images) {
         result.stored.add(image.stored);
         result.linear.add(image.linear);
@@ -148,6 +180,17 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
 JudgeResult judge(const LightFieldFit& fit, const Dataset& dataset, Split split) {
     LfmRenderer renderer(dataset.mesh, fit);
     return judge(contestant_of(renderer), dataset, split);
+}
+
+JudgeResult judge(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, Split split,
+                  const SurfaceParts* parts) {
+    const ReflectanceRenderer renderer(atlas, fit);
+    return judge(contestant_of(renderer), dataset, split, parts);
+}
+
+JudgedView judged_view(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, uint32_t view) {
+    const ReflectanceRenderer renderer(atlas, fit);
+    return judged_view(contestant_of(renderer), dataset, view);
 }
 
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view) {

@@ -1,18 +1,20 @@
 #pragma once
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "dataset/dataset.h"
 #include "dataset/image_stream.h"
 #include "eval/metrics.h"
+#include "eval/truth_errors.h"
 #include "fit/fit_folder.h"
 #include "geometry/raster.h"
 
 /// The judge: compares renders with photographs, and knows neither optimizer nor engine.
 ///
-/// Foreground: pixels whose centre sees the mesh (geometry's rasterizer) inside the image's mask. The judge finds
-/// them; a contestant only says what colour they have.
+/// Foreground: pixels whose centre sees the mesh (geometry's rasterizer), or a usable texel of the grid, inside the
+/// image's mask. The judge finds them; a contestant only says what colour they have.
 ///
 /// Exposure: a contestant's values have the exposure that the dataset's gains bring all photographs to. They are
 /// compared in the photograph's own exposure and encoding:
@@ -26,11 +28,11 @@ namespace radiafit {
 enum class Split { train, test };
 std::string to_string(Split split);
 
-/// Anything that can colour the pixels of a camera: rgb [height][width][3] out, at `pixels` that see the mesh (others
-/// don't matter). `worker` is parallel_for's: calls with different workers may run at once.
+/// Anything that can colour the pixels of a view: rgb [height][width][3] out, at `pixels` that see the mesh (others
+/// don't matter; over a grid, `triangle` is the texel). `worker` is parallel_for's: calls with different workers may
+/// run at once.
 struct Contestant {
-    std::function<void(const Camera& camera, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb,
-                       int worker)>
+    std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker)>
         shade;
     TargetSpace space = TargetSpace::stored;  ///< of the values it hands out
 };
@@ -51,26 +53,47 @@ struct ImageFigures {
     ErrorSums stored, linear;  ///< in the stored encoding; in linear light
 };
 
+/// Parts of the surface, such as materials, whose errors are told apart as well.
+struct SurfaceParts {
+    std::vector<std::string> names;
+    std::function<size_t(const RasterPixel& pixel)> of;  ///< index into names
+};
+struct PartFigures {
+    std::string name;
+    ErrorSums stored;
+};
+
 struct JudgeResult {
     Split split = Split::test;
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
+    std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
     double psnr() const { return stored.psnr(); }
     double ape() const { return stored.ape(); }
 };
 
 /// Throws UserError if the split has no view, or no view of it has a foreground pixel.
-JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split);
+JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split,
+                  const SurfaceParts* parts = nullptr);
 /// The fit must be of this dataset's mesh: open_fitted_dataset() makes sure.
 JudgeResult judge(const LightFieldFit& fit, const Dataset& dataset, Split split);
+/// `atlas`: of the fit's texels.
+JudgeResult judge(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, Split split,
+                  const SurfaceParts* parts = nullptr);
 
 /// One view, as judge() compares it.
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view);
 JudgedView judged_view(const LightFieldFit& fit, const Dataset& dataset, uint32_t view);
+JudgedView judged_view(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, uint32_t view);
+
+/// What the pixels of a view see: of the mesh, by `rasterizer`; or of the grid, where `triangle` is the texel.
+std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer);
 
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, split, images, pixels, not_finite, per_image [{name, psnr, ape,
-/// psnr_linear, ape_linear, pixels, gain}] and, if given, baseline {psnr, ape, psnr_linear, ape_linear}. A figure that
-/// is not finite is null.
-std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr);
+/// psnr_linear, ape_linear, pixels, gain}], parts [{name, psnr, ape, pixels}] if any, and, if given, baseline {psnr,
+/// ape, psnr_linear, ape_linear, parts}. A figure that is not finite is null. truth, if any:
+/// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}}], the latter three where comparable.
+std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
+                       std::span<const MaterialErrors> truth = {});
 
 }  // namespace radiafit

@@ -14,16 +14,37 @@ void add_figures(Json& json, const ErrorSums& stored, const ErrorSums& linear) {
     json["ape_linear"] = linear.ape();
 }
 
+void add_parts(Json& json, const JudgeResult& result) {
+    for (const PartFigures& part : result.parts)
+        json["parts"].push_back({{"name", part.name},
+                                 {"psnr", part.stored.psnr()},
+                                 {"ape", part.stored.ape()},
+                                 {"pixels", part.stored.values / 3}});
+}
+
 }  // namespace
 
-std::string judge_json(const JudgeResult& result, const JudgeResult* baseline) {
+std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, std::span<const MaterialErrors> truth) {
     Json json;
     add_figures(json, result.stored, result.linear);
     json["split"] = to_string(result.split);
     json["images"] = result.images.size();
     json["pixels"] = result.stored.values / 3;
     json["not_finite"] = result.stored.not_finite;
-    if (baseline) add_figures(json["baseline"], baseline->stored, baseline->linear);
+    add_parts(json, result);
+    if (baseline) {
+        add_figures(json["baseline"], baseline->stored, baseline->linear);
+        add_parts(json["baseline"], *baseline);
+    }
+    for (const MaterialErrors& m : truth) {
+        Json entry = {{"name", m.name}, {"texels", m.texels}, {"rmse", m.rmse}};
+        if (m.comparable) {
+            entry["worst_median"] = m.worst_median;
+            entry["worst_90"] = m.worst_90;
+            for (size_t i = 0; i < m.parameters.size(); ++i) entry["median"][m.parameters[i]] = m.median[i];
+        }
+        json["truth"].push_back(entry);
+    }
     json["per_image"] = Json::array();
     for (const ImageFigures& image : result.images) {
         Json entry = {{"name", image.name}};

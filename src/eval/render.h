@@ -18,6 +18,9 @@ struct LightImage {
 /// The fit from any camera, in the exposure that the dataset's gains bring all photographs to.
 LightImage render_fit(const LightFieldFit& fit, const Mesh& mesh, const Camera& camera);
 
+/// A reflectance fit as `view` sees and lights it.
+LightImage render_fit(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, const View& view);
+
 /// Channels R, G, B (linear light) and A (coverage), float32. Throws UserError when the file cannot be written.
 void write_light_exr(const std::filesystem::path& path, const LightImage& image);
 

@@ -18,6 +18,8 @@ namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* problems_name = "problems.exr";
+
 std::string surface_name(int term, int corner) { return fmt::format("surface_term{}_corner{}.exr", term, corner); }
 std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
 
@@ -41,6 +43,41 @@ void require(bool holds, const std::string& what) {
     if (!holds) throw std::invalid_argument("write_fit: " + what);
 }
 
+void require_problems(const FitRecord& fit, size_t problems) {
+    require(fit.status.size() == problems && fit.iterations.size() == problems && fit.samples.size() == problems &&
+                fit.error.size() == problems,
+            "status, iterations, samples and error per problem");
+    for (const uint32_t samples : fit.samples) require(samples <= 1u << 24, "samples per problem up to 2^24");
+}
+
+void require_folder(const fs::path& folder) {
+    if (!fs::is_directory(folder))
+        throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
+}
+
+void check_promises(const FitRecord& fit, const FitPromises& promises, const fs::path& problems) {
+    if (fit.status_counts() != promises.status_counts)
+        throw UserError(
+            fmt::format("{}: its statuses disagree with those counted in fit.json; restore the file or fit again",
+                        problems.string()));
+}
+
+// Relative, so that a fit and its dataset can move together; absolute where there is no relative way.
+std::string dataset_from(const fs::path& folder, const FitRecord& fit) {
+    std::error_code error;
+    fs::path dataset = fs::relative(fit.dataset_path, fs::absolute(folder), error);
+    if (error || dataset.empty()) dataset = fs::absolute(fit.dataset_path);
+    return dataset.generic_string();
+}
+
+/// The parameter maps of a texel-local model: its coefficients, and -1 for a shape.
+std::vector<int> maps_of(const TexelModel& model) {
+    std::vector<int> out;
+    for (int k = 0; k < model.basis; ++k) out.push_back(k);
+    if (model.shape > 0) out.push_back(-1);
+    return out;
+}
+
 // A fit's two halves, the images and the vector of parameters, meet over the same geometry.
 struct Shape {
     TriangleAtlas atlas;
@@ -52,13 +89,13 @@ struct Shape {
 
 }  // namespace
 
-std::array<uint64_t, size_t(Status::count)> LightFieldFit::status_counts() const {
+std::array<uint64_t, size_t(Status::count)> FitRecord::status_counts() const {
     std::array<uint64_t, size_t(Status::count)> counts{};
     for (const Status s : status) ++counts[size_t(s)];
     return counts;
 }
 
-void set_dataset(LightFieldFit& fit, const Dataset& dataset) {
+void set_dataset(FitRecord& fit, const Dataset& dataset) {
     fit.dataset_path = dataset.folder;
     fit.dataset_name = dataset.name;
     fit.encoding = dataset.encoding;
@@ -89,21 +126,14 @@ void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mes
     const Shape shape(mesh, fit.options);
     const size_t problems = 3 * mesh.vertex_count();
     require(fit.parameters.size() == shape.layout.size(), "as many parameters as the layout has");
-    require(fit.status.size() == problems && fit.iterations.size() == problems && fit.samples.size() == problems &&
-                fit.error.size() == problems,
-            "status, iterations, samples and error per problem");
-    for (const uint32_t samples : fit.samples) require(samples <= 1u << 24, "samples per problem up to 2^24");
+    require_problems(fit, problems);
 
     check_fit_target(folder);
     AtomicFolder target(folder, AtomicFolder::Existing::replace);
     const fs::path& place = target.path();
     if (add_files) add_files(place);
-    std::error_code error;
-    // Relative, so that a fit and its dataset can move together; absolute where there is no relative way.
-    fs::path dataset = fs::relative(fit.dataset_path, fs::absolute(target.target()), error);
-    if (error || dataset.empty()) dataset = fs::absolute(fit.dataset_path);
     write_ply(mesh, place / "mesh.ply");
-    write_exr(place / "problems.exr", problem_image(fit));
+    write_exr(place / problems_name, problem_image(fit));
     parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
         const int term = int(job / 4), corner = int(job % 4);
         if (corner < 3)
@@ -113,13 +143,57 @@ void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mes
     });
     std::vector<std::string> files = names_in(place);
     files.push_back(fit_json_name);
-    write_file(place / fit_json_name, fit_to_json(fit, shape.atlas, dataset.generic_string(), files));
+    write_file(place / fit_json_name, fit_to_json(fit, shape.atlas, dataset_from(target.target(), fit), files));
     target.commit();
 }
 
+void write_fit(const fs::path& folder, const ReflectanceFit& fit, const Atlas& atlas,
+               const std::function<void(const fs::path&)>& add_files) {
+    check_options(fit.options);
+    const TexelModel& model = *fit.options.model;
+    const size_t problems = atlas.texel_count();
+    require(fit.parameters.size() == problems * size_t(model.parameters), "as many parameters as texels have");
+    require_problems(fit, problems);
+
+    check_fit_target(folder);
+    AtomicFolder target(folder, AtomicFolder::Existing::replace);
+    const fs::path& place = target.path();
+    if (add_files) add_files(place);
+    write_exr(place / problems_name, problem_image(atlas, fit));
+    for (const int k : maps_of(model)) write_exr(place / parameter_map_name(model, k), parameter_image(atlas, fit, k));
+    std::vector<std::string> files = names_in(place);
+    files.push_back(fit_json_name);
+    write_file(place / fit_json_name, fit_to_json(fit, atlas, dataset_from(target.target(), fit), files));
+    target.commit();
+}
+
+std::string fitted_model(const fs::path& folder) {
+    require_folder(folder);
+    return model_in_json(folder / fit_json_name, read_text(folder / fit_json_name));
+}
+
+StoredReflectance read_reflectance(const fs::path& folder, const fs::path& moved_to) {
+    require_folder(folder);
+    StoredReflectance stored;
+    ReflectanceFit& fit = stored.fit;
+    const FitPromises promises = fit_from_json(folder / fit_json_name, read_text(folder / fit_json_name), fit);
+    fit.dataset_path = (fs::absolute(folder) / promises.dataset_path).lexically_normal();
+    stored.dataset = std::make_unique<Dataset>(open_fitted_dataset(fit, moved_to));
+    stored.atlas = texel_atlas(*stored.dataset, fit.options.surface_side);
+    const TexelModel& model = *fit.options.model;
+    fit.parameters.assign(size_t(stored.atlas->texel_count()) * size_t(model.parameters), 0.0f);
+    for (const int k : maps_of(model)) {
+        const fs::path path = folder / parameter_map_name(model, k);
+        take_parameter_image(path, read_exr(path, parameter_map_channels(model, k)), *stored.atlas, k, fit);
+    }
+    const fs::path problems = folder / problems_name;
+    take_problem_image(problems, read_exr(problems, texel_problem_channels()), *stored.atlas, fit);
+    check_promises(fit, promises, problems);
+    return stored;
+}
+
 StoredFit read_fit(const fs::path& folder) {
-    if (!fs::is_directory(folder))
-        throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
+    require_folder(folder);
     StoredFit stored;
     LightFieldFit& fit = stored.fit;
     const FitPromises promises = fit_from_json(folder / fit_json_name, read_text(folder / fit_json_name), fit);
@@ -133,13 +207,9 @@ StoredFit read_fit(const fs::path& folder) {
                                     mesh_path.string(), stored.mesh.vertex_count(), stored.mesh.triangle_count(),
                                     fit.dataset_fingerprint.vertices, fit.dataset_fingerprint.triangles));
     const Shape shape(stored.mesh, fit.options);
-    const fs::path problems = folder / "problems.exr";
+    const fs::path problems = folder / problems_name;
     take_problem_image(problems, read_exr(problems, problem_channels()), stored.mesh.vertex_count(), fit);
-    if (fit.status_counts() != promises.status_counts)
-        throw UserError(
-            fmt::format("{}: its statuses disagree with those counted in fit.json; restore the file or "
-                        "fit again",
-                        problems.string()));
+    check_promises(fit, promises, problems);
     fit.parameters.assign(shape.layout.size(), 0.0f);
     parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
         const int term = int(job / 4), corner = int(job % 4);
@@ -153,7 +223,7 @@ StoredFit read_fit(const fs::path& folder) {
     return stored;
 }
 
-Dataset open_fitted_dataset(const LightFieldFit& fit, const fs::path& moved_to) {
+Dataset open_fitted_dataset(const FitRecord& fit, const fs::path& moved_to) {
     const fs::path path = moved_to.empty() ? fit.dataset_path : moved_to;
     if (!fs::exists(path))
         throw UserError(

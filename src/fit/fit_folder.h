@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "dataset/image_stream.h"
 #include "model/lfm.h"
 #include "model/status.h"
+#include "model/texel_options.h"
 
 /// The FIT folder: what a fit leaves behind, readable with any JSON and EXR reader (docs/formats.md).
 namespace radiafit {
@@ -22,16 +24,15 @@ struct DatasetFingerprint {
 };
 DatasetFingerprint fingerprint(const Dataset& dataset);
 
-struct LightFieldFit {
-    LfmOptions options;
+/// What every fit says, whatever its model.
+struct FitRecord {
     TargetSpace space = TargetSpace::stored;  ///< the space of the model's values
     std::string solver, engine;
 
-    std::vector<float> parameters;  ///< LfmLayout order; the padding lane of every texel is not saved
-    // One entry per problem, 3 * vertex + channel.
+    // One entry per problem.
     std::vector<Status> status;
     std::vector<uint32_t> iterations;
-    std::vector<uint32_t> samples;  ///< radiance samples in the problem's ring
+    std::vector<uint32_t> samples;  ///< radiance samples that count in the problem
     std::vector<float> error;       ///< raw E = 1/2 sum r^2: no normalization, no penalty
 
     std::filesystem::path dataset_path;  ///< as the program may open it; saved relative to the fit folder
@@ -48,8 +49,20 @@ struct LightFieldFit {
     std::array<uint64_t, size_t(Status::count)> status_counts() const;
 };
 
+/// Problem 3 * vertex + channel.
+struct LightFieldFit : FitRecord {
+    LfmOptions options;
+    std::vector<float> parameters;  ///< LfmLayout order; the padding lane of every texel is not saved
+};
+
+/// A texel-local model over an atlas, a problem per texel.
+struct ReflectanceFit : FitRecord {
+    TexelOptions options;           ///< surface_side is that of a mesh's atlas; a grid has its own texels
+    std::vector<float> parameters;  ///< [texels][options.model->parameters], canonical gauge
+};
+
 /// Fills dataset_path, dataset_name, encoding and dataset_fingerprint.
-void set_dataset(LightFieldFit& fit, const Dataset& dataset);
+void set_dataset(FitRecord& fit, const Dataset& dataset);
 
 /// Throws UserError if something other than a fit (or an empty folder) stands at `folder`, or a fit to which somebody
 /// added files. Call it before fitting.
@@ -70,7 +83,21 @@ struct StoredFit {
 /// Reads and checks everything. Throws UserError with one line that names the file and the cure.
 StoredFit read_fit(const std::filesystem::path& folder);
 
+/// The model that fit.json names: "lfm", or a texel-local model's name. Throws UserError likewise.
+std::string fitted_model(const std::filesystem::path& folder);
+
+/// The same for reflectance. `atlas` is that of the fit's texels.
+void write_fit(const std::filesystem::path& folder, const ReflectanceFit& fit, const Atlas& atlas,
+               const std::function<void(const std::filesystem::path& temporary_folder)>& add_files = {});
+/// The dataset that was fitted, at the place that the fit names or at `moved_to`, its atlas, and the fit.
+struct StoredReflectance {
+    ReflectanceFit fit;
+    std::unique_ptr<Dataset> dataset;
+    std::unique_ptr<Atlas> atlas;
+};
+StoredReflectance read_reflectance(const std::filesystem::path& folder, const std::filesystem::path& moved_to = {});
+
 /// Opens the dataset that the fit names, or the one at `moved_to`, and checks that it is the one that was fitted.
-Dataset open_fitted_dataset(const LightFieldFit& fit, const std::filesystem::path& moved_to = {});
+Dataset open_fitted_dataset(const FitRecord& fit, const std::filesystem::path& moved_to = {});
 
 }  // namespace radiafit

@@ -39,52 +39,105 @@ TargetSpace space_of(const std::string& name) {
     throw std::runtime_error("unknown space \"" + name + "\"");
 }
 
+/// What comes before a model's own entries, and what comes behind them.
+Json head(const FitRecord& fit, const std::string& model) {
+    return {{"format", fit_format}, {"version", fit_version}, {"model", model},
+            {"solver", fit.solver}, {"engine", fit.engine},   {"space", space_name(fit.space)}};
+}
+void add_tail(Json& json, const FitRecord& fit, const std::string& dataset_path,
+              const std::vector<std::string>& files) {
+    const DatasetFingerprint& f = fit.dataset_fingerprint;
+    Json statuses = Json::object();
+    const auto counts = fit.status_counts();
+    for (size_t s = 0; s < counts.size(); ++s) statuses[to_string(Status(s))] = counts[s];
+    json["problems"] = {{"count", fit.problem_count()}, {"status", statuses}};
+    json["dataset"] = {{"path", dataset_path},   {"name", fit.dataset_name},     {"encoding", to_string(fit.encoding)},
+                       {"vertices", f.vertices}, {"triangles", f.triangles},     {"views", f.views},
+                       {"held_out", f.held_out}, {"image_bytes", f.image_bytes}, {"digest", f.digest}};
+    json["files"] = files;
+    json["times_s"] = object_of(fit.times_json, "times");
+    json["options"] = object_of(fit.options_json, "options");
+    json["provenance"] = object_of(fit.provenance_json, "provenance");
+}
+
+Json checked_json(const std::string& text) {
+    Json json = Json::parse(text);
+    if (json.at("format") != fit_format) throw std::runtime_error("its format is not radiafit-fit");
+    if (json.at("version") != fit_version)
+        throw std::runtime_error(
+            fmt::format("its version is {}, this program reads version {}", json.at("version").dump(), fit_version));
+    return json;
+}
+
+FitPromises take_record(const Json& json, FitRecord& fit) {
+    FitPromises promises;
+    fit.solver = json.at("solver").get<std::string>();
+    fit.engine = json.at("engine").get<std::string>();
+    fit.space = space_of(json.at("space").get<std::string>());
+    const Json& statuses = json.at("problems").at("status");
+    for (size_t s = 0; s < promises.status_counts.size(); ++s)
+        promises.status_counts[s] = statuses.at(to_string(Status(s))).get<uint64_t>();
+    const Json& d = json.at("dataset");
+    promises.dataset_path = d.at("path").get<std::string>();
+    fit.dataset_name = d.at("name").get<std::string>();
+    fit.encoding = one_of(
+        d.at("encoding"),
+        {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear},
+        "encoding");
+    fit.dataset_fingerprint = {d.at("vertices").get<uint64_t>(),    d.at("triangles").get<uint64_t>(),
+                               d.at("views").get<uint64_t>(),       d.at("held_out").get<uint64_t>(),
+                               d.at("image_bytes").get<uint64_t>(), d.at("digest").get<std::string>()};
+    fit.times_json = json.at("times_s").dump();
+    fit.options_json = json.at("options").dump();
+    fit.provenance_json = json.at("provenance").dump();
+    return promises;
+}
+
+/// read(json), with what goes wrong in it as one line.
+template <class Read>
+auto reading(const std::filesystem::path& path, const std::string& text, const Read& read) {
+    try {
+        return read(checked_json(text));
+    } catch (const std::exception& e) {
+        throw UserError(fmt::format("{}: cannot be used ({}); restore it or fit again", path.string(), e.what()));
+    }
+}
+
 }  // namespace
 
 std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, const std::string& dataset_path,
                         const std::vector<std::string>& files) {
     const LfmOptions& o = fit.options;
     const size_t vertices = fit.problem_count() / 3;
-    const DatasetFingerprint& f = fit.dataset_fingerprint;
-    Json statuses = Json::object();
-    const auto counts = fit.status_counts();
-    for (size_t s = 0; s < counts.size(); ++s) statuses[to_string(Status(s))] = counts[s];
-    const Json json = {
-        {"format", fit_format},
-        {"version", fit_version},
-        {"model", "lfm"},
-        {"solver", fit.solver},
-        {"engine", fit.engine},
-        {"space", space_name(fit.space)},
-        {"lfm",
-         {{"terms", o.terms},
-          {"surface_side", o.surface_side},
-          {"view_side", o.view_side},
-          {"lookup", to_string(o.lookup)},
-          {"mode", to_string(o.mode)},
-          {"lambda_surface", plain(o.lambda_surface)},
-          {"lambda_view", plain(o.lambda_view)},
-          {"mu", plain(o.mu)},
-          {"lower", plain(o.lower)},
-          {"upper", plain(o.upper)}}},
-        {"surface_maps",
-         {{"width", atlas.width()}, {"height", atlas.height()}, {"rectangles_per_row", atlas.rectangles_per_row()}}},
-        {"view_maps", {{"columns", table_columns(vertices)}, {"rows", table_rows(vertices)}}},
-        {"problems", {{"count", fit.problem_count()}, {"status", statuses}}},
-        {"dataset",
-         {{"path", dataset_path},
-          {"name", fit.dataset_name},
-          {"encoding", to_string(fit.encoding)},
-          {"vertices", f.vertices},
-          {"triangles", f.triangles},
-          {"views", f.views},
-          {"held_out", f.held_out},
-          {"image_bytes", f.image_bytes},
-          {"digest", f.digest}}},
-        {"files", files},
-        {"times_s", object_of(fit.times_json, "times")},
-        {"options", object_of(fit.options_json, "options")},
-        {"provenance", object_of(fit.provenance_json, "provenance")}};
+    Json json = head(fit, "lfm");
+    json["lfm"] = {{"terms", o.terms},
+                   {"surface_side", o.surface_side},
+                   {"view_side", o.view_side},
+                   {"lookup", to_string(o.lookup)},
+                   {"mode", to_string(o.mode)},
+                   {"lambda_surface", plain(o.lambda_surface)},
+                   {"lambda_view", plain(o.lambda_view)},
+                   {"mu", plain(o.mu)},
+                   {"lower", plain(o.lower)},
+                   {"upper", plain(o.upper)}};
+    json["surface_maps"] = {
+        {"width", atlas.width()}, {"height", atlas.height()}, {"rectangles_per_row", atlas.rectangles_per_row()}};
+    json["view_maps"] = {{"columns", table_columns(vertices)}, {"rows", table_rows(vertices)}};
+    add_tail(json, fit, dataset_path, files);
+    return json.dump(2) + "\n";
+}
+
+std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std::string& dataset_path,
+                        const std::vector<std::string>& files) {
+    const TexelOptions& o = fit.options;
+    Json json = head(fit, o.model->name);
+    std::vector<std::string> parameters;
+    for (int i = 0; i < o.model->parameters; ++i) parameters.push_back(o.model->parameter_name(i));
+    json["reflectance"] = {{"parameters", parameters},          {"surface_side", o.surface_side},
+                           {"mode", to_string(o.mode)},         {"mu", plain(o.mu)},
+                           {"clip_above", plain(o.clip_above)}, {"shadow_below", plain(o.shadow_below)}};
+    json["maps"] = {{"width", atlas.width()}, {"height", atlas.height()}};
+    add_tail(json, fit, dataset_path, files);
     return json.dump(2) + "\n";
 }
 
@@ -98,18 +151,13 @@ std::vector<std::string> files_in_json(const std::string& text) {
     return files;
 }
 
+std::string model_in_json(const std::filesystem::path& path, const std::string& text) {
+    return reading(path, text, [](const Json& json) { return json.at("model").get<std::string>(); });
+}
+
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit) {
-    FitPromises promises;
-    try {
-        const Json json = Json::parse(text);
-        if (json.at("format") != fit_format) throw std::runtime_error("its format is not radiafit-fit");
-        if (json.at("version") != fit_version)
-            throw std::runtime_error(fmt::format("its version is {}, this program reads version {}",
-                                                 json.at("version").dump(), fit_version));
+    return reading(path, text, [&](const Json& json) {
         if (json.at("model") != "lfm") throw std::runtime_error("its model is no light field map");
-        fit.solver = json.at("solver").get<std::string>();
-        fit.engine = json.at("engine").get<std::string>();
-        fit.space = space_of(json.at("space").get<std::string>());
         LfmOptions& o = fit.options;
         const Json& lfm = json.at("lfm");
         o.terms = lfm.at("terms").get<int>();
@@ -123,26 +171,28 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         o.lower = lfm.at("lower").get<float>();
         o.upper = lfm.at("upper").get<float>();
         check_options(o);
-        const Json& statuses = json.at("problems").at("status");
-        for (size_t s = 0; s < promises.status_counts.size(); ++s)
-            promises.status_counts[s] = statuses.at(to_string(Status(s))).get<uint64_t>();
-        const Json& d = json.at("dataset");
-        promises.dataset_path = d.at("path").get<std::string>();
-        fit.dataset_name = d.at("name").get<std::string>();
-        fit.encoding = one_of(
-            d.at("encoding"),
-            {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear},
-            "encoding");
-        fit.dataset_fingerprint = {d.at("vertices").get<uint64_t>(),    d.at("triangles").get<uint64_t>(),
-                                   d.at("views").get<uint64_t>(),       d.at("held_out").get<uint64_t>(),
-                                   d.at("image_bytes").get<uint64_t>(), d.at("digest").get<std::string>()};
-        fit.times_json = json.at("times_s").dump();
-        fit.options_json = json.at("options").dump();
-        fit.provenance_json = json.at("provenance").dump();
-    } catch (const std::exception& e) {
-        throw UserError(fmt::format("{}: cannot be used ({}); restore it or fit again", path.string(), e.what()));
-    }
-    return promises;
+        return take_record(json, fit);
+    });
+}
+
+FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, ReflectanceFit& fit) {
+    return reading(path, text, [&](const Json& json) {
+        const auto model = json.at("model").get<std::string>();
+        TexelOptions& o = fit.options;
+        o.model = find_texel_model(model);
+        if (!o.model) throw std::runtime_error("its model \"" + model + "\" is unknown here");
+        const Json& r = json.at("reflectance");
+        for (int i = 0; i < o.model->parameters; ++i)
+            if (r.at("parameters").at(size_t(i)) != o.model->parameter_name(i))
+                throw std::runtime_error("its parameters are those of another version of model " + model);
+        o.surface_side = r.at("surface_side").get<int>();
+        o.mode = one_of(r.at("mode"), {Mode::paper, Mode::modern}, "mode");
+        o.mu = r.at("mu").get<float>();
+        o.clip_above = r.at("clip_above").get<float>();
+        o.shadow_below = r.at("shadow_below").get<float>();
+        check_options(o);
+        return take_record(json, fit);
+    });
 }
 
 }  // namespace radiafit

@@ -19,6 +19,12 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
 /// What a fit.json lists as the folder's own; empty if it is no such file.
 std::vector<std::string> files_in_json(const std::string& text);
 
+/// The same for reflectance.
+std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std::string& dataset_path,
+                        const std::vector<std::string>& files);
+/// "lfm" or a texel-local model's name. Throws UserError.
+std::string model_in_json(const std::filesystem::path& path, const std::string& text);
+
 /// What fit.json promises about the images beside it.
 struct FitPromises {
     std::string dataset_path;
@@ -27,5 +33,6 @@ struct FitPromises {
 
 /// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit);
+FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, ReflectanceFit& fit);
 
 }  // namespace radiafit

@@ -48,12 +48,35 @@ void for_each_view_texel(const LfmLayout& layout, int term, int width, Body body
         }
 }
 
-uint32_t whole_number(const std::filesystem::path& path, float value, float limit, const char* what, size_t vertex) {
+constexpr float whole = 16777217.0f;  // counts up to 2^24 are exact in float32
+
+/// `owner`: "vertex 7", what the value belongs to.
+uint32_t whole_number(const std::filesystem::path& path, float value, float limit, const char* what, const char* owner,
+                      size_t index) {
     if (!(value >= 0 && value < limit && value == std::floor(value)))
-        throw UserError(fmt::format("{}: vertex {} has {} = {}, which cannot be; restore the file or fit again",
-                                    path.string(), vertex, what, value));
+        throw UserError(fmt::format("{}: {} {} has {} = {}, which cannot be; restore the file or fit again",
+                                    path.string(), owner, index, what, value));
     return uint32_t(value);
 }
+
+void resize_problems(FitRecord& fit, size_t problems) {
+    fit.status.resize(problems);
+    fit.iterations.resize(problems);
+    fit.samples.resize(problems);
+    fit.error.resize(problems);
+}
+
+// Calls body(pixel, texel) for every texel of an atlas.
+template <class Body>
+void for_each_texel(const Atlas& atlas, const Body& body) {
+    for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel) {
+        const auto [x, y] = atlas.place(texel);
+        body(size_t(y) * size_t(atlas.width()) + size_t(x), size_t(texel));
+    }
+}
+
+/// Where map k of a texel-local model begins in a texel's parameters.
+size_t first_parameter(const TexelModel& model, int k) { return size_t(k < 0 ? 3 * model.basis : 3 * k); }
 
 }  // namespace
 
@@ -127,18 +150,72 @@ ExrImage problem_image(const LightFieldFit& fit) {
 
 void take_problem_image(const std::filesystem::path& path, const ExrImage& image, size_t vertices, LightFieldFit& fit) {
     require_size(path, image, table_columns(vertices), table_rows(vertices));
-    const float whole = 16777217.0f;  // counts up to 2^24 are exact in float32
-    fit.status.resize(3 * vertices);
-    fit.iterations.resize(3 * vertices);
-    fit.samples.resize(3 * vertices);
-    fit.error.resize(3 * vertices);
+    resize_problems(fit, 3 * vertices);
     for (size_t q = 0; q < 3 * vertices; ++q) {
         const float* pixel = image.values.data() + q / 3 * 3 * quantities + q % 3;
-        fit.status[q] = Status(whole_number(path, pixel[0], float(Status::count), "status", q / 3));
-        fit.iterations[q] = whole_number(path, pixel[3], whole, "iterations", q / 3);
-        fit.samples[q] = whole_number(path, pixel[6], whole, "samples", q / 3);
+        fit.status[q] = Status(whole_number(path, pixel[0], float(Status::count), "status", "vertex", q / 3));
+        fit.iterations[q] = whole_number(path, pixel[3], whole, "iterations", "vertex", q / 3);
+        fit.samples[q] = whole_number(path, pixel[6], whole, "samples", "vertex", q / 3);
         fit.error[q] = pixel[9];
     }
+}
+
+const std::vector<std::string>& texel_problem_channels() {
+    static const std::vector<std::string> names{"status", "iterations", "samples", "error"};
+    return names;
+}
+
+std::string parameter_map_name(const TexelModel& model, int k) {
+    return (k < 0 ? "shape" : model.coefficient_names[size_t(k)]) + ".exr";
+}
+
+std::vector<std::string> parameter_map_channels(const TexelModel& model, int k) {
+    return k < 0 ? model.shape_names : map_channels();
+}
+
+ExrImage parameter_image(const Atlas& atlas, const ReflectanceFit& fit, int k) {
+    const TexelModel& model = *fit.options.model;
+    ExrImage image = blank(atlas.width(), atlas.height(), parameter_map_channels(model, k));
+    const size_t channels = image.channels.size(), first = first_parameter(model, k);
+    for_each_texel(atlas, [&](size_t pixel, size_t texel) {
+        std::copy_n(&fit.parameters[texel * size_t(model.parameters) + first], channels,
+                    &image.values[pixel * channels]);
+    });
+    return image;
+}
+
+void take_parameter_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas, int k,
+                          ReflectanceFit& fit) {
+    const TexelModel& model = *fit.options.model;
+    require_size(path, image, atlas.width(), atlas.height());
+    const size_t channels = image.channels.size(), first = first_parameter(model, k);
+    for_each_texel(atlas, [&](size_t pixel, size_t texel) {
+        std::copy_n(&image.values[pixel * channels], channels,
+                    &fit.parameters[texel * size_t(model.parameters) + first]);
+    });
+}
+
+ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit) {
+    ExrImage image = blank(atlas.width(), atlas.height(), texel_problem_channels());
+    for_each_texel(atlas, [&](size_t pixel, size_t t) {
+        const float values[quantities] = {float(fit.status[t]), float(fit.iterations[t]), float(fit.samples[t]),
+                                          fit.error[t]};
+        std::copy_n(values, quantities, &image.values[pixel * quantities]);
+    });
+    return image;
+}
+
+void take_problem_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas,
+                        ReflectanceFit& fit) {
+    require_size(path, image, atlas.width(), atlas.height());
+    resize_problems(fit, atlas.texel_count());
+    for_each_texel(atlas, [&](size_t pixel, size_t t) {
+        const float* values = &image.values[pixel * quantities];
+        fit.status[t] = Status(whole_number(path, values[0], float(Status::count), "status", "texel", t));
+        fit.iterations[t] = whole_number(path, values[1], whole, "iterations", "texel", t);
+        fit.samples[t] = whole_number(path, values[2], whole, "samples", "texel", t);
+        fit.error[t] = values[3];
+    });
 }
 
 }  // namespace radiafit

@@ -22,6 +22,14 @@ ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term)
 /// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
 ExrImage problem_image(const LightFieldFit& fit);
 
+/// A map of a texel-local model in the atlas's 2-D layout, 0 where no texel is: coefficient k as R, G, B; or, with
+/// k = -1, the shape's parameters by their names.
+ExrImage parameter_image(const Atlas& atlas, const ReflectanceFit& fit, int k);
+/// status, iterations, samples and error, a pixel per texel.
+ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit);
+std::string parameter_map_name(const TexelModel& model, int k);  ///< "rho_d.exr", "shape.exr"
+std::vector<std::string> parameter_map_channels(const TexelModel& model, int k);
+
 // The way back. `path` is what messages name; throws UserError on a size or value that cannot be.
 void take_surface_image(const std::filesystem::path& path, const ExrImage& image, const TriangleAtlas& atlas,
                         const LfmLayout& layout, int term, int corner, LightFieldFit& fit);
@@ -29,7 +37,13 @@ void take_view_image(const std::filesystem::path& path, const ExrImage& image, c
                      LightFieldFit& fit);
 void take_problem_image(const std::filesystem::path& path, const ExrImage& image, size_t vertices, LightFieldFit& fit);
 
+void take_parameter_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas, int k,
+                          ReflectanceFit& fit);
+void take_problem_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas,
+                        ReflectanceFit& fit);
+
 const std::vector<std::string>& map_channels();      ///< R, G, B
 const std::vector<std::string>& problem_channels();  ///< in the order problem_image() stores them
+const std::vector<std::string>& texel_problem_channels();
 
 }  // namespace radiafit

@@ -50,13 +50,13 @@ private:
 };
 
 /// Layers of RGBA that passes over images add to, each a target by itself, or all of one pass.
-struct TexelSums {
+struct TexelSumLayers {
     Texture layers;
     std::vector<Framebuffer> each;  ///< [layer]
     Framebuffer all;
 
-    TexelSums() = default;
-    TexelSums(GLenum format, const TexelShape& shape, int count)
+    TexelSumLayers() = default;
+    TexelSumLayers(GLenum format, const TexelShape& shape, int count)
         : layers(format, shape.width(), shape.height(), count) {
         for (int layer = 0; layer < count; ++layer) each.push_back(Framebuffer({{&layers, layer}}));
         all = Framebuffer(targets());

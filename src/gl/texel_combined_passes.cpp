@@ -15,7 +15,7 @@ public:
     explicit CombinedTexelPasses(const TexelWorld& world);
     int batch() const override { return texel_batch; }
     void count(const std::vector<ImageOnDevice>& images) override;
-    void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSums& sums) override;
+    void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
     void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
     void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) override;
 
@@ -105,7 +105,7 @@ void CombinedTexelPasses::count(const std::vector<ImageOnDevice>& images) {
 }
 
 void CombinedTexelPasses::start(const std::vector<ImageOnDevice>& images, int group, int window,
-                                const TexelSums& sums) {
+                                const TexelSumLayers& sums) {
     begin_images(images);
     w_.set_shapes(start_[size_t(window)], group);
     add(images, start_[size_t(window)], sums.all);

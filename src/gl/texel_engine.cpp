@@ -35,10 +35,10 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     for (TexelVector* vector : {&v.p, &v.trial, &v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d})
         *vector = TexelVector(shape_, storage);
     const GLenum summed = sums_format(fragment_options.sums);
-    sums_.gradient = TexelSums(summed, shape_, shape_.maps());
-    sums_.diagonal = TexelSums(summed, shape_, shape_.diagonal_layers());
-    sums_.line = TexelSums(summed, shape_, 1);
-    sums_.count = TexelSums(GL_RGBA32F, shape_, 2);
+    sums_.gradient = TexelSumLayers(summed, shape_, shape_.maps());
+    sums_.diagonal = TexelSumLayers(summed, shape_, shape_.diagonal_layers());
+    sums_.line = TexelSumLayers(summed, shape_, 1);
+    sums_.count = TexelSumLayers(GL_RGBA32F, shape_, 2);
 
     const auto [width, height] = images_.largest();
     const TexelWorld world{shape_,
@@ -165,7 +165,7 @@ std::vector<float> TexelFragmentEngine::start() {
     StartSolver solver(*shape_.model, shape_.texels());
     const size_t stride = 4 * size_t(layout.targets());
     std::vector<float> numbers(shape_.texels() * stride);
-    const TexelSums sums(GL_RGBA32F, shape_, layout.targets_in(0));
+    const TexelSumLayers sums(GL_RGBA32F, shape_, layout.targets_in(0));
     for (int group = 0; group < layout.groups; ++group) {
         for (int window = 0; window < layout.windows(); ++window) {
             const int targets = layout.targets_in(window);

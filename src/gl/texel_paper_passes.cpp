@@ -10,7 +10,7 @@ public:
     explicit PaperTexelPasses(const TexelWorld& world);
     int batch() const override { return 1; }
     void count(const std::vector<ImageOnDevice>& images) override;
-    void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSums& sums) override;
+    void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
     void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
     void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) override;
 
@@ -88,7 +88,8 @@ void PaperTexelPasses::count(const std::vector<ImageOnDevice>& images) {
     }
 }
 
-void PaperTexelPasses::start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSums& sums) {
+void PaperTexelPasses::start(const std::vector<ImageOnDevice>& images, int group, int window,
+                             const TexelSumLayers& sums) {
     const size_t first = size_t(window * StartLayout::most_targets);
     for (const ImageOnDevice& image : images) {
         keep(image, target_);

@@ -9,10 +9,10 @@ namespace radiafit {
 
 /// What the passes over images add to. Each belongs to one verb of the engine.
 struct TexelAccumulators {
-    TexelSums gradient;  ///< maps of the gradient; the first's alpha: sum of r^2
-    TexelSums diagonal;  ///< of J'J, four numbers a layer
-    TexelSums line;      ///< one layer: sum of a^2, of a^2 + r b along d
-    TexelSums count;     ///< t u_z and u_z^2; samples
+    TexelSumLayers gradient;  ///< maps of the gradient; the first's alpha: sum of r^2
+    TexelSumLayers diagonal;  ///< of J'J, four numbers a layer
+    TexelSumLayers line;      ///< one layer: sum of a^2, of a^2 + r b along d
+    TexelSumLayers count;     ///< t u_z and u_z^2; samples
 };
 
 /// Sums over the samples of images, one or several at a time: the part of the engine that is written twice, once as
@@ -24,7 +24,7 @@ public:
     virtual int batch() const = 0;
     virtual void count(const std::vector<ImageOnDevice>& images) = 0;
     /// One window of one group of a StartLayout into `sums`, as many layers as the window has targets.
-    virtual void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSums& sums) = 0;
+    virtual void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) = 0;
     /// At x: the gradient's sums, and on request the diagonal's.
     virtual void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) = 0;
     /// At x along d.

@@ -86,6 +86,8 @@ struct TexelLocal {
             if (i >= 3 * basis) return {Text::shape_bounds[i - 3 * basis][0], Text::shape_bounds[i - 3 * basis][1]};
         return {Text::coefficient_bounds[i / 3][0], Text::coefficient_bounds[i / 3][1]};
     }
+    /// Whether both are meant, rather than as far as floats go.
+    static constexpr bool bounded(int i) { return bounds(i)[1] - bounds(i)[0] < 1e29; }
     /// The same values by other parameters: the only gauge in which two of them may be compared.
     static Parameters canonical(Parameters p) {
         if constexpr (shape > 0) {

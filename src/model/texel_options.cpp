@@ -20,4 +20,16 @@ void check_options(const TexelOptions& o) {
     share(o.shadow_below, "shadow-below");
 }
 
+double bounds_penalty(const TexelOptions& options, std::span<const float> p) {
+    double sum = 0;
+    for (size_t i = 0; i < p.size(); ++i) {
+        const auto [lowest, highest] = options.model->bounds[i];
+        const double x = double(p[i]);
+        if (highest - lowest > 1e29 || (x >= lowest && x <= highest)) continue;
+        const double beyond = x < lowest ? x - lowest : x - highest;
+        sum += options.mode == Mode::paper ? (x - lowest) * (x - highest) : beyond * beyond / 2;
+    }
+    return double(options.mu) * sum;
+}
+
 }  // namespace radiafit

@@ -25,4 +25,7 @@ struct TexelOptions {
 /// Throws UserError unless side, weights and shares are in range.
 void check_options(const TexelOptions& options);
 
+/// mu E_b of one texel's parameters, as streamed optimizers add it to E / S-bar.
+double bounds_penalty(const TexelOptions& options, std::span<const float> p);
+
 }  // namespace radiafit

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace radiafit {
 
 void Trace::append(const Trace& stage) {
@@ -12,6 +14,23 @@ void Trace::append(const Trace& stage) {
         row.iteration += before;
         row.time_s += time;
         rows.push_back(row);
+    }
+}
+
+void TraceSum::add(const std::vector<TraceRow>& rows) {
+    if (rows.empty()) return;
+    while (rows_.size() < rows.size()) {
+        rows_.push_back(rows_.empty() ? TraceRow{} : rows_.back());
+        rows_.back().iteration = int(rows_.size()) - 1;
+        rows_.back().accepted = rows_.back().active = 0;
+    }
+    for (size_t k = 0; k < rows_.size(); ++k) {
+        const TraceRow& row = rows[std::min(k, rows.size() - 1)];
+        rows_[k].error += row.error;
+        rows_[k].time_s += row.time_s;
+        if (k >= rows.size()) continue;
+        rows_[k].accepted += row.accepted;
+        rows_[k].active += row.active;
     }
 }
 

@@ -21,6 +21,17 @@ struct Trace {
     void append(const Trace& stage);
 };
 
+/// Traces of problems that were solved one after another, added up row by row: a trace that ends early goes on as it
+/// ended, with nothing accepted and nothing active.
+class TraceSum {
+public:
+    void add(const std::vector<TraceRow>& rows);
+    std::vector<TraceRow> rows() const { return rows_; }
+
+private:
+    std::vector<TraceRow> rows_;
+};
+
 /// CSV with columns solver,engine,iteration,time_s,error,accepted,active.
 std::string trace_csv(const Trace& trace, const std::string& solver, const std::string& engine);
 

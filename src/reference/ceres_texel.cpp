@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
@@ -104,5 +105,37 @@ CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count
         const TexelLocal<texel_text::NAME<double>>::Parameters&, const CeresTexelOptions&);
 RADIAFIT_TEXEL_MODELS(EACH)
 #undef EACH
+
+namespace {
+
+template <class Text>
+CeresTexelFit fit(std::span<const ShadedSample> samples, std::span<const float> start,
+                  const CeresTexelOptions& options) {
+    using Model = TexelLocal<Text>;
+    std::vector<TexelSample<Text::term_count>> texel(samples.size());
+    for (size_t i = 0; i < samples.size(); ++i) {
+        const ShadedSample& s = samples[i];
+        const auto terms = Text::sample_terms({double(s.u.x()), double(s.u.y()), double(s.u.z())},
+                                              {double(s.v.x()), double(s.v.y()), double(s.v.z())});
+        for (int k = 0; k < Text::term_count; ++k) texel[i].term[size_t(k)] = float(terms.x[k]);
+        std::copy_n(s.target, 3, texel[i].target.begin());
+    }
+    typename Model::Parameters p;
+    for (int i = 0; i < Model::parameters; ++i)
+        p[size_t(i)] = std::clamp(double(start[size_t(i)]), Model::bounds(i)[0], Model::bounds(i)[1]);
+    const auto out = ceres_texel<Text>(texel, p, options);
+    return {{out.parameters.begin(), out.parameters.end()}, out.error, out.iterations, out.status};
+}
+
+}  // namespace
+
+CeresTexelFit ceres_texel(const TexelModel& model, std::span<const ShadedSample> samples, std::span<const float> start,
+                          const CeresTexelOptions& options) {
+#define EACH(NAME) \
+    if (model.name == std::string_view(#NAME)) return fit<texel_text::NAME<double>>(samples, start, options);
+    RADIAFIT_TEXEL_MODELS(EACH)
+#undef EACH
+    throw std::invalid_argument("ceres_texel: an unknown model");
+}
 
 }  // namespace radiafit

@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 #include <span>
+#include <vector>
 
 #include "model/status.h"
 #include "model/texel_local.h"
+#include "samples/texel_loader.h"
 
 namespace radiafit {
 
@@ -23,11 +25,21 @@ struct CeresTexelOutcome {
 };
 
 /// Ceres on one texel of a texel-local model: one residual block of all samples and channels, all parameters in one
-/// block within the model's bounds, the Jacobian from the shared text. `Text`: texel_text::NAME<double>`. From `start`,
+/// block within the model's bounds, the Jacobian from the shared text. `Text`: texel_text::NAME<double>. From `start`,
 /// which must be within bounds.
 template <class Text>
 CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count>> samples,
                                     const typename TexelLocal<Text>::Parameters& start,
                                     const CeresTexelOptions& options);
+
+/// The same for a model by its name and samples as they come from a dataset; start [model.parameters].
+struct CeresTexelFit {
+    std::vector<float> parameters;  ///< canonical gauge
+    double error = 0;
+    int iterations = 0;
+    Status status = Status::no_samples;
+};
+CeresTexelFit ceres_texel(const TexelModel& model, std::span<const ShadedSample> samples, std::span<const float> start,
+                          const CeresTexelOptions& options);
 
 }  // namespace radiafit

@@ -1,19 +1,15 @@
 #include "samples/disk_records.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "base/atomic_file.h"
-#include "base/error.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "model/lfm.h"
 #include "samples/image_samples.h"
+#include "samples/record_description.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -23,17 +19,11 @@ constexpr const char* records_name = "records.bin";
 constexpr const char* index_name = "index.bin";
 constexpr const char* description_name = "records.json";
 constexpr const char* waiting_name = "waiting.bin";
+constexpr const char* format = "radiafit-records";
 
 uint64_t index_checksum(const std::vector<VertexRecord>& index) {
     return hash_bytes(index.data(), index.size() * sizeof(VertexRecord));
 }
-/// Of everything but the checksum itself.
-uint64_t checksum_of(nlohmann::ordered_json description) {
-    description.erase("checksum");
-    const std::string text = description.dump();
-    return hash_bytes(text.data(), text.size());
-}
-
 template <class T>
 void append(std::vector<uint8_t>& out, const T* from, size_t count) {
     const auto* bytes = reinterpret_cast<const uint8_t*>(from);
@@ -283,7 +273,7 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
     index_file.close();
     statistics.bytes_written += out.bytes() + index_file.bytes();
     if (stores.file) fs::remove(folder / waiting_name);
-    nlohmann::ordered_json description = {{"format", "radiafit-records"},
+    nlohmann::ordered_json description = {{"format", format},
                                           {"version", 1},
                                           {"kind", options.kind == RecordKind::full ? "full" : "compact"},
                                           {"vertices", index.size()},
@@ -293,39 +283,14 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
                                           {"views", views},
                                           {"index_checksum", index_checksum(index)},
                                           {"key", options.key}};
-    description["checksum"] = checksum_of(description);
-    write_file(folder / description_name, description.dump(1) + "\n");
+    write_description(folder / description_name, description.dump());
     return statistics;
 }
 
-namespace {
-
-[[noreturn]] void damaged(const fs::path& path) {
-    throw UserError(
-        fmt::format("{}: damaged; delete the folder {}, it is made anew", path.string(), path.parent_path().string()));
-}
-
-nlohmann::ordered_json describe(const fs::path& folder, const std::string& key) {
-    const fs::path path = folder / description_name;
-    std::ifstream file(path);
-    const auto json = nlohmann::ordered_json::parse(file, nullptr, false);
-    const auto is = [&](const char* name, const nlohmann::ordered_json& value) {
-        return json.is_object() && json.contains(name) && json.at(name) == value;
-    };
-    if (!is("format", "radiafit-records") || !is("version", 1))
-        throw UserError(fmt::format("{}: holds no whole records; choose another --records folder", path.string()));
-    if (!is("checksum", checksum_of(json))) damaged(path);
-    if (!is("key", key))
-        throw UserError(fmt::format(
-            "{}: records of another dataset or of other options; choose another --records folder", path.string()));
-    return json;
-}
-
-}  // namespace
-
 DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
-    : file_((describe(folder, key), folder / records_name)), path_(folder / records_name) {
-    const nlohmann::ordered_json json = describe(folder, key);
+    : file_((read_description(folder / description_name, format, key), folder / records_name)),
+      path_(folder / records_name) {
+    const auto json = nlohmann::ordered_json::parse(read_description(folder / description_name, format, key));
     kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
     bits_ = json.at("bits");
     scale_ = json.at("scale");
@@ -333,10 +298,10 @@ DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
     views_ = json.at("views").get<std::vector<uint32_t>>();
     vertices_.resize(json.at("vertices").get<size_t>());
     const InputFile index(folder / index_name);
-    if (file_.size() != bytes_) damaged(path_);
-    if (index.size() != vertices_.size() * sizeof(VertexRecord)) damaged(folder / index_name);
+    if (file_.size() != bytes_) throw_damaged_records(path_);
+    if (index.size() != vertices_.size() * sizeof(VertexRecord)) throw_damaged_records(folder / index_name);
     index.read(vertices_.data(), 0, index.size());
-    if (json.at("index_checksum") != index_checksum(vertices_)) damaged(folder / index_name);
+    if (json.at("index_checksum") != index_checksum(vertices_)) throw_damaged_records(folder / index_name);
 }
 
 fs::path DiskRecords::file(const fs::path& folder) { return folder / records_name; }
@@ -347,7 +312,7 @@ void DiskRecords::read(size_t begin, size_t end, std::vector<uint8_t>& blocks) c
     file_.read(blocks.data(), from, to - from);
     const uint8_t* block = blocks.data();
     for (size_t v = begin; v < end; block += block_bytes(v), ++v)
-        if (hash_bytes(block, block_bytes(v)) != vertices_[v].checksum) damaged(path_);
+        if (hash_bytes(block, block_bytes(v)) != vertices_[v].checksum) throw_damaged_records(path_);
 }
 
 }  // namespace radiafit

@@ -1,0 +1,221 @@
+#include <fmt/format.h>
+
+#include "app/choices.h"
+#include "app/solver.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "cpu/texel_solver.h"
+#include "gl/texel_engine.h"
+#include "reference/ceres_texel.h"
+
+namespace radiafit {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One reflectance fit as its solver sees it.
+struct TexelTask {
+    const Dataset& dataset;
+    const FitRequest& request;
+    const std::vector<uint32_t>& views;
+    const IterationHook& each_iteration;
+    TexelOptions options;
+    ReflectanceOutcome& out;
+
+    const TexelSolvers& solvers() const { return texel_solvers(*options.model); }
+    TexelFitOptions fit_options() const { return {.iterations = request.iterations}; }
+};
+
+void take(TexelResult result, TexelTask& task) {
+    ReflectanceOutcome& out = task.out;
+    out.fit.parameters = std::move(result.parameters);
+    out.fit.status = std::move(result.status);
+    out.fit.iterations = std::move(result.iterations);
+    out.fit.samples = std::move(result.samples);
+    out.fit.error = std::move(result.error);
+    out.trace = std::move(result.trace);
+    out.engine_bytes = result.engine_bytes;
+    out.sample_iterations = result.sample_iterations;
+}
+
+std::unique_ptr<TexelSource> gather(TexelTask& task) {
+    Stopwatch clock;
+    const Distributors distributors = make_distributors(*task.out.atlas, task.request);
+    TexelDistributionStatistics statistics;
+    auto source = gather_texels(task.dataset, *task.out.atlas, task.views, distributors.workers(), statistics);
+    task.out.samples = statistics.samples;
+    task.out.times.distribution = clock.wall_s();
+    return source;
+}
+
+/// What solves texels one after another, with its progress shown.
+template <class Solve>
+void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve) {
+    if (source.sample_count() == 0) reject_unseen(task.dataset);
+    Stopwatch clock;
+    const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
+    Progress progress("texels", source.block_count());
+    TexelResult result = solve(TexelProblem{source, loader, task.options}, [&] { progress.advance(); });
+    progress.finish();
+    task.out.times.streaming += result.load_s;
+    task.out.times.optimization = clock.wall_s() - result.load_s;
+    take(std::move(result), task);
+}
+
+void solve_fragment(TexelTask& task) {
+    static_assert(Engine<TexelFragmentEngine>);
+    const FitRequest& request = task.request;
+    ReflectanceOutcome& out = task.out;
+    const TexelModel& model = *task.options.model;
+    const auto context = Context::create(context_options(request));
+    out.gl_vendor = context->vendor();
+    out.gl_renderer = context->renderer();
+    out.gl_version = context->version();
+    Stopwatch clock;
+    TexelFragmentEngine engine(task.dataset, *out.atlas, task.views, task.options, fragment_options(request));
+    const ProblemStatistics statistics = engine.count();
+    if (!statistics.any()) reject_unseen(task.dataset);
+    engine.reset(engine.start());
+    out.trace = optimize(engine, request.optimizer_options(), [&](int iteration) {
+        if (task.each_iteration)
+            task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
+    });
+    ReflectanceFit& fit = out.fit;
+    const size_t texels = engine.problem_count(), n = size_t(model.parameters);
+    std::vector<ProblemOutcome> outcomes(texels);
+    engine.outcomes(outcomes);
+    fit.parameters.resize(texels * n);
+    engine.read_parameters(fit.parameters);
+    fit.samples = statistics.samples;
+    for (size_t t = 0; t < texels; ++t) {
+        const std::span<float> p(&fit.parameters[t * n], n);
+        fit.status.push_back(outcomes[t].status);
+        fit.iterations.push_back(outcomes[t].iterations);
+        // the engine's error is E / S-bar plus the penalty
+        const double data = std::max(0.0, double(outcomes[t].error) - bounds_penalty(task.options, p));
+        fit.error.push_back(float(data * statistics.samples[t]));
+        out.samples += statistics.samples[t];
+        out.sample_iterations += uint64_t(statistics.samples[t]) * outcomes[t].iterations;
+        model.make_canonical(p);
+    }
+    take_sweeps(engine.times(), clock.wall_s(), task.dataset, out);
+    out.engine_bytes = engine.bytes();
+}
+
+void solve_stream(TexelTask& task) {
+    if (task.request.engine == "fragment") return solve_fragment(task);
+    const auto source = gather(task);
+    if (task.request.levenberg_marquardt())
+        return solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
+            return task.solvers().solve_lm(problem, task.fit_options(), progress);
+        });
+    solve_source(*source, task, [&](const TexelProblem& problem, const auto&) {
+        return task.solvers().stream(problem, task.request.optimizer_options(), task.each_iteration);
+    });
+}
+
+void solve_two_step(TexelTask& task) {
+    const int side = task.dataset.has_grid() ? 0 : task.options.surface_side;
+    const std::string key = record_key(task.dataset, task.request, task.views, side, "texel");
+    const auto write = [&](const fs::path& folder) {
+        const Distributors distributors = make_distributors(*task.out.atlas, task.request);
+        const TexelDistributionStatistics statistics =
+            write_texel_records(folder, task.dataset, *task.out.atlas, task.views, distributors.workers(),
+                                {.memory = task.request.memory_bytes(), .key = key});
+        task.out.records.bytes_written = statistics.bytes_written;
+        task.out.records.bytes_read = statistics.waiting_bytes;
+        task.out.records.covered_pixels = statistics.covered_pixels;
+        task.out.records.samples = statistics.samples;
+    };
+    with_records(task.dataset, task.request, task.out.times, write, [&](const fs::path& folder) {
+        const auto source = open_texel_records(folder, key);
+        task.out.samples = source->sample_count();
+        settle_cache(texel_records_file(folder), task.request, task.out);
+        task.out.record_bytes_read = fs::file_size(texel_records_file(folder));
+        solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
+            return task.request.levenberg_marquardt()
+                       ? task.solvers().solve_lm(problem, task.fit_options(), progress)
+                       : task.solvers().solve(problem, task.request.optimizer_options(), progress);
+        });
+    });
+}
+
+void solve_ceres(TexelTask& task) {
+    const auto source = gather(task);
+    solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
+        constexpr size_t eight = 8;
+        const TexelModel& model = *task.options.model;
+        const size_t texels = problem.source.texel_count(), n = size_t(model.parameters);
+        TexelResult out;
+        out.parameters.resize(texels * n);
+        out.status.assign(texels, Status::no_samples);
+        out.iterations.assign(texels, 0);
+        out.samples.assign(texels, 0);
+        parallel_for(problem.source.block_count(), 1, [&](size_t block, int) {
+            TexelSamples samples;
+            std::vector<std::vector<ShadedSample>> shaded(eight);
+            const uint32_t begin = uint32_t(block) * TexelSource::block;
+            problem.source.read(begin, samples);
+            const size_t count = samples.first.size() - 1;
+            for (size_t first = 0; first < count; first += eight) {
+                for (size_t i = 0; i < eight; ++i) {
+                    shaded[i].clear();
+                    if (first + i < count)
+                        problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
+                }
+                const std::vector<float> start = task.solvers().start(shaded);
+                for (size_t i = 0; i < eight && first + i < count; ++i) {
+                    const size_t t = begin + first + i;
+                    const CeresTexelFit fit =
+                        ceres_texel(model, shaded[i], {&start[i * n], n}, {.iterations = task.request.iterations});
+                    std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
+                    out.iterations[t] = uint32_t(fit.iterations);
+                    out.samples[t] = uint32_t(shaded[i].size());
+                    out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
+                }
+            }
+            progress();
+        });
+        out.error = task.solvers().errors(problem, out.parameters);
+        return out;
+    });
+}
+
+struct TexelSolver {
+    const char* name;
+    void (*solve)(TexelTask& task);
+};
+constexpr TexelSolver texel_solvers_table[] = {
+    {"stream", solve_stream}, {"two-step", solve_two_step}, {"ceres", solve_ceres}};
+
+}  // namespace
+
+ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& request,
+                                     const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
+    request.check();
+    require_lights(dataset);
+    const std::vector<uint32_t> training = views ? *views : dataset.split(false);
+    Stopwatch clock;
+    ReflectanceOutcome out;
+    TexelTask task{dataset, request, training, each_iteration, request.texel_options(), out};
+    out.atlas = texel_atlas(dataset, task.options.surface_side);
+    bool known = false;
+    for (const TexelSolver& solver : texel_solvers_table)
+        if (request.solver == solver.name) known = true, solver.solve(task);
+    if (!known)
+        throw UserError(
+            fmt::format("solver {} fits light field maps only; choose stream, two-step or ceres for --model {}",
+                        request.solver, request.kind));
+    out.fit.options = task.options;
+    out.fit.space = TargetSpace::linear;
+    out.fit.solver = request.solver;
+    out.fit.engine = request.solver == "stream" ? request.engine : "cpu";
+    out.fit.options_json = request.json();
+    set_dataset(out.fit, dataset);
+    out.times.total = clock.wall_s() - out.times.outside;
+    return out;
+}
+
+}  // namespace radiafit

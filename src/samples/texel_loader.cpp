@@ -1,0 +1,48 @@
+#include "samples/texel_loader.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace radiafit {
+
+TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
+                         const TexelOptions& options)
+    : atlas_(&atlas), shading_(dataset, views), shadow_below_(options.shadow_below) {
+    const bool bounded = dataset.encoding != Encoding::f16_linear && dataset.encoding != Encoding::f32_linear;
+    for (const uint32_t view : views)
+        clipped_.push_back(bounded && options.clip_above > 0 ? options.clip_above * float(dataset.views[view].gain)
+                                                             : std::numeric_limits<float>::infinity());
+}
+
+void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out) const {
+    out.clear();
+    if (samples.empty()) return;
+    const TexelShading::Place place = TexelShading::place(*atlas_, texel);
+    for (const TexelRadiance& s : samples) {
+        const float limit = clipped_[s.image];
+        if (s.value[0] >= limit || s.value[1] >= limit || s.value[2] >= limit) continue;
+        const TexelShading::Lit lit = shading_.lit(place, s.image);
+        if (!(lit.u.z() > 0 && lit.v.z() > 0)) continue;
+        // where a lamp sends no light of a colour, the pixel says nothing of it, and is 0
+        const auto target = [&](int c) { return lit.irradiance[c] > 0 ? s.value[c] / lit.irradiance[c] : 0.0f; };
+        out.push_back({lit.u, lit.v, {target(0), target(1), target(2)}});
+    }
+    if (shadow_below_ <= 0) return;
+    const float albedo = lambertian_albedo(out).sum();
+    std::erase_if(out, [&](const ShadedSample& s) {
+        return s.target[0] + s.target[1] + s.target[2] < shadow_below_ * albedo * s.u.z();
+    });
+}
+
+Vec3f lambertian_albedo(std::span<const ShadedSample> samples) {
+    Vec3d sum = Vec3d::Zero();
+    double squares = 0;
+    for (const ShadedSample& s : samples) {
+        const double z = double(s.u.z());
+        for (int c = 0; c < 3; ++c) sum[c] += z * double(s.target[c]);
+        squares += z * z;
+    }
+    return squares > 0 ? Vec3f((sum / squares).cast<float>()) : Vec3f::Zero();
+}
+
+}  // namespace radiafit

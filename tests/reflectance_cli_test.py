@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Reflectance fits as a user meets them: fit, judge, render, over a mesh and over a grid; and what is refused.
+
+Arguments: the program.
+"""
+import json
+import math
+import unittest
+
+from cli_fixture import ProgramTest, read_png, snapshot, take_arguments, write_png
+
+
+class Reflectance(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.good("generate", "ornament", "--encoding", "f32-linear", "-o", "ornament")
+        cls.good("generate", "star", "-o", "star")
+        cls.good("fit", "ornament", "--model", "lafortune", "-o", "lm")
+
+    def judged(self, fit, *options):
+        return json.loads(self.good("judge", fit, "--json", *options).stdout)
+
+    def test_lafortune_explains_its_own_materials(self):
+        judged = self.judged("lm")
+        self.assertGreater(judged["psnr"], judged["baseline"]["psnr"])
+        self.assertEqual([part["name"] for part in judged["parts"]], ["white", "gold", "green"])
+        for fit, diffuse in list(zip(judged["parts"], judged["baseline"]["parts"]))[1:]:
+            self.assertGreater(fit["psnr"], diffuse["psnr"] + 8)
+        truth = {material["name"]: material for material in judged["truth"]}
+        self.assertNotIn("worst_median", truth["white"])  # of another model
+        for name in ("gold", "green"):
+            self.assertLess(truth[name]["worst_median"], 1e-3)
+            self.assertEqual(set(truth[name]["median"]),
+                             {f"rho_{k}.{c}" for k in "ds" for c in "RGB"} | {"Cx", "Cz", "n"})
+            self.assertLess(truth[name]["rmse"], truth["white"]["rmse"])
+
+    def test_every_solver_finds_it(self):
+        for options in (("--optimizer", "cg", "--iterations", "40"),
+                        ("--solver", "two-step"),
+                        ("--solver", "two-step", "--optimizer", "cg", "--iterations", "40", "--memory", "1M"),
+                        ("--engine", "fragment", "--iterations", "30"),
+                        ("--solver", "ceres")):
+            self.good("fit", "ornament", "--model", "lafortune", *options, "-o", "other")
+            truth = {material["name"]: material for material in self.judged("other")["truth"]}
+            for name in ("gold", "green"):
+                self.assertLess(truth[name]["worst_median"], 1e-3, options)
+
+    def test_two_step_gives_the_same_bits(self):
+        self.good("fit", "ornament", "--model", "lafortune", "--solver", "two-step", "-o", "steps")
+        lm, steps = ({name: digest for name, digest in snapshot(self.root / fit).items() if name.endswith(".exr")}
+                     for fit in ("lm", "steps"))
+        self.assertEqual(set(lm), {"rho_d.exr", "rho_s.exr", "shape.exr", "problems.exr"})
+        self.assertEqual(lm, steps)
+
+    def test_fit_json_says_what_was_fitted(self):
+        fit = json.loads((self.root / "lm/fit.json").read_text())
+        self.assertEqual(fit["model"], "lafortune")
+        self.assertEqual(fit["space"], "linear")
+        self.assertEqual(fit["options"]["optimizer"], "lm")
+        self.assertEqual(fit["options"]["surface_side"], 6)  # the side of the dataset's normals
+        self.assertEqual(fit["reflectance"]["parameters"][-1], "log_n")
+        self.assertEqual(sum(fit["problems"]["status"].values()), fit["problems"]["count"])
+        trace = (self.root / "lm/trace.csv").read_text().splitlines()
+        self.assertTrue(trace[1].startswith("lm,cpu,0,"))
+
+    def test_info_and_plan(self):
+        self.assertIn("lafortune, 9 parameters in each of 6720 texels", self.good("info", "lm").stdout)
+        self.assertEqual(json.loads(self.good("info", "lm", "--json").stdout)["problems"], 6720)
+        self.assertIn("samples", self.good("plan", "ornament", "--model", "lafortune").stdout)
+        engine = self.good("plan", "ornament", "--model", "lafortune", "--optimizer", "cg").stdout
+        self.assertIn("batches of eight", engine)
+
+    def test_renders(self):
+        self.good("render", "lm", "-o", "view")
+        width, height, _ = read_png(self.root / "view.png")
+        sheet_width, sheet_height, _ = read_png(self.root / "view_sheet.png")
+        self.assertEqual((sheet_width, sheet_height), (4 * width + 12, height))
+        self.good("render", "lm", "--light", "0,0,1", "-o", "lit")
+        self.good("render", "lm", "--light", "0,0,-1", "-o", "dark")
+        self.assertFalse((self.root / "lit_sheet.png").exists())
+        lit, dark = (sum(read_png(self.root / f"{name}.png")[2]) for name in ("lit", "dark"))
+        self.assertNotEqual(lit, dark)
+        self.good("render", "lm", "--turntable", "2", "-o", "turns")
+        self.refused("render", "lm", "--light", "0,0,0", "-o", "none", says=["--light", "0"])
+
+    def grid(self, name, count=12, size=8):
+        """A flat Lambertian sample: pixel (x, y) has albedo (x + 1) / 10 in red."""
+        folder = self.root / name
+        folder.mkdir()
+        lights = []
+        for i in range(count):
+            angle, z = 2 * math.pi * i / count, 0.4 + 0.05 * i
+            r = math.sqrt(1 - z * z)
+            lights.append((r * math.cos(angle), r * math.sin(angle), z))
+            pixels = [min(255, round(255 * z * albedo)) for y in range(size) for x in range(size)
+                      for albedo in ((x + 1) / 10, 0.5, (y + 1) / 10)]
+            write_png(folder / f"{i:02}.png", size, size, bytes(pixels))
+        (self.root / f"{name}.txt").write_text("".join(f"{x} {y} {z}\n" for x, y, z in lights))
+        self.good("import", "lights", "--images", name, "--lights", f"{name}.txt", "--transfer", "linear", "-o",
+                  f"{name}-set")
+        return f"{name}-set"
+
+    def test_grid_of_a_flat_sample(self):
+        dataset = self.grid("flat")
+        self.good("fit", dataset, "--model", "lambert", "-o", "flat-fit")
+        judged = self.judged("flat-fit")
+        self.assertGreater(judged["psnr"], 45)  # 8 bits
+        self.assertAlmostEqual(judged["psnr"], judged["baseline"]["psnr"], places=6)
+        self.good("render", "flat-fit", "--light", "0,0,1", "-o", "flat")
+        width, height, rgb = read_png(self.root / "flat.png")
+        self.assertEqual((width, height), (8, 8))
+        reds = [rgb[3 * x] for x in range(8)]
+        self.assertEqual(reds, sorted(reds))
+        self.refused("render", "flat-fit", "--turntable", "2", "-o", "no", says=["--turntable"])
+
+    def test_what_makes_no_sense_is_refused(self):
+        for options, words in (
+            (("star", "--model", "lafortune"), ["star", "lamp per image", "--model lfm"]),
+            (("ornament",), ["lamp that moves"]),
+            (("ornament", "--model", "lafortun"), ["model 'lafortun'", "nearest: lafortune"]),
+            (("ornament", "--model", "lafortune", "--solver", "pca"), ["pca"]),
+            (("star", "--optimizer", "lm"), ["optimizer lm", "cg or sd"]),
+            (("ornament", "--model", "lafortune", "--terms", "2"), ["--terms", "means nothing"]),
+            (("ornament", "--model", "lafortune", "--mode", "paper"), ["--mode", "means nothing"]),
+            (("star", "--clip-above", "0.9"), ["--clip-above", "means nothing"]),
+            (("ornament", "--model", "lafortune", "--shadow-below", "1.5"), ["shadow-below", "0 (off) to 1"]),
+            (("ornament", "--model", "lafortune", "--surface-side", "9"), ["surface side 6", "--surface-side 6"]),
+        ):
+            self.refused("fit", *options, "-o", "refused", says=words)
+            self.assertFalse((self.root / "refused").exists())
+
+    def test_damaged_fits_are_refused(self):
+        self.good("fit", "ornament", "--model", "lambert", "-o", "damaged")
+        (self.root / "damaged/albedo.exr").unlink()
+        self.refused("judge", "damaged", says=["damaged/albedo.exr", "no such file"])
+        text = (self.root / "damaged/fit.json").read_text()
+        (self.root / "damaged/fit.json").write_text(text.replace('"lambert"', '"lambertian"'))
+        self.refused("judge", "damaged", says=["damaged/fit.json", "lambertian", "fit again"])
+
+
+if __name__ == "__main__":
+    Reflectance.program, = take_arguments(1)
+    unittest.main()
