@@ -37,10 +37,12 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
     AtomicFolder(root_ / "results" / name_ / "probe");  // a folder that can't be written shows before any work
 }
 
-Dataset Experiment::dataset(const std::string& shape) const {
-    SyntheticOptions options{.shape = shape, .scale = profile_};
+Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament,
+                            const std::string& variant) const {
+    SyntheticOptions options{.shape = shape, .scale = profile_, .ornament = ornament};
     synthetic_size(options);  // an unknown name shows before any work
-    const std::filesystem::path folder = root_ / "datasets" / "packed" / fmt::format("{}-{}", shape, profile_);
+    const std::filesystem::path folder =
+        root_ / "datasets" / "packed" / fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
     if (std::filesystem::exists(folder)) {
         Dataset dataset = open_dataset(folder);
         if (dataset.source == synthetic_source(options)) return dataset;
@@ -67,7 +69,7 @@ void Experiment::draw(const ResultFolder& results, const std::string& caption) c
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
 
-void note_gl(const FitOutcome& outcome, Record& record) {
+void note_gl(const FitRun& outcome, Record& record) {
     if (outcome.gl_renderer.empty()) return;
     record.gl_vendor = outcome.gl_vendor;
     record.gl_renderer = outcome.gl_renderer;

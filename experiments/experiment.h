@@ -9,6 +9,7 @@
 #include "app/solve.h"
 #include "base/config.h"
 #include "base/record.h"
+#include "dataset/synthetic/ornament_options.h"
 #include "report/result_folder.h"
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
@@ -26,7 +27,9 @@ public:
     const std::string& name() const { return name_; }
 
     /// The synthetic dataset of this profile's scale, generated if it isn't there yet.
-    Dataset dataset(const std::string& shape) const;
+    /// `variant` names one whose images differ.
+    Dataset dataset(const std::string& shape, const OrnamentOptions& ornament = {},
+                    const std::string& variant = {}) const;
 
     /// What run.json of results opened from now on will hold.
     Record& record() { return record_; }
@@ -49,7 +52,7 @@ private:
 };
 
 /// The record names the OpenGL that made the outcome, if any did; or the context's.
-void note_gl(const FitOutcome& outcome, Record& record);
+void note_gl(const FitRun& run, Record& record);
 void note_gl(const Context& context, Record& record);
 
 /// Points (x, y) of a figure's lines, by the lines' names.

@@ -71,6 +71,15 @@ class Reflectance(ProgramTest):
         engine = self.good("plan", "ornament", "--model", "lafortune", "--optimizer", "cg").stdout
         self.assertIn("batches of eight", engine)
 
+    def test_options_are_chosen_by_views_left_out(self):
+        self.good("fit", "ornament", "--model", "lambert", "--validation", "5", "-o", "partial")
+        validation = self.judged("partial", "--split", "validation")
+        train, test = self.judged("partial", "--split", "train"), self.judged("partial")
+        self.assertEqual((validation["images"], train["images"], test["images"]), (42, 168, 30))  # of 210 and 30
+        self.assertEqual(validation["split"], "validation")
+        self.refused("judge", "lm", "--split", "validation", says=["--validation"])
+        self.refused("fit", "ornament", "--model", "lambert", "--validation", "1", "-o", "no", says=["validation = 1"])
+
     def test_renders(self):
         self.good("render", "lm", "-o", "view")
         width, height, _ = read_png(self.root / "view.png")

@@ -254,6 +254,24 @@ class Smoke(ProgramTest):
                     if (r["rule"], r["optimizer"]) == (rule, "sd") and float(r["levels"]) in (0, 0.5)]
             self.assertGreater(dict(ends)[0], dict(ends)[0.5])
 
+    def check_reflectance(self, tables):
+        rows = {(r["images"], r["method"], r["group"]): r for r in tables["fits"]}
+        methods = {r["method"] for r in tables["fits"]}
+        self.assertEqual(methods, {"Ceres", "LM", "CG modern", "CG paper", "SD paper", "CG modern OpenGL"})
+        for group in ("gold", "green"):
+            for method in ("Ceres", "LM", "CG modern"):
+                self.assertLess(float(rows["noise-free", method, group]["worst_error_median"]), 1e-3)
+            # noise hides the truth, and the paper's optimizers are slower to it
+            self.assertGreater(float(rows["noisy", "LM", group]["worst_error_median"]), 1e-3)
+            self.assertGreater(float(rows["noise-free", "SD paper", group]["worst_error_median"]),
+                               float(rows["noise-free", "LM", group]["worst_error_median"]))
+        for images in ("noise-free", "noisy"):
+            for group in ("moderate lobes", "sharp lobes"):
+                self.assertEqual(float(rows[images, "Ceres", group]["within_share"]), 1)
+                self.assertGreater(float(rows[images, "LM", group]["within_share"]), 0.95)
+        for row in tables["times"]:
+            self.assertGreater(float(row["fits_per_s"]), 0)
+
     def check_scaling(self, tables):
         for row in tables["memory"]:
             self.assertEqual(row["planned_bytes"], row["allocated_bytes"])

@@ -1,11 +1,30 @@
 #!/bin/sh
 # MaterialGAN's "cards-blue": nine flash photographs of a flat card, rectified to its plane; lamp and camera near, places
-# in cm. Packs it into OUTPUT/cards.
-# Usage: cards_blue.sh [--leave-out I] [OUTPUT]     OUTPUT: a folder, default datasets/packed
-#   --leave-out    holds out photograph I (00 to 08) alone, and packs into OUTPUT/cards-without-I; otherwise every eighth.
+# in cm. Packs it into OUTPUT/cards, every eighth photograph held out.
+# Usage: cards_blue.sh [--leave-out I | --leave-one-out] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+#   --leave-out I      holds out photograph I (00 to 08) alone, and packs into OUTPUT/cards-without-I
+#   --leave-one-out    does so for each of the nine in turn, fits Lafortune's model to the other eight, judges the one, and
+#                      prints the mean; keeps nothing
 # The capture is looked for in $RADIAFIT_CAPTURES/cards_blue (default ../shared/data).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
+if [ "${1:-}" = --leave-one-out ]; then
+    shift
+    program=${RADIAFIT:-$root/build/release/src/app/radiafit}
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    for i in 00 01 02 03 04 05 06 07 08; do
+        sh "$0" --leave-out $i "$work" >/dev/null 2>"$work/log" || { cat "$work/log" >&2; exit 2; }
+        "$program" fit "$work/cards-without-$i" --model lafortune -o "$work/fit" 2>"$work/log" ||
+            { cat "$work/log" >&2; exit 1; }
+        echo "without $i: $("$program" judge "$work/fit")" | tee -a "$work/all"
+        rm -rf "$work/cards-without-$i"
+    done
+    awk '{ for (i = 1; i <= NF; ++i) if ($i == "PSNR") p[++k % 2] += $(i + 1) }
+         END { printf "mean: PSNR %.2f dB, Lambertian %.2f dB, %+.2f dB\n", p[1] / NR, p[0] / NR, (p[1] - p[0]) / NR }' \
+        "$work/all"
+    exit 0
+fi
 left_out=
 if [ "${1:-}" = --leave-out ]; then
     left_out=${2:?--leave-out takes the number of a photograph, 00 to 08}

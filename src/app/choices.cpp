@@ -175,6 +175,8 @@ void FitRequest::check() const {
     if (levenberg_marquardt() && (!texel_local() || (solver == "stream" && engine != "cpu")))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
     if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
+    if (validation != 0 && validation < 2)
+        throw UserError(fmt::format("validation = {}: choose 0 (none) or 2 and more", validation));
     if (refills < 0) throw UserError(fmt::format("refills = {}: choose 0 or more", refills));
     if (!(stop_residual >= 0 && stop_output_change >= 0))
         throw UserError(fmt::format("stop-residual = {}, stop-change = {}: choose 0 (off) or more", stop_residual,
@@ -211,6 +213,7 @@ std::string FitRequest::json() const {
         {"upper", model.upper},
         {"deflate", deflate},
         {"iterations", iterations},
+        {"validation", validation},
         {"stop_residual", stop_residual},
         {"stop_output_change", stop_output_change},
         {"seed", seed},

@@ -51,6 +51,9 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
         ->capture_default_str();
     c.add_option("--mu", r.mu, "weight of the bounds; default: 1, in paper mode 1e-4");
     c.add_option("--iterations", r.iterations, "at most")->capture_default_str();
+    c.add_option("--validation", r.validation,
+                 "leave out every n-th training view, to choose options by (judge --split validation); 0 is off")
+        ->capture_default_str();
     c.add_option("--stop-residual", r.stop_residual, "stop a problem at this root mean square residual; 0 is off")
         ->capture_default_str();
     c.add_option("--stop-change", r.stop_output_change, "stop a problem when its output changes less; 0 is off")

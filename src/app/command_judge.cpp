@@ -17,6 +17,14 @@
 
 namespace radiafit {
 
+namespace {
+/// FitRequest::validation of the fit.
+int validation_of(const FitRecord& fit) {
+    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json);
+    return options.value("validation", 0);
+}
+}  // namespace
+
 ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset) {
     FitRequest diffuse;
     diffuse.kind = "lambert";
@@ -24,6 +32,7 @@ ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset
     diffuse.model.surface_side = fit.options.surface_side;
     diffuse.clip_above = fit.options.clip_above;
     diffuse.shadow_below = fit.options.shadow_below;
+    diffuse.validation = validation_of(fit);
     return solve_reflectance(dataset, diffuse);
 }
 
@@ -32,6 +41,7 @@ LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset) {
     mean.solver = "mean";
     mean.space = fit.space == TargetSpace::linear ? "linear" : "stored";
     mean.model = fit.options;
+    mean.validation = validation_of(fit);
     return solve(dataset, mean).fit;
 }
 
@@ -46,15 +56,23 @@ struct Judgement {
     std::vector<MaterialErrors> truth = {};  ///< of a synthetic dataset
 };
 
+/// The dataset as a fit is judged on this split of it.
+Dataset judged_dataset(const FitRecord& fit, const Dataset& dataset, Split split) {
+    const int validation = validation_of(fit);
+    if (split == Split::validation && validation == 0)
+        throw UserError("--split validation: the fit left no view out; fit with --validation N");
+    return split == Split::test || validation == 0 ? dataset : for_validation(dataset, validation);
+}
+
 Judgement judge_light_field(const std::string& folder, const std::string& moved_to, Split split) {
     const LightFieldFit fit = read_fit(folder).fit;
-    const Dataset dataset = open_fitted_dataset(fit, moved_to);
-    return {judge(fit, dataset, split), judge(baseline_of(fit, dataset), dataset, split), light_field_baseline};
+    const Dataset dataset = open_fitted_dataset(fit, moved_to), judged = judged_dataset(fit, dataset, split);
+    return {judge(fit, judged, split), judge(baseline_of(fit, dataset), judged, split), light_field_baseline};
 }
 
 Judgement judge_reflectance(const std::string& folder, const std::string& moved_to, Split split) {
     const StoredReflectance stored = read_reflectance(folder, moved_to);
-    const Dataset& dataset = *stored.dataset;
+    const Dataset &dataset = *stored.dataset, judged = judged_dataset(stored.fit, dataset, split);
     const Atlas& atlas = *stored.atlas;
     ReflectanceTruth truth;
     SurfaceParts parts;
@@ -67,8 +85,8 @@ Judgement judge_reflectance(const std::string& folder, const std::string& moved_
     }
     const SurfaceParts* materials = known ? &parts : nullptr;
     const ReflectanceOutcome baseline = baseline_of(stored.fit, dataset);
-    Judgement out{judge(stored.fit, atlas, dataset, split, materials),
-                  judge(baseline.fit, atlas, dataset, split, materials), reflectance_baseline};
+    Judgement out{judge(stored.fit, atlas, judged, split, materials),
+                  judge(baseline.fit, atlas, judged, split, materials), reflectance_baseline};
     if (known) out.truth = truth_errors(stored.fit, truth);
     return out;
 }
@@ -94,7 +112,8 @@ void print_judgement(const Judgement& j) {
 Split choose_split(const std::string& name) {
     if (name == "train") return Split::train;
     if (name == "test") return Split::test;
-    throw UserError("split '" + name + "' does not exist; choose train or test");
+    if (name == "validation") return Split::validation;
+    throw UserError("split '" + name + "' does not exist; choose train, test or validation");
 }
 
 struct RenderOptions {
@@ -229,7 +248,7 @@ void add_judge(CLI::App& app) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
     command->add_option("fit", o->fit, "folder of the fit")->required();
-    command->add_option("--split", o->split, "train or test")->capture_default_str();
+    command->add_option("--split", o->split, "train, test or validation")->capture_default_str();
     command->add_option("--dataset", o->dataset, "where the dataset is now, if it moved");
     command->add_flag("--json", o->json, "one JSON object on standard output");
     command->callback([=] {

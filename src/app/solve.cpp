@@ -56,13 +56,35 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
     return distribute(dataset, atlas, request, dataset.split(false));
 }
 
+namespace {
+bool validates(size_t training_view, int every) { return every > 0 && int(training_view) % every == every / 2; }
+}  // namespace
+
+std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& request) {
+    const std::vector<uint32_t> training = dataset.split(false);
+    std::vector<uint32_t> out;
+    for (size_t k = 0; k < training.size(); ++k)
+        if (!validates(k, request.validation)) out.push_back(training[k]);
+    return out;
+}
+
+Dataset for_validation(Dataset dataset, int validation) {
+    std::vector<View> views;
+    for (const uint32_t view : dataset.split(false)) {
+        views.push_back(dataset.views[view]);
+        views.back().held_out = validates(views.size() - 1, validation);
+    }
+    dataset.views = std::move(views);
+    return dataset;
+}
+
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples,
                  const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
     request.check();
     require_light_field(dataset);
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
-    const std::vector<uint32_t> training = views ? *views : dataset.split(false);
+    const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, request);
     Stopwatch clock;
     FitOutcome out;
     FitTask task(dataset, request, atlas, rings, training, each_iteration, samples, out);

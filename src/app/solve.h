@@ -14,6 +14,7 @@
 #include "reference/ring_resampler.h"
 #include "samples/disk_records.h"
 #include "samples/distributor.h"
+#include "samples/texel_source.h"
 
 /// From a dataset and a choice of solver, optimizer and engine to a fit: the one way through the house, for the command
 /// line and for experiments alike.
@@ -42,6 +43,7 @@ struct FitRequest {
     double mu = -1;        ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;  ///< fit terms one after another instead of together
     int iterations = 25;
+    int validation = 0;  ///< n > 1: every n-th training view isn't fitted, so that options can be chosen by it; 0: none
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
     // Of the two-step solver.
@@ -98,6 +100,11 @@ struct FitOutcome : FitRun {
 /// Called after every iteration with a way to read each problem's E_t.
 using IterationHook = std::function<void(int iteration, const std::function<void(std::span<float>)>& read_errors)>;
 
+/// The training views that a request fits.
+std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& request);
+/// What options are chosen by: the training views alone, those that a fit with this `validation` left out held out.
+Dataset for_validation(Dataset dataset, int validation);
+
 /// A sample list that several fits share, so that they solve the very same problems. Built for training views.
 struct SharedSamples {
     SampleList list;
@@ -119,10 +126,18 @@ struct ReflectanceOutcome : FitRun {
     std::unique_ptr<Atlas> atlas;
     uint64_t samples = 0;  ///< pixels in texels, those that don't count included
 };
-/// The same for a texel-local model over a dataset with lights.
+/// Samples by texel that several fits share; `request` as those of the fits, as far as it means something here.
+struct SharedTexels {
+    std::unique_ptr<TexelSource> source;
+    double seconds = 0;
+};
+SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views);
+/// The same for a texel-local model over a dataset with lights. `samples`, if given, are distribute_texels()'s with
+/// equal side and views.
 ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& request,
                                      const IterationHook& each_iteration = {},
-                                     const std::vector<uint32_t>* views = nullptr);
+                                     const std::vector<uint32_t>* views = nullptr,
+                                     const SharedTexels* samples = nullptr);
 
 /// Bytes per array, before anything is allocated.
 struct PlanRow {

@@ -21,6 +21,7 @@ struct TexelTask {
     const FitRequest& request;
     const std::vector<uint32_t>& views;
     const IterationHook& each_iteration;
+    const SharedTexels* shared;
     TexelOptions options;
     ReflectanceOutcome& out;
 
@@ -40,14 +41,26 @@ void take(TexelResult result, TexelTask& task) {
     out.sample_iterations = result.sample_iterations;
 }
 
-std::unique_ptr<TexelSource> gather(TexelTask& task) {
+SharedTexels gather(const Dataset& dataset, const Atlas& atlas, const FitRequest& request,
+                    const std::vector<uint32_t>& views) {
     Stopwatch clock;
-    const Distributors distributors = make_distributors(*task.out.atlas, task.request);
+    SharedTexels out;
+    const Distributors distributors = make_distributors(atlas, request);
     TexelDistributionStatistics statistics;
-    auto source = gather_texels(task.dataset, *task.out.atlas, task.views, distributors.workers(), statistics);
-    task.out.samples = statistics.samples;
-    task.out.times.distribution = clock.wall_s();
-    return source;
+    out.source = gather_texels(dataset, atlas, views, distributors.workers(), statistics);
+    out.seconds = clock.wall_s();
+    return out;
+}
+
+/// Calls solve(source) with the shared samples, or with some gathered for it.
+template <class Solve>
+void with_samples(TexelTask& task, const Solve& solve) {
+    SharedTexels own;
+    if (!task.shared) own = gather(task.dataset, *task.out.atlas, task.request, task.views);
+    task.out.times.distribution = own.seconds;
+    const TexelSource& source = task.shared ? *task.shared->source : *own.source;
+    task.out.samples = source.sample_count();
+    solve(source);
 }
 
 /// What solves texels one after another, with its progress shown.
@@ -106,13 +119,12 @@ void solve_fragment(TexelTask& task) {
 
 void solve_stream(TexelTask& task) {
     if (task.request.engine == "fragment") return solve_fragment(task);
-    const auto source = gather(task);
-    if (task.request.levenberg_marquardt())
-        return solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
-            return task.solvers().solve_lm(problem, task.fit_options(), progress);
+    with_samples(task, [&](const TexelSource& source) {
+        solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
+            return task.request.levenberg_marquardt()
+                       ? task.solvers().solve_lm(problem, task.fit_options(), progress)
+                       : task.solvers().stream(problem, task.request.optimizer_options(), task.each_iteration);
         });
-    solve_source(*source, task, [&](const TexelProblem& problem, const auto&) {
-        return task.solvers().stream(problem, task.request.optimizer_options(), task.each_iteration);
     });
 }
 
@@ -142,44 +154,50 @@ void solve_two_step(TexelTask& task) {
     });
 }
 
-void solve_ceres(TexelTask& task) {
-    const auto source = gather(task);
-    solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
-        constexpr size_t eight = 8;
-        const TexelModel& model = *task.options.model;
-        const size_t texels = problem.source.texel_count(), n = size_t(model.parameters);
-        TexelResult out;
-        out.parameters.resize(texels * n);
-        out.status.assign(texels, Status::no_samples);
-        out.iterations.assign(texels, 0);
-        out.samples.assign(texels, 0);
-        parallel_for(problem.source.block_count(), 1, [&](size_t block, int) {
-            TexelSamples samples;
-            std::vector<std::vector<ShadedSample>> shaded(eight);
-            const uint32_t begin = uint32_t(block) * TexelSource::block;
-            problem.source.read(begin, samples);
-            const size_t count = samples.first.size() - 1;
-            for (size_t first = 0; first < count; first += eight) {
-                for (size_t i = 0; i < eight; ++i) {
-                    shaded[i].clear();
-                    if (first + i < count)
-                        problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
-                }
-                const std::vector<float> start = task.solvers().start(shaded);
-                for (size_t i = 0; i < eight && first + i < count; ++i) {
-                    const size_t t = begin + first + i;
-                    const CeresTexelFit fit =
-                        ceres_texel(model, shaded[i], {&start[i * n], n}, {.iterations = task.request.iterations});
-                    std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
-                    out.iterations[t] = uint32_t(fit.iterations);
-                    out.samples[t] = uint32_t(shaded[i].size());
-                    out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
-                }
+TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, const std::function<void()>& progress) {
+    constexpr size_t eight = 8;
+    const TexelModel& model = *task.options.model;
+    const size_t texels = problem.source.texel_count(), n = size_t(model.parameters);
+    TexelResult out;
+    out.parameters.resize(texels * n);
+    out.status.assign(texels, Status::no_samples);
+    out.iterations.assign(texels, 0);
+    out.samples.assign(texels, 0);
+    parallel_for(problem.source.block_count(), 1, [&](size_t block, int) {
+        TexelSamples samples;
+        std::vector<std::vector<ShadedSample>> shaded(eight);
+        const uint32_t begin = uint32_t(block) * TexelSource::block;
+        problem.source.read(begin, samples);
+        const size_t count = samples.first.size() - 1;
+        for (size_t first = 0; first < count; first += eight) {
+            for (size_t i = 0; i < eight; ++i) {
+                shaded[i].clear();
+                if (first + i < count)
+                    problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
             }
-            progress();
+            const std::vector<float> start = task.solvers().start(shaded);
+            for (size_t i = 0; i < eight && first + i < count; ++i) {
+                const size_t t = begin + first + i;
+                const CeresTexelFit fit =
+                    ceres_texel(model, shaded[i], {&start[i * n], n}, {.iterations = task.request.iterations});
+                std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
+                out.iterations[t] = uint32_t(fit.iterations);
+                out.samples[t] = uint32_t(shaded[i].size());
+                out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
+            }
+        }
+        progress();
+    });
+    out.error = task.solvers().errors(problem, out.parameters);
+    for (size_t t = 0; t < texels; ++t) out.sample_iterations += uint64_t(out.samples[t]) * out.iterations[t];
+    return out;
+}
+
+void solve_ceres(TexelTask& task) {
+    with_samples(task, [&](const TexelSource& source) {
+        solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
+            return ceres_texels(problem, task, progress);
         });
-        out.error = task.solvers().errors(problem, out.parameters);
-        return out;
     });
 }
 
@@ -192,14 +210,19 @@ constexpr TexelSolver texel_solvers_table[] = {
 
 }  // namespace
 
+SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views) {
+    return gather(dataset, *texel_atlas(dataset, request.model.surface_side), request, views);
+}
+
 ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& request,
-                                     const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
+                                     const IterationHook& each_iteration, const std::vector<uint32_t>* views,
+                                     const SharedTexels* samples) {
     request.check();
     require_lights(dataset);
-    const std::vector<uint32_t> training = views ? *views : dataset.split(false);
+    const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, request);
     Stopwatch clock;
     ReflectanceOutcome out;
-    TexelTask task{dataset, request, training, each_iteration, request.texel_options(), out};
+    TexelTask task{dataset, request, training, each_iteration, samples, request.texel_options(), out};
     out.atlas = texel_atlas(dataset, task.options.surface_side);
     bool known = false;
     for (const TexelSolver& solver : texel_solvers_table)

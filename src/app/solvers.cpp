@@ -155,7 +155,7 @@ void reject_idle_options(const FitRequest& request) {
     auto defaults = nlohmann::json::parse(plain.json());
     defaults["mode"] = FitRequest().mode;
     for (const auto& [name, value] : given.items()) {
-        if (name == "solver" || name == "model" || value == defaults.at(name) ||
+        if (name == "solver" || name == "model" || name == "validation" || value == defaults.at(name) ||
             options.find(" " + name + " ") != std::string::npos)
             continue;
         std::string option = name == "stop_output_change" ? "stop_change" : name;

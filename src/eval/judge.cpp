@@ -126,7 +126,9 @@ Contestant contestant_of(const ReflectanceRenderer& renderer) {
 
 }  // namespace
 
-std::string to_string(Split split) { return split == Split::train ? "train" : "test"; }
+std::string to_string(Split split) {
+    return split == Split::train ? "train" : split == Split::test ? "test" : "validation";
+}
 
 std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer) {
     if (!dataset.has_grid()) {
@@ -143,7 +145,7 @@ std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, R
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const SurfaceParts* parts) {
     JudgeResult result;
     result.split = split;
-    const std::vector<uint32_t> views = dataset.split(split == Split::test);
+    const std::vector<uint32_t> views = dataset.split(split != Split::train);
     if (views.empty())
         throw UserError(fmt::format(
             "{}: no view belongs to the {} split; {}", dataset.folder.string(), to_string(split),

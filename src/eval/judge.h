@@ -25,7 +25,7 @@
 /// contestant alike, and reports 1 / s as the view's gain. Where all gains are 1, s = 1 throughout.
 namespace radiafit {
 
-enum class Split { train, test };
+enum class Split { train, test, validation };
 std::string to_string(Split split);
 
 /// Anything that can colour the pixels of a view: rgb [height][width][3] out, at `pixels` that see the mesh (others
@@ -72,7 +72,8 @@ struct JudgeResult {
     double ape() const { return stored.ape(); }
 };
 
-/// Throws UserError if the split has no view, or no view of it has a foreground pixel.
+/// Validation: the views held out of a dataset that app's for_validation() made. Throws UserError if the split has no
+/// view, or no view of it has a foreground pixel.
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split,
                   const SurfaceParts* parts = nullptr);
 /// The fit must be of this dataset's mesh: open_fitted_dataset() makes sure.

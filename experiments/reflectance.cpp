@@ -1,0 +1,206 @@
+// Lafortune's reflectance model (Sections 4.2 and 6.5): every solver on the same samples of the ornament, against its
+// truth and against Ceres, texel by texel.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "dataset/truth.h"
+#include "experiment.h"
+#include "report/csv.h"
+#include "report/table.h"
+
+namespace radiafit {
+namespace {
+
+struct Options {
+    double read_noise = 0.002, shot_noise = 0.01;
+    int lm_iterations = 50, cg_iterations = 50, sd_iterations = 250, fragment_iterations = 25;
+    double sharp = 15, within = 1.05, recovered = 1e-3;
+
+    explicit Options(Config& c) {
+        c.read("read_noise", read_noise);
+        c.read("shot_noise", shot_noise);
+        c.read("lm_iterations", lm_iterations);
+        c.read("cg_iterations", cg_iterations);
+        c.read("sd_iterations", sd_iterations);
+        c.read("fragment_iterations", fragment_iterations);
+        c.read("sharp", sharp);
+        c.read("within", within);
+        c.read("recovered", recovered);
+        c.finish();
+        if (std::min({lm_iterations, cg_iterations, sd_iterations}) < 1) c.reject("cg_iterations", "needs at least 1");
+        if (!(within > 1)) c.reject("within", "is a multiple above 1");
+    }
+};
+
+struct Method {
+    const char* name;
+    FitRequest request;
+    ReflectanceOutcome outcome = {};
+};
+
+FitRequest request_of(const char* solver, const char* optimizer, const char* mode, int iterations, int side) {
+    FitRequest r;
+    r.kind = "lafortune";
+    r.solver = solver;
+    r.optimizer = optimizer;
+    r.mode = mode;
+    r.iterations = iterations;
+    r.model.surface_side = side;
+    return r;
+}
+
+/// OpenGL on noisy images alone: what it reaches is the CPU's, and its time is the same.
+std::vector<Method> methods_of(const Options& o, int side, bool noisy) {
+    std::vector<Method> out;
+    out.push_back({"Ceres", request_of("ceres", "cg", "modern", o.lm_iterations, side)});
+    out.push_back({"LM", request_of("stream", "lm", "modern", o.lm_iterations, side)});
+    out.push_back({"CG modern", request_of("stream", "cg", "modern", o.cg_iterations, side)});
+    out.push_back({"CG paper", request_of("stream", "cg", "paper", o.cg_iterations, side)});
+    out.push_back({"SD paper", request_of("stream", "sd", "paper", o.sd_iterations, side)});
+    if (noisy && o.fragment_iterations > 0) {
+        out.push_back({"CG modern OpenGL", request_of("stream", "cg", "modern", o.fragment_iterations, side)});
+        out.back().request.engine = "fragment";
+    }
+    return out;
+}
+
+/// Parts of the surface by what is true of them.
+struct Group {
+    std::string name;
+    std::vector<uint32_t> texels;
+};
+
+double exponent(const ReflectanceTruth& truth, size_t texel) { return double(truth.parameters[texel][8]); }
+
+std::vector<Group> groups_of(const ReflectanceTruth& truth, const Options& o) {
+    std::vector<Group> out = {{"gold", {}}, {"green", {}}, {"moderate lobes", {}}, {"sharp lobes", {}}};
+    for (uint32_t t = 0; t < truth.material.size(); ++t) {
+        const TruthMaterial& material = truth.materials[truth.material[t]];
+        if (material.model != "lafortune") continue;
+        for (Group& group : out)
+            if (group.name == material.name) group.texels.push_back(t);
+        out[exponent(truth, t) < o.sharp ? 2 : 3].texels.push_back(t);
+    }
+    return out;
+}
+
+/// The worst relative error of a texel's nine.
+double worst_error(const ReflectanceFit& fit, const ReflectanceTruth& truth, size_t texel) {
+    double worst = 0;
+    for (size_t i = 0; i < 9; ++i) {
+        const double found = double(fit.parameters[9 * texel + i]), expected = double(truth.parameters[texel][i]);
+        worst = std::max(worst, std::abs((i == 8 ? std::exp(found) : found) - expected) / std::abs(expected));
+    }
+    return worst;
+}
+
+double median(std::vector<double> values) {
+    if (values.empty()) return NAN;
+    const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// Of samples in [0, 1]: errors below are rounding.
+constexpr double least_rms = 1e-4;
+
+struct Verdict {
+    size_t texels = 0;
+    double worst_median = 0, recovered = 0, within = 0, iterations = 0;
+};
+Verdict judge(const Group& group, const ReflectanceFit& fit, const ReflectanceFit& ceres, const ReflectanceTruth& truth,
+              const Options& o) {
+    Verdict out;
+    std::vector<double> worst, iterations;
+    for (const uint32_t t : group.texels) {
+        // what every contestant was given: distributors may differ in some pixels
+        if (fit.samples[t] < 9 || ceres.samples[t] < 9) continue;
+        worst.push_back(worst_error(fit, truth, t));
+        iterations.push_back(fit.iterations[t]);
+        const auto rms = [&](const ReflectanceFit& f) {
+            return std::sqrt(2 * double(f.error[t]) / (3.0 * f.samples[t]));
+        };
+        out.within += rms(fit) <= std::max(o.within * rms(ceres), least_rms);
+        out.recovered += worst.back() < o.recovered;
+    }
+    out.texels = worst.size();
+    out.within /= double(out.texels);
+    out.recovered /= double(out.texels);
+    out.worst_median = median(std::move(worst));
+    out.iterations = median(std::move(iterations));
+    return out;
+}
+
+void reflectance(Experiment& experiment) {
+    const Options o(experiment.config());
+    const std::string cpu = experiment.cpu_name();
+    std::string opengl;
+    ResultFolder results = experiment.open_results(cpu);
+    CsvWriter fits(results.path() / "fits.csv",
+                   {"images", "method", "renderer", "iterations", "group", "texels", "worst_error_median",
+                    "recovered_share", "within_share", "iterations_median"});
+    CsvWriter times(results.path() / "times.csv",
+                    {"images", "method", "renderer", "texels", "samples", "distribution_s", "solve_s", "fits_per_s",
+                     "ns_per_sample_iteration"});
+    Table table(
+        {"images", "method", "solve s", "fits/s", "moderate within", "sharp within", "gold off by", "green off by"});
+    for (const bool noisy : {false, true}) {
+        OrnamentOptions ornament;
+        if (noisy) {
+            ornament.sensor.read_noise = float(o.read_noise);
+            ornament.sensor.shot_noise = float(o.shot_noise);
+        } else {
+            ornament.sensor.encoding = Encoding::f32_linear;
+        }
+        const Dataset dataset = experiment.dataset("ornament", ornament, noisy ? "noisy" : "exact");
+        const ReflectanceTruth truth = read_truth(dataset.folder);
+        const std::vector<Group> groups = groups_of(truth, o);
+        const char* images = noisy ? "noisy" : "noise-free";
+        std::vector<Method> methods = methods_of(o, dataset.normal_map.side, noisy);
+        SharedTexels shared = distribute_texels(dataset, methods.front().request, dataset.split(false));
+        for (Method& m : methods) {
+            log_info(fmt::format("{}, {} images", m.name, images));
+            m.outcome = solve_reflectance(dataset, m.request, {}, nullptr, &shared);
+            if (!m.outcome.gl_renderer.empty()) note_gl(m.outcome, results.record());
+            const std::string renderer = m.outcome.gl_renderer.empty() ? cpu : m.outcome.gl_renderer;
+            if (!m.outcome.gl_renderer.empty()) opengl = "; OpenGL: " + renderer;
+            const FitTimes& t = m.outcome.times;
+            const double solve_s = t.total - t.distribution, texels = double(m.outcome.fit.problem_count());
+            // two passes per iteration of the streamed optimizers, one of Levenberg-Marquardt
+            const double ns = 1e9 * solve_s / double(std::max<uint64_t>(1, m.outcome.sample_iterations));
+            times.row({images, m.name, renderer, fmt::format("{}", m.outcome.fit.problem_count()),
+                       fmt::format("{}", m.outcome.samples), fmt::format("{:.4g}", shared.seconds),
+                       fmt::format("{:.4g}", solve_s), fmt::format("{:.4g}", texels / solve_s),
+                       fmt::format("{:.4g}", ns)});
+            std::vector<Verdict> verdicts;
+            for (const Group& group : groups) {
+                const Verdict v = judge(group, m.outcome.fit, methods.front().outcome.fit, truth, o);
+                verdicts.push_back(v);
+                fits.row({images, m.name, renderer, std::to_string(m.request.iterations), group.name,
+                          fmt::format("{}", v.texels), fmt::format("{:.4g}", v.worst_median),
+                          fmt::format("{:.5f}", v.recovered), fmt::format("{:.5f}", v.within),
+                          fmt::format("{}", v.iterations)});
+            }
+            table.add({images, m.name, fmt::format("{:.2f}", solve_s), fmt::format("{:.0f}", texels / solve_s),
+                       fmt::format("{:.2f} %", 100 * verdicts[2].within),
+                       fmt::format("{:.2f} %", 100 * verdicts[3].within),
+                       fmt::format("{:.2g} %", 100 * verdicts[0].worst_median),
+                       fmt::format("{:.2g} %", 100 * verdicts[1].worst_median)});
+            if (&m != &methods.front()) m.outcome = {};
+        }
+    }
+    fits.commit();
+    times.commit();
+    results.commit();
+    log_info(table.text());
+    experiment.draw(results, fmt::format("ornament, {} scale; {}{}", experiment.profile(), cpu, opengl));
+}
+
+}  // namespace
+}  // namespace radiafit
+
+int main(int argc, char** argv) { return radiafit::run_experiment("reflectance", argc, argv, radiafit::reflectance); }
