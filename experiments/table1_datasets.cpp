@@ -6,6 +6,7 @@
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "capture/image_file.h"
+#include "cpu/texel_solver.h"
 #include "dataset/image_stream.h"
 #include "experiment.h"
 #include "report/csv.h"
@@ -15,7 +16,7 @@ namespace radiafit {
 namespace {
 
 struct Options {
-    std::vector<std::string> datasets = {"star", "bust"};
+    std::vector<std::string> datasets = {"star", "bust", "ornament"};
     int surface_side = 8, view_side = 8, terms = 1;
 
     explicit Options(Config& c) {
@@ -34,6 +35,7 @@ struct Stated {
 Stated stated_in_paper(const std::string& dataset) {
     if (dataset == "bust") return {"7228", "161 MB"};
     if (dataset == "star") return {"6093", "159 MB"};
+    if (dataset == "ornament") return {"3690", "980 MB"};
     return {"not stated", "not stated"};
 }
 
@@ -71,6 +73,33 @@ uint64_t shared_texels(const SampleList& list) {
     return shared;
 }
 
+/// What a dataset's model comes to: a light field map, or, where the light moves, Lafortune's nine numbers per texel.
+struct Sizes {
+    int side;
+    uint64_t parameters, texels, problems, paper_bytes = 0, engine_bytes = 0;
+};
+
+Sizes light_field_sizes(const Dataset& dataset, const FitRequest& request) {
+    const LfmOptions& model = request.model;
+    const TriangleAtlas atlas(dataset.mesh, model.surface_side);
+    const LfmLayout layout(VertexRings(dataset.mesh), int(atlas.texels_per_tile()), model.view_side, model.terms);
+    Sizes out{model.surface_side, layout.parameter_count(), layout.size() / 4, 3 * layout.problem_count()};
+    out.paper_bytes = total_bytes(
+        paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), model.surface_side, model.view_side));
+    for (const PlanRow& row : plan(dataset, request))
+        if (row.array != "samples, at most") out.engine_bytes += row.bytes;
+    return out;
+}
+
+/// As the paper stores them, in three RGBA maps.
+Sizes lafortune_sizes(const Dataset& dataset) {
+    const TexelModel& model = *find_texel_model("lafortune");
+    const int side = dataset.normal_map.side;
+    const uint64_t texels = TriangleAtlas(dataset.mesh, side).texel_count();
+    return {side, texels * uint64_t(model.parameters),         texels * uint64_t(model.parameters / 3), texels,
+            0,    texel_solvers(model).stream_bytes(texels, 0)};
+}
+
 void table1(Experiment& experiment) {
     const Options o(experiment.config());
     FitRequest request;
@@ -90,33 +119,30 @@ void table1(Experiment& experiment) {
     for (const std::string& shape : o.datasets) {
         datasets.push_back(experiment.dataset(shape));
         const Dataset& dataset = datasets.back();
-        const TriangleAtlas atlas(dataset.mesh, o.surface_side);
-        const VertexRings rings(dataset.mesh);
-        const LfmLayout layout(rings, int(atlas.texels_per_tile()), o.view_side, o.terms);
-        const SharedSamples samples = distribute(dataset, atlas, request);
-        const uint64_t paper_bytes = total_bytes(
-            paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), o.surface_side, o.view_side));
-        uint64_t engine_bytes = 0;
-        for (const PlanRow& row : plan(dataset, request))
-            if (row.array != "samples, at most") engine_bytes += row.bytes;
+        const Sizes sizes = dataset.light_moves() ? lafortune_sizes(dataset) : light_field_sizes(dataset, request);
+        const TriangleAtlas atlas(dataset.mesh, sizes.side);
+        FitRequest here = request;
+        here.model.surface_side = sizes.side;
+        const SharedSamples samples = distribute(dataset, atlas, here);
         const DistributionStatistics& s = samples.statistics;
         const size_t held_out = dataset.split(true).size();
-        rows.row(
-            {dataset.name, std::to_string(dataset.mesh.triangle_count()), std::to_string(dataset.mesh.vertex_count()),
-             std::to_string(dataset.views.size()), std::to_string(held_out), std::to_string(dataset.image_bytes()),
-             std::to_string(layout.parameter_count()), std::to_string(layout.size() / 4),
-             std::to_string(3 * layout.problem_count()), std::to_string(s.samples), std::to_string(s.covered_pixels),
-             fmt::format("{:.4f}", s.kept_share()), fmt::format("{:g}", s.median_samples_per_texel),
-             std::to_string(shared_texels(samples.list)), std::to_string(paper_bytes), std::to_string(engine_bytes)});
+        rows.row({dataset.name, std::to_string(dataset.mesh.triangle_count()),
+                  std::to_string(dataset.mesh.vertex_count()), std::to_string(dataset.views.size()),
+                  std::to_string(held_out), std::to_string(dataset.image_bytes()), std::to_string(sizes.parameters),
+                  std::to_string(sizes.texels), std::to_string(sizes.problems), std::to_string(s.samples),
+                  std::to_string(s.covered_pixels), fmt::format("{:.4f}", s.kept_share()),
+                  fmt::format("{:g}", s.median_samples_per_texel), std::to_string(shared_texels(samples.list)),
+                  std::to_string(sizes.paper_bytes), std::to_string(sizes.engine_bytes)});
         const Stated stated = stated_in_paper(shape);
         const auto mega = [](double x, const char* unit) { return fmt::format("{:.2f} {}", x / 1e6, unit); };
         table.add({dataset.name, fmt::format("{} ({})", dataset.mesh.triangle_count(), stated.triangles),
                    std::to_string(dataset.mesh.vertex_count()), fmt::format("{} ({})", dataset.views.size(), held_out),
                    fmt::format("{:.1f} MB ({})", double(dataset.image_bytes()) / 1e6, stated.image_bytes),
-                   mega(double(layout.parameter_count()), "M"), mega(double(layout.size() / 4), "MT"),
-                   std::to_string(3 * layout.problem_count()), mega(double(s.samples), "M"),
+                   mega(double(sizes.parameters), "M"), mega(double(sizes.texels), "MT"),
+                   std::to_string(sizes.problems), mega(double(s.samples), "M"),
                    fmt::format("{:.1f}%", 100 * s.kept_share()), fmt::format("{:g}", s.median_samples_per_texel),
-                   mega(double(paper_bytes), "MB"), mega(double(engine_bytes), "MB")});
+                   sizes.paper_bytes ? mega(double(sizes.paper_bytes), "MB") : "",
+                   mega(double(sizes.engine_bytes), "MB")});
 
         CsvWriter histogram(results.path() / (dataset.name + "_samples_per_texel.csv"), {"samples", "texels"});
         std::vector<uint64_t> counts;
@@ -135,7 +161,8 @@ void table1(Experiment& experiment) {
     write_file(experiment.figures() / "table1_datasets.md",
                fmt::format("# {}\n\nIn brackets: what the paper states of its own captures, which are not public. "
                            "Surface maps of side {} ({} texels; "
-                           "the paper: 32), view maps {} x {}, {} term(s). Memory: bytes of all vectors and states, "
+                           "the paper: 32), view maps {} x {}, {} term(s); of the ornament Lafortune's nine parameters "
+                           "per texel. Memory: bytes of all vectors and states, "
                            "images and samples left out.\n\n{}",
                            title, o.surface_side, o.surface_side * (o.surface_side + 1) / 2, o.view_side, o.view_side,
                            o.terms, table.markdown()));

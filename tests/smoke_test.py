@@ -88,7 +88,11 @@ class Smoke(ProgramTest):
 
     def check_table1_datasets(self, tables):
         rows = tables["datasets"]
-        self.assertEqual([row["dataset"] for row in rows], ["star", "bust"])
+        self.assertEqual([row["dataset"] for row in rows], ["star", "bust", "ornament"])
+        ornament = rows.pop()
+        self.assertEqual((ornament["images"], ornament["problems"], ornament["parameters"]),
+                         ("240", str(320 * 21), str(9 * 320 * 21)))
+        self.assertGreater(float(ornament["median_samples_per_texel"]), 10)
         for row in rows:
             self.assertEqual((row["triangles"], row["images"], row["held_out"]), ("320", "24", "3"))
             self.assertEqual(int(row["image_bytes"]), 24 * 64 * 64 * 3)
