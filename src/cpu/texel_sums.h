@@ -11,7 +11,7 @@ namespace radiafit {
 ///     error         = 1/2 sum w r_c^2         1
 /// The gradient by shape i is sum_c a[last][c] linear[B + i][c]. Keeping its three parts apart (9 + 1 sums would do for
 /// plain Levenberg-Marquardt) lets the coefficients, which are linear, be solved exactly after every sweep.
-/// Floats over 64 samples at a time, doubles beyond.
+/// Floats over 48 samples at a time, doubles beyond.
 template <class Text>
 struct TexelSums {
     static constexpr int B = Text::basis_count, C = B + Text::shape_count;
@@ -22,7 +22,7 @@ struct TexelSums {
 
 namespace detail {
 /// Rows whose sums are taken in floats, between two visits to doubles; what is computed of them stays in L1.
-constexpr size_t run_length = 64;
+constexpr size_t run_length = 48;
 template <class Row, class Body>
 void for_runs(std::span<const Row> rows, const Body& body) {
     for (size_t i = 0; i < rows.size(); i += run_length) body(rows.subspan(i, std::min(run_length, rows.size() - i)));
