@@ -91,6 +91,10 @@ class Reflectance(ProgramTest):
         lit, dark = (sum(read_png(self.root / f"{name}.png")[2]) for name in ("lit", "dark"))
         self.assertNotEqual(lit, dark)
         self.good("render", "lm", "--turntable", "2", "-o", "turns")
+        self.good("render", "lm", "--problems", "-o", "problems")
+        self.assertTrue((self.root / "problems.svg").exists())
+        self.assertGreater(len(set(read_png(self.root / "problems.png")[2])), 20)
+        self.assertFalse(list(self.root.glob(".tmp*")))
         self.refused("render", "lm", "--light", "0,0,0", "-o", "none", says=["--light", "0"])
 
     def grid(self, name, count=12, size=8):

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 #include "eval/reflectance_renderer.h"
 #include "eval/render.h"
 #include "eval/truth_errors.h"
+#include "report/problem_picture.h"
 
 namespace radiafit {
 
@@ -189,6 +191,8 @@ void write_sheet(const std::filesystem::path& stem, const JudgedView& fit, const
 }
 
 void render_light_field(const RenderOptions& o) {
+    if (o.problems)
+        throw UserError("--problems: those of a light field map are vertices, with no place of their own on a picture");
     if (!o.light.empty()) throw UserError("--light: a light field map keeps the light it was photographed under");
     const StoredFit stored = read_fit(o.fit);
     const LightFieldFit& fit = stored.fit;
@@ -208,8 +212,35 @@ void render_light_field(const RenderOptions& o) {
                 view, light_field_baseline);
 }
 
+/// Where and why a fit failed, as a picture.
+void render_problems(const StoredReflectance& stored, const std::filesystem::path& stem) {
+    const ReflectanceFit& fit = stored.fit;
+    const Atlas& atlas = *stored.atlas;
+    ProblemPicture picture;
+    picture.width = atlas.width();
+    picture.height = atlas.height();
+    for (auto* map : {&picture.status, &picture.iterations, &picture.samples, &picture.rms})
+        map->assign(size_t(picture.width) * size_t(picture.height), NAN);
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
+        if (!atlas.usable(t)) continue;
+        const auto [x, y] = atlas.place(t);
+        const size_t at = size_t(y) * size_t(picture.width) + size_t(x);
+        picture.status[at] = float(fit.status[t]);
+        picture.iterations[at] = float(fit.iterations[t]);
+        picture.samples[at] = float(fit.samples[t]);
+        if (fit.samples[t] > 0) picture.rms[at] = std::sqrt(2 * fit.error[t] / (3 * float(fit.samples[t])));
+    }
+    for (size_t s = 0; s < size_t(Status::count); ++s) picture.status_names.push_back(to_string(Status(s)));
+    picture.title = fmt::format("{}: {} by {} on {}, a problem per texel", fit.dataset_name, fit.options.model->name,
+                                fit.solver, fit.engine);
+    picture.unit = "reflectance (white = 1)";
+    draw_problems(picture, stem);
+    log_info(fmt::format("{0}.png, {0}.svg", stem.string()));
+}
+
 void render_reflectance(const RenderOptions& o) {
     const StoredReflectance stored = read_reflectance(o.fit);
+    if (o.problems) return render_problems(stored, stem_of(o.output));
     const Dataset& dataset = *stored.dataset;
     const uint32_t view = chosen_view(dataset, o.view);
     View shown = dataset.views[view];
@@ -274,6 +305,12 @@ void add_render(CLI::App& app) {
     command->add_option("--light", o->light, "x y z: direction to a distant lamp of intensity 1, of a reflectance fit")
         ->expected(3)
         ->delimiter(',');
+    command
+        ->add_flag("--problems", o->problems,
+                   "how each texel's fit ended, its iterations, samples and error, in the atlas, of a reflectance fit")
+        ->excludes(view)
+        ->excludes("--light")
+        ->excludes("--turntable");
     command->add_option("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
         ->required();
     command->callback([=] { render(*o); });
