@@ -64,8 +64,10 @@ std::vector<PlanRow> plan_texels(const Dataset& dataset, const FitRequest& reque
         rows.push_back({"samples held in step 1, at most", "--memory", 0, request.memory_bytes()});
         return rows;
     }
-    rows.push_back({"samples, about", "pixels in texels x 16 bytes", samples,
-                    samples * sizeof(TexelRadiance) + texels * sizeof(uint64_t)});
+    // 16 bytes each in the end
+    constexpr uint64_t on_their_way = sizeof(TexelRadiance) + sizeof(uint32_t);
+    rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes while images come", on_their_way),
+                    samples, samples * on_their_way + texels * sizeof(uint64_t)});
     if (request.solver == "stream" && !request.levenberg_marquardt())
         rows.push_back({"engine, about",
                         "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
