@@ -288,7 +288,7 @@ class Fits(BadInput):
         self.refused("judge", "damaged", says=["damaged/view_term0.exr: ", "write it again"])
 
     def test_options(self):
-        self.refused("judge", "fit", "--split", "all", says=["split 'all'", "choose train or test"])
+        self.refused("judge", "fit", "--split", "all", says=["split 'all'", "choose train, test or validation"])
         self.refused("render", "fit", "--view", "24", "-o", "picture", says=["--view 24", "0 to 23"])
         self.refused("render", "fit", "--turntable", "0", "-o", "picture", says=["--turntable", "range 1 to 10000"])
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/solver.h"
@@ -177,6 +178,7 @@ void FitRequest::check() const {
     if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
     if (validation != 0 && validation < 2)
         throw UserError(fmt::format("validation = {}: choose 0 (none) or 2 and more", validation));
+    if (std::isnan(mu)) throw UserError("mu = nan: weights are finite and not negative");
     if (refills < 0) throw UserError(fmt::format("refills = {}: choose 0 or more", refills));
     if (!(stop_residual >= 0 && stop_output_change >= 0))
         throw UserError(fmt::format("stop-residual = {}, stop-change = {}: choose 0 (off) or more", stop_residual,

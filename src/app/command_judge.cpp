@@ -22,8 +22,13 @@ namespace radiafit {
 namespace {
 /// FitRequest::validation of the fit.
 int validation_of(const FitRecord& fit) {
-    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json);
-    return options.value("validation", 0);
+    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
+    if (!options.is_object() || !options.contains("validation")) return 0;
+    const auto& validation = options.at("validation");
+    if (!validation.is_number_integer() || validation.get<int>() < 0)
+        throw UserError(fmt::format("the fit of {}: fit.json's options.validation is no number of views; fit again",
+                                    fit.dataset_name));
+    return validation.get<int>();
 }
 }  // namespace
 
@@ -82,6 +87,9 @@ Judgement judge_reflectance(const std::string& folder, const std::string& moved_
     const bool known = has_truth(dataset.folder);
     if (known) {
         truth = read_truth(dataset.folder);
+        if (truth.material.size() != atlas.texel_count())
+            throw UserError(fmt::format("{}: the truth has {} texels where the dataset has {}; generate it anew",
+                                        dataset.folder.string(), truth.material.size(), atlas.texel_count()));
         for (const TruthMaterial& material : truth.materials) parts.names.push_back(material.name);
         parts.of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); };
     }

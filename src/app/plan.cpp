@@ -27,7 +27,7 @@ std::vector<PlanRow> rows_of(const std::vector<PlannedArray>& arrays) {
 
 /// Pixels in texels over all training views, from every eighth of them.
 uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request) {
-    const std::vector<uint32_t> views = dataset.split(false);
+    const std::vector<uint32_t> views = fitted_views(dataset, request);
     FitRequest on_cpu = request;
     on_cpu.distributor = "cpu";
     const Distributors distributors = make_distributors(atlas, on_cpu);
@@ -54,14 +54,16 @@ std::vector<PlanRow> plan_texels(const Dataset& dataset, const FitRequest& reque
     const TexelOptions options = request.texel_options();
     const auto atlas = texel_atlas(dataset, options.surface_side);
     if (request.solver == "stream" && request.engine == "fragment")
-        return rows_of(plan_texel_engine(dataset, *atlas, dataset.split(false), options, fragment_options(request)));
+        return rows_of(
+            plan_texel_engine(dataset, *atlas, fitted_views(dataset, request), options, fragment_options(request)));
     const uint64_t texels = atlas->texel_count(), samples = estimate_samples(dataset, *atlas, request);
     const uint64_t n = uint64_t(options.model->parameters);
     std::vector<PlanRow> rows;
     rows.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
                     texels * 4 * (n + 4) - 3 * texels});
     if (request.solver == "two-step") {
-        rows.push_back({"samples held in step 1, at most", "--memory", 0, request.memory_bytes()});
+        rows.push_back(
+            {"samples held in step 1, at most", "--memory, beside an image per thread", 0, request.memory_bytes()});
         return rows;
     }
     // 16 bytes each in the end
@@ -84,13 +86,13 @@ std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
     const VertexRings rings(dataset.mesh);
     if (request.engine == "fragment") {
         const TriangleAtlas atlas(dataset.mesh, options.surface_side);
-        return rows_of(
-            plan_fragment_engine(dataset, atlas, rings, dataset.split(false), options, fragment_options(request)));
+        return rows_of(plan_fragment_engine(dataset, atlas, rings, fitted_views(dataset, request), options,
+                                            fragment_options(request)));
     }
     std::vector<PlanRow> rows;
     const int tile_texels = options.surface_side * (options.surface_side + 1) / 2;
     const LfmLayout layout(rings, tile_texels, options.view_side, options.terms);
-    const size_t training = dataset.split(false).size();
+    const size_t training = fitted_views(dataset, request).size();
     const uint64_t vector_bytes = layout.size() * sizeof(float);
     const auto add = [&](std::string name, std::string shape, uint64_t count, uint64_t bytes) {
         rows.push_back({std::move(name), std::move(shape), count, bytes});
@@ -100,7 +102,7 @@ std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
     add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), training),
         rings.vertex_count() * training, rings.vertex_count() * training * 20);
     uint64_t pixels = 0;
-    for (uint32_t view : dataset.split(false))
+    for (uint32_t view : fitted_views(dataset, request))
         pixels += uint64_t(dataset.views[view].camera.width) * dataset.views[view].camera.height;
     add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
     return rows;

@@ -62,6 +62,9 @@ bool validates(size_t training_view, int every) { return every > 0 && int(traini
 
 std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& request) {
     const std::vector<uint32_t> training = dataset.split(false);
+    if (request.validation > int(training.size()))
+        throw UserError(fmt::format("validation = {}: {} has {} training views; choose fewer", request.validation,
+                                    dataset.folder.string(), training.size()));
     std::vector<uint32_t> out;
     for (size_t k = 0; k < training.size(); ++k)
         if (!validates(k, request.validation)) out.push_back(training[k]);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/choices.h"
 #include "app/solver.h"
 #include "base/clock.h"
@@ -89,7 +91,6 @@ void solve_fragment(TexelTask& task) {
     Stopwatch clock;
     TexelFragmentEngine engine(task.dataset, *out.atlas, task.views, task.options, fragment_options(request));
     const ProblemStatistics statistics = engine.count();
-    if (!statistics.any()) reject_unseen(task.dataset);
     engine.reset(engine.start());
     out.trace = optimize(engine, request.optimizer_options(), [&](int iteration) {
         if (task.each_iteration)
@@ -231,6 +232,11 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& r
         throw UserError(
             fmt::format("solver {} fits light field maps only; choose stream, two-step or ceres for --model {}",
                         request.solver, request.kind));
+    if (std::all_of(out.fit.samples.begin(), out.fit.samples.end(), [](uint32_t n) { return n == 0; }))
+        throw UserError(
+            fmt::format("{}: no sample is left to fit; choose a larger --clip-above or a smaller "
+                        "--shadow-below, and check that lamps and cameras stand before the surface",
+                        dataset.folder.string()));
     out.fit.options = task.options;
     out.fit.space = TargetSpace::linear;
     out.fit.solver = request.solver;

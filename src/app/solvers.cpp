@@ -143,6 +143,10 @@ void reject_idle_options(const FitRequest& request) {
         if (request.solver == solver.name) options = solver.options;
     if (request.texel_local()) {
         options = texel_options_of(request);
+        if (options.empty())
+            throw UserError(
+                fmt::format("solver {} fits light field maps only; choose stream, two-step or ceres for --model {}",
+                            request.solver, request.kind));
         what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what);
     }
     if (request.solver == "stream") {

@@ -55,7 +55,8 @@ void TexelFit<Text>::evaluate(const Batch& batch, Point& p) {
     }
     p.sums = texel_sums<Text>(batch.rows(), packed);
     const SmallMatrix<WidePack, B> a = detail::leading<B, C>(p.sums.shared);
-    const SmallFactor<WidePack, B> factor(a, detail::noise);
+    // a plain linear fit has no bounds that would keep coefficients small where samples don't tell them apart
+    const SmallFactor<WidePack, B> factor(a, detail::noise, Q > 0 ? SmallPivots::raised : SmallPivots::left_out);
     for (size_t c = 0; c < 3; ++c) {
         SmallVector<WidePack, B> g;
         for (size_t k = 0; k < size_t(B); ++k) g[k] = p.sums.linear[k][c];

@@ -54,10 +54,10 @@ std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const Reflec
         std::vector<double> worst;
         std::vector<std::vector<double>> each(n);
         for (size_t t = 0; t < fit.samples.size(); ++t) {
-            if (truth.material[t] != m || fit.samples[t] == 0) continue;
+            if (truth.material[t] != m || int(fit.samples[t]) < model.independent) continue;
+            if (fit.status[t] == Status::not_finite) continue;
             squared += 2 * double(fit.error[t]);
             samples += 3.0 * fit.samples[t];
-            if (fit.status[t] == Status::underdetermined || fit.status[t] == Status::not_finite) continue;
             ++errors.texels;
             if (!errors.comparable) continue;
             double largest = 0;

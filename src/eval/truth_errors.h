@@ -10,8 +10,8 @@ namespace radiafit {
 /// How far a fit's parameters are from a synthetic dataset's truth, in one material.
 struct MaterialErrors {
     std::string name;
-    uint64_t texels = 0;  ///< with samples, and not underdetermined
-    double rmse = 0;      ///< of all samples of the material, training views: sqrt(2 sum E / (3 sum samples))
+    uint64_t texels = 0;  ///< with as many samples as the model needs, and finite ones
+    double rmse = 0;      ///< of these texels' samples, training views: sqrt(2 sum E / (3 sum samples))
     /// Of a material that the fitted model is the truth of: |p - truth| / |truth| in the canonical gauge.
     bool comparable = false;
     double worst_median = 0;              ///< median over texels of the worst parameter's error

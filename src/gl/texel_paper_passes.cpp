@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 
 #include "gl/texel_passes.h"
@@ -91,9 +92,10 @@ void PaperTexelPasses::count(const std::vector<ImageOnDevice>& images) {
 void PaperTexelPasses::start(const std::vector<ImageOnDevice>& images, int group, int window,
                              const TexelSumLayers& sums) {
     const size_t first = size_t(window * StartLayout::most_targets);
+    const size_t layers = std::min(sums.each.size(), start_.size() - first);  // the last window may be a small one
     for (const ImageOnDevice& image : images) {
         keep(image, target_);
-        for (size_t layer = 0; layer < sums.each.size(); ++layer) {
+        for (size_t layer = 0; layer < layers; ++layer) {
             w_.set_shapes(start_[first + layer], group);
             add(start_[first + layer], sums.each[layer]);
         }

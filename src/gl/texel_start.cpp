@@ -34,7 +34,10 @@ Fit<basis> solve(const float* numbers, int candidate, const double (&bounds)[bas
         for (size_t j = 0; j <= k; ++j) normal[k][j] = double(*at++);
         for (auto& channel : slope) channel[k] = -double(*at++);
     }
-    const SmallFactor<double, basis> factor(normal, noise);
+    const bool bounded = bounds[basis - 1][1] - bounds[basis - 1][0] < 1e29;
+    // a plain linear fit has no bounds that would keep coefficients small where samples don't tell them apart
+    const SmallFactor<double, basis> factor(normal, bounded ? noise : 10 * noise,
+                                            bounded ? SmallPivots::raised : SmallPivots::left_out);
     Fit<basis> fit{};
     for (size_t c = 0; c < 3; ++c) {
         const auto best = bounded_step<double, basis>(normal, factor, slope[c], {}, bounds);

@@ -12,12 +12,17 @@ using SmallVector = std::array<real, size_t(N)>;
 template <class real, int N>
 using SmallMatrix = std::array<SmallVector<real, N>, size_t(N)>;
 
-/// A = L D L' of a symmetric matrix; of A its lower triangle is read. Pivots are kept at `floor` times their diagonal
-/// entry at least: where A is not positive definite, a larger matrix is factored in its place.
+/// What becomes of a pivot that is too small: `raised`, so that a larger matrix is factored where A is not positive
+/// definite; or the unknown is `left_out`: solutions have 0 there.
+enum class SmallPivots { raised, left_out };
+
+/// A = L D L' of a symmetric matrix; of A its lower triangle is read. Pivots below `floor` times their diagonal entry
+/// are small.
 template <class real, int N>
 class SmallFactor {
 public:
-    SmallFactor(const SmallMatrix<real, N>& a, double floor) : l_(a) {
+    SmallFactor(const SmallMatrix<real, N>& a, double floor, SmallPivots small = SmallPivots::raised) : l_(a) {
+        using shared_text::select;
         using std::max, std::min;
         for (size_t j = 0; j < size_t(N); ++j) {
             real pivot = a[j][j];
@@ -25,6 +30,8 @@ public:
             smallest_ = min(smallest_, pivot / (a[j][j] + real(1e-30)));
             pivot_[j] = max(pivot, real(floor) * a[j][j] + real(1e-30));
             inverse_[j] = real(1.0) / pivot_[j];
+            if (small == SmallPivots::left_out)
+                inverse_[j] = select<real>(pivot <= real(floor) * a[j][j], real(0.0), inverse_[j]);
             for (size_t i = j + 1; i < size_t(N); ++i) {
                 real x = a[i][j];
                 for (size_t k = 0; k < j; ++k) x -= l_[i][k] * l_[j][k] * pivot_[k];

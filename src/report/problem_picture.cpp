@@ -96,8 +96,10 @@ void draw_problems(const ProblemPicture& picture, const std::filesystem::path& s
     write_values(work.path() / "samples.f32", picture.samples);
     write_values(work.path() / "rms.f32", picture.rms);
     write_file(work.path() / "problems.gp", script);
+    std::string quoted;  // the script puts it between single quotes
+    for (const char c : work.path().string()) quoted += c == '\'' ? std::string("''") : std::string(1, c);
     draw_figure(work.path() / "problems.gp", stem,
-                {{"data", work.path().string()},
+                {{"data", quoted},
                  {"width", std::to_string(picture.width)},
                  {"height", std::to_string(picture.height)},
                  {"heading", plain(picture.title)},

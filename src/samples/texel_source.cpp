@@ -120,7 +120,7 @@ void distribute(const Dataset& dataset, const Atlas& atlas, const std::vector<ui
     const size_t at_once = distributors.size() == 1 ? 1 : size_t(thread_count());
     for (size_t i = 0; i < at_once; ++i)
         workers.push_back({ImageStream(dataset, StreamSource::disk, TargetSpace::linear), {}, {}, {}});
-    std::vector<std::vector<Entry>> entries(4 * at_once);
+    std::vector<std::vector<Entry>> entries(at_once);
     std::vector<uint32_t> covered(entries.size());
     for (size_t begin = 0; begin < views.size(); begin += entries.size()) {
         const size_t count = std::min(entries.size(), views.size() - begin);

@@ -39,8 +39,10 @@ public:
 };
 
 struct TexelDistributionOptions {
-    uint64_t memory = ~uint64_t(0);  ///< bytes of samples held at a time; what exceeds it waits in a file
-    std::string key = {};            ///< of records: what they come from; compared when they are opened again
+    /// Bytes of samples held at a time, beside those of the images in work (one per thread); what exceeds it waits in a
+    /// file.
+    uint64_t memory = ~uint64_t(0);
+    std::string key = {};  ///< of records: what they come from; compared when they are opened again
 };
 
 struct TexelDistributionStatistics {
