@@ -53,6 +53,29 @@ class Reflectance(ProgramTest):
         self.assertEqual(set(lm), {"rho_d.exr", "rho_s.exr", "shape.exr", "problems.exr"})
         self.assertEqual(lm, steps)
 
+    def test_records_are_kept_and_shared(self):
+        def fit(*options):
+            return ("fit", "ornament", "--solver", "two-step", "--records", "records", *options)
+
+        self.good(*fit("--model", "lambert", "-o", "shared"))
+        before = snapshot(self.root / "records")
+        self.assertEqual(set(before), {"texels.json", "texels_index.bin", "texels.bin"})
+        for options in (("lafortune", "--optimizer", "cg", "--iterations", "2"), ("lambert", "--clip-above", "0.9"),
+                        ("ptm", "--shadow-below", "0.1")):
+            again = self.good(*fit("--model", *options, "-o", "shared"))
+            self.assertIn("records of an earlier run: records", again.stderr)
+        self.assertEqual(before, snapshot(self.root / "records"))
+        self.refused(*fit("--model", "lambert", "--validation", "5", "-o", "no"),
+                     says=["records/texels.json", "choose another --records folder"])
+        for name in ("texels_index.bin", "texels.bin"):
+            path = self.root / "records" / name
+            whole = path.read_bytes()
+            path.write_bytes(whole[:-1])
+            self.refused(*fit("--model", "lambert", "-o", "no"), says=[f"records/{name}: damaged", "delete the folder"])
+            path.unlink()
+            self.refused(*fit("--model", "lambert", "-o", "no"), says=[f"records/{name}: missing", "delete the folder"])
+            path.write_bytes(whole)
+
     def test_fit_json_says_what_was_fitted(self):
         fit = json.loads((self.root / "lm/fit.json").read_text())
         self.assertEqual(fit["model"], "lafortune")

@@ -74,6 +74,10 @@ class TwoStep(ProgramTest):
                     if name == "records.json" and len(bad) < len(whole):
                         continue  # the last byte is a line's end
                     self.refused("fit", "star", *FIT, "--records", "records", "-o", "other", says=[f"records/{name}: "])
+            path.unlink()
+            if name != "records.json":
+                self.refused("fit", "star", *FIT, "--records", "records", "-o", "other",
+                             says=[f"records/{name}: missing", "delete the folder records"])
             path.write_bytes(whole)
         self.good("fit", "star", *FIT, "--records", "records", "-o", "other")
 

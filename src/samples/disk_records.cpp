@@ -288,7 +288,7 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
 }
 
 DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
-    : file_((read_description(folder / description_name, format, key), folder / records_name)),
+    : file_((read_description(folder / description_name, format, key), open_records_file(folder / records_name))),
       path_(folder / records_name) {
     const auto json = nlohmann::ordered_json::parse(read_description(folder / description_name, format, key));
     kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
@@ -297,7 +297,7 @@ DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
     bytes_ = json.at("bytes");
     views_ = json.at("views").get<std::vector<uint32_t>>();
     vertices_.resize(json.at("vertices").get<size_t>());
-    const InputFile index(folder / index_name);
+    const InputFile index = open_records_file(folder / index_name);
     if (file_.size() != bytes_) throw_damaged_records(path_);
     if (index.size() != vertices_.size() * sizeof(VertexRecord)) throw_damaged_records(folder / index_name);
     index.read(vertices_.data(), 0, index.size());

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -22,8 +23,16 @@ uint64_t checksum_of(nlohmann::ordered_json description) {
 }  // namespace
 
 void throw_damaged_records(const std::filesystem::path& file) {
-    throw UserError(
-        fmt::format("{}: damaged; delete the folder {}, it is made anew", file.string(), file.parent_path().string()));
+    std::error_code ignored;
+    throw UserError(fmt::format("{}: {}; delete the folder {}, it is made anew", file.string(),
+                                std::filesystem::exists(file, ignored) ? "damaged" : "missing",
+                                file.parent_path().string()));
+}
+
+InputFile open_records_file(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) throw_damaged_records(file);
+    return InputFile(file);
 }
 
 void write_description(const std::filesystem::path& file, const std::string& object) {

@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <string>
 
+#include "base/file.h"
+
 /// The JSON file beside records on disk: says what they are and come from, and that they are whole.
 namespace radiafit {
 
@@ -9,7 +11,9 @@ namespace radiafit {
 void write_description(const std::filesystem::path& file, const std::string& object);
 /// The JSON object. Throws UserError unless the file is whole, of this "format", version 1, and its "key" is `key`.
 std::string read_description(const std::filesystem::path& file, const std::string& format, const std::string& key);
-/// Throws UserError: the file isn't what was written.
+/// Throws UserError: the file isn't what was written, or isn't there.
 [[noreturn]] void throw_damaged_records(const std::filesystem::path& file);
+/// Opens a file beside the description. Throws UserError, as above, if there is none.
+InputFile open_records_file(const std::filesystem::path& file);
 
 }  // namespace radiafit

@@ -222,8 +222,8 @@ public:
           samples_(description.at("samples")),
           blocks_(blocks_of(texels_)),
           path_(folder / records_name),
-          file_(path_) {
-        const InputFile index(folder / index_name);
+          file_(open_records_file(path_)) {
+        const InputFile index = open_records_file(folder / index_name);
         if (index.size() != blocks_.size() * sizeof(BlockRecord)) throw_damaged_records(folder / index_name);
         index.read(blocks_.data(), 0, index.size());
         if (description.at("index_checksum") != hash_bytes(blocks_.data(), index.size()))
