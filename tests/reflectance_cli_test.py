@@ -5,6 +5,7 @@ Arguments: the program.
 """
 import json
 import math
+import shutil
 import unittest
 
 from cli_fixture import ProgramTest, read_png, snapshot, take_arguments, write_png
@@ -80,6 +81,7 @@ class Reflectance(ProgramTest):
         fit = json.loads((self.root / "lm/fit.json").read_text())
         self.assertEqual(fit["model"], "lafortune")
         self.assertEqual(fit["space"], "linear")
+        self.assertEqual(fit["options"]["space"], "linear")
         self.assertEqual(fit["options"]["optimizer"], "lm")
         self.assertEqual(fit["options"]["surface_side"], 6)  # the side of the dataset's normals
         self.assertEqual(fit["reflectance"]["parameters"][-1], "log_n")
@@ -118,7 +120,37 @@ class Reflectance(ProgramTest):
         self.assertTrue((self.root / "problems.svg").exists())
         self.assertGreater(len(set(read_png(self.root / "problems.png")[2])), 20)
         self.assertFalse(list(self.root.glob(".tmp*")))
-        self.refused("render", "lm", "--light", "0,0,0", "-o", "none", says=["--light", "0"])
+        for light, shown in (("0,0,0", "0,0,0"), ("1e300,0,0", "1e+300,0,0"), ("nan,0,1", "nan,0,1")):
+            self.refused("render", "lm", "--light", light, "-o", "none", says=[f"--light {shown}: ", "finite and not 0"])
+        for view in ("-3", "-1", "240"):
+            self.refused("render", "lm", "--view", view, "-o", "none", says=[f"--view {view}: ", "views 0 to 239"])
+
+    def test_a_moved_dataset_is_named(self):
+        self.good("fit", "ornament", "--model", "lambert", "-o", "left")
+        self.good("fit", "star", "--iterations", "1", "-o", "map")
+        for fit, dataset in (("left", "ornament"), ("map", "star")):
+            moved, text = f"{dataset}-moved", (self.root / fit / "fit.json").read_text()
+            shutil.copytree(self.root / dataset, self.root / moved)
+            (self.root / fit / "fit.json").write_text(text.replace(f'"../{dataset}"', '"../gone"'))
+            for command in (("judge", fit), ("render", fit, "-o", "picture")):
+                self.refused(*command, says=["gone", "name its folder by --dataset"])
+                self.refused(*command, "--dataset", "nowhere", says=["nowhere", "name its folder by --dataset"])
+                self.good(*command, "--dataset", moved)
+            self.good("info", fit, "--dataset", moved)
+            other = {"ornament": "star", "star": "ornament"}[dataset]
+            self.refused("info", fit, "--dataset", other, says=[f"{other}: differs", "name the right folder"])
+        self.refused("info", "left", says=["gone", "name its folder by --dataset"])
+        self.refused("info", "star", "--dataset", "ornament", says=["--dataset ornament", "star is no fit"])
+
+    def test_a_truth_of_another_size(self):
+        folder = self.root / "cut"
+        shutil.copytree(self.root / "ornament", folder)
+        text = json.loads((folder / "truth.json").read_text())
+        text["texels"] -= 1
+        (folder / "truth.json").write_text(json.dumps(text))
+        for name, size in (("truth_parameters.f32", 36), ("truth_material.u8", 1)):
+            (folder / name).write_bytes((folder / name).read_bytes()[:-size])
+        self.refused("judge", "lm", "--dataset", "cut", says=["cut: the truth has 6719 texels where the dataset has 6720"])
 
     def grid(self, name, count=12, size=8):
         """A flat Lambertian sample: pixel (x, y) has albedo (x + 1) / 10 in red."""
@@ -149,6 +181,9 @@ class Reflectance(ProgramTest):
         reds = [rgb[3 * x] for x in range(8)]
         self.assertEqual(reds, sorted(reds))
         self.refused("render", "flat-fit", "--turntable", "2", "-o", "no", says=["--turntable"])
+        for option in (("--surface-side", "5"), ("--distributor", "gl"), ("--solver", "two-step", "--distributor", "gl")):
+            for command in (("fit", dataset, "-o", "no"), ("plan", dataset)):
+                self.refused(*command, "--model", "lambert", *option, says=[f"{option[-2]} means nothing to", "over a grid"])
 
     def test_what_makes_no_sense_is_refused(self):
         for options, words in (
@@ -159,6 +194,9 @@ class Reflectance(ProgramTest):
             (("star", "--optimizer", "lm"), ["optimizer lm", "cg or sd"]),
             (("ornament", "--model", "lafortune", "--terms", "2"), ["--terms", "means nothing"]),
             (("ornament", "--model", "lafortune", "--mode", "paper"), ["--mode", "means nothing"]),
+            (("ornament", "--model", "lafortune", "--optimizer", "cg", "--mu", "-1"), ["mu = -1", "not negative"]),
+            (("ornament", "--model", "lafortune", "--optimizer", "cg", "--mu", "nan"), ["mu = nan", "not negative"]),
+            (("star", "--mu", "-1"), ["mu = -1", "not negative"]),
             (("star", "--clip-above", "0.9"), ["--clip-above", "means nothing"]),
             (("ornament", "--model", "lafortune", "--shadow-below", "1.5"), ["shadow-below", "0 (off) to 1"]),
             (("ornament", "--model", "lafortune", "--surface-side", "9"), ["surface side 6", "--surface-side 6"]),

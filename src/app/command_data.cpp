@@ -39,16 +39,18 @@ void print_fit(const FitRecord& f, const std::string& what, bool json) {
         if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
 }
 
-void print_light_field(const std::filesystem::path& path, bool json) {
+/// A light field map brings its mesh along; its dataset is looked at only where `moved_to` says that it is.
+void print_light_field(const std::filesystem::path& path, const std::string& moved_to, bool json) {
     const LightFieldFit f = read_fit(path).fit;
+    if (!moved_to.empty()) open_fitted_dataset(f, moved_to);
     print_fit(f,
               fmt::format("{} terms, surface maps of side {}, view maps of side {}", f.options.terms,
                           f.options.surface_side, f.options.view_side),
               json);
 }
 
-void print_reflectance(const std::filesystem::path& path, bool json) {
-    const ReflectanceFit f = read_reflectance(path).fit;
+void print_reflectance(const std::filesystem::path& path, const std::string& moved_to, bool json) {
+    const ReflectanceFit f = read_reflectance(path, moved_to).fit;
     print_fit(f,
               fmt::format("{}, {} parameters in each of {} texels", f.options.model->name, f.options.model->parameters,
                           f.problem_count()),
@@ -137,9 +139,11 @@ void add_generate(CLI::App& app) {
 
 void add_info(CLI::App& app) {
     auto folder = std::make_shared<std::string>();
+    auto moved_to = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand("info", "what a dataset or fit is, checked whole");
     command->add_option("folder", *folder, "DATASET or FIT")->required();
+    command->add_option("--dataset", *moved_to, "where a fit's dataset is now, if it moved");
     command->add_flag("--json", *json, "one JSON object on standard output");
     command->callback([=] {
         const std::filesystem::path path(*folder);
@@ -151,10 +155,12 @@ void add_info(CLI::App& app) {
                 fmt::format("{}: neither a dataset nor a fit: it holds no dataset.json and no fit.json; give a folder "
                             "that radiafit generate, import or fit wrote",
                             path.string()));
+        if (!fit && !moved_to->empty())
+            throw UserError(fmt::format("--dataset {}: {} is no fit; leave it out", *moved_to, path.string()));
         if (fit && fitted_model(path) != "lfm")
-            print_reflectance(path, *json);
+            print_reflectance(path, *moved_to, *json);
         else if (fit)
-            print_light_field(path, *json);
+            print_light_field(path, *moved_to, *json);
         else
             print_dataset(open_dataset(path), *json);
     });
@@ -170,7 +176,7 @@ void add_plan(CLI::App& app) {
         request->check();
         const Dataset dataset = open_dataset(*folder);
         settle_options(*command, dataset, *request);
-        reject_idle_options(*request);
+        reject_idle_options(*request, dataset.has_grid());
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
             Table table({"array", "shape", "count", "MB"});
             for (const PlanRow& r : rows)

@@ -49,7 +49,13 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
     c.add_option("--shadow-below", r.shadow_below,
                  "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off")
         ->capture_default_str();
-    c.add_option("--mu", r.mu, "weight of the bounds; default: 1, in paper mode 1e-4");
+    c.add_option_function<double>(
+        "--mu",
+        [&r](double mu) {
+            if (!(mu >= 0)) throw UserError(fmt::format("mu = {}: weights are finite and not negative", mu));
+            r.mu = mu;  // below 0 it would be the default
+        },
+        "weight of the bounds; default: 1, in paper mode 1e-4");
     c.add_option("--iterations", r.iterations, "at most")->capture_default_str();
     c.add_option("--validation", r.validation,
                  "leave out every n-th training view, to choose options by (judge --split validation); 0 is off")
@@ -81,7 +87,7 @@ void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest&
     if (on_cpu && command.count("--optimizer") == 0) request.optimizer = "lm";
     if (request.levenberg_marquardt() && command.count("--iterations") == 0)
         request.iterations = TexelFitOptions().iterations;
-    if (command.count("--surface-side") == 0)
+    if (command.count("--surface-side") == 0 && !dataset.has_grid())
         request.model.surface_side =
             dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;
 }
@@ -211,10 +217,10 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
         check_fit_target(*out);
         AtomicFolder(*out,
                      AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end
-        if (!request->texel_local()) reject_idle_options(*request);
+        if (!request->texel_local()) reject_idle_options(*request, false);
         const Dataset dataset = open_dataset(*folder);
         settle_options(*command, dataset, *request);
-        reject_idle_options(*request);
+        reject_idle_options(*request, dataset.has_grid());
         (request->texel_local() ? fit_reflectance : fit_light_field)(*out, dataset, *request, invocation);
     });
 }

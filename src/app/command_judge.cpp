@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/commands.h"
 #include "base/error.h"
@@ -127,8 +128,9 @@ Split choose_split(const std::string& name) {
 }
 
 struct RenderOptions {
-    std::string fit, output;
-    int view = -1, turntable = 0;
+    std::string fit, output, dataset;
+    std::optional<int> view;
+    int turntable = 0;
     std::vector<double> light;  ///< direction, or empty
     bool problems = false;
 };
@@ -170,15 +172,25 @@ void write_light(const std::filesystem::path& stem, const LightImage& image) {
 }
 
 /// The view that was asked for, or one from the middle of those held out.
-uint32_t chosen_view(const Dataset& dataset, int view) {
-    if (view >= 0) {
-        if (size_t(view) >= dataset.views.size())
+uint32_t chosen_view(const Dataset& dataset, std::optional<int> view) {
+    if (view) {
+        if (*view < 0 || size_t(*view) >= dataset.views.size())
             throw UserError(
-                fmt::format("--view {}: {} has views 0 to {}", view, dataset.name, dataset.views.size() - 1));
-        return uint32_t(view);
+                fmt::format("--view {}: {} has views 0 to {}", *view, dataset.name, dataset.views.size() - 1));
+        return uint32_t(*view);
     }
     const auto held_out = dataset.split(true);
     return held_out.empty() ? 0 : held_out[held_out.size() / 2];
+}
+
+/// A distant lamp in this direction, of any length.
+Light lamp_towards(const std::vector<double>& xyz) {
+    const Vec3d direction(xyz[0], xyz[1], xyz[2]);
+    const double length = direction.norm();
+    if (!(std::isfinite(length) && length > 0))
+        throw UserError(fmt::format("--light {}: a direction's length is finite and not 0; choose, say, 0,0.6,0.8",
+                                    fmt::join(xyz, ",")));
+    return {Light::Kind::distant, direction / length, Vec3d::Ones()};
 }
 
 /// FILE.png and FILE.exr alike name FILE; its folder is made.
@@ -204,7 +216,7 @@ void render_light_field(const RenderOptions& o) {
     if (!o.light.empty()) throw UserError("--light: a light field map keeps the light it was photographed under");
     const StoredFit stored = read_fit(o.fit);
     const LightFieldFit& fit = stored.fit;
-    const Dataset dataset = open_fitted_dataset(fit);
+    const Dataset dataset = open_fitted_dataset(fit, o.dataset);
     if (o.turntable > 0) {
         const std::filesystem::path out(o.output);
         make_folder(out);
@@ -247,16 +259,12 @@ void render_problems(const StoredReflectance& stored, const std::filesystem::pat
 }
 
 void render_reflectance(const RenderOptions& o) {
-    const StoredReflectance stored = read_reflectance(o.fit);
+    const StoredReflectance stored = read_reflectance(o.fit, o.dataset);
     if (o.problems) return render_problems(stored, stem_of(o.output));
     const Dataset& dataset = *stored.dataset;
     const uint32_t view = chosen_view(dataset, o.view);
     View shown = dataset.views[view];
-    if (!o.light.empty()) {
-        shown.light =
-            Light{Light::Kind::distant, Vec3d(o.light[0], o.light[1], o.light[2]).normalized(), Vec3d::Ones()};
-        check_light(*shown.light, "--light");
-    }
+    if (!o.light.empty()) shown.light = lamp_towards(o.light);
     if (o.turntable > 0) {
         if (dataset.has_grid()) throw UserError("--turntable: a grid is seen from where its camera stood");
         const std::filesystem::path out(o.output);
@@ -319,6 +327,7 @@ void add_render(CLI::App& app) {
         ->excludes(view)
         ->excludes("--light")
         ->excludes("--turntable");
+    command->add_option("--dataset", o->dataset, "where the dataset is now, if it moved");
     command->add_option("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
         ->required();
     command->callback([=] { render(*o); });

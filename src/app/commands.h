@@ -27,7 +27,7 @@ void print_dataset(const Dataset& dataset, bool json);
 /// The options of FitRequest, for every command that fits or plans a fit.
 void add_fit_options(CLI::App& command, FitRequest& request);
 
-/// What the user left open and the dataset decides: of a texel-local model the surface side (of the dataset's normals)
+/// What the user left open and the dataset decides: of a texel-local model the surface side (of a mesh's normals)
 /// and, where it can, Levenberg-Marquardt.
 void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest& request);
 

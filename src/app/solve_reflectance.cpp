@@ -215,11 +215,13 @@ SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request
     return gather(dataset, *texel_atlas(dataset, request.model.surface_side), request, views);
 }
 
-ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& request,
+ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& asked,
                                      const IterationHook& each_iteration, const std::vector<uint32_t>* views,
                                      const SharedTexels* samples) {
-    request.check();
+    asked.check();
     require_lights(dataset);
+    FitRequest request = asked;
+    request.space = "linear";  // the only one that reflectance has
     const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, request);
     Stopwatch clock;
     ReflectanceOutcome out;
@@ -238,7 +240,7 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& r
                         "--shadow-below, and check that lamps and cameras stand before the surface",
                         dataset.folder.string()));
     out.fit.options = task.options;
-    out.fit.space = TargetSpace::linear;
+    out.fit.space = choose_space(request.space);
     out.fit.solver = request.solver;
     out.fit.engine = request.solver == "stream" ? request.engine : "cpu";
     out.fit.options_json = request.json();

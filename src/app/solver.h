@@ -55,8 +55,9 @@ struct Solver {
 };
 std::span<const Solver> solvers();
 
-/// Throws UserError if an option has another value than its default and means nothing to the solver.
-void reject_idle_options(const FitRequest& request);
+/// Throws UserError if an option has another value than its default and means nothing to the solver, or to a
+/// texel-local model over a grid.
+void reject_idle_options(const FitRequest& request, bool grid);
 
 void solve_stream(FitTask& task);
 void solve_mean(FitTask& task);

@@ -106,6 +106,7 @@ void solve_mean(FitTask& task) {
 #define PENALTY " mode lambda_surface lambda_view mu lower upper "
 #define OPTIMIZER " optimizer iterations stop_residual stop_output_change seed deflate "
 #define SAMPLES " distributor context device "
+#define FRAGMENT " passes storage sums source context device "
 std::span<const Solver> solvers() {
     static constexpr Solver table[] = {
         {"stream", "the paper's optimizers over --engine", solve_stream, MODEL PENALTY OPTIMIZER " engine "},
@@ -126,32 +127,35 @@ std::span<const Solver> solvers() {
 #undef PENALTY
 #undef OPTIMIZER
 
-/// Names of FitRequest::json() that mean something to a texel-local model; empty if the solver fits none.
-std::string texel_options_of(const FitRequest& request) {
-    const std::string model = " surface_side clip_above shadow_below iterations ";
+/// Names of FitRequest::json() that mean something to a texel-local model; empty if the solver fits none. Over a grid
+/// every texel has its own pixel: there is no side to choose, and nothing to distribute.
+std::string texel_options_of(const FitRequest& request, bool grid) {
+    const std::string model = std::string(" clip_above shadow_below iterations ") + (grid ? "" : " surface_side ");
+    const std::string samples = grid ? "" : SAMPLES;
     const std::string optimizer =
         request.levenberg_marquardt() ? " optimizer " : " optimizer mode mu stop_residual stop_output_change ";
-    if (request.solver == "stream") return model + optimizer + " engine ";  // and what reject_idle_options() adds
-    if (request.solver == "two-step") return model + optimizer + SAMPLES " memory records ";
-    if (request.solver == "ceres") return model + SAMPLES;
+    if (request.solver == "stream")
+        return model + optimizer + " engine " + (request.engine == "fragment" ? FRAGMENT : samples);
+    if (request.solver == "two-step") return model + optimizer + samples + " memory records ";
+    if (request.solver == "ceres") return model + samples;
     return "";
 }
 
-void reject_idle_options(const FitRequest& request) {
+void reject_idle_options(const FitRequest& request, bool grid) {
     std::string options, what = "solver " + request.solver;
     for (const Solver& solver : solvers())
         if (request.solver == solver.name) options = solver.options;
     if (request.texel_local()) {
-        options = texel_options_of(request);
+        options = texel_options_of(request, grid);
         if (options.empty())
             throw UserError(
                 fmt::format("solver {} fits light field maps only; choose stream, two-step or ceres for --model {}",
                             request.solver, request.kind));
         what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what);
-    }
-    if (request.solver == "stream") {
-        options += request.engine == "fragment" ? " passes storage sums source context device " : SAMPLES;
-        if (!request.texel_local()) what = "engine " + request.engine;
+        if (grid) what += " over a grid";
+    } else if (request.solver == "stream") {
+        options += request.engine == "fragment" ? FRAGMENT : SAMPLES;
+        what = "engine " + request.engine;
     }
     const auto given = nlohmann::json::parse(request.json());
     FitRequest plain;
@@ -168,5 +172,6 @@ void reject_idle_options(const FitRequest& request) {
     }
 }
 #undef SAMPLES
+#undef FRAGMENT
 
 }  // namespace radiafit

@@ -227,8 +227,8 @@ Dataset open_fitted_dataset(const FitRecord& fit, const fs::path& moved_to) {
     const fs::path path = moved_to.empty() ? fit.dataset_path : moved_to;
     if (!fs::exists(path))
         throw UserError(
-            fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its "
-                        "folder",
+            fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its folder by "
+                        "--dataset",
                         path.string(), fit.dataset_name));
     Dataset dataset = open_dataset(path);
     if (fingerprint(dataset) != fit.dataset_fingerprint)
