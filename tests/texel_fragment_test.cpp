@@ -281,6 +281,32 @@ TEST(TexelFragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
     }
 }
 
+TEST(TexelFragment, WhatWasNeverFiniteCountsAsNothing) {
+    const auto context = make_context(ContextKind::osmesa);
+    const TexelDataset data({.grid = true});
+    TexelOptions options;
+    options.model = find_texel_model("lambert");
+    const OptimizerOptions optimizer{.iterations = 2};
+    for (const Passes passes : {Passes::paper, Passes::combined}) {
+        TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options, {.passes = passes});
+        const ProblemStatistics statistics = engine.count();
+        const auto seen = std::find_if(statistics.samples.begin(), statistics.samples.end(), [](auto n) { return n; });
+        const auto bad = size_t(seen - statistics.samples.begin());
+        std::vector<float> start = engine.start(), errors(engine.problem_count());
+        engine.reset(start);
+        const double whole = optimize(engine, optimizer).rows.back().error;
+        engine.read_errors(errors);
+        start[3 * bad] = 1e30f;  // its square is beyond floats
+        engine.reset(start);
+        const Trace trace = optimize(engine, optimizer);
+        EXPECT_NEAR(trace.rows.back().error, whole - double(errors[bad]), 1e-6 * whole);
+        std::vector<ProblemOutcome> outcomes(engine.problem_count());
+        engine.outcomes(outcomes);
+        EXPECT_EQ(outcomes[bad].status, Status::not_finite);
+        EXPECT_EQ(outcomes[bad].error, 0);
+    }
+}
+
 TEST(TexelFragment, HalvesStayNearSingles) {
     const TexelDataset data({});
     for (const Passes passes : {Passes::paper, Passes::combined}) {

@@ -307,21 +307,22 @@ void TexelFragmentEngine::advance() {
 }
 
 EngineSummary TexelFragmentEngine::summary() const {
+    using real = float;
     const std::vector<float> error = field(0), accepted = field(5), status = field(6);
     EngineSummary sum;
     for (size_t i = 0; i < error.size(); ++i) {
         sum.active += status[i] == float(Status::active);
         sum.accepted += accepted[i] != 0;
-        if (status[i] != float(Status::no_samples)) sum.error += double(error[i]);
+        if (error[i] < HUGE_ERROR) sum.error += double(error[i]);  // else never evaluated, or not finite
     }
     return sum;
 }
 
 void TexelFragmentEngine::outcomes(std::span<ProblemOutcome> out) const {
+    using real = float;
     const std::vector<float> error = field(0), status = field(6), iterations = field(7);
     for (size_t i = 0; i < error.size(); ++i) {
-        out[i] = {error[i], Status(int(status[i])), uint32_t(iterations[i])};
-        if (out[i].status == Status::no_samples) out[i].error = 0;
+        out[i] = {error[i] < HUGE_ERROR ? error[i] : 0, Status(int(status[i])), uint32_t(iterations[i])};
         if (out[i].status == Status::active) out[i].status = Status::max_iterations;
     }
 }
