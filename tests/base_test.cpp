@@ -1,9 +1,13 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -459,6 +463,65 @@ TEST(AtomicFolder, AppearsWholeAndReplacesOnlyWhenAsked) {
     EXPECT_EQ(entries(folder.path() / "deep"), 1u);
     write_file(folder.path() / "file", "x");
     user_error([&] { AtomicFolder impossible(folder.path() / "file" / "below"); });
+}
+
+/// Another process that begins a folder and works on it until it is killed.
+pid_t begin_elsewhere(const fs::path& target) {
+    int ready[2];
+    EXPECT_EQ(pipe(ready), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        const AtomicFolder begun(target);
+        write_file(begun.path() / "half", "x");
+        close(ready[0]);
+        close(ready[1]);
+        while (true) pause();
+    }
+    close(ready[1]);
+    char none;
+    EXPECT_EQ(read(ready[0], &none, 1), 0);  // until the child has closed it, too
+    close(ready[0]);
+    return child;
+}
+void end(pid_t child) {
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+}
+
+TEST(AtomicFolder, RemovesWhatKilledProcessesLeftOfTheSameTarget) {
+    const TemporaryFolder folder;
+    const fs::path target = folder.path() / "out";
+    const pid_t other = begin_elsewhere(folder.path() / "other"), alive = begin_elsewhere(target),
+                dead = begin_elsewhere(target);
+    end(other);
+    end(dead);
+    EXPECT_EQ(entries(folder.path()), 3u);
+    {
+        const AtomicFolder next(target);
+        EXPECT_EQ(entries(folder.path()), 3u);  // its own, and those of `other` and `alive`
+    }
+    EXPECT_EQ(entries(folder.path()), 2u);
+    end(alive);
+    AtomicFolder(target).commit();
+    EXPECT_EQ(entries(folder.path()), 2u);
+    EXPECT_TRUE(fs::exists(target));
+
+    // A process that cannot be seen from here, but holds its lock; and the folder that one was about to replace.
+    const std::string rest = std::to_string(dead) + "-0-out";
+    const fs::path hidden = folder.path() / (".tmp-" + rest), old = folder.path() / (".old-" + rest);
+    fs::remove(target);
+    fs::create_directory(hidden);
+    fs::create_directory(old);
+    const int lock = open(hidden.c_str(), O_RDONLY | O_DIRECTORY);
+    ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+    AtomicFolder(target).commit();
+    EXPECT_TRUE(fs::exists(hidden));
+    EXPECT_TRUE(fs::exists(old));
+    close(lock);
+    AtomicFolder(target, AtomicFolder::Existing::replace).commit();
+    EXPECT_FALSE(fs::exists(hidden));
+    EXPECT_FALSE(fs::exists(old));
+    EXPECT_TRUE(fs::exists(target));
 }
 
 // ---- provenance ----------------------------------------------------------------------------------------------------

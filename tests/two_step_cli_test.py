@@ -138,6 +138,7 @@ class TwoStep(ProgramTest):
         again = self.good("fit", "star", *FIT, "--memory", "20K", "--records", "records", "-o", "killed")
         self.assertNotIn("earlier run", again.stderr)
         self.assertEqual(self.parameters("whole"), self.parameters("killed"))
+        self.assertFalse(list(self.root.glob(".tmp-*")), "what the killed run left")
 
 
 if __name__ == "__main__":

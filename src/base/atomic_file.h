@@ -33,7 +33,8 @@ private:
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// A folder that takes its name at commit(): files are written to path() meanwhile. Missing parents are made, and go
-/// again without a commit().
+/// again without a commit(). What a process that was killed left of the same target goes, too: its folder is locked
+/// (flock) as long as it lives, and its name tells the process.
 class AtomicFolder {
 public:
     /// What to do at commit() with a folder that already has the name. `replace` is for callers who have made sure that
@@ -53,6 +54,7 @@ public:
 private:
     std::filesystem::path target_;
     std::filesystem::path temporary_;
+    int lock_ = -1;                                    ///< on the temporary folder
     std::vector<std::filesystem::path> made_parents_;  ///< innermost first
     Existing existing_;
     bool committed_ = false;
