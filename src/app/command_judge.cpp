@@ -83,23 +83,20 @@ Judgement judge_reflectance(const std::string& folder, const std::string& moved_
     const Dataset &dataset = *stored.dataset, judged = judged_dataset(stored.fit, dataset, split);
     const Atlas& atlas = *stored.atlas;
     ReflectanceTruth truth;
+    std::vector<MaterialErrors> errors;
     SurfaceParts parts;
     const ReflectanceRenderer renderer(atlas, stored.fit);
     const bool known = has_truth(dataset.folder);
     if (known) {
         truth = read_truth(dataset.folder);
-        if (truth.material.size() != atlas.texel_count())
-            throw UserError(fmt::format("{}: the truth has {} texels where the dataset has {}; generate it anew",
-                                        dataset.folder.string(), truth.material.size(), atlas.texel_count()));
+        errors = truth_errors(stored.fit, truth);
         for (const TruthMaterial& material : truth.materials) parts.names.push_back(material.name);
         parts.of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); };
     }
     const SurfaceParts* materials = known ? &parts : nullptr;
     const ReflectanceOutcome baseline = baseline_of(stored.fit, dataset);
-    Judgement out{judge(stored.fit, atlas, judged, split, materials),
-                  judge(baseline.fit, atlas, judged, split, materials), reflectance_baseline};
-    if (known) out.truth = truth_errors(stored.fit, truth);
-    return out;
+    return {judge(stored.fit, atlas, judged, split, materials), judge(baseline.fit, atlas, judged, split, materials),
+            reflectance_baseline, std::move(errors)};
 }
 
 void print_judgement(const Judgement& j) {

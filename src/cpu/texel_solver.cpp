@@ -75,13 +75,14 @@ class SolversOf final : public TexelSolvers {
 
     /// What the engine ended with; problem i is texel texel_of(i).
     template <class TexelOf>
-    static void take(const Engine& engine, std::span<const Batch> batches, TexelResult& out, const TexelOf& texel_of) {
+    static void take(const Engine& engine, const TexelModel& model, std::span<const Batch> batches, TexelResult& out,
+                     const TexelOf& texel_of) {
         const size_t count = engine.problem_count();
         std::vector<ProblemOutcome> outcomes(count);
         std::vector<float> p(count * N), errors(count);
         engine.outcomes(outcomes);
         engine.read_parameters(p);
-        for (size_t i = 0; i < count; ++i) make_canonical({&p[i * N], N});
+        for (size_t i = 0; i < count; ++i) model.make_canonical({&p[i * N], N});
         for (size_t b = 0; b < batches.size(); ++b) batch_errors(batches[b], p, b, errors.data());
         for (size_t i = 0; i < count; ++i) {
             const size_t t = texel_of(i);
@@ -91,12 +92,6 @@ class SolversOf final : public TexelSolvers {
             out.error[t] = errors[i];
             std::copy_n(&p[i * N], N, &out.parameters[t * N]);
         }
-    }
-    static void make_canonical(std::span<float> p) {
-        typename TexelLocal<Plain>::Parameters q;
-        std::copy(p.begin(), p.end(), q.begin());
-        q = TexelLocal<Plain>::canonical(q);
-        std::copy(q.begin(), q.end(), p.begin());
     }
     /// Raw E of batch b of `p` and `errors`, which begin at batch 0.
     static void batch_errors(const Batch& batch, std::span<const float> p, size_t b, float* errors) {
@@ -168,7 +163,7 @@ public:
                 for (size_t i = 0; i < texels; ++i) to[texel_of[i]] = errors[i];
             });
         });
-        take(engine, batches, out, [&](size_t i) { return texel_of[i]; });
+        take(engine, *problem.options.model, batches, out, [&](size_t i) { return texel_of[i]; });
         for (size_t t = 0; t < texels; ++t) out.sample_iterations += uint64_t(out.samples[t]) * out.iterations[t];
         out.engine_bytes = engine.bytes();
         for (const Batch& batch : batches) out.engine_bytes += batch.rows().size_bytes();
@@ -187,7 +182,8 @@ public:
                                   put_start(w.batches[b], start, 0);
                                   engine.reset(start);
                                   trace.add(optimize(engine, optimizer).rows);
-                                  take(engine, one, out, [&](size_t i) { return begin + w.order[lanes * b + i]; });
+                                  take(engine, *problem.options.model, one, out,
+                                       [&](size_t i) { return begin + w.order[lanes * b + i]; });
                               }
                           });
     }

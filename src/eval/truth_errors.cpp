@@ -10,18 +10,6 @@
 namespace radiafit {
 namespace {
 
-/// Parameter i of a model as a truth may name it, and its value of the model's.
-struct Named {
-    std::string name;
-    bool logarithm = false;
-    double value(float p) const { return logarithm ? std::exp(double(p)) : double(p); }
-};
-Named named(const TexelModel& model, int i) {
-    const std::string name = model.parameter_name(i);
-    if (name.starts_with("log_")) return {name.substr(4), true};
-    return {name, false};
-}
-
 double quantile(std::vector<double>& values, double q) {
     if (values.empty()) return 0;
     const auto at = values.begin() + ptrdiff_t(q * double(values.size() - 1));
@@ -31,25 +19,43 @@ double quantile(std::vector<double>& values, double q) {
 
 }  // namespace
 
+TruthComparison::TruthComparison(const TexelModel& model, const TruthMaterial& material)
+    : possible_(material.model == model.name) {
+    for (int i = 0; possible_ && i < model.parameters; ++i) {
+        const std::string name = model.parameter_name(i);
+        const bool logarithm = name.starts_with("log_");
+        const auto& known = material.parameters;
+        const auto at = std::find(known.begin(), known.end(), logarithm ? name.substr(4) : name);
+        possible_ = at != known.end();
+        if (possible_) parameters_.push_back({*at, logarithm, size_t(at - known.begin())});
+    }
+}
+
+double TruthComparison::error(size_t i, std::span<const float> p, const std::array<float, 9>& truth) const {
+    const auto& [name, logarithm, at] = parameters_[i];
+    const double found = logarithm ? std::exp(double(p[i])) : double(p[i]), expected = double(truth[at]);
+    return std::abs(found - expected) / std::max(std::abs(expected), 1e-6);
+}
+
+double TruthComparison::worst(std::span<const float> p, const std::array<float, 9>& truth) const {
+    double worst = possible_ ? 0 : NAN;
+    for (size_t i = 0; i < parameters_.size(); ++i) worst = std::max(worst, error(i, p, truth));
+    return worst;
+}
+
 std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth) {
     const TexelModel& model = *fit.options.model;
     const size_t n = size_t(model.parameters);
     if (truth.material.size() != fit.samples.size())
-        throw UserError(fmt::format("the truth has {} texels, the fit {}; generate the dataset anew",
-                                    truth.material.size(), fit.samples.size()));
+        throw UserError(fmt::format("{}: the truth has {} texels where the dataset has {}; generate it anew",
+                                    fit.dataset_path.string(), truth.material.size(), fit.samples.size()));
     std::vector<MaterialErrors> out;
     for (size_t m = 0; m < truth.materials.size(); ++m) {
         const TruthMaterial& material = truth.materials[m];
         MaterialErrors errors;
         errors.name = material.name;
-        errors.comparable = material.model == model.name;
-        std::vector<size_t> truth_index(n);
-        for (size_t i = 0; errors.comparable && i < n; ++i) {
-            const auto at =
-                std::find(material.parameters.begin(), material.parameters.end(), named(model, int(i)).name);
-            errors.comparable = at != material.parameters.end();
-            if (errors.comparable) truth_index[i] = size_t(at - material.parameters.begin());
-        }
+        const TruthComparison comparison(model, material);
+        errors.comparable = comparison.possible();
         double squared = 0, samples = 0;
         std::vector<double> worst;
         std::vector<std::vector<double>> each(n);
@@ -60,21 +66,15 @@ std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const Reflec
             samples += 3.0 * fit.samples[t];
             ++errors.texels;
             if (!errors.comparable) continue;
-            double largest = 0;
-            for (size_t i = 0; i < n; ++i) {
-                const double expected = double(truth.parameters[t][truth_index[i]]);
-                const double error = std::abs(named(model, int(i)).value(fit.parameters[t * n + i]) - expected) /
-                                     std::max(std::abs(expected), 1e-6);
-                each[i].push_back(error);
-                largest = std::max(largest, error);
-            }
-            worst.push_back(largest);
+            const std::span<const float> p(&fit.parameters[t * n], n);
+            for (size_t i = 0; i < n; ++i) each[i].push_back(comparison.error(i, p, truth.parameters[t]));
+            worst.push_back(comparison.worst(p, truth.parameters[t]));
         }
         errors.rmse = samples > 0 ? std::sqrt(squared / samples) : 0;
         errors.worst_median = quantile(worst, 0.5);
         errors.worst_90 = quantile(worst, 0.9);
         for (size_t i = 0; errors.comparable && i < n; ++i) {
-            errors.parameters.push_back(named(model, int(i)).name);
+            errors.parameters.push_back(comparison.name(i));
             errors.median.push_back(quantile(each[i], 0.5));
         }
         out.push_back(std::move(errors));

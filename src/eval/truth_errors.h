@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -6,6 +8,29 @@
 #include "fit/fit_folder.h"
 
 namespace radiafit {
+
+/// Compares a texel's parameters with a material's truth, by name: a model's log_X as X = exp(log_X), where the truth
+/// has X. Both are in the canonical gauge.
+class TruthComparison {
+public:
+    TruthComparison(const TexelModel& model, const TruthMaterial& material);
+    /// Whether the material is of this very model; else there is nothing to compare.
+    bool possible() const { return possible_; }
+    const std::string& name(size_t i) const { return parameters_[i].name; }  ///< of parameter i, as the truth has it
+    /// |p - truth| / |truth| of parameter i.
+    double error(size_t i, std::span<const float> p, const std::array<float, 9>& truth) const;
+    /// The largest of a texel's errors; NaN unless possible().
+    double worst(std::span<const float> p, const std::array<float, 9>& truth) const;
+
+private:
+    struct Parameter {
+        std::string name;
+        bool logarithm;
+        size_t at;  ///< among the truth's numbers
+    };
+    std::vector<Parameter> parameters_;
+    bool possible_;
+};
 
 /// How far a fit's parameters are from a synthetic dataset's truth, in one material.
 struct MaterialErrors {
@@ -20,8 +45,7 @@ struct MaterialErrors {
     std::vector<double> median;           ///< [parameters] median over texels
 };
 
-/// A parameter log_X of the fit is compared as X = exp(log_X), where the truth has X. Throws UserError if the truth is
-/// of another number of texels.
+/// Throws UserError if the truth is of another number of texels than the dataset that was fitted.
 std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth);
 
 }  // namespace radiafit

@@ -179,6 +179,7 @@ StoredReflectance read_reflectance(const fs::path& folder, const fs::path& moved
     const FitPromises promises = fit_from_json(folder / fit_json_name, read_text(folder / fit_json_name), fit);
     fit.dataset_path = (fs::absolute(folder) / promises.dataset_path).lexically_normal();
     stored.dataset = std::make_unique<Dataset>(open_fitted_dataset(fit, moved_to));
+    fit.dataset_path = stored.dataset->folder;
     stored.atlas = texel_atlas(*stored.dataset, fit.options.surface_side);
     const TexelModel& model = *fit.options.model;
     fit.parameters.assign(size_t(stored.atlas->texel_count()) * size_t(model.parameters), 0.0f);

@@ -1,13 +1,11 @@
 #include "gl/texel_engine.h"
 
+#include "dataset/encoding.h"
+
 namespace radiafit {
 namespace {
 
 constexpr float unbound = 3e38f;
-
-bool has_largest_value(const Dataset& dataset) {
-    return dataset.encoding != Encoding::f16_linear && dataset.encoding != Encoding::f32_linear;
-}
 
 }  // namespace
 
@@ -47,7 +45,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
                            surface_,
                            sums_,
                            storage,
-                           has_largest_value(dataset) ? options_.clip_above : 0,
+                           has_largest_value(dataset.encoding) ? options_.clip_above : 0,
                            width,
                            height,
                            images_.bits()};

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "model/small_solve.h"
+#include "model/texel_local.h"
 #include "model/texel_texts.h"
 
 namespace radiafit {
@@ -34,7 +35,7 @@ Fit<basis> solve(const float* numbers, int candidate, const double (&bounds)[bas
         for (size_t j = 0; j <= k; ++j) normal[k][j] = double(*at++);
         for (auto& channel : slope) channel[k] = -double(*at++);
     }
-    const bool bounded = bounds[basis - 1][1] - bounds[basis - 1][0] < 1e29;
+    const bool bounded = are_meant({bounds[basis - 1][0], bounds[basis - 1][1]});
     // a plain linear fit has no bounds that would keep coefficients small where samples don't tell them apart
     const SmallFactor<double, basis> factor(normal, bounded ? noise : 10 * noise,
                                             bounded ? SmallPivots::raised : SmallPivots::left_out);

@@ -13,6 +13,9 @@
 /// Parameters of a texel: a[basis][3], then the shape: Lafortune's rho_d, rho_s, Cx, Cz, log n (Eq. 16).
 namespace radiafit {
 
+/// Whether a parameter's bounds are meant, rather than as far as floats go.
+constexpr bool are_meant(const std::array<double, 2>& bounds) { return bounds[1] - bounds[0] < 1e29; }
+
 /// A radiance sample of one texel: a pixel of one image. One weight, shared by the channels, >= 0.
 template <int terms>
 struct TexelSample {
@@ -86,8 +89,7 @@ struct TexelLocal {
             if (i >= 3 * basis) return {Text::shape_bounds[i - 3 * basis][0], Text::shape_bounds[i - 3 * basis][1]};
         return {Text::coefficient_bounds[i / 3][0], Text::coefficient_bounds[i / 3][1]};
     }
-    /// Whether both are meant, rather than as far as floats go.
-    static constexpr bool bounded(int i) { return bounds(i)[1] - bounds(i)[0] < 1e29; }
+    static constexpr bool bounded(int i) { return are_meant(bounds(i)); }
     /// The same values by other parameters: the only gauge in which two of them may be compared.
     static Parameters canonical(Parameters p) {
         if constexpr (shape > 0) {

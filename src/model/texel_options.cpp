@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "model/texel_local.h"
 
 namespace radiafit {
 
@@ -25,7 +26,7 @@ double bounds_penalty(const TexelOptions& options, std::span<const float> p) {
     for (size_t i = 0; i < p.size(); ++i) {
         const auto [lowest, highest] = options.model->bounds[i];
         const double x = double(p[i]);
-        if (highest - lowest > 1e29 || (x >= lowest && x <= highest)) continue;
+        if (!are_meant(options.model->bounds[i]) || (x >= lowest && x <= highest)) continue;
         const double beyond = x < lowest ? x - lowest : x - highest;
         sum += options.mode == Mode::paper ? (x - lowest) * (x - highest) : beyond * beyond / 2;
     }

@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <limits>
 
+#include "dataset/encoding.h"
+
 namespace radiafit {
 
 TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                          const TexelOptions& options)
     : atlas_(&atlas), shading_(dataset, views), shadow_below_(options.shadow_below) {
-    const bool bounded = dataset.encoding != Encoding::f16_linear && dataset.encoding != Encoding::f32_linear;
+    const bool clips = has_largest_value(dataset.encoding) && options.clip_above > 0;
     for (const uint32_t view : views)
-        clipped_.push_back(bounded && options.clip_above > 0 ? options.clip_above * float(dataset.views[view].gain)
-                                                             : std::numeric_limits<float>::infinity());
+        clipped_.push_back(clips ? options.clip_above * float(dataset.views[view].gain)
+                                 : std::numeric_limits<float>::infinity());
 }
 
 void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out) const {
