@@ -82,6 +82,18 @@ void note_gl(const Context& context, Record& record) {
     record.gl_version = context.version();
 }
 
+FitOutcome solve_noting_errors(const Dataset& dataset, const FitRequest& request, const SharedSamples& samples,
+                               std::vector<std::vector<float>>& errors, Record& record) {
+    Progress progress(fmt::format("{} {}", dataset.name, request.label()), size_t(request.iterations) + 1);
+    FitOutcome fit = solve(dataset, request, &samples, [&](int, const auto& read_errors) {
+        errors.emplace_back(3 * dataset.mesh.vertex_count());
+        read_errors(errors.back());
+        progress.advance();
+    });
+    note_gl(fit, record);
+    return fit;
+}
+
 void read_maps(Config& config, LfmOptions& model) {
     double lambda = 1e-3;
     config.read("surface_side", model.surface_side);

@@ -55,6 +55,11 @@ private:
 void note_gl(const FitRun& run, Record& record);
 void note_gl(const Context& context, Record& record);
 
+/// solve() on shared samples with its progress shown and its OpenGL, if any, noted in the record; errors
+/// [iterations + 1][problem] are E_t, those of the start first.
+FitOutcome solve_noting_errors(const Dataset& dataset, const FitRequest& request, const SharedSamples& samples,
+                               std::vector<std::vector<float>>& errors, Record& record);
+
 /// Points (x, y) of a figure's lines, by the lines' names.
 using Points = std::vector<std::pair<double, double>>;
 using Lines = std::map<std::string, Points>;

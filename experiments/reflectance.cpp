@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "dataset/truth.h"
+#include "eval/truth_errors.h"
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
@@ -90,16 +91,6 @@ std::vector<Group> groups_of(const ReflectanceTruth& truth, const Options& o) {
     return out;
 }
 
-/// The worst relative error of a texel's nine.
-double worst_error(const ReflectanceFit& fit, const ReflectanceTruth& truth, size_t texel) {
-    double worst = 0;
-    for (size_t i = 0; i < 9; ++i) {
-        const double found = double(fit.parameters[9 * texel + i]), expected = double(truth.parameters[texel][i]);
-        worst = std::max(worst, std::abs((i == 8 ? std::exp(found) : found) - expected) / std::abs(expected));
-    }
-    return worst;
-}
-
 double median(std::vector<double> values) {
     if (values.empty()) return NAN;
     const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
@@ -118,10 +109,12 @@ Verdict judge(const Group& group, const ReflectanceFit& fit, const ReflectanceFi
               const Options& o) {
     Verdict out;
     std::vector<double> worst, iterations;
+    std::vector<TruthComparison> comparisons;
+    for (const TruthMaterial& material : truth.materials) comparisons.emplace_back(*fit.options.model, material);
     for (const uint32_t t : group.texels) {
         // what every contestant was given: distributors may differ in some pixels
         if (fit.samples[t] < 9 || ceres.samples[t] < 9) continue;
-        worst.push_back(worst_error(fit, truth, t));
+        worst.push_back(comparisons[truth.material[t]].worst({&fit.parameters[9 * t], 9}, truth.parameters[t]));
         iterations.push_back(fit.iterations[t]);
         const auto rms = [&](const ReflectanceFit& f) {
             return std::sqrt(2 * double(f.error[t]) / (3.0 * f.samples[t]));

@@ -55,11 +55,7 @@ FitRequest request_of(const Options& o, const char* optimizer) {
 
 Run run(Record& record, const Dataset& dataset, const FitRequest& request, const SharedSamples& samples) {
     Run out;
-    const FitOutcome fit = solve(dataset, request, &samples, [&](int, const auto& read_errors) {
-        out.errors.emplace_back(3 * dataset.mesh.vertex_count());
-        read_errors(out.errors.back());
-    });
-    note_gl(fit, record);
+    const FitOutcome fit = solve_noting_errors(dataset, request, samples, out.errors, record);
     out.samples = fit.fit.samples;
     const auto seen = double(std::count_if(out.samples.begin(), out.samples.end(), [](uint32_t n) { return n > 0; }));
     for (const TraceRow& row : fit.trace.rows) out.active.push_back(double(row.active) / seen);
