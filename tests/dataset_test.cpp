@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <limits>
 
 #include "dataset/image_stream.h"
@@ -97,14 +98,30 @@ TEST_P(EncodingTest, RoundTrip) {
                 ASSERT_EQ(image.masked_in(p), inside);
             }
         }
-    std::vector<float> values;
+    std::vector<float> values, some;
     ImageStream exact(dataset, source, space);
+    TargetImage whole, mask;
+    EXPECT_THROW(exact.values_at({}, nullptr), std::logic_error);
     for (uint32_t i = 0; i < shapes.size(); ++i) {
         exact.load_values(i, values);
         ASSERT_EQ(values.size(), truth.stored[i].size());
         for (size_t k = 0; k < values.size(); ++k) {
             const double target = reference_target(encoding, space, shapes[i].gain, truth.stored[i][k]);
             ASSERT_NEAR(values[k], target, 2e-7 * (1 + std::abs(target)));  // rounded to float once
+        }
+        // single pixels, backwards: the same bits, and the same mask
+        exact.load(i, whole);
+        exact.load_mask(i, mask);
+        const auto count = uint32_t(values.size() / 3);
+        std::vector<uint32_t> pixels;
+        for (uint32_t p = count; p-- > 0;) pixels.push_back(p);
+        some.assign(values.size(), -1);
+        ImageStream copy = exact.another();
+        copy.values_at(pixels, some.data());
+        ASSERT_EQ(mask.bits, 8);
+        for (uint32_t p = 0; p < count; ++p) {
+            ASSERT_EQ(mask.masked_in(p), whole.masked_in(p)) << "view " << i << " pixel " << p;
+            ASSERT_EQ(0, std::memcmp(&values[3 * p], &some[3 * (count - 1 - p)], 3 * sizeof(float)));
         }
     }
     EXPECT_GT(first.seconds(), 0);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -95,6 +97,9 @@ struct ImageStream::State {
     TargetSpace space = TargetSpace::stored;
     std::array<uint16_t, 256> table = {};
     double table_gain = 0;  ///< the gain `table` was made for
+    std::array<float, 256> values = {};
+    double values_gain = 0;          ///< likewise, of `values`
+    std::optional<uint32_t> masked;  ///< the view that load_mask() read
 
     bool linear_targets() const { return space == TargetSpace::linear; }
     double target(double stored, double gain) const {
@@ -110,16 +115,33 @@ struct ImageStream::State {
         bytes_read += bytes;
         return to.data();
     }
-    double stored_at(const uint8_t* channels, size_t i) const {
+    const uint8_t* pixels_at(const StreamedView& view, uint64_t& bytes_read) {
+        const uint64_t count = uint64_t(view.width) * uint64_t(view.height);
+        return bytes_at(view.pixel_offset, 3 * count * uint64_t(bytes_per_channel(encoding)), buffer, bytes_read);
+    }
+    const uint8_t* mask_at(const StreamedView& view, uint64_t& bytes_read) {
+        if (!view.mask_offset) return nullptr;
+        return bytes_at(*view.mask_offset, uint64_t(view.width + 7) / 8 * uint64_t(view.height), mask_buffer,
+                        bytes_read);
+    }
+    /// body(target), where target(i) is channel i's as a float: of linear encodings, a multiple in either space.
+    template <class Body>
+    void with_targets(const uint8_t* stored, double gain_of_view, const Body& body) {
         switch (encoding) {
             case Encoding::f32_linear:
-                return double(load_word<float>(channels + 4 * i));
+                return body([=](size_t i) { return float(gain_of_view * double(load_word<float>(stored + 4 * i))); });
             case Encoding::f16_linear:
-                return double(float_from_half(load_word<uint16_t>(channels + 2 * i)));
+                return body([=](size_t i) {
+                    return float(gain_of_view * double(float_from_half(load_word<uint16_t>(stored + 2 * i))));
+                });
             case Encoding::u16_linear:
-                return load_word<uint16_t>(channels + 2 * i) / 65535.0;
+                return body(
+                    [=](size_t i) { return float(gain_of_view * (load_word<uint16_t>(stored + 2 * i) / 65535.0)); });
             default:
-                return channels[i] / 255.0;
+                if (values_gain != gain_of_view)
+                    for (size_t v = 0; v < values.size(); ++v) values[v] = float(target(double(v) / 255, gain_of_view));
+                values_gain = gain_of_view;
+                return body([=, this](size_t i) { return values[stored[i]]; });
         }
     }
     void make_table(double gain, double scale) {
@@ -181,10 +203,8 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
     State& s = *state_;
     const StreamedView& view = s.views.at(index);
     const size_t width = size_t(view.width), height = size_t(view.height), count = width * height;
-    const uint8_t* pixels =
-        s.bytes_at(view.pixel_offset, 3 * count * size_t(bytes_per_channel(s.encoding)), s.buffer, bytes_read_);
-    const uint8_t* mask = nullptr;
-    if (view.mask_offset) mask = s.bytes_at(*view.mask_offset, (width + 7) / 8 * height, s.mask_buffer, bytes_read_);
+    const uint8_t *pixels = s.pixels_at(view, bytes_read_), *mask = s.mask_at(view, bytes_read_);
+    s.masked.reset();
 
     image.width = view.width;
     image.height = view.height;
@@ -221,12 +241,42 @@ void ImageStream::load_values(uint32_t index, std::vector<float>& values) {
     const double start_s = wall_time_s();
     State& s = *state_;
     const StreamedView& view = s.views.at(index);
-    const size_t count = 3 * size_t(view.width) * size_t(view.height);
-    const uint8_t* stored =
-        s.bytes_at(view.pixel_offset, count * size_t(bytes_per_channel(s.encoding)), s.buffer, bytes_read_);
-    values.resize(count);
-    for (size_t i = 0; i < count; ++i) values[i] = float(s.target(s.stored_at(stored, i), view.gain));
+    const uint8_t* stored = s.pixels_at(view, bytes_read_);
+    s.masked.reset();
+    values.resize(3 * size_t(view.width) * size_t(view.height));
+    s.with_targets(stored, view.gain, [&](auto target) {
+        for (size_t i = 0; i < values.size(); ++i) values[i] = target(i);
+    });
     seconds_ += wall_time_s() - start_s;
+}
+
+void ImageStream::load_mask(uint32_t index, TargetImage& image) {
+    const double start_s = wall_time_s();
+    State& s = *state_;
+    const StreamedView& view = s.views.at(index);
+    s.masked.reset();
+    s.pixels_at(view, bytes_read_);
+    const uint8_t* mask = s.mask_at(view, bytes_read_);
+    image.width = view.width;
+    image.height = view.height;
+    image.bits = 8;
+    image.scale = 1.0f / 255.0f;
+    image.rgba16.clear();
+    image.rgba8.resize(4 * size_t(view.width) * size_t(view.height));
+    for (size_t at = 0; at < image.rgba8.size(); at += 4) store_word(&image.rgba8[at], 0xff000000u);
+    if (mask) apply_mask<uint32_t, 24>(mask, size_t(view.width), size_t(view.height), image.rgba8.data());
+    s.masked = index;
+    seconds_ += wall_time_s() - start_s;
+}
+
+void ImageStream::values_at(std::span<const uint32_t> pixels, float* values) {
+    State& s = *state_;
+    if (!s.masked) throw std::logic_error("ImageStream::values_at without load_mask");
+    const StreamedView& view = s.views[*s.masked];
+    s.with_targets(s.kept ? s.kept->data() + view.pixel_offset : s.buffer.data(), view.gain, [&](auto target) {
+        for (const uint32_t pixel : pixels)
+            for (size_t c = 0; c < 3; ++c) *values++ = target(3 * size_t(pixel) + c);
+    });
 }
 
 }  // namespace radiafit

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "dataset/dataset.h"
@@ -60,6 +61,11 @@ public:
     /// The targets [height][width][3] as they are before load() rounds them to 16 bits; negative values and what the
     /// mask leaves out are kept. Throws likewise.
     void load_values(uint32_t view, std::vector<float>& values);
+    /// The mask alone: `image` gets 8 bits, its colours 0. For those who need the values of some pixels: values_at()
+    /// gives load_values()'s of single ones until the next load. Throws likewise.
+    void load_mask(uint32_t view, TargetImage& image);
+    /// values [pixels][3] out
+    void values_at(std::span<const uint32_t> pixels, float* values);
 
     int bits() const { return bits_; }
     float scale() const { return scale_; }       ///< TargetImage::scale of every image
