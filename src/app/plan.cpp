@@ -40,7 +40,7 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
         TargetImage image;
         Distribution distribution;
         const uint32_t view = views[i * step];
-        stream->load(view, image);
+        stream->load_mask(view, image);
         distributors.owned[size_t(worker)]->distribute(dataset.views[view].camera, image, distribution);
         kept[i] = distribution.kept_pixels;
     });
@@ -66,10 +66,8 @@ std::vector<PlanRow> plan_texels(const Dataset& dataset, const FitRequest& reque
             {"samples held in step 1, at most", "--memory, beside an image per thread", 0, request.memory_bytes()});
         return rows;
     }
-    // 16 bytes each in the end
-    constexpr uint64_t on_their_way = sizeof(TexelRadiance) + sizeof(uint32_t);
-    rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes while images come", on_their_way),
-                    samples, samples * on_their_way + texels * sizeof(uint64_t)});
+    rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
+                    samples * sizeof(TexelRadiance)});
     if (request.solver == "stream" && !request.levenberg_marquardt())
         rows.push_back({"engine, about",
                         "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
