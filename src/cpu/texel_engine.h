@@ -47,7 +47,7 @@ public:
     uint64_t bytes() const { return bytes(texels_); }  ///< of the vectors and states
     static uint64_t bytes(uint64_t texels) {
         const uint64_t batches = (texels + Pack::size - 1) / Pack::size;
-        return batches * (7 * sizeof(Vector) + sizeof(Pack)) + texels * sizeof(State);
+        return batches * (7 * sizeof(Vector) + sizeof(Pack) + sizeof(Life)) + texels * sizeof(State);
     }
 
     // What tests look at: texel t's, after direction_pass(true) and line_pass().
@@ -69,9 +69,15 @@ private:
         typename ProblemState::LineSums sums;
         bool active() const { return state.status == float(Status::active); }
     };
-    /// body(batch) for those with an active texel.
+    /// Of a batch, all its texels together. Those that ended in the last pass A may still have a trial to take over.
+    enum class Life : uint8_t { over, ended, active };
+    /// body(batch) for those that live so much or more.
     template <class Body>
-    void for_active(const Body& body);
+    void for_batches(Life least, const Body& body);
+    /// body(state) for the texels of such batches; then what they live on as.
+    template <class Body>
+    void update_states(Life least, const Body& body);
+    void set_life(size_t batch);
     /// A pack of each texel's `of(state)`.
     template <class Of>
     Pack gather(size_t batch, const Of& of) const;
@@ -85,6 +91,7 @@ private:
     Mode mode_;
     float mu_;
     std::vector<State> states_;
+    std::vector<Life> life_;
     std::vector<Pack> inverse_samples_;  ///< 1 / S-bar
     std::vector<Vector> p_, trial_, d_, g_, trial_g_, precondition_, fresh_;
 };

@@ -9,15 +9,32 @@ namespace radiafit {
 
 template <class Text>
 template <class Body>
-void TexelEngine<Text>::for_active(const Body& body) {
+void TexelEngine<Text>::for_batches(Life least, const Body& body) {
     const auto one = [&](size_t b, int) {
-        for (size_t t = 8 * b; t < std::min(8 * b + 8, texels_); ++t)
-            if (states_[t].active()) return body(b);
+        if (life_[b] >= least) body(b);
     };
     if (batches_.size() < 4)  // a problem of the two-step solver
         for (size_t b = 0; b < batches_.size(); ++b) one(b, 0);
     else
         parallel_for(batches_.size(), 16, one);
+}
+
+template <class Text>
+template <class Body>
+void TexelEngine<Text>::update_states(Life least, const Body& body) {
+    for_batches(least, [&](size_t b) {
+        scatter(b, [&](State& s, int) { body(s); });
+        set_life(b);
+    });
+}
+
+template <class Text>
+void TexelEngine<Text>::set_life(size_t batch) {
+    Life life = Life::over;
+    scatter(batch, [&](const State& s, int) {
+        life = std::max(life, s.active() ? Life::active : s.state.accepted != 0 ? Life::ended : Life::over);
+    });
+    life_[batch] = life;
 }
 
 template <class Text>
@@ -40,7 +57,7 @@ ProblemStatistics TexelEngine<Text>::count() {
     out.samples.resize(texels_);
     out.mean.assign(3 * texels_, 0);
     inverse_samples_.assign(batches_.size(), Pack{});
-    for (size_t b = 0; b < batches_.size(); ++b) {
+    parallel_for(batches_.size(), 16, [&](size_t b, int) {
         WidePack sum[3] = {};
         for (const auto& row : batches_[b].rows())
             for (size_t c = 0; c < 3; ++c) sum[c] += widen(row.weight * row.target[c]);
@@ -51,7 +68,7 @@ ProblemStatistics TexelEngine<Text>::count() {
             inverse_samples_[b].set(lane, 1 / float(samples));
             for (size_t c = 0; c < 3; ++c) out.mean[3 * t + c] = float(sum[c][lane] / samples);
         }
-    }
+    });
     return out;
 }
 
@@ -70,6 +87,7 @@ void TexelEngine<Text>::reset(std::span<const float> start) {
     set(trial_, start);
     p_ = trial_;  // what a problem without samples returns
     states_.assign(texels_, {});
+    life_.assign(batches_.size(), Life::over);
     for (size_t t = 0; t < texels_; ++t) {
         auto& s = states_[t].state;
         s.error = HUGE_ERROR;
@@ -79,11 +97,12 @@ void TexelEngine<Text>::reset(std::span<const float> start) {
                          : !batch.count(int(t % 8)) ? Status::no_samples
                                                     : Status::active);
     }
+    for (size_t b = 0; b < batches_.size(); ++b) set_life(b);
 }
 
 template <class Text>
 void TexelEngine<Text>::direction_pass(bool diagonal) {
-    for_active([&](size_t b) {
+    for_batches(Life::active, [&](size_t b) {
         const FlushSubnormals flush;
         constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape);
         const Vector& p = trial_[b];
@@ -127,7 +146,7 @@ void TexelEngine<Text>::direction_pass(bool diagonal) {
 
 template <class Text>
 void TexelEngine<Text>::project(Rule rule, bool fresh) {
-    for_active([&](size_t b) {
+    for_batches(Life::active, [&](size_t b) {
         Pack norm{}, cross{}, conjugate{};
         for (size_t i = 0; i < N; ++i) {
             Pack z = trial_g_[b][i];
@@ -146,14 +165,15 @@ void TexelEngine<Text>::project(Rule rule, bool fresh) {
 
 template <class Text>
 void TexelEngine<Text>::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
-    for (State& s : states_)
+    update_states(Life::ended, [&](State& s) {
         ProblemState::after_direction(s.state, int(rule), restart, s.alpha, 1.0f, stop, s.trial_error, s.trial_norm,
                                       s.cross, s.conjugate);
+    });
 }
 
 template <class Text>
 void TexelEngine<Text>::update_direction(Rule rule, bool fresh) {
-    for (size_t b = 0; b < batches_.size(); ++b) {
+    for_batches(Life::ended, [&](size_t b) {
         const Pack accepted = gather(b, [](const State& s) { return s.state.accepted; });
         const Pack beta = gather(b, [](const State& s) { return s.state.beta; });
         const auto taken = accepted > Pack(0.0f);
@@ -167,12 +187,12 @@ void TexelEngine<Text>::update_direction(Rule rule, bool fresh) {
             }
             d_[b][i] = beta * d_[b][i] - z;
         }
-    }
+    });
 }
 
 template <class Text>
 void TexelEngine<Text>::line_pass() {
-    for_active([&](size_t b) {
+    for_batches(Life::active, [&](size_t b) {
         const FlushSubnormals flush;
         const Vector &p = p_[b], &d = d_[b];
         WidePack gauss_newton{}, curvature{};
@@ -205,12 +225,13 @@ void TexelEngine<Text>::line_pass() {
 
 template <class Text>
 void TexelEngine<Text>::after_line(Rule rule, ProblemText<float>::StopRules stop) {
-    for (State& s : states_) ProblemState::after_line(s.state, s.alpha, int(rule), 1.0f, stop, s.sums);
+    update_states(Life::active,
+                  [&](State& s) { ProblemState::after_line(s.state, s.alpha, int(rule), 1.0f, stop, s.sums); });
 }
 
 template <class Text>
 void TexelEngine<Text>::advance() {
-    for_active([&](size_t b) {
+    for_batches(Life::active, [&](size_t b) {
         const Pack step = gather(b, [](const State& s) { return ProblemState::trial_step(s.state, s.alpha); });
         for (size_t i = 0; i < N; ++i) trial_[b][i] = p_[b][i] + step * d_[b][i];
     });

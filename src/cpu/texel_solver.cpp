@@ -83,7 +83,7 @@ class SolversOf final : public TexelSolvers {
         engine.outcomes(outcomes);
         engine.read_parameters(p);
         for (size_t i = 0; i < count; ++i) model.make_canonical({&p[i * N], N});
-        for (size_t b = 0; b < batches.size(); ++b) batch_errors(batches[b], p, b, errors.data());
+        parallel_for(batches.size(), 16, [&](size_t b, int) { batch_errors(batches[b], p, b, errors.data()); });
         for (size_t i = 0; i < count; ++i) {
             const size_t t = texel_of(i);
             out.status[t] = outcomes[i].status;
