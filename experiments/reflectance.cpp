@@ -138,9 +138,13 @@ void reflectance(Experiment& experiment) {
     CsvWriter fits(results.path() / "fits.csv",
                    {"images", "method", "renderer", "iterations", "group", "texels", "worst_error_median",
                     "recovered_share", "within_share", "iterations_median"});
+    // samples: those that count. solve_s: from samples at hand to parameters and their errors, the same work in every
+    // row but OpenGL's: it reads images in load_s and distributes them in solve_s, both in every sweep, where the
+    // others share one distribution, and load_s is reading its samples and shading them (Ceres': once more for its
+    // errors).
     CsvWriter times(results.path() / "times.csv",
-                    {"images", "method", "renderer", "texels", "samples", "distribution_s", "solve_s", "fits_per_s",
-                     "ns_per_sample_iteration"});
+                    {"images", "method", "renderer", "distributes", "texels", "samples", "distribution_s", "load_s",
+                     "solve_s", "fits_per_s", "ns_per_sample_iteration"});
     Table table(
         {"images", "method", "solve s", "fits/s", "moderate within", "sharp within", "gold off by", "green off by"});
     for (const bool noisy : {false, true}) {
@@ -164,11 +168,14 @@ void reflectance(Experiment& experiment) {
             const std::string renderer = m.outcome.gl_renderer.empty() ? cpu : m.outcome.gl_renderer;
             if (!m.outcome.gl_renderer.empty()) opengl = "; OpenGL: " + renderer;
             const FitTimes& t = m.outcome.times;
-            const double solve_s = t.total - t.distribution, texels = double(m.outcome.fit.problem_count());
-            const bool streams = !m.outcome.gl_renderer.empty();  // and distributes in every sweep, in solve_s
+            const double solve_s = t.optimization, texels = double(m.outcome.fit.problem_count());
+            const bool streams = !m.outcome.gl_renderer.empty();
+            uint64_t samples = 0;
+            for (const uint32_t n : m.outcome.fit.samples) samples += n;
             const double ns = 1e9 * solve_s / double(std::max<uint64_t>(1, m.outcome.sample_iterations));
-            times.row({images, m.name, renderer, fmt::format("{}", m.outcome.fit.problem_count()),
-                       fmt::format("{}", m.outcome.samples), fmt::format("{:.4g}", streams ? 0 : shared.seconds),
+            times.row({images, m.name, renderer, streams ? "every sweep" : "once",
+                       fmt::format("{}", m.outcome.fit.problem_count()), fmt::format("{}", samples),
+                       fmt::format("{:.4g}", streams ? 0 : shared.seconds), fmt::format("{:.4g}", t.streaming),
                        fmt::format("{:.4g}", solve_s), fmt::format("{:.4g}", texels / solve_s),
                        fmt::format("{:.4g}", ns)});
             std::vector<Verdict> verdicts;

@@ -39,6 +39,6 @@ set logscale y
 set yrange [10:*]
 set format y '10^{%L}'
 at(images) = strcol(1) eq images ? index_of(strcol(2)) : NaN
-plot times using (at('noise-free') - 0.2):8:(0.38) with boxes lc rgb '#999999' title 'noise-free images', \
-    times using (at('noisy') + 0.2):8:(0.38) with boxes lc rgb '#555555' title 'noisy images'
+plot times using (at('noise-free') - 0.2):10:(0.38) with boxes lc rgb '#999999' title 'noise-free images', \
+    times using (at('noisy') + 0.2):10:(0.38) with boxes lc rgb '#555555' title 'noisy images'
 unset multiplot

@@ -275,6 +275,13 @@ class Smoke(ProgramTest):
                 self.assertGreater(float(rows[images, "LM", group]["within_share"]), 0.95)
         for row in tables["times"]:
             self.assertGreater(float(row["fits_per_s"]), 0)
+            self.assertGreater(float(row["load_s"]), 0)
+        for images in ("noise-free", "noisy"):  # one distribution for all, and OpenGL's, which differs in some pixels
+            samples = {how: {int(r["samples"]) for r in tables["times"]
+                             if r["images"] == images and r["distributes"] == how} for how in ("once", "every sweep")}
+            self.assertEqual(len(samples["once"]), 1)
+            for count in samples["every sweep"]:
+                self.assertLess(abs(count / min(samples["once"]) - 1), 0.02)
 
     def check_scaling(self, tables):
         for row in tables["memory"]:

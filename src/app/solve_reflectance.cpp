@@ -164,18 +164,23 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, con
     out.status.assign(texels, Status::no_samples);
     out.iterations.assign(texels, 0);
     out.samples.assign(texels, 0);
-    parallel_for(problem.source.block_count(), 1, [&](size_t block, int) {
+    std::vector<double> load_s(size_t(thread_count()), 0);
+    parallel_for(problem.source.block_count(), 1, [&](size_t block, int worker) {
+        Stopwatch clock;
         TexelSamples samples;
         std::vector<std::vector<ShadedSample>> shaded(eight);
         const uint32_t begin = uint32_t(block) * TexelSource::block;
         problem.source.read(begin, samples);
+        load_s[size_t(worker)] += clock.wall_s();
         const size_t count = samples.first.size() - 1;
         for (size_t first = 0; first < count; first += eight) {
+            clock.restart();
             for (size_t i = 0; i < eight; ++i) {
                 shaded[i].clear();
                 if (first + i < count)
                     problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
             }
+            load_s[size_t(worker)] += clock.wall_s();
             const std::vector<float> start = task.solvers().start(shaded);
             for (size_t i = 0; i < eight && first + i < count; ++i) {
                 const size_t t = begin + first + i;
@@ -189,7 +194,8 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, con
         }
         progress();
     });
-    out.error = task.solvers().errors(problem, out.parameters);
+    out.error = task.solvers().errors(problem, out.parameters, &out.load_s);
+    for (const double s : load_s) out.load_s += s / thread_count();
     for (size_t t = 0; t < texels; ++t) out.sample_iterations += uint64_t(out.samples[t]) * out.iterations[t];
     return out;
 }

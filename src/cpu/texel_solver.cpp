@@ -224,15 +224,18 @@ public:
         return out;
     }
 
-    std::vector<float> errors(const TexelProblem& problem, std::span<const float> parameters) const override {
+    std::vector<float> errors(const TexelProblem& problem, std::span<const float> parameters,
+                              double* load_s) const override {
         std::vector<float> out(problem.source.texel_count());
-        for_blocks(problem, {}, [&](Worker& w, uint32_t begin, size_t batches, TraceSum&, TexelResult&) {
-            std::vector<float> p(w.order.size() * N), e(w.order.size());
-            for (size_t i = 0; i < w.order.size(); ++i)
-                std::copy_n(&parameters[(begin + w.order[i]) * N], N, &p[i * N]);
-            for (size_t b = 0; b < batches; ++b) batch_errors(w.batches[b], p, b, e.data());
-            for (size_t i = 0; i < w.order.size(); ++i) out[begin + w.order[i]] = e[i];
-        });
+        const TexelResult visit =
+            for_blocks(problem, {}, [&](Worker& w, uint32_t begin, size_t batches, TraceSum&, TexelResult&) {
+                std::vector<float> p(w.order.size() * N), e(w.order.size());
+                for (size_t i = 0; i < w.order.size(); ++i)
+                    std::copy_n(&parameters[(begin + w.order[i]) * N], N, &p[i * N]);
+                for (size_t b = 0; b < batches; ++b) batch_errors(w.batches[b], p, b, e.data());
+                for (size_t i = 0; i < w.order.size(); ++i) out[begin + w.order[i]] = e[i];
+            });
+        if (load_s) *load_s += visit.load_s;
         return out;
     }
 

@@ -49,7 +49,9 @@ public:
     /// Where optimizers begin: the best of the model's starts, for eight texels [8][parameters].
     virtual std::vector<float> start(const std::vector<std::vector<ShadedSample>>& texels) const = 0;
     /// Raw E of given parameters [texels][parameters], by which solvers that are none of these are judged alike.
-    virtual std::vector<float> errors(const TexelProblem& problem, std::span<const float> parameters) const = 0;
+    /// load_s, if given, grows by what TexelResult says of it.
+    virtual std::vector<float> errors(const TexelProblem& problem, std::span<const float> parameters,
+                                      double* load_s = nullptr) const = 0;
     /// Bytes that stream() holds for so many texels and samples, at least: rows are padded to the longest of eight.
     virtual uint64_t stream_bytes(uint64_t texels, uint64_t samples) const = 0;
 };
