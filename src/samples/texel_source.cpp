@@ -21,13 +21,13 @@ public:
     void read(uint32_t begin, TexelSamples& out) const override {
         const Block& from = blocks_[begin / block];
         out.first.assign(std::min(block, texels_ - begin) + 1, 0);
-        from.each([&](const Entry& e) { ++out.first[e.local + 1]; });
+        from.each([&](const Entry& e) { ++out.first[e.local() + 1]; });
         for (size_t t = 1; t < out.first.size(); ++t) out.first[t] += out.first[t - 1];
         std::array<uint64_t, block> next;
         std::copy_n(out.first.begin(), out.first.size() - 1, next.begin());
         out.samples.resize(from.count);
         from.each([&](const Entry& e) {
-            out.samples[next[e.local]++] = {{e.value[0], e.value[1], e.value[2]}, e.image};
+            out.samples[next[e.local()]++] = {{e.value[0], e.value[1], e.value[2]}, e.place / block};
         });
     }
 
@@ -36,7 +36,7 @@ public:
             for (const TakenTexels& image : images)
                 for (uint32_t k = image.first[b]; k < image.first[b + 1]; ++k) {
                     const float* v = &image.values[3 * size_t(k)];
-                    blocks_[b].push({{v[0], v[1], v[2]}, image.image, image.texels[k] % block});
+                    blocks_[b].push({{v[0], v[1], v[2]}, image.image * block + image.texels[k] % block});
                 }
         });
         for (const TakenTexels& image : images) samples_ += image.count();
@@ -45,9 +45,10 @@ public:
 private:
     struct Entry {
         float value[3];
-        uint32_t image : 24, local : 8;
+        uint32_t place;  ///< image * block + texel within the block
+        uint32_t local() const { return place % block; }
     };
-    static_assert(sizeof(Entry) == sizeof(TexelRadiance) && block == 256);
+    static_assert(sizeof(Entry) == sizeof(TexelRadiance));
     /// Grows without moving what is there.
     struct Block {
         static constexpr size_t chunk = 2048;
@@ -75,7 +76,7 @@ private:
 std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& atlas,
                                            const std::vector<uint32_t>& views, std::vector<Distributor*> workers,
                                            TexelDistributionStatistics& statistics) {
-    if (views.size() > size_t(1) << 24) throw std::invalid_argument("gather_texels: more than 2^24 views");
+    if (views.size() > ~uint32_t(0) / TexelSource::block) throw std::invalid_argument("gather_texels: too many views");
     auto out = std::make_unique<TexelsInMemory>(atlas.texel_count());
     distribute_views(dataset, views, workers, statistics,
                      [&](std::span<const TakenTexels> images) { out->add(images); });
