@@ -30,10 +30,11 @@ experiments: configure
 
 # Kernels alone, by Google Benchmark; BENCH_FLAGS such as --benchmark_filter=line.
 bench: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit bench_kernels bench_texels
+	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit bench_kernels bench_texels bench_texel_passes
 	@[ -d $(BENCH_DATASET) ] || $(BUILD)/src/app/radiafit generate star --scale standard -o $(BENCH_DATASET)
 	@$(BUILD)/experiments/bench/bench_kernels $(BENCH_DATASET) $(BENCH_FLAGS)
 	@$(BUILD)/experiments/bench/bench_texels $(BENCH_FLAGS)
+	@$(BUILD)/experiments/bench/bench_texel_passes $(BENCH_FLAGS)
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke

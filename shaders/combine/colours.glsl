@@ -1,18 +1,9 @@
 // Colours that texels take in the images of a batch, kept in one RGBA32UI texel: a component per image where channels
 // have COLOUR = 8 bits, two where they have 16; the bit above the colour says that there is one.
 #include "combine/cameras.glsl"
-#ifndef COLOUR
-#define COLOUR 8
-#endif
+#include "combine/pixel_colour.glsl"
 
-// As an item holds it: 8 bits (r | g << 8 | b << 16, nothing), 16 bits (r | g << 16, b).
-vec3 target_of(int image, uvec2 colour) {
-#if COLOUR == 8
-    return pictures[image].z * vec3((uvec3(colour.x, colour.x >> 8, colour.x >> 16) & 255u) * 257u);
-#else
-    return pictures[image].z * vec3(colour.x & 65535u, colour.x >> 16, colour.y & 65535u);
-#endif
-}
+vec3 target_of(int image, uvec2 colour) { return pictures[image].z * channels_of(colour); }
 
 struct Colours {
     uint part[4];

@@ -6,9 +6,9 @@
 #define RESULTS 2
 #include "reflect/output.glsl"
 
-#define ADD(image) add(image, place, site, results)
-void add(int image, ivec2 place, Site site, inout vec4 results[RESULTS]) {
-    Sample s = observe(image, place, site);
+#define ADD(image) add(image, site, pixels[image], results)
+void add(int image, Site site, Pixel pixel, inout vec4 results[RESULTS]) {
+    Sample s = observe(image, site, pixel);
     results[0] += s.counts ? s.u.z * vec4(s.target, s.u.z) : vec4(0.0);
     results[1].r += s.counts ? 1.0 : 0.0;
 }
@@ -17,6 +17,7 @@ void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
     Site site = read_site(place);
     vec4 results[RESULTS] = vec4[RESULTS](vec4(0.0), vec4(0.0));
+    TAKE_PIXELS
     FOR_EACH_IMAGE(ADD)
     WRITE(results);
 }

@@ -13,9 +13,9 @@ layout(binding = 5) uniform MAPS parameters;
 #endif
 #include "reflect/output.glsl"
 
-#define ADD(image) add(image, place, site, p, results)
-void add(int image, ivec2 place, Site site, Parameters p, inout vec4 results[RESULTS]) {
-    Sample s = observe(image, place, site);
+#define ADD(image) add(image, site, pixels[image], p, results)
+void add(int image, Site site, Pixel pixel, Parameters p, inout vec4 results[RESULTS]) {
+    Sample s = observe(image, site, pixel);
     Basis b = basis(p.shape, s.terms);
     vec3 r = residual_of(p, b, s);
     results[0].a += dot(r, r);
@@ -43,6 +43,7 @@ void main() {
     Parameters p = read_parameters(parameters, place);
     vec4 results[RESULTS];
     for (int i = 0; i < RESULTS; ++i) results[i] = vec4(0.0);
+    TAKE_PIXELS
     FOR_EACH_IMAGE(ADD)
     WRITE(results);
 }

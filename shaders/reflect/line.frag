@@ -9,9 +9,9 @@ layout(binding = 6) uniform MAPS direction;
 #define RESULTS 1
 #include "reflect/output.glsl"
 
-#define ADD(image) add(image, place, site, p, d, results)
-void add(int image, ivec2 place, Site site, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
-    Sample s = observe(image, place, site);
+#define ADD(image) add(image, site, pixels[image], p, d, results)
+void add(int image, Site site, Pixel pixel, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
+    Sample s = observe(image, site, pixel);
     Basis value = basis(p.shape, s.terms);
     vec3 r = residual_of(p, value, s), a = vec3(0.0), b = vec3(0.0);
     for (int k = 0; k < BASIS_COUNT; ++k) a += d.a[k] * value.x[k];
@@ -32,6 +32,7 @@ void main() {
     Parameters p = read_parameters(parameters, place), d = read_parameters(direction, place);
     vec4 results[RESULTS];
     results[0] = vec4(0.0);
+    TAKE_PIXELS
     FOR_EACH_IMAGE(ADD)
     WRITE(results);
 }

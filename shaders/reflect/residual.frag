@@ -7,7 +7,8 @@ layout(binding = 5) uniform MAPS parameters;
 layout(location = 0) out vec4 residual;
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
-    Sample s = observe(0, place, read_site(place));
+    Site site = read_site(place);
+    Sample s = observe(0, site, take_pixel(0, place, site));
 #ifdef TARGET_ONLY
     vec3 value = s.target;
 #else

@@ -24,9 +24,9 @@ layout(location = 14) uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three nu
         for (int c = 0; c < 3; ++c) sums[(at) + k + 1 + c] += b.x[k] * t[c]; \
     }
 
-#define ADD(image) add(image, place, site, sums)
-void add(int image, ivec2 place, Site site, inout float sums[NUMBERS]) {
-    Sample s = observe(image, place, site);
+#define ADD(image) add(image, site, take_pixel(image, place, site), sums)
+void add(int image, Site site, Pixel pixel, inout float sums[NUMBERS]) {
+    Sample s = observe(image, site, pixel);
     vec3 t = s.counts ? s.target : vec3(0.0);
     for (int candidate = 0; candidate < CANDIDATES; ++candidate) {
         Shape shape;

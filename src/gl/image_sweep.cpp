@@ -17,7 +17,11 @@ std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_
 
 ImageSweep::ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
                        bool resident)
-    : dataset_(&dataset), views_(std::move(views)), stream_(dataset, source, space), resident_(resident) {}
+    : dataset_(&dataset),
+      views_(std::move(views)),
+      stream_(dataset, source, space),
+      resident_(resident),
+      pixels_(dataset.has_grid() ? ImageSlot::Pixels::words : ImageSlot::Pixels::channels) {}
 
 void ImageSweep::set_batch(int images) {
     if (images > 1 && !dataset_->has_grid()) views_ = batches_of_neighbours(*dataset_, views_, images);
@@ -26,13 +30,13 @@ void ImageSweep::set_batch(int images) {
         for (uint32_t view : views_) {
             const Camera& camera = dataset_->views[view].camera;
             stream_.load(view, images_[0]);
-            slots_.emplace_back(camera.width, camera.height, stream_.bits());
+            slots_.emplace_back(camera.width, camera.height, stream_.bits(), pixels_);
             slots_.back().upload(images_[0]);
         }
         return;
     }
     const auto [width, height] = largest();
-    for (int i = 0; i < 2 * images; ++i) slots_.emplace_back(width, height, stream_.bits());
+    for (int i = 0; i < 2 * images; ++i) slots_.emplace_back(width, height, stream_.bits(), pixels_);
 }
 
 void ImageSweep::load(size_t first, size_t turn) {

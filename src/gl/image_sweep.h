@@ -67,6 +67,7 @@ private:
     std::vector<uint32_t> views_;
     ImageStream stream_;
     bool resident_;
+    ImageSlot::Pixels pixels_;      ///< words for a grid, whose passes read images themselves
     std::vector<ImageSlot> slots_;  ///< two batches: one is filled while the other is read; or one for each view
     std::vector<TargetImage> images_;
     std::vector<ImageOnDevice> on_device_;

@@ -39,8 +39,8 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world) : w_(world) {
                         "targets, and this device has {}; choose --passes paper",
                         w_.shape.model->name, targets_needed, most));
     if (w_.mesh) items_.emplace(*w_.mesh, w_.max_width, w_.max_height, w_.bits, texel_batch);
-    Defines here = w_.defines(texel_batch);
-    if (w_.mesh) here = here + Defines{{"ITEMS", ""}, {"COLOUR", std::to_string(w_.bits)}};
+    Defines here = w_.defines(texel_batch) + w_.colour();
+    if (w_.mesh) here.push_back({"ITEMS", ""});
     const std::string tiles = w_.mesh ? "reflect/tiles.vert" : "common/whole.vert";
     const auto make = [&](const char* shader, const Defines& what) {
         Program program = Program::draw(tiles, std::string("reflect/") + shader, here + what);
@@ -87,7 +87,6 @@ void CombinedTexelPasses::add(const std::vector<ImageOnDevice>& images, const Pr
         cameras.insert(cameras.end(), rows.begin(), rows.end());
         pictures[4 * i] = float(images[i].camera->width);
         pictures[4 * i + 1] = float(images[i].camera->height);
-        pictures[4 * i + 2] = 1;  // 16-bit units: exposures hold the scale
     }
     if (w_.mesh) {
         program.set4(24, int(cameras.size() / 4), cameras.data());

@@ -35,7 +35,7 @@ PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
     const Defines here = w_.defines(1), kept = here + Defines{{"KEPT", ""}}, diagonal{{"DIAGONAL", ""}};
     const std::string tiles = w_.mesh ? "distribute/tile.vert" : "common/whole.vert";
     const auto only = [](int i) { return Defines{{"ONLY", std::to_string(i)}}; };
-    const Defines projected{{"PROJECTED", ""}};
+    const Defines projected = w_.mesh ? Defines{{"PROJECTED", ""}} : w_.colour();
     target_ = Program::draw(tiles, "reflect/residual.frag", here + projected + Defines{{"TARGET_ONLY", ""}});
     residual_ = Program::draw(tiles, "reflect/residual.frag", here + projected);
     for (int map = 0; map < w_.shape.maps(); ++map)

@@ -46,6 +46,7 @@ void TexelWorld::set_images(const Program& program, const std::vector<ImageOnDev
     program.set4(44, batch, lamps.data());
     program.set4(48, batch, exposures.data());
     program.set4(52, batch, eyes.data());
+    program.set(5, shape.width());
     program.set(56, bits == 8 ? 257 : 1);
 }
 

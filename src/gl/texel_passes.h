@@ -51,6 +51,8 @@ struct TexelWorld {
     }
     /// MODEL, STORAGE, BATCH and what says where texels are: GRID, or SIDE and RECTANGLES.
     Defines defines(int batch) const;
+    /// For programs that look pixels' colours up themselves, in a grid's images or in items.
+    Defines colour() const { return {{"COLOUR", std::to_string(bits)}}; }
     /// What sample.glsl needs of the images of a batch, some of which may be missing.
     void set_images(const Program& program, const std::vector<ImageOnDevice>& images, int batch) const;
     /// The shapes of a group's candidates, for start.frag.

@@ -1,0 +1,148 @@
+// Passes of the fragment engine over reflectance samples, images resident on the device: process CPU time per sample
+// that counts, so on a software renderer it is that of one core, however many work. Penalties, gradients and other
+// passes over texels that a verb ends with are included; they weigh less, the more images there are. A device of its
+// own has no use for these figures.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <numeric>
+
+#include "base/clock.h"
+#include "gl/peaks.h"
+#include "gl/texel_engine.h"
+#include "gl_scene.h"
+#include "temporary_folder.h"
+
+namespace radiafit {
+namespace {
+
+struct Size {
+    int side;   ///< pixels, and texels of a grid
+    int views;  ///< all with a near lamp
+};
+
+/// Noise in 16 bits, over a grid whose texels take a pixel in every image, or over a sphere of about as many texels.
+class Scene {
+public:
+    Scene(bool grid, Passes passes, const Size& size) {
+        std::mt19937 rng(1);
+        std::uniform_real_distribution<double> uniform(-1, 1);
+        const auto any = [&] { return Vec3d(uniform(rng), uniform(rng), uniform(rng)); };
+        Dataset header;
+        header.name = "noise";
+        header.encoding = Encoding::u16_linear;
+        if (grid)
+            header.grid = Grid::centered(size.side, size.side, 2.0 / size.side);
+        else
+            header.mesh = bumpy_sphere(4);
+        DatasetWriter writer(folder_.path() / "noise");
+        writer.set_encoding(header.encoding);
+        std::vector<uint16_t> pixels(3 * size_t(size.side) * size_t(size.side));
+        for (auto& channel : pixels) channel = uint16_t(rng());
+        const std::vector<uint8_t> mask(pixels.size() / 3, 1);
+        for (int i = 0; i < size.views; ++i) {
+            View view;
+            view.name = "view" + std::to_string(i);
+            Vec3d towards = (Vec3d::UnitZ() + 0.5 * any()).normalized();
+            if (grid) {
+                view.camera = header.grid.camera_at(3 * towards, view.name);
+            } else {
+                view.camera = orbit_camera(i, size.views, size.side, size.side);
+                towards = view.camera.center().normalized();
+            }
+            view.light = Light{Light::Kind::near, 2.5 * towards + 0.7 * any(), Vec3d(4, 4, 4)};
+            writer.add(view, reinterpret_cast<const uint8_t*>(pixels.data()), mask);
+        }
+        writer.finish(header);
+        dataset_ = open_dataset(folder_.path() / "noise");
+        if (grid)
+            atlas_ = std::make_unique<GridAtlas>(make_atlas(dataset_.grid));
+        else
+            atlas_ = std::make_unique<TriangleAtlas>(dataset_.mesh, std::max(4, size.side / 72));
+        std::vector<uint32_t> views(dataset_.views.size());
+        std::iota(views.begin(), views.end(), 0u);
+        TexelOptions options;
+        options.model = find_texel_model("lafortune");
+        FragmentOptions fragment_options;
+        fragment_options.passes = passes;
+        fragment_options.resident = true;
+        engine_ = std::make_unique<TexelFragmentEngine>(dataset_, *atlas_, views, options, fragment_options);
+        for (const uint32_t n : engine_->count().samples) samples_ += n;
+        const std::vector<float> start = engine_->start();
+        engine_->reset(start);
+        engine_->set_line(start, std::vector<float>(start.size(), 0.01f));
+    }
+    TexelFragmentEngine& engine() { return *engine_; }
+    double samples() const { return samples_; }
+    double pairs() const { return double(atlas_->texel_count()) * double(dataset_.views.size()); }
+
+private:
+    TemporaryFolder folder_;
+    Dataset dataset_;
+    std::unique_ptr<Atlas> atlas_;
+    std::unique_ptr<TexelFragmentEngine> engine_;
+    double samples_ = 0;
+};
+
+/// What a verb's passes declare to cost, all together.
+Work declared(TexelFragmentEngine& engine, void (*verb)(TexelFragmentEngine&)) {
+    engine.passes().tally(true);
+    verb(engine);
+    Work work;
+    for (const auto& [label, tally] : engine.passes().tallies()) work += tally.work();
+    engine.passes().tally(false);
+    return work;
+}
+
+void run(benchmark::State& state, bool grid, Passes passes, void (*verb)(TexelFragmentEngine&)) {
+    static const std::unique_ptr<Context> context = Context::create({});
+    static const GlPeaks peaks = measure_gl_peaks();
+    Scene scene(grid, passes, {int(state.range(0)), int(state.range(1))});
+    const Work work = declared(scene.engine(), verb);  // the first one compiles, too
+    gl().Finish();
+    double cpu_s = 1e30, wall_s = 1e30;  // of the fastest turn: others' work on the machine only adds
+    for (auto _ : state) {
+        const double cpu = cpu_time_s(), wall = wall_time_s();
+        verb(scene.engine());
+        gl().Finish();
+        cpu_s = std::min(cpu_s, cpu_time_s() - cpu);
+        wall_s = std::min(wall_s, wall_time_s() - wall);
+    }
+    state.counters["ns_per_sample"] = 1e9 * cpu_s / scene.samples();
+    state.counters["counting"] = scene.samples() / scene.pairs();
+    state.counters["operations"] = double(work.operations) / scene.samples();
+    state.counters["of_operation_peak"] = double(work.operations) / wall_s / peaks.operations_s;
+    state.counters["of_read_peak"] = double(work.reads) / wall_s / peaks.reads_s;
+}
+
+// In a fit, line searches by gradient passes have no diagonal; CG takes one now and then.
+constexpr auto direction = [](TexelFragmentEngine& engine) { engine.direction_pass(false); };
+constexpr auto with_diagonal = [](TexelFragmentEngine& engine) { engine.direction_pass(true); };
+constexpr auto line = [](TexelFragmentEngine& engine) { engine.line_pass(); };
+
+#define OF_SCENE(verb)                                                          \
+    BENCHMARK_CAPTURE(run, grid_combined_##verb, true, Passes::combined, verb)  \
+        ->Args({400, 16})                                                       \
+        ->Args({1000, 16})                                                      \
+                                                                                \
+        ->UseRealTime()                                                         \
+        ->Unit(benchmark::kMillisecond);                                        \
+    BENCHMARK_CAPTURE(run, mesh_combined_##verb, false, Passes::combined, verb) \
+        ->Args({576, 16})                                                       \
+                                                                                \
+        ->UseRealTime()                                                         \
+        ->Unit(benchmark::kMillisecond);                                        \
+    BENCHMARK_CAPTURE(run, grid_paper_##verb, true, Passes::paper, verb)        \
+        ->Args({400, 16})                                                       \
+        ->Args({1000, 16})                                                      \
+                                                                                \
+        ->UseRealTime()                                                         \
+        ->Unit(benchmark::kMillisecond)
+OF_SCENE(direction);
+OF_SCENE(with_diagonal);
+OF_SCENE(line);
+
+}  // namespace
+}  // namespace radiafit
+
+BENCHMARK_MAIN();

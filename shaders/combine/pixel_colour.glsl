@@ -1,0 +1,14 @@
+// A pixel's colour in whole words, COLOUR bits a channel: 8 bits (r | g << 8 | b << 16, nothing), 16 bits (r | g << 16, b);
+// what stands above b is the holder's.
+#ifndef COLOUR
+#define COLOUR 8
+#endif
+
+// In 16-bit units. CPUs convert signed integers in one instruction, others in many.
+vec3 channels_of(uvec2 colour) {
+#if COLOUR == 8
+    return vec3(ivec3(uvec3(colour.x, colour.x >> 8, colour.x >> 16) & 255u) * 257);
+#else
+    return vec3(ivec3(colour.x & 65535u, colour.x >> 16, colour.y & 65535u));
+#endif
+}
