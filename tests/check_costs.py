@@ -35,6 +35,7 @@ OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES"
 BYTES = {"drawn": 4, "image": 4, "items": 4}
 BYTES_REFLECT = {"image": 8, "images": 4, "items": 4, "density": 4, "penalties": 4, "lengths": 4}
 BYTES_COLOUR = {"8": {"image": 4, "items": 8}, "16": {"image": 8, "items": 16}}
+BYTES_REFLECT_COLOUR = {"8": {"image": 4, "images": 4, "taken": 4}, "16": {"image": 8, "images": 8, "taken": 8}}
 # Operations per component of the result, where not one; of those below, per component of the operand.
 OPERATIONS = {"Fma": 2, "FClamp": 2, "SClamp": 2, "UClamp": 2, "FMix": 3, "Normalize": 3, "Cross": 3}
 OPERATIONS_OF_OPERAND = {"Length": 2, "Distance": 3}
@@ -105,8 +106,9 @@ def loop_depths(blocks, merges, label):
 
 def bytes_of_texels(name, defines):
     """By sampler."""
-    sizes = dict(BYTES_REFLECT if name.startswith("reflect/") else BYTES)
-    sizes.update(BYTES_COLOUR.get(dict(defines).get("COLOUR"), {}))
+    reflect = name.startswith("reflect/")
+    sizes = dict(BYTES_REFLECT if reflect else BYTES)
+    sizes.update((BYTES_REFLECT_COLOUR if reflect else BYTES_COLOUR).get(dict(defines).get("COLOUR"), {}))
     return sizes
 
 

@@ -18,6 +18,7 @@ struct TexelScene {
     Light::Kind light = Light::Kind::distant;
     Encoding encoding = Encoding::u16_linear;
     int views = 7;
+    bool one_eye = false;  ///< over a grid
 };
 
 /// A packed dataset, removed at the end.
@@ -50,6 +51,8 @@ public:
                 if (!scene.grid) {
                     view.camera = orbit_camera(i, scene.views, width + i % 3, height - i % 2);
                     towards = view.camera.center().normalized();
+                } else if (scene.one_eye) {
+                    view.camera = header.grid.camera_at(Vec3d(0.5, 0.2, 3), view.name);
                 } else if (i % 2) {
                     view.camera = header.grid.camera_at(3 * towards, view.name);
                 } else {

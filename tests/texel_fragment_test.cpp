@@ -26,6 +26,7 @@ struct Case {
     Passes passes = Passes::paper;
     Mode mode = Mode::modern;
     float clip_above = 0, shadow_below = 0;
+    int together = 0;
     TexelOptions options() const {
         TexelOptions options;
         options.model = find_texel_model(model);
@@ -77,7 +78,8 @@ void agree(const Case& c) {
     const auto context = make_context(ContextKind::egl);
     const TexelDataset data(c.scene);
     const TexelOptions options = c.options();
-    TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options, {.passes = c.passes});
+    TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options,
+                               {.passes = c.passes, .together = c.together});
     const auto samples = exact_samples<Text>(data, options);
     const size_t texels = data.atlas->texel_count(), each = size_t(Model::parameters);
     ASSERT_EQ(engine.problem_count(), texels);
@@ -202,6 +204,13 @@ std::vector<Case> cases() {
                             .passes = passes,
                             .mode = Mode::paper,
                             .shadow_below = 0.3f});
+            if (passes == Passes::combined)
+                for (const bool grid : {false, true})
+                    list.push_back({.name = name + (grid ? "_grid_one_eye" : "_mesh") + "_three_images_together",
+                                    .model = model->name,
+                                    .scene = {.grid = grid, .light = Light::Kind::near, .one_eye = true},
+                                    .passes = passes,
+                                    .together = 3});
         }
         list.push_back({.name = prefix + "_mesh_distant_8_bit",
                         .model = "lafortune",
@@ -270,13 +279,19 @@ TEST(TexelFragment, BothFormsOfPassesFitAlike) {
 }
 
 TEST(TexelFragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
-    const TexelDataset data({});
-    for (const Passes passes : {Passes::paper, Passes::combined}) {
-        const auto first = run(ContextKind::egl, data, {.passes = passes}).parameters;
-        EXPECT_EQ(first, run(ContextKind::egl, data, {.passes = passes, .source = StreamSource::disk}).parameters);
-        EXPECT_EQ(first, run(ContextKind::egl, data, {.passes = passes, .resident = true}).parameters);
-        if (make_context(ContextKind::egl)->software()) {
-            EXPECT_EQ(first, run(ContextKind::osmesa, data, {.passes = passes}).parameters);
+    for (const bool grid : {false, true}) {
+        const TexelDataset data({.grid = grid});
+        for (const Passes passes : {Passes::paper, Passes::combined}) {
+            const FragmentOptions plain{.passes = passes, .together = 2};
+            FragmentOptions disk = plain, resident = plain;
+            disk.source = StreamSource::disk;
+            resident.resident = true;
+            const auto first = run(ContextKind::egl, data, plain).parameters;
+            EXPECT_EQ(first, run(ContextKind::egl, data, disk).parameters);
+            EXPECT_EQ(first, run(ContextKind::egl, data, resident).parameters);
+            if (make_context(ContextKind::egl)->software()) {
+                EXPECT_EQ(first, run(ContextKind::osmesa, data, plain).parameters);
+            }
         }
     }
 }
@@ -334,8 +349,11 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                       std::tuple{Storage::fp32, Sums::fp32, true}}) {
                     TexelOptions options;
                     options.model = model;
-                    const FragmentOptions fragment{
-                        .passes = passes, .storage = storage, .sums = sums, .resident = resident};
+                    const FragmentOptions fragment{.passes = passes,
+                                                   .storage = storage,
+                                                   .sums = sums,
+                                                   .resident = resident,
+                                                   .together = resident ? 0 : 2};
                     uint64_t planned = 0;
                     for (const PlannedArray& row :
                          plan_texel_engine(data.dataset, *data.atlas, data.views, options, fragment))
@@ -354,8 +372,8 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
 // tests/check_costs.py holds the declarations to the shaders; this, the passes over linear images to the declarations.
 TEST(TexelFragment, EveryPassDeclaresItsCost) {
     const auto context = make_context(ContextKind::osmesa);
-    for (const bool grid : {false, true}) {
-        const TexelDataset data({.grid = grid});
+    for (const auto& [grid, one_eye] : {std::pair{false, false}, std::pair{true, false}, std::pair{true, true}}) {
+        const TexelDataset data({.grid = grid, .one_eye = one_eye});
         for (const char* name : {"lambert", "lafortune"})  // a model may be added without
             for (const Passes passes : {Passes::paper, Passes::combined}) {
                 TexelOptions options;

@@ -1,6 +1,7 @@
 // Passes of the fragment engine over reflectance samples, images resident on the device, by process CPU time per sample
 // that counts: under a software renderer that is the time of one core, however many work; of a GPU it tells nothing.
-// Passes over texels that a verb ends with are included; they weigh less, the more images there are.
+// Passes over texels that a verb ends with are included; they weigh less, the more images there are. Arguments: width
+// and height of images, their number. One eye: all images are seen from one place, as under a fixed camera.
 #include <benchmark/benchmark.h>
 
 #include <numeric>
@@ -14,13 +15,11 @@
 namespace radiafit {
 namespace {
 
-constexpr int view_count = 16;
-
 /// Noise in 16 bits, over a grid whose texels take a pixel in every image, or over a sphere of about as many texels.
 class Scene {
 public:
     /// side: of images in pixels, and of a grid in texels.
-    Scene(bool grid, Passes passes, int side) {
+    Scene(bool grid, Passes passes, int side, int view_count, bool one_eye = false) {
         std::mt19937 rng(1);
         std::uniform_real_distribution<double> uniform(-1, 1);
         const auto any = [&] { return Vec3d(uniform(rng), uniform(rng), uniform(rng)); };
@@ -41,7 +40,7 @@ public:
             view.name = "view" + std::to_string(i);
             Vec3d towards = (Vec3d::UnitZ() + 0.5 * any()).normalized();
             if (grid) {
-                view.camera = header.grid.camera_at(3 * towards, view.name);
+                view.camera = header.grid.camera_at(one_eye ? Vec3d(0, 0, 3) : Vec3d(3 * towards), view.name);
             } else {
                 view.camera = orbit_camera(i, view_count, side, side);
                 towards = view.camera.center().normalized();
@@ -90,10 +89,10 @@ Work declared(TexelFragmentEngine& engine, void (*verb)(TexelFragmentEngine&)) {
     return work;
 }
 
-void run(benchmark::State& state, bool grid, Passes passes, void (*verb)(TexelFragmentEngine&)) {
+void run(benchmark::State& state, bool grid, bool one_eye, Passes passes, void (*verb)(TexelFragmentEngine&)) {
     static const std::unique_ptr<Context> context = Context::create({});
     static const GlPeaks peaks = measure_gl_peaks();
-    Scene scene(grid, passes, int(state.range(0)));
+    Scene scene(grid, passes, int(state.range(0)), int(state.range(1)), one_eye);
     const Work work = declared(scene.engine(), verb);  // the first one compiles, too
     gl().Finish();
     double cpu_s = 1e30, wall_s = 1e30;  // of the fastest turn: others' work on the machine only adds
@@ -115,14 +114,18 @@ constexpr auto direction = [](TexelFragmentEngine& engine) { engine.direction_pa
 constexpr auto with_diagonal = [](TexelFragmentEngine& engine) { engine.direction_pass(true); };
 constexpr auto line = [](TexelFragmentEngine& engine) { engine.line_pass(); };
 
-#define OF_SCENE(name, grid, passes, ...)                                                                         \
-    BENCHMARK_CAPTURE(run, name##_direction, grid, passes, direction) __VA_ARGS__->Unit(benchmark::kMillisecond); \
-    BENCHMARK_CAPTURE(run, name##_with_diagonal, grid, passes, with_diagonal)                                     \
-    __VA_ARGS__->Unit(benchmark::kMillisecond);                                                                   \
-    BENCHMARK_CAPTURE(run, name##_line, grid, passes, line) __VA_ARGS__->Unit(benchmark::kMillisecond)
-OF_SCENE(grid_combined, true, Passes::combined, ->Arg(400)->Arg(1000)->UseRealTime());
-OF_SCENE(mesh_combined, false, Passes::combined, ->Arg(576)->UseRealTime());
-OF_SCENE(grid_paper, true, Passes::paper, ->Arg(400)->Arg(1000)->UseRealTime());
+#define OF_SCENE(name, grid, one_eye, passes, ...)                                     \
+    BENCHMARK_CAPTURE(run, name##_direction, grid, one_eye, passes, direction)         \
+    __VA_ARGS__->Unit(benchmark::kMillisecond);                                        \
+    BENCHMARK_CAPTURE(run, name##_with_diagonal, grid, one_eye, passes, with_diagonal) \
+    __VA_ARGS__->Unit(benchmark::kMillisecond);                                        \
+    BENCHMARK_CAPTURE(run, name##_line, grid, one_eye, passes, line) __VA_ARGS__->Unit(benchmark::kMillisecond)
+OF_SCENE(grid_one_eye_combined, true, true, Passes::combined, ->Args({400, 230})->UseRealTime());
+OF_SCENE(grid_combined, true, false,
+         Passes::combined, ->Args({400, 16})->Args({400, 230})->Args({1000, 48})->UseRealTime());
+OF_SCENE(mesh_combined, false, false, Passes::combined, ->Args({576, 64})->UseRealTime());
+OF_SCENE(grid_paper, true, false, Passes::paper, ->Args({400, 16})->UseRealTime());
+OF_SCENE(mesh_paper, false, false, Passes::paper, ->Args({576, 16})->UseRealTime());
 
 }  // namespace
 }  // namespace radiafit

@@ -12,3 +12,11 @@ vec3 channels_of(uvec2 colour) {
     return vec3(ivec3(colour.x & 65535u, colour.x >> 16, colour.y & 65535u));
 #endif
 }
+
+uvec2 colour_of(uvec3 channels) {
+#if COLOUR == 8
+    return uvec2(channels.r | channels.g << 8 | channels.b << 16, 0u);
+#else
+    return uvec2(channels.r | channels.g << 16, channels.b);
+#endif
+}

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: MODEL=* GRID=-,1 ITEMS=1 COLOUR=8,16 BATCH=1,4 DIAGONAL=-,1
+// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16 DIAGONAL=-,1
 // Sums over samples of each texel, blended: the gradient, laid out as the parameters are, with the sum of r^2 in the
 // first map's alpha; and with DIAGONAL the squares of the Jacobian's columns that the channels share, four a target, those
 // of the shape without the last coefficients' factor.
@@ -13,9 +13,8 @@ layout(binding = 5) uniform MAPS parameters;
 #endif
 #include "reflect/output.glsl"
 
-#define ADD(image) add(image, site, pixels[image], p, results)
-void add(int image, Site site, Pixel pixel, Parameters p, inout vec4 results[RESULTS]) {
-    Sample s = observe(image, site, pixel);
+#define ADD(s) add(s, p, results)
+void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     Basis b = basis(p.shape, s.terms);
     vec3 r = residual_of(p, b, s);
     results[0].a += dot(r, r);
@@ -39,11 +38,10 @@ void add(int image, Site site, Pixel pixel, Parameters p, inout vec4 results[RES
 
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
-    Site site = read_site(place);
+    Site site = site_at(place);
     Parameters p = read_parameters(parameters, place);
     vec4 results[RESULTS];
     for (int i = 0; i < RESULTS; ++i) results[i] = vec4(0.0);
-    TAKE_PIXELS
-    FOR_EACH_IMAGE(ADD)
+    EACH_SAMPLE(ADD)
     WRITE(results);
 }

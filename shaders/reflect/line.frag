@@ -1,5 +1,5 @@
 #version 450 core
-// variants: MODEL=* GRID=-,1 ITEMS=1 COLOUR=8,16 BATCH=1,4
+// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16
 // Sums over samples of each texel along d, blended: of a^2 and of a^2 + r b, with a and b the first and second derivative
 // of the model's value (C++: TexelLocal::bend).
 #include "reflect/parameters.glsl"
@@ -9,9 +9,8 @@ layout(binding = 6) uniform MAPS direction;
 #define RESULTS 1
 #include "reflect/output.glsl"
 
-#define ADD(image) add(image, site, pixels[image], p, d, results)
-void add(int image, Site site, Pixel pixel, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
-    Sample s = observe(image, site, pixel);
+#define ADD(s) add(s, p, d, results)
+void add(Sample s, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
     Basis value = basis(p.shape, s.terms);
     vec3 r = residual_of(p, value, s), a = vec3(0.0), b = vec3(0.0);
     for (int k = 0; k < BASIS_COUNT; ++k) a += d.a[k] * value.x[k];
@@ -28,11 +27,10 @@ void add(int image, Site site, Pixel pixel, Parameters p, Parameters d, inout ve
 
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
-    Site site = read_site(place);
+    Site site = site_at(place);
     Parameters p = read_parameters(parameters, place), d = read_parameters(direction, place);
     vec4 results[RESULTS];
     results[0] = vec4(0.0);
-    TAKE_PIXELS
-    FOR_EACH_IMAGE(ADD)
+    EACH_SAMPLE(ADD)
     WRITE(results);
 }

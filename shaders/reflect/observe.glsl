@@ -1,31 +1,33 @@
-// Samples for passes that sum over them. KEPT: what residual.frag left in SLS, its residual or its target, and BATCH is 1;
-// else each fragment takes its pixel itself. TAKE_PIXELS takes all of a batch before the first is used: direction.frag over
-// a grid took 0.76 to 0.96 of the CPU time so, in four paired runs under llvmpipe.
-#include "reflect/site.glsl"
+// Samples of a texel for passes that sum over them: EACH_SAMPLE(ADD) does ADD(s) with each. KEPT: of the one image whose
+// residual or target residual.frag left in SLS. Else of `image_count` images in turn: a texel's parameters are fetched, and
+// its sums blended, once for all of them. Per sample of a grid llvmpipe took 26 ns of a core's time with 4 images, written
+// out, and 10 to 11 with 96 in this loop (bench_texel_passes).
+#ifdef KEPT
+#define ONE_IMAGE
+#endif
 #include "reflect/sample.glsl"
 #ifdef KEPT
 layout(binding = 8) uniform sampler2D kept;
-struct Pixel {
-    vec4 left;
-};
-Pixel take_pixel(int image, ivec2 place, Site site) { return Pixel(texelFetch(kept, place, 0)); }
-Sample observe(int image, Site site, Pixel pixel) {
-    Sample s = sample_of(image, site, vec3(0.0));
-    s.target = pixel.left.rgb;
-    s.counts = pixel.left.a != 0.0;
+Sample kept_sample(ivec2 place, Site site) {
+    vec4 left = texelFetch(kept, place, 0);
+    Sample s = sample_of(view_at(0), site, vec3(0.0));
+    s.target = left.rgb;
+    s.counts = left.a != 0.0;
     return s;
 }
 vec3 residual_of(Parameters p, Basis b, Sample s) { return s.counts ? s.target : vec3(0.0); }
+#define EACH_SAMPLE(ADD)                 \
+    Sample s = kept_sample(place, site); \
+    ADD(s);
 #else
 #include "reflect/pixel.glsl"
-Sample observe(int image, Site site, Pixel pixel) {
-    Sample s = sample_of(image, site, channels_of(pixel));
-    s.counts = s.counts && pixel.present;
-    return s;
-}
-vec3 residual_of(Parameters p, Basis b, Sample s) { return s.counts ? value_of(p, b) - s.target : vec3(0.0); }
+layout(location = 50) uniform int image_count;
+#define EACH_SAMPLE(ADD)                                                       \
+    PLACE at = in_first_image(place);                                          \
+    int end = 3 * (first_view + image_count);                                  \
+    for (int view = 3 * first_view; view < end; view += 3, at += next_image) { \
+        Pixel pixel = take_pixel(at); /* first: it may be long in coming */    \
+        Sample s = observe(view_at(view), site, pixel);                        \
+        ADD(s);                                                                \
+    }
 #endif
-#define TAKE(image) pixels[image] = take_pixel(image, place, site)
-#define TAKE_PIXELS       \
-    Pixel pixels[BATCH]; \
-    FOR_EACH_IMAGE(TAKE)

@@ -1,52 +1,50 @@
-// The pixel of an image that a texel takes. GRID: the one at the texel's own place. ITEMS: by items that hold the colours,
-// one layer an image; vertex stage: reflect/tiles.vert. Else: by items alone; distribute/tile.vert.
-#include "distribute/tiles.glsl"
+// The pixel that a texel takes of an image, where it lies being a PLACE. GRID: at the texel's own place, in a stack of
+// images (C++: gl/image_stack.h). Else in a layer where reflect/take.frag left it; but where a pass has one image alone,
+// by that image's items.
+#include "reflect/sample.glsl"
 #include "combine/pixel_colour.glsl"
-#if defined(GRID) || defined(ITEMS)
+
 struct Pixel {
-    uvec2 colour;
+    vec3 channels;  // in 16-bit units
     bool present;
 };
-vec3 channels_of(Pixel pixel) { return channels_of(pixel.colour); }
-#else
-layout(location = 56) uniform int widen;  // 257 for 8-bit images, else 1
-struct Pixel {
-    uvec4 taken;
-    bool present;
-};
-vec3 channels_of(Pixel pixel) { return vec3(ivec3(pixel.taken.rgb) * widen); }
-#endif
+Pixel pixel_of(uvec2 words) {
+    return Pixel(channels_of(words), COLOUR == 8 ? words.r >= 1u << 24 : words.g >= 1u << 16);
+}
+
 #if defined(GRID)
-layout(binding = 1) uniform usamplerBuffer images[BATCH];  // words of colour, and the mask in what b leaves
-layout(location = 5) uniform int layout_width;
-Pixel take_pixel(int image, ivec2 place, Site site) {
-    int at = place.y * layout_width + place.x;
-#if COLOUR == 8
-    uvec2 colour = uvec2(texelFetch(images[image], at).r, 0u);
-#else
-    uvec2 colour = uvec2(texelFetch(images[image], 2 * at).r, texelFetch(images[image], 2 * at + 1).r);
-#endif
-    bool masked_in = COLOUR == 8 ? colour.r >= 1u << 24 : colour.g >= 1u << 16;
-    return Pixel(colour, masked_in && site.usable);
+layout(binding = 1) uniform usamplerBuffer images;  // words of colour, and the mask in what b leaves
+layout(location = 48) uniform int blocks_per_row;   // of 4 x 4 pixels
+layout(location = 49) uniform int images_per_block;
+#define PLACE int
+const int next_image = 16;
+int in_first_image(ivec2 place) {
+    ivec2 block = place >> 2, inside = place & 3;
+    return (block.y * blocks_per_row + block.x) * (images_per_block * 16) + inside.y * 4 + inside.x;
 }
-#elif defined(ITEMS)
-#include "combine/take_item.glsl"
-layout(location = 0) flat in ivec3 frame;
-layout(location = 1) flat in vec3 projected[3 * BATCH];
-Pixel take_pixel(int image, ivec2 place, Site site) {
-    Pixel pixel;
-    vec3 weights = cell_barycentric((place - frame.xy) * frame.z);
-    pixel.present = take_item(image, projected[3 * image], projected[3 * image + 1], projected[3 * image + 2], weights,
-                              place, pixel.colour);
-    return pixel;
-}
-#else
+Pixel take_pixel(int at) { return pixel_of(texelFetch(images, at).rg); }
+#elif defined(ONE_IMAGE)
 #include "distribute/take.glsl"
-Pixel take_pixel(int only, ivec2 place, Site site) {
-    Pixel pixel;
+layout(location = 56) uniform int widen;  // 257 for 8-bit images, else 1
+#define PLACE ivec2
+ivec2 in_first_image(ivec2 place) { return place; }
+Pixel take_pixel(ivec2 place) {
     ivec2 at;
+    uvec4 channels;
     vec3 weights;
-    pixel.present = take(at, pixel.taken, weights);
-    return pixel;
+    bool present = take(at, channels, weights);
+    return Pixel(vec3(ivec3(channels.rgb) * widen), present);
 }
+#else
+layout(binding = 1) uniform usampler2DArray taken;
+#define PLACE ivec3
+const ivec3 next_image = ivec3(0, 0, 1);
+ivec3 in_first_image(ivec2 place) { return ivec3(place, 0); }
+Pixel take_pixel(ivec3 at) { return pixel_of(texelFetch(taken, at, 0).rg); }
 #endif
+
+Sample observe(View view, Site site, Pixel pixel) {
+    Sample s = sample_of(view, site, pixel.channels);
+    s.counts = s.counts && pixel.present && site.usable;
+    return s;
+}

@@ -1,14 +1,15 @@
 #version 450 core
-// variants: MODEL=* GRID=-,1 TARGET_ONLY=-,1 BATCH=1
+// variants: MODEL=* GRID=-,1 TARGET_ONLY=-,1 COLOUR=8,16
 // The residual of the pixel that each texel takes, or its target, and in alpha whether it counts.
 #include "reflect/parameters.glsl"
-#include "reflect/observe.glsl"
+#define ONE_IMAGE
+#include "reflect/pixel.glsl"
 layout(binding = 5) uniform MAPS parameters;
 layout(location = 0) out vec4 residual;
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
-    Site site = read_site(place);
-    Sample s = observe(0, site, take_pixel(0, place, site));
+    Site site = site_at(place);
+    Sample s = observe(view_at(0), site, take_pixel(in_first_image(place)));
 #ifdef TARGET_ONLY
     vec3 value = s.target;
 #else

@@ -1,16 +1,55 @@
-// What an image tells a texel (docs/formats.md, "What a light means"; model/texel_options.h says what counts).
-#include "combine/batch.glsl"
-layout(location = 44) uniform vec4 lamps[BATCH];  // near: where, 1; distant: unit direction to it, 0
-// Target per 16-bit unit of a channel, times the squared distance where the lamp is near; the least unit that is clipped,
-// below 0 where the batch has no such image.
-layout(location = 48) uniform vec4 exposures[BATCH];
-layout(location = 52) uniform vec4 eyes[BATCH];   // the camera's centre, 1; or unit direction to it, 0
+// What an image tells a texel (docs/formats.md, "What a light means"; model/texel_options.h says what counts). ONE_IMAGE:
+// the pass has one; else it loops over several. ONE_EYE: all are seen from one place, so that texels know it beforehand.
+#include "reflect/site.glsl"
+#ifdef ONE_IMAGE
+#ifndef ONE_EYE
+#define ONE_EYE
+#endif
+layout(location = 44) uniform vec4 lamp;
+layout(location = 45) uniform vec4 exposure;
+#else
+layout(binding = 2) uniform samplerBuffer views;  // of each image: lamp, exposure, eye
+layout(location = 47) uniform int first_view;
+#endif
+#ifdef ONE_EYE
+layout(location = 46) uniform vec4 eye;
+#endif
 
-// Unit direction from x; the squared distance, 1 for what is infinitely far.
-vec4 towards(vec4 place, vec3 x) {
-    vec3 to = place.xyz - place.w * x;
-    float squared = dot(to, to);
-    return place.w != 0.0 ? vec4(to * inversesqrt(squared), squared) : vec4(to, 1.0);
+struct View {
+    vec4 lamp;      // near: where, 1; distant: unit direction to it, 0
+    // Target per 16-bit unit of a channel, times the squared distance where the lamp is near; the least unit that is
+    // clipped.
+    vec4 exposure;
+    vec4 eye;       // the camera's centre, 1; or unit direction to it, 0
+};
+
+// at: three for each image; nothing if there is one.
+View view_at(int at) {
+#ifdef ONE_IMAGE
+    return View(lamp, exposure, eye);
+#else
+    View view = View(texelFetch(views, at), texelFetch(views, at + 1), vec4(0.0));
+#ifndef ONE_EYE
+    view.eye = texelFetch(views, at + 2);
+#endif
+    return view;
+#endif
+}
+
+// From a texel in its own frame, not of unit length; the length's square.
+vec4 towards(vec4 place, Site site) {
+    vec3 to = place.xyz - place.w * site.position;
+    return vec4(to_local(site, to), dot(to, to));
+}
+
+vec3 unit(vec4 to) { return to.xyz * inversesqrt(to.w); }
+
+Site site_at(ivec2 place) {
+    Site site = read_site(place);
+#ifdef ONE_EYE
+    site.v = unit(towards(eye, site));
+#endif
+    return site;
 }
 
 struct Sample {
@@ -21,14 +60,22 @@ struct Sample {
 };
 
 // channels: 16-bit units of the pixel that the texel takes.
-Sample sample_of(int image, Site site, vec3 channels) {
+Sample sample_of(View view, Site site, vec3 channels) {
     Sample s;
-    vec4 light = towards(lamps[image], site.position);
-    s.u = to_local(site, light.xyz);
-    vec3 v = to_local(site, towards(eyes[image], site.position).xyz);
-    s.target = channels * (light.w * exposures[image].rgb);
+    vec4 light = towards(view.lamp, site);
+    s.u = unit(light);
+#ifdef ONE_EYE
+    vec3 v = site.v;
+#else
+    vec3 v = unit(towards(view.eye, site));
+#endif
+    s.target = channels * (light.w * view.exposure.rgb);
     s.terms = sample_terms(s.u, v);
-    s.counts = s.u.z > 0.0 && v.z > 0.0 && all(lessThan(channels, vec3(exposures[image].w))) &&
+    s.counts = s.u.z > 0.0 && v.z > 0.0 && all(lessThan(channels, vec3(view.exposure.w))) &&
                s.target.r + s.target.g + s.target.b >= site.darkness * s.u.z;
     return s;
 }
+
+#ifndef KEPT
+vec3 residual_of(Parameters p, Basis b, Sample s) { return s.counts ? value_of(p, b) - s.target : vec3(0.0); }
+#endif

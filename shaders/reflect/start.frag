@@ -1,5 +1,5 @@
 #version 450 core
-// variants: MODEL=* GRID=-,1 ITEMS=1 COLOUR=8,16 BATCH=1,4 CANDIDATES=1,5
+// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16 CANDIDATES=1,5
 // Sums over samples of each texel, blended: what linear least squares in the coefficients needs for CANDIDATES shapes,
 // numbers FIRST and those behind it, four a target. In their order (C++: gl/texel_start.h): products of the basis functions
 // that no shape enters, in pairs and with the target; for each candidate those of the last one with all and the target.
@@ -24,9 +24,8 @@ layout(location = 14) uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three nu
         for (int c = 0; c < 3; ++c) sums[(at) + k + 1 + c] += b.x[k] * t[c]; \
     }
 
-#define ADD(image) add(image, site, take_pixel(image, place, site), sums)
-void add(int image, Site site, Pixel pixel, inout float sums[NUMBERS]) {
-    Sample s = observe(image, site, pixel);
+#define ADD(s) add(s, sums)
+void add(Sample s, inout float sums[NUMBERS]) {
     vec3 t = s.counts ? s.target : vec3(0.0);
     for (int candidate = 0; candidate < CANDIDATES; ++candidate) {
         Shape shape;
@@ -44,10 +43,10 @@ void add(int image, Site site, Pixel pixel, inout float sums[NUMBERS]) {
 
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
-    Site site = read_site(place);
+    Site site = site_at(place);
     float sums[NUMBERS];
     for (int i = 0; i < NUMBERS; ++i) sums[i] = 0.0;
-    FOR_EACH_IMAGE(ADD)
+    EACH_SAMPLE(ADD)
     vec4 results[RESULTS];
     for (int i = 0; i < RESULTS; ++i)
         for (int c = 0; c < 4; ++c)

@@ -17,44 +17,59 @@ std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_
 
 ImageSweep::ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
                        bool resident)
-    : dataset_(&dataset),
-      views_(std::move(views)),
-      stream_(dataset, source, space),
-      resident_(resident),
-      pixels_(dataset.has_grid() ? ImageSlot::Pixels::words : ImageSlot::Pixels::channels) {}
+    : dataset_(&dataset), views_(std::move(views)), stream_(dataset, source, space), resident_(resident) {}
 
 void ImageSweep::set_batch(int images) {
-    if (images > 1 && !dataset_->has_grid()) views_ = batches_of_neighbours(*dataset_, views_, images);
-    images_.resize(size_t(images));
-    if (resident_) {
-        for (uint32_t view : views_) {
-            const Camera& camera = dataset_->views[view].camera;
-            stream_.load(view, images_[0]);
-            slots_.emplace_back(camera.width, camera.height, stream_.bits(), pixels_);
-            slots_.back().upload(images_[0]);
+    batch_ = images;
+    const auto [width, height] = largest();
+    if (dataset_->has_grid()) {
+        const size_t turns = (views_.size() + size_t(images) - 1) / size_t(images);
+        for (size_t turn = 0; turn < (resident_ ? turns : std::min<size_t>(2, turns)); ++turn) {
+            stacks_.emplace_back(width, height, stream_.bits(), images);
+            if (resident_) fill(stacks_.back(), turn * size_t(images));
         }
         return;
     }
-    const auto [width, height] = largest();
-    for (int i = 0; i < 2 * images; ++i) slots_.emplace_back(width, height, stream_.bits(), pixels_);
+    if (images > 1) views_ = batches_of_neighbours(*dataset_, views_, images);
+    if (!resident_) {
+        for (int i = 0; i < 2 * images; ++i) slots_.emplace_back(width, height, stream_.bits());
+        return;
+    }
+    for (uint32_t view : views_) {
+        const Camera& camera = dataset_->views[view].camera;
+        slots_.emplace_back(camera.width, camera.height, stream_.bits());
+        fill(slots_.back(), view);
+    }
+}
+
+void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
+    stream_.load(view, image_);
+    const double begin = wall_time_s();
+    slot.upload(image_);
+    times_.upload_s += wall_time_s() - begin;
+}
+
+void ImageSweep::fill(ImageStack& stack, size_t first) {
+    stack.begin();
+    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
+        stream_.load(views_[first + i], image_);
+        const double begin = wall_time_s();
+        stack.put(int(i), image_);
+        times_.upload_s += wall_time_s() - begin;
+    }
+    stack.end();
 }
 
 void ImageSweep::load(size_t first, size_t turn) {
     on_device_.clear();
-    for (size_t i = 0; i < std::min(images_.size(), views_.size() - first); ++i) {
+    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[resident_ ? turn : turn % stacks_.size()];
+    if (stack && !resident_) fill(*stack, first);
+    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
         const uint32_t view = views_[first + i];
-        if (resident_) {
-            on_device_.push_back({&dataset_->views[view].camera, &slots_[first + i].texture(), images_[0].scale16(),
-                                  images_[0].bits, &dataset_->views[view]});
-            continue;
-        }
-        stream_.load(view, images_[i]);
-        const double begin = wall_time_s();
-        ImageSlot& slot = slots_[(turn % 2) * images_.size() + i];
-        slot.upload(images_[i]);
-        times_.upload_s += wall_time_s() - begin;
-        on_device_.push_back({&dataset_->views[view].camera, &slot.texture(), images_[i].scale16(), images_[i].bits,
-                              &dataset_->views[view]});
+        ImageSlot* slot = stack ? nullptr : &slots_[resident_ ? first + i : (turn % 2) * size_t(batch_) + i];
+        if (slot && !resident_) fill(*slot, view);
+        on_device_.push_back({&dataset_->views[view].camera, stack ? &stack->texture() : &slot->texture(), scale16(),
+                              bits(), &dataset_->views[view], first + i});
     }
 }
 

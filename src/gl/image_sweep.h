@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "dataset/image_stream.h"
+#include "gl/image_stack.h"
 #include "gl/sls_mesh.h"
 
 namespace radiafit {
@@ -16,6 +17,7 @@ struct ImageOnDevice {
     float target_scale;  ///< per unit of a 16-bit channel
     int bits;
     const View* view = nullptr;
+    size_t position = 0;  ///< in the sweep's order
 };
 
 /// Width and height that hold each of the views' images; at least 1.
@@ -30,14 +32,16 @@ struct SweepTimes {
     uint64_t sweeps = 0, images = 0;
 };
 
-/// Streams images through the device, batch by batch, each into a slot of its own.
+/// Streams images through the device, batch by batch: over a mesh each into a slot of its own, over a grid a batch into
+/// a stack, whose texture is then that of all its images.
 class ImageSweep {
 public:
-    /// dataset must outlive it. resident: every image gets a slot that it keeps, and is read once, by set_batch().
+    /// dataset must outlive it. resident: every image gets a place that it keeps, and is read once, by set_batch().
     ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
                bool resident);
     int bits() const { return stream_.bits(); }  ///< per channel
-    float scale16() const { return stream_.scale() * (bits() == 8 ? 1.0f / 257 : 1.0f); }
+    float scale16() const { return bits() == 8 ? stream_.scale() / 257.0f : stream_.scale(); }
+    const std::vector<uint32_t>& views() const { return views_; }  ///< in the order of run()
     std::array<int, 2> largest() const { return largest_image(*dataset_, views_); }
     /// Once, before run(): how many images go together. Those over a mesh are put in an order in which neighbours do.
     void set_batch(int images);
@@ -46,7 +50,7 @@ public:
     template <class Body, class End>
     void run(const Body& body, const End& end) {
         const double wall = wall_time_s(), cpu = cpu_time_s(), streamed = stream_.seconds();
-        for (size_t first = 0, turn = 0; first < views_.size(); first += images_.size(), ++turn) {
+        for (size_t first = 0, turn = 0; first < views_.size(); first += size_t(batch_), ++turn) {
             load(first, turn);
             body(on_device_);
             times_.images += on_device_.size();
@@ -62,14 +66,17 @@ public:
 
 private:
     void load(size_t first, size_t turn);
+    void fill(ImageStack& stack, size_t first);
+    void fill(ImageSlot& slot, uint32_t view);
 
     const Dataset* dataset_;
     std::vector<uint32_t> views_;
     ImageStream stream_;
     bool resident_;
-    ImageSlot::Pixels pixels_;      ///< words for a grid, whose passes read images themselves
-    std::vector<ImageSlot> slots_;  ///< two batches: one is filled while the other is read; or one for each view
-    std::vector<TargetImage> images_;
+    int batch_ = 1;
+    std::vector<ImageSlot> slots_;    ///< two batches: one is filled while the other is read; or one for each view
+    std::vector<ImageStack> stacks_;  ///< two, likewise; or as many as hold each view
+    TargetImage image_;
     std::vector<ImageOnDevice> on_device_;
     SweepTimes times_;
 };

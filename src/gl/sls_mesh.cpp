@@ -129,22 +129,13 @@ void ItemBuffer::draw(const Camera& camera, int layer) const {
     gl().Disable(GL_DEPTH_TEST);
 }
 
-ImageSlot::ImageSlot(int max_width, int max_height, int bits, Pixels pixels) {
-    if (pixels == Pixels::words) {
-        words_ = Buffer(size_t(max_width) * size_t(max_height) * size_t(bits / 2), nullptr, true);
-        texture_ = Texture::of_buffer(GL_R32UI, words_);
-    } else {
-        texture_ = Texture(bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, max_width, max_height);
-    }
-}
+ImageSlot::ImageSlot(int max_width, int max_height, int bits)
+    : texture_(bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, max_width, max_height) {}
 
 void ImageSlot::upload(const TargetImage& image) {
-    const void* data = image.bits == 8 ? static_cast<const void*>(image.rgba8.data()) : image.rgba16.data();
-    if (words_.bytes() > 0)  // as a little-endian host has them in memory
-        words_.write(0, size_t(image.width) * size_t(image.height) * size_t(image.bits / 2), data);
-    else
-        texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER,
-                             image.bits == 8 ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT, data);
+    texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER,
+                         image.bits == 8 ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT,
+                         image.bits == 8 ? static_cast<const void*>(image.rgba8.data()) : image.rgba16.data());
 }
 
 }  // namespace radiafit

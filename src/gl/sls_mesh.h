@@ -63,21 +63,15 @@ private:
     Program program_;
 };
 
-/// A slot for one image of the stream: unsigned integers, so that targets are the very numbers of the file.
+/// A slot for one image of the stream: unsigned integers, RGBA8UI or RGBA16UI, so that targets are the very numbers of
+/// the file.
 class ImageSlot {
 public:
-    enum class Pixels {
-        channels,  ///< RGBA8UI or RGBA16UI
-        /// A buffer texture of whole words: of 8 bits, r | g << 8 | b << 16 | a << 24; of 16, r | g << 16, then
-        /// b | a << 16. llvmpipe fetched the two in 1.3 ns, a texel of RGBA16UI in 2.3.
-        words
-    };
-    ImageSlot(int max_width, int max_height, int bits, Pixels pixels = Pixels::channels);
+    ImageSlot(int max_width, int max_height, int bits);
     void upload(const struct TargetImage& image);
     const Texture& texture() const { return texture_; }
 
 private:
-    Buffer words_;  ///< behind texture_, or none
     Texture texture_;
 };
 

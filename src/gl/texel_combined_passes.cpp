@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "base/error.h"
@@ -9,28 +10,46 @@
 namespace radiafit {
 namespace {
 
-// Section 6.5's proposal: each fragment takes its pixels of a batch of images, and writes all sums at once.
+// Section 6.5's proposal: a fragment loops over the pixels that its texel takes, and writes all sums at once. Over a
+// grid they stand in a stack of images; over a mesh a pass for each image leaves them in a layer, until there is no
+// more room.
 class CombinedTexelPasses final : public TexelPasses {
 public:
-    explicit CombinedTexelPasses(const TexelWorld& world);
-    int batch() const override { return texel_batch; }
+    CombinedTexelPasses(const TexelWorld& world, int together);
+    int batch() const override { return w_.mesh ? 1 : room_; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
     void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
     void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) override;
+    void finish() override;
 
 private:
-    void begin_images(const std::vector<ImageOnDevice>& images);
+    void take(const ImageOnDevice& image, int layer);
     void add(const std::vector<ImageOnDevice>& images, const Program& program, const Framebuffer& target);
+    void sum();
 
     TexelWorld w_;
-    std::optional<ItemBuffer> items_;  ///< with colours, a layer per image
+    int room_;  ///< images that one loop may take
+    Buffer numbers_;
+    Texture views_;  ///< of numbers_: three texels a view, in the order of sweeps
+    std::optional<ItemBuffer> items_;
+    Texture taken_;  ///< over a mesh: words of colour in SLS, a layer per image
+    std::vector<Framebuffer> layers_;
+    Program take_;
     Framebuffer with_diagonal_;
     Program gradient_, gradient_and_diagonal_, line_, count_;
     std::vector<Program> start_;  ///< [window]
+    /// What sum() adds up.
+    struct {
+        const Program* program = nullptr;
+        const Framebuffer* target = nullptr;
+        size_t first = 0;
+        int images = 0;
+    } waiting_;
 };
 
-CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world) : w_(world) {
+CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
+    : w_(world), room_(combined_texel_images(*w_.shape.atlas, w_.images.views().size(), w_.images.bits(), together)) {
     const int targets_needed = w_.shape.maps() + w_.shape.diagonal_layers(),
               most = Context::current().limits().draw_buffers;
     if (targets_needed > most)
@@ -38,13 +57,31 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world) : w_(world) {
             fmt::format("the model {} has too many parameters for combined passes: they take {} render "
                         "targets, and this device has {}; choose --passes paper",
                         w_.shape.model->name, targets_needed, most));
-    if (w_.mesh) items_.emplace(*w_.mesh, w_.max_width, w_.max_height, w_.bits, texel_batch);
-    Defines here = w_.defines(texel_batch) + w_.colour();
-    if (w_.mesh) here.push_back({"ITEMS", ""});
-    const std::string tiles = w_.mesh ? "reflect/tiles.vert" : "common/whole.vert";
+    std::vector<float> numbers;
+    for (const uint32_t view : w_.images.views())
+        for (const float number : w_.numbers_of(w_.dataset.views[view])) numbers.push_back(number);
+    numbers_ = Buffer(numbers);
+    views_ = Texture::of_buffer(GL_RGBA32F, numbers_);
+    bool one_eye = true;
+    for (size_t at = 0; at < numbers.size(); at += 12)
+        one_eye = one_eye && std::equal(numbers.begin() + 8, numbers.begin() + 12, numbers.data() + at + 8);
+
+    if (w_.mesh) {
+        const auto [width, height] = w_.images.largest();
+        items_.emplace(*w_.mesh, width, height);
+        taken_ = Texture(w_.images.bits() == 8 ? GL_R32UI : GL_RG32UI, w_.shape.width(), w_.shape.height(), room_);
+        for (int layer = 0; layer < room_; ++layer) layers_.push_back(Framebuffer({{&taken_, layer}}));
+        take_ = Program::draw("distribute/tile.vert", "reflect/take.frag",
+                              w_.mesh->defines() + w_.colour() + Defines{{"PROJECTED", ""}});
+        w_.mesh->set_layout(take_);
+    }
+    Defines here = w_.shape.defines(w_.storage) + w_.colour();
+    if (!w_.mesh) here.push_back({"GRID", ""});
+    if (one_eye) here.push_back({"ONE_EYE", ""});
     const auto make = [&](const char* shader, const Defines& what) {
-        Program program = Program::draw(tiles, std::string("reflect/") + shader, here + what);
-        if (w_.mesh) w_.mesh->set_layout(program);
+        Program program = Program::draw("common/whole.vert", std::string("reflect/") + shader, here + what);
+        program.set4(46, 1, numbers.data() + 8);
+        w_.set_stack(program, room_);
         return program;
     };
     gradient_ = make("direction.frag", {});
@@ -61,57 +98,57 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world) : w_(world) {
                                              {"RESULTS", std::to_string(layout.targets_in(window))}}));
 }
 
-void CombinedTexelPasses::begin_images(const std::vector<ImageOnDevice>& images) {
-    if (w_.mesh) {
-        std::vector<const Camera*> cameras;
-        for (const ImageOnDevice& image : images) cameras.push_back(image.camera);
-        w_.mesh->select(cameras);
-        for (size_t i = 0; i < images.size(); ++i) {
-            images[i].texture->bind(1);
-            w_.run.draw_items(*items_, *images[i].camera, int(i));
-        }
-        items_->items().bind(0);
-    } else {
-        for (int i = 0; i < texel_batch; ++i)
-            images[std::min(size_t(i), images.size() - 1)].texture->bind(1 + unsigned(i));
-    }
-    w_.surface.bind(7);
+void CombinedTexelPasses::take(const ImageOnDevice& image, int layer) {
+    SlsMesh::set_camera(take_, *image.camera);
+    w_.mesh->select({{image.camera}});
+    w_.run.draw_items(*items_, *image.camera);
+    items_->items().bind(0);
+    image.texture->bind(1);
+    w_.run.clear(layers_[size_t(layer)]);
+    w_.run.bind(layers_[size_t(layer)], take_);
+    w_.run.draw_tiles();
 }
 
 void CombinedTexelPasses::add(const std::vector<ImageOnDevice>& images, const Program& program,
                               const Framebuffer& target) {
-    w_.set_images(program, images, texel_batch);
-    std::vector<float> cameras, pictures(4 * size_t(texel_batch), 0.0f);
-    for (size_t i = 0; i < images.size() && w_.mesh; ++i) {
-        const auto rows = SlsMesh::camera_rows(*images[i].camera);
-        cameras.insert(cameras.end(), rows.begin(), rows.end());
-        pictures[4 * i] = float(images[i].camera->width);
-        pictures[4 * i + 1] = float(images[i].camera->height);
+    if (waiting_.images == 0) waiting_ = {&program, &target, images[0].position, 0};
+    for (const ImageOnDevice& image : images) {
+        if (w_.mesh)
+            take(image, waiting_.images);
+        else
+            image.texture->bind(1);
+        if (++waiting_.images == room_) sum();
     }
-    if (w_.mesh) {
-        program.set4(24, int(cameras.size() / 4), cameras.data());
-        program.set4(40, texel_batch, pictures.data());
-    }
-    w_.run.bind(target, program);
-    w_.run.blend();
-    w_.draw();
-    w_.run.no_blend();
+    if (!w_.mesh) finish();  // a stack that isn't full
 }
 
-void CombinedTexelPasses::count(const std::vector<ImageOnDevice>& images) {
-    begin_images(images);
-    add(images, count_, w_.sums.count.all);
+void CombinedTexelPasses::sum() {
+    if (w_.mesh) taken_.bind(1);
+    views_.bind(2);
+    w_.surface.bind(7);
+    waiting_.program->set(47, int(waiting_.first));
+    waiting_.program->set(50, waiting_.images);
+    w_.run.bind(*waiting_.target, *waiting_.program);
+    w_.run.blend();
+    w_.run.draw_whole(uint64_t(w_.shape.width()) * uint64_t(w_.shape.height()) * uint64_t(waiting_.images));
+    w_.run.no_blend();
+    waiting_.first += size_t(waiting_.images);
+    waiting_.images = 0;
 }
+
+void CombinedTexelPasses::finish() {
+    if (waiting_.images > 0) sum();
+}
+
+void CombinedTexelPasses::count(const std::vector<ImageOnDevice>& images) { add(images, count_, w_.sums.count.all); }
 
 void CombinedTexelPasses::start(const std::vector<ImageOnDevice>& images, int group, int window,
                                 const TexelSumLayers& sums) {
-    begin_images(images);
     w_.set_shapes(start_[size_t(window)], group);
     add(images, start_[size_t(window)], sums.all);
 }
 
 void CombinedTexelPasses::direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
-    begin_images(images);
     x.bind(5);
     if (diagonal)
         add(images, gradient_and_diagonal_, with_diagonal_);
@@ -120,7 +157,6 @@ void CombinedTexelPasses::direction(const std::vector<ImageOnDevice>& images, co
 }
 
 void CombinedTexelPasses::line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) {
-    begin_images(images);
     x.bind(5);
     d.bind(6);
     add(images, line_, w_.sums.line.all);
@@ -128,8 +164,15 @@ void CombinedTexelPasses::line(const std::vector<ImageOnDevice>& images, const T
 
 }  // namespace
 
-std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world) {
-    return std::make_unique<CombinedTexelPasses>(world);
+int combined_texel_images(const Atlas& atlas, size_t views, int bits, int together) {
+    const uint64_t fit = ImageStack::budget / ImageStack::bytes(atlas.width(), atlas.height(), bits),
+                   most = together > 0 ? uint64_t(together) : std::max<uint64_t>(4, fit),
+                   all = std::max<size_t>(1, views), loops = (all + most - 1) / most;
+    return int((all + loops - 1) / loops);
+}
+
+std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world, int together) {
+    return std::make_unique<CombinedTexelPasses>(world, together);
 }
 
 }  // namespace radiafit

@@ -38,19 +38,17 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     sums_.line = TexelSumLayers(summed, shape_, 1);
     sums_.count = TexelSumLayers(GL_RGBA32F, shape_, 2);
 
-    const auto [width, height] = images_.largest();
     const TexelWorld world{shape_,
                            mesh_ ? &*mesh_ : nullptr,
                            *run_,
                            surface_,
                            sums_,
+                           dataset,
+                           images_,
                            storage,
-                           has_largest_value(dataset.encoding) ? options_.clip_above : 0,
-                           width,
-                           height,
-                           images_.bits()};
-    passes_ =
-        fragment_options.passes == Passes::paper ? make_paper_texel_passes(world) : make_combined_texel_passes(world);
+                           has_largest_value(dataset.encoding) ? options_.clip_above : 0};
+    passes_ = fragment_options.passes == Passes::paper ? make_paper_texel_passes(world)
+                                                       : make_combined_texel_passes(world, fragment_options.together);
     images_.set_batch(passes_->batch());
 
     state_target_ = Framebuffer({{&state_, 0}, {&state_, 1}});
@@ -118,6 +116,7 @@ void TexelFragmentEngine::write_surface(std::span<const float> darkness) {
 template <class Body>
 void TexelFragmentEngine::sweep(const Body& body) {
     images_.run(body, [&] {
+        passes_->finish();
         if (mesh_) mesh_->select({});
     });
 }

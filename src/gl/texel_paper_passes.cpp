@@ -31,8 +31,9 @@ private:
 
 PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
     : w_(world), kept_(GL_RGBA32F, world.shape.width(), world.shape.height()), kept_target_({{&kept_}}) {
-    if (w_.mesh) items_.emplace(*w_.mesh, w_.max_width, w_.max_height);
-    const Defines here = w_.defines(1), kept = here + Defines{{"KEPT", ""}}, diagonal{{"DIAGONAL", ""}};
+    const auto [width, height] = w_.images.largest();
+    if (w_.mesh) items_.emplace(*w_.mesh, width, height);
+    const Defines here = w_.defines(), kept = here + Defines{{"KEPT", ""}}, diagonal{{"DIAGONAL", ""}};
     const std::string tiles = w_.mesh ? "distribute/tile.vert" : "common/whole.vert";
     const auto only = [](int i) { return Defines{{"ONLY", std::to_string(i)}}; };
     const Defines projected = w_.mesh ? Defines{{"PROJECTED", ""}} : w_.colour();
@@ -57,11 +58,17 @@ PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
         for (const Program& program : *programs) all_.push_back(&program);
     if (w_.mesh)
         for (const Program* program : all_) w_.mesh->set_layout(*program);
+    for (const Program* program : {&target_, &residual_}) {
+        w_.set_stack(*program, 1);
+        program->set(56, w_.images.bits() == 8 ? 257 : 1);
+    }
 }
 
 // Into SLS, with one of the two programs for it.
 void PaperTexelPasses::keep(const ImageOnDevice& image, const Program& program) {
-    for (const Program* each : all_) w_.set_images(*each, {image}, 1);
+    const std::array<float, 12> numbers = w_.numbers_of(*image.view);
+    for (const Program* each : all_)
+        for (int i = 0; i < 3; ++i) each->set4(44 + i, 1, numbers.data() + 4 * i);
     if (w_.mesh) {
         SlsMesh::set_camera(program, *image.camera);
         w_.mesh->select({{image.camera}});

@@ -6,48 +6,43 @@ namespace radiafit {
 namespace {
 
 // The least 16-bit unit of a channel whose value is clipped; beyond all of them where none is.
-float clipped_unit(float clip_above, const ImageOnDevice& image) {
+float clipped_unit(float clip_above, float gain, float scale) {
     if (!(clip_above > 0)) return 1e6f;
-    const float limit = clip_above * float(image.view->gain);
-    float unit = std::max(0.0f, std::floor(limit / image.target_scale) - 1);
-    while (unit * image.target_scale < limit) ++unit;
+    const float limit = clip_above * gain;
+    float unit = std::max(0.0f, std::floor(limit / scale) - 1);
+    while (unit * scale < limit) ++unit;
     return unit;
 }
 
 }  // namespace
 
-Defines TexelWorld::defines(int batch) const {
-    const Defines all = shape.defines(storage) + Defines{{"BATCH", std::to_string(batch)}};
+Defines TexelWorld::defines() const {
+    const Defines all = shape.defines(storage);
     return mesh ? all + mesh->defines() : all + Defines{{"GRID", ""}};
 }
 
-void TexelWorld::set_images(const Program& program, const std::vector<ImageOnDevice>& images, int batch) const {
-    std::vector<float> lamps, exposures, eyes;
-    const auto add = [](std::vector<float>& to, const Vec3d& three, float fourth) {
-        to.insert(to.end(), {float(three.x()), float(three.y()), float(three.z()), fourth});
+std::array<float, 12> TexelWorld::numbers_of(const View& view) const {
+    std::array<float, 12> numbers;
+    const auto put = [&](size_t at, const Vec3d& three, float fourth) {
+        for (int c = 0; c < 3; ++c) numbers[at + size_t(c)] = float(three(c));
+        numbers[at + 3] = fourth;
     };
-    for (const ImageOnDevice& image : images) {
-        const View& view = *image.view;
-        const Light& light = *view.light;
-        // Where a lamp sends no light of a colour, the pixel says nothing of it, and is 0.
-        const Vec3d inverse = light.intensity.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
-        add(lamps, light.place, light.kind == Light::Kind::near ? 1.0f : 0.0f);
-        add(exposures, double(image.target_scale) * inverse, clipped_unit(clip_above, image));
-        if (view.camera_direction)
-            add(eyes, *view.camera_direction, 0);
-        else
-            add(eyes, view.camera.center(), 1);
-    }
-    for (int i = int(images.size()); i < batch; ++i) {
-        add(lamps, Vec3d::UnitZ(), 0);
-        add(exposures, Vec3d::Zero(), -1);
-        add(eyes, Vec3d::UnitZ(), 0);
-    }
-    program.set4(44, batch, lamps.data());
-    program.set4(48, batch, exposures.data());
-    program.set4(52, batch, eyes.data());
-    program.set(5, shape.width());
-    program.set(56, bits == 8 ? 257 : 1);
+    const Light& light = *view.light;
+    const float scale = images.scale16();
+    // Where a lamp sends no light of a colour, the pixel says nothing of it, and is 0.
+    const Vec3d inverse = light.intensity.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
+    put(0, light.place, light.kind == Light::Kind::near ? 1.0f : 0.0f);
+    put(4, double(scale) * inverse, clipped_unit(clip_above, float(view.gain), scale));
+    if (view.camera_direction)
+        put(8, *view.camera_direction, 0);
+    else
+        put(8, view.camera.center(), 1);
+    return numbers;
+}
+
+void TexelWorld::set_stack(const Program& program, int images_in_it) const {
+    program.set(48, ImageStack::blocks(shape.width()));
+    program.set(49, images_in_it);
 }
 
 void TexelWorld::set_shapes(const Program& program, int group) const {

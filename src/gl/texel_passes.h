@@ -20,7 +20,7 @@ struct TexelAccumulators {
 class TexelPasses {
 public:
     virtual ~TexelPasses() = default;
-    /// Most images that one call may take.
+    /// Images that one call takes; the last of a sweep may take fewer.
     virtual int batch() const = 0;
     virtual void count(const std::vector<ImageOnDevice>& images) = 0;
     /// One window of one group of a StartLayout into `sums`, as many layers as the window has targets.
@@ -29,6 +29,8 @@ public:
     virtual void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) = 0;
     /// At x along d.
     virtual void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) = 0;
+    /// Ends a sweep of one of the above: only now must every image's samples be in the sums.
+    virtual void finish() {}
 };
 
 /// What every implementation of TexelPasses is made from. All references outlive it.
@@ -38,10 +40,10 @@ struct TexelWorld {
     PassRunner& run;
     const Texture& surface;  ///< shaders/reflect/site.glsl
     const TexelAccumulators& sums;
+    const Dataset& dataset;
+    const ImageSweep& images;
     Storage storage;
-    float clip_above;           ///< of TexelOptions; 0 where the dataset's encoding has no largest value
-    int max_width, max_height;  ///< of the images
-    int bits;                   ///< per channel
+    float clip_above;  ///< of TexelOptions; 0 where the dataset's encoding has no largest value
 
     void draw() const {
         if (mesh)
@@ -49,12 +51,14 @@ struct TexelWorld {
         else
             run.draw_whole();
     }
-    /// MODEL, STORAGE, BATCH and what says where texels are: GRID, or SIDE and RECTANGLES.
-    Defines defines(int batch) const;
-    /// For programs that look pixels' colours up themselves, in a grid's images or in items.
-    Defines colour() const { return {{"COLOUR", std::to_string(bits)}}; }
-    /// What sample.glsl needs of the images of a batch, some of which may be missing.
-    void set_images(const Program& program, const std::vector<ImageOnDevice>& images, int batch) const;
+    /// MODEL, STORAGE and what says where texels are: GRID, or SIDE and RECTANGLES.
+    Defines defines() const;
+    /// For programs that look into words of colour.
+    Defines colour() const { return {{"COLOUR", std::to_string(images.bits())}}; }
+    /// What shaders/reflect/sample.glsl knows of a view: lamp, exposure, eye.
+    std::array<float, 12> numbers_of(const View& view) const;
+    /// Where a grid's programs find pixels in a stack of so many images.
+    void set_stack(const Program& program, int images) const;
     /// The shapes of a group's candidates, for start.frag.
     void set_shapes(const Program& program, int group) const;
 };
@@ -62,9 +66,10 @@ struct TexelWorld {
 /// Section 5 as it stands: one image at a time; residuals in SLS first, then every map of the gradient by blending; one
 /// render target a pass.
 std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelWorld& world);
-/// Images that a combined pass takes at a time.
-inline constexpr int texel_batch = 4;
-/// The same sums in one program: several images at a time, up to 8 render targets (Section 6.5's proposal).
-std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world);
+/// The same sums in one program that loops over as many images as memory holds at a time, with up to 8 render targets
+/// (Section 6.5's proposal).
+std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world, int together);
+/// Images of one loop: layers of what texels took over a mesh, a stack over a grid. together: FragmentOptions.
+int combined_texel_images(const Atlas& atlas, size_t views, int bits, int together);
 
 }  // namespace radiafit

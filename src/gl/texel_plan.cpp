@@ -11,9 +11,6 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     const TexelShape shape(atlas, *options.model);
     const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
     const bool combined = fragment_options.passes == Passes::combined;
-    const uint64_t batch = combined ? texel_batch : 1;
-    const auto [width, height] = largest_image(dataset, views);
-    const uint64_t pixels = uint64_t(width) * uint64_t(height);
     const int bits = ImageStream(dataset, StreamSource::disk, TargetSpace::linear).bits();
     constexpr uint64_t float4 = 16, half4 = 8;
     const uint64_t stored = fragment_options.storage == Storage::fp32 ? float4 : half4;
@@ -36,19 +33,29 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("step, density, penalty", 3, 4);
     if (!combined) layers("residuals", 1, float4);
 
-    const auto images = [&](const char* array, uint64_t count, uint64_t bytes_each) {
+    const int together = combined ? combined_texel_images(atlas, views.size(), bits, fragment_options.together) : 1;
+    if (combined)
         plan.push_back(
-            {array, fmt::format("{} x {} x {}", count, width, height), count * pixels, count * pixels * bytes_each});
-    };
-    plan.push_back(plan_images(dataset, views, batch, bits, fragment_options.resident));
-    if (triangles) {
-        images("item buffer", batch, !combined ? 4 : bits == 8 ? 8 : 16);
-        images("depth", 1, 4);
-        uint64_t drawn = 0;
-        for (uint32_t t = 0; t < triangles->tile_count(); ++t) drawn += !triangles->degenerate(t);
-        const uint64_t bytes = drawn * 3 * (3 * 12 + 4 + 12 + 4);
-        plan.push_back({"mesh", fmt::format("{} triangles, attributes and indices", drawn), bytes, bytes});
+            {"numbers of views", fmt::format("3 x {}", views.size()), 3 * views.size(), 3 * views.size() * float4});
+    if (!triangles) {
+        const uint64_t turns = (views.size() + uint64_t(together) - 1) / uint64_t(together),
+                       stacks = fragment_options.resident ? turns : std::min<uint64_t>(2, turns),
+                       bytes = ImageStack::bytes(shape.width(), shape.height(), bits) * uint64_t(together) * stacks;
+        plan.push_back({"stacks of images",
+                        fmt::format("{} x {} x {} x {}", stacks, together, shape.width(), shape.height()), bytes,
+                        bytes});
+        return plan;
     }
+    plan.push_back(plan_images(dataset, views, 1, bits, fragment_options.resident));
+    if (combined) layers("pixels that texels take", together, uint64_t(bits / 2));
+    const auto [width, height] = largest_image(dataset, views);
+    const uint64_t pixels = uint64_t(width) * uint64_t(height);
+    for (const char* array : {"item buffer", "depth"})
+        plan.push_back({array, fmt::format("{} x {}", width, height), pixels, 4 * pixels});
+    uint64_t drawn = 0;
+    for (uint32_t t = 0; t < triangles->tile_count(); ++t) drawn += !triangles->degenerate(t);
+    const uint64_t bytes = drawn * 3 * (3 * 12 + 4 + 12 + 4);
+    plan.push_back({"mesh", fmt::format("{} triangles, attributes and indices", drawn), bytes, bytes});
     return plan;
 }
 

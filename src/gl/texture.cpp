@@ -39,6 +39,11 @@ int bytes_per_texel(GLenum format) {
     }
 }
 
+bool holds_integers(GLenum format) {
+    constexpr GLenum formats[] = {GL_R8UI, GL_RGBA8UI, GL_R16UI, GL_RGBA16UI, GL_R32UI, GL_RG32UI, GL_RGBA32UI};
+    return std::find(std::begin(formats), std::end(formats), format) != std::end(formats);
+}
+
 }  // namespace
 
 Texture::Texture(GLenum format, int width, int height, int layers)
@@ -65,9 +70,9 @@ Texture::Texture(GLenum format, int width, int height, int layers)
 Texture Texture::of_buffer(GLenum format, const Buffer& buffer) {
     const auto texels = int64_t(buffer.bytes() / static_cast<size_t>(bytes_per_texel(format)));
     if (texels > Context::current().limits().texture_buffer_texels)
-        throw UserError(
-            fmt::format("a buffer texture of {} texels is beyond this device's limit of {}: use a smaller mesh", texels,
-                        Context::current().limits().texture_buffer_texels));
+        throw UserError(fmt::format(
+            "a buffer texture of {} texels is beyond this device's limit of {}: use a smaller mesh, or smaller images",
+            texels, Context::current().limits().texture_buffer_texels));
     Texture texture;
     gl().CreateTextures(GL_TEXTURE_BUFFER, 1, &texture.name_);
     gl().TextureBuffer(texture.name_, format, buffer.name());
@@ -114,7 +119,7 @@ Framebuffer::Framebuffer(const std::vector<Target>& colours, const Texture* dept
         else
             gl().NamedFramebufferTexture(name_, attachment, target.texture->name(), 0);
         buffers.push_back(attachment);
-        colour_bytes_.push_back(target.texture->texel_bytes());
+        formats_.push_back(target.texture->format());
         width_ = target.texture->width();
         height_ = target.texture->height();
     }
@@ -131,7 +136,8 @@ Framebuffer::~Framebuffer() {
 }
 
 int Framebuffer::texel_bytes(int first, int end) const {
-    return std::accumulate(colour_bytes_.begin() + first, colour_bytes_.begin() + end, 0);
+    return std::accumulate(formats_.begin() + first, formats_.begin() + end, 0,
+                           [](int sum, GLenum format) { return sum + bytes_per_texel(format); });
 }
 
 void Framebuffer::bind() const { bind(width_, height_); }
@@ -143,7 +149,12 @@ void Framebuffer::bind(int width, int height) const {
 
 void Framebuffer::clear() const {
     const float zero[4] = {0, 0, 0, 0};
-    for (int i = 0; i < colours(); ++i) gl().ClearNamedFramebufferfv(name_, GL_COLOR, i, zero);
+    const GLuint none[4] = {0, 0, 0, 0};
+    for (int i = 0; i < colours(); ++i)
+        if (holds_integers(formats_[size_t(i)]))
+            gl().ClearNamedFramebufferuiv(name_, GL_COLOR, i, none);
+        else
+            gl().ClearNamedFramebufferfv(name_, GL_COLOR, i, zero);
 }
 
 Buffer::Buffer(size_t bytes, const void* data, bool dynamic) : bytes_(bytes) {
@@ -151,7 +162,7 @@ Buffer::Buffer(size_t bytes, const void* data, bool dynamic) : bytes_(bytes) {
     // GL has no empty buffers; a mesh without, say, rings still gets a name to bind.
     static const uint64_t nothing = 0;
     gl().NamedBufferStorage(name_, static_cast<GLsizeiptr>(bytes ? bytes : sizeof nothing), bytes ? data : &nothing,
-                            dynamic ? GL_DYNAMIC_STORAGE_BIT : 0);
+                            dynamic ? GL_DYNAMIC_STORAGE_BIT | GL_MAP_WRITE_BIT : 0);
     Context::current().count_allocation(static_cast<int64_t>(bytes_));
 }
 
@@ -163,6 +174,17 @@ Buffer::~Buffer() {
 
 void Buffer::write(size_t offset, size_t bytes, const void* data) {
     gl().NamedBufferSubData(name_, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
+}
+
+void* Buffer::map() {
+    void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_),
+                                           GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    if (!bytes) throw SystemError(fmt::format("OpenGL cannot map a buffer of {} bytes", bytes_));
+    return bytes;
+}
+
+void Buffer::unmap() {
+    if (!gl().UnmapNamedBuffer(name_)) throw SystemError("OpenGL lost the contents of a mapped buffer");
 }
 
 void Buffer::read(size_t offset, size_t bytes, void* data) const {

@@ -78,11 +78,11 @@ public:
     void bind() const;
     /// Binds, with a smaller viewport [0, width) x [0, height).
     void bind(int width, int height) const;
-    void clear() const;  ///< all float colours to 0
+    void clear() const;  ///< all colours to zero bits
     int width() const { return width_; }
     int height() const { return height_; }
     GLuint name() const { return name_; }
-    int colours() const { return static_cast<int>(colour_bytes_.size()); }
+    int colours() const { return static_cast<int>(formats_.size()); }
     /// Bytes of one texel of the colours [first, end), together.
     int texel_bytes(int first, int end) const;
     int texel_bytes() const { return texel_bytes(0, colours()); }
@@ -90,12 +90,12 @@ public:
 private:
     void swap(Framebuffer& other) noexcept {
         std::swap(name_, other.name_);
-        std::swap(colour_bytes_, other.colour_bytes_);
+        std::swap(formats_, other.formats_);
         std::swap(width_, other.width_);
         std::swap(height_, other.height_);
     }
     GLuint name_ = 0;
-    std::vector<int> colour_bytes_;  ///< of a texel of each colour
+    std::vector<GLenum> formats_;  ///< of each colour
     int width_ = 0, height_ = 0;
 };
 
@@ -103,7 +103,7 @@ private:
 class Buffer {
 public:
     Buffer() = default;
-    /// `data` may be null: the contents are undefined then. `dynamic` allows write().
+    /// `data` may be null: the contents are undefined then. `dynamic` allows write() and map().
     Buffer(size_t bytes, const void* data, bool dynamic = false);
     template <class T>
     explicit Buffer(const std::vector<T>& values, bool dynamic = false)
@@ -115,6 +115,9 @@ public:
         return *this;
     }
     void write(size_t offset, size_t bytes, const void* data);
+    /// Of a dynamic one, for writing all that is used later, until unmap(); what it held is lost.
+    void* map();
+    void unmap();
     void read(size_t offset, size_t bytes, void* data) const;
     void bind_storage(unsigned binding) const { gl().BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_); }
     GLuint name() const { return name_; }
