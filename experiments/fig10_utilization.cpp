@@ -21,6 +21,7 @@ namespace {
 
 struct Options {
     std::string dataset = "star";
+    std::vector<std::string> passes{"paper", "combined"};
     FitRequest request;
     ReflectanceProblem reflectance;
 
@@ -32,9 +33,12 @@ struct Options {
         c.read("dataset", dataset);
         read_maps(c, request.model);
         c.read("source", request.source);
+        c.read("passes", passes);
         c.read("iterations", request.iterations);
         c.finish();
         choose_source(request.source);
+        for (const std::string& each : passes) choose_passes(each);
+        if (passes.empty()) c.reject("passes", "needs \"paper\", \"combined\" or both");
         if (request.iterations < 2) c.reject("iterations", "needs at least 2: the first is not timed");
     }
 };
@@ -84,7 +88,7 @@ void measure(E& engine, std::span<const float> start, OptimizerOptions optimizer
     usage.seconds = (rows.back().time_s - rows[1].time_s) / double(rows.size() - 2);
 }
 
-Usage light_field_map(const Dataset& dataset, FitRequest request, const char* optimizer, const char* passes) {
+Usage light_field_map(const Dataset& dataset, FitRequest request, const char* optimizer, const std::string& passes) {
     request.optimizer = optimizer;
     request.passes = passes;
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
@@ -98,7 +102,8 @@ Usage light_field_map(const Dataset& dataset, FitRequest request, const char* op
     return usage;
 }
 
-Usage lafortune(const ReflectanceProblem& problem, FitRequest request, const char* optimizer, const char* passes) {
+Usage lafortune(const ReflectanceProblem& problem, FitRequest request, const char* optimizer,
+                const std::string& passes) {
     request.optimizer = optimizer;
     request.passes = passes;
     const auto engine = problem.engine(fragment_options(request));
@@ -145,7 +150,8 @@ void write_peaks(const ResultFolder& results, const GlPeaks& gl, const CpuPeaks&
 
 void fig10(Experiment& experiment) {
     Options o(experiment.config());
-    const Dataset dataset = experiment.dataset(o.dataset);
+    const bool maps = !o.dataset.empty();
+    const Dataset dataset = maps ? experiment.dataset(o.dataset) : Dataset();
     o.reflectance.open(experiment);
     const auto context = Context::create(context_options(o.request));
     const std::string renderer = context->renderer();
@@ -154,10 +160,10 @@ void fig10(Experiment& experiment) {
     const CpuPeaks cpu = measure_cpu_peaks();
 
     std::vector<Usage> usages;
-    for (const char* passes : {"paper", "combined"})
+    for (const std::string& passes : o.passes)
         for (const char* optimizer : {"sd", "cg"})
-            usages.push_back(light_field_map(dataset, o.request, optimizer, passes));
-    for (const char* passes : {"paper", "combined"})
+            if (maps) usages.push_back(light_field_map(dataset, o.request, optimizer, passes));
+    for (const std::string& passes : o.passes)
         for (const char* optimizer : {"sd", "cg"})
             usages.push_back(lafortune(o.reflectance, o.request, optimizer, passes));
 
@@ -185,8 +191,8 @@ void fig10(Experiment& experiment) {
     results.commit();
     log_info("share of the measured peaks\n" + table.text());
     experiment.draw(results,
-                    fmt::format("{} and {} ({} scale), images from {}; {}", dataset.name, o.reflectance.dataset().name,
-                                experiment.profile(), o.request.source, renderer));
+                    fmt::format("{}{} ({} scale), images from {}; {}", maps ? dataset.name + " and " : "",
+                                o.reflectance.dataset().name, experiment.profile(), o.request.source, renderer));
 }
 
 }  // namespace

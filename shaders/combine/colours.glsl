@@ -11,19 +11,19 @@ struct Colours {
 
 void keep(inout Colours colours, int image, bool present, uvec2 colour) {
 #if COLOUR == 8
-    colours.part[image] = present ? colour.x | 1u << 24 : 0u;
+    colours.part[image] = present ? marked(colour).x : 0u;
 #else
-    colours.part[2 * image] = present ? colour.x : 0u;
-    colours.part[2 * image + 1] = present ? colour.y | 1u << 16 : 0u;
+    colour = present ? marked(colour) : uvec2(0u);
+    colours.part[2 * image] = colour.x;
+    colours.part[2 * image + 1] = colour.y;
 #endif
 }
 
 bool kept(uvec4 colours, int image, out uvec2 colour) {
 #if COLOUR == 8
     colour = uvec2(colours[image], 0u);
-    return colour.x >= 1u << 24;
 #else
     colour = uvec2(colours[2 * image], colours[2 * image + 1]);
-    return colour.y >= 1u << 16;
 #endif
+    return is_marked(colour);
 }

@@ -1,5 +1,5 @@
 // A pixel's colour in whole words, COLOUR bits a channel: 8 bits (r | g << 8 | b << 16, nothing), 16 bits (r | g << 16, b);
-// what stands above b is the holder's.
+// above b a bit may say that there is one.
 #ifndef COLOUR
 #define COLOUR 8
 #endif
@@ -20,3 +20,6 @@ uvec2 colour_of(uvec3 channels) {
     return uvec2(channels.r | channels.g << 16, channels.b);
 #endif
 }
+
+uvec2 marked(uvec2 colour) { return COLOUR == 8 ? uvec2(colour.x | 1u << 24, 0u) : uvec2(colour.x, colour.y | 1u << 16); }
+bool is_marked(uvec2 colour) { return COLOUR == 8 ? colour.x >= 1u << 24 : colour.y >= 1u << 16; }

@@ -1,7 +1,7 @@
 // Samples of a texel for passes that sum over them: EACH_SAMPLE(ADD) does ADD(s) with each. KEPT: of the one image whose
 // residual or target residual.frag left in SLS. Else of `image_count` images in turn: a texel's parameters are fetched, and
-// its sums blended, once for all of them. Per sample of a grid llvmpipe took 26 ns of a core's time with 4 images, written
-// out, and 10 to 11 with 96 in this loop (bench_texel_passes).
+// its sums blended, once for all of them. Under llvmpipe a pass over a grid took 26 to 29 ns of a core's time per sample
+// when it took 4 images, written out; 10 to 11 so, with some hundred (bench_texel_passes).
 #ifdef KEPT
 #define ONE_IMAGE
 #endif

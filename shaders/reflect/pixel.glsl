@@ -8,9 +8,7 @@ struct Pixel {
     vec3 channels;  // in 16-bit units
     bool present;
 };
-Pixel pixel_of(uvec2 words) {
-    return Pixel(channels_of(words), COLOUR == 8 ? words.r >= 1u << 24 : words.g >= 1u << 16);
-}
+Pixel pixel_of(uvec2 words) { return Pixel(channels_of(words), is_marked(words)); }
 
 #if defined(GRID)
 layout(binding = 1) uniform usamplerBuffer images;  // words of colour, and the mask in what b leaves
@@ -48,3 +46,5 @@ Sample observe(View view, Site site, Pixel pixel) {
     s.counts = s.counts && pixel.present && site.usable;
     return s;
 }
+
+vec3 residual_of(Parameters p, Basis b, Sample s) { return s.counts ? value_of(p, b) - s.target : vec3(0.0); }

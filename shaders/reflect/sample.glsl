@@ -75,7 +75,3 @@ Sample sample_of(View view, Site site, vec3 channels) {
                s.target.r + s.target.g + s.target.b >= site.darkness * s.u.z;
     return s;
 }
-
-#ifndef KEPT
-vec3 residual_of(Parameters p, Basis b, Sample s) { return s.counts ? value_of(p, b) - s.target : vec3(0.0); }
-#endif

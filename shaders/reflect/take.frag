@@ -9,11 +9,5 @@ void main() {
     uvec4 channels;
     vec3 weights;
     bool present = take(pixel, channels, weights);
-    uvec2 colour = colour_of(channels.rgb);
-#if COLOUR == 8
-    colour.x |= 1u << 24;
-#else
-    colour.y |= 1u << 16;
-#endif
-    words = present ? uvec4(colour, 0u, 0u) : uvec4(0u);
+    words = present ? uvec4(marked(colour_of(channels.rgb)), 0u, 0u) : uvec4(0u);
 }

@@ -68,7 +68,8 @@ public:
     void values_at(std::span<const uint32_t> pixels, float* values);
 
     int bits() const { return bits_; }
-    float scale() const { return scale_; }       ///< TargetImage::scale of every image
+    float scale() const { return scale_; }  ///< TargetImage::scale of every image
+    float scale16() const { return bits_ == 8 ? scale_ / 257.0f : scale_; }
     double seconds() const { return seconds_; }  ///< wall time spent in load() so far
     uint64_t bytes_read() const { return bytes_read_; }
 

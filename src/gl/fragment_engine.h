@@ -20,8 +20,8 @@ struct FragmentOptions {
     StreamSource source = StreamSource::memory;
     bool resident = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
     TargetSpace space = TargetSpace::stored;
-    /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least. Sums are
-    /// rounded otherwise with another number.
+    /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least;
+    /// over a grid there are two such stacks. With another number sums are rounded otherwise.
     int together = 0;
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };

@@ -9,10 +9,13 @@ ImageStack::ImageStack(int width, int height, int bits, int images)
       height_(height),
       bits_(bits),
       images_(images),
-      words_(size_t(images) * bytes(width, height, bits), nullptr, true),
+      words_(Buffer::to_map(size_t(images) * bytes(width, height, bits))),
       texture_(Texture::of_buffer(bits == 8 ? GL_R32UI : GL_RG32UI, words_)) {}
 
-void ImageStack::begin() { mapped_ = static_cast<unsigned char*>(words_.map()); }
+void ImageStack::begin() {
+    if (mapped_) end();  // an image could not be read
+    mapped_ = static_cast<unsigned char*>(words_.map());
+}
 
 void ImageStack::put(int image, const TargetImage& image_pixels) {
     const void* pixels = bits_ == 8 ? static_cast<const void*>(image_pixels.rgba8.data()) : image_pixels.rgba16.data();

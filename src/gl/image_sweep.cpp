@@ -21,23 +21,32 @@ ImageSweep::ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, Stre
 
 void ImageSweep::set_batch(int images) {
     batch_ = images;
+    if (dataset_->has_grid())
+        make_stacks();
+    else
+        make_slots();
+    times_ = {};  // what came before sweeps is none of theirs
+}
+
+void ImageSweep::make_stacks() {
     const auto [width, height] = largest();
-    if (dataset_->has_grid()) {
-        const size_t turns = (views_.size() + size_t(images) - 1) / size_t(images);
-        for (size_t turn = 0; turn < (resident_ ? turns : std::min<size_t>(2, turns)); ++turn) {
-            stacks_.emplace_back(width, height, stream_.bits(), images);
-            if (resident_) fill(stacks_.back(), turn * size_t(images));
-        }
-        return;
+    const size_t batch = size_t(batch_), turns = (views_.size() + batch - 1) / batch;
+    for (size_t turn = 0; turn < (resident_ ? turns : std::min<size_t>(2, turns)); ++turn) {
+        stacks_.emplace_back(width, height, bits(), batch_);
+        if (resident_) fill(stacks_.back(), turn * batch);
     }
-    if (images > 1) views_ = batches_of_neighbours(*dataset_, views_, images);
+}
+
+void ImageSweep::make_slots() {
+    if (batch_ > 1) views_ = batches_of_neighbours(*dataset_, views_, batch_);
     if (!resident_) {
-        for (int i = 0; i < 2 * images; ++i) slots_.emplace_back(width, height, stream_.bits());
+        const auto [width, height] = largest();
+        for (int i = 0; i < 2 * batch_; ++i) slots_.emplace_back(width, height, bits());
         return;
     }
     for (uint32_t view : views_) {
         const Camera& camera = dataset_->views[view].camera;
-        slots_.emplace_back(camera.width, camera.height, stream_.bits());
+        slots_.emplace_back(camera.width, camera.height, bits());
         fill(slots_.back(), view);
     }
 }
@@ -50,14 +59,17 @@ void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
 }
 
 void ImageSweep::fill(ImageStack& stack, size_t first) {
-    stack.begin();
+    const auto timed = [&](const auto& body) {
+        const double begin = wall_time_s();
+        body();
+        times_.upload_s += wall_time_s() - begin;
+    };
+    timed([&] { stack.begin(); });
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
         stream_.load(views_[first + i], image_);
-        const double begin = wall_time_s();
-        stack.put(int(i), image_);
-        times_.upload_s += wall_time_s() - begin;
+        timed([&] { stack.put(int(i), image_); });
     }
-    stack.end();
+    timed([&] { stack.end(); });
 }
 
 void ImageSweep::load(size_t first, size_t turn) {
@@ -68,8 +80,8 @@ void ImageSweep::load(size_t first, size_t turn) {
         const uint32_t view = views_[first + i];
         ImageSlot* slot = stack ? nullptr : &slots_[resident_ ? first + i : (turn % 2) * size_t(batch_) + i];
         if (slot && !resident_) fill(*slot, view);
-        on_device_.push_back({&dataset_->views[view].camera, stack ? &stack->texture() : &slot->texture(), scale16(),
-                              bits(), &dataset_->views[view], first + i});
+        on_device_.push_back({&dataset_->views[view].camera, stack ? &stack->texture() : &slot->texture(),
+                              stream_.scale16(), bits(), &dataset_->views[view], first + i});
     }
 }
 

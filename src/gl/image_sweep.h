@@ -13,8 +13,8 @@ namespace radiafit {
 /// One image on the device and everything a pass needs to know about it.
 struct ImageOnDevice {
     const Camera* camera;
-    const Texture* texture;
-    float target_scale;  ///< per unit of a 16-bit channel
+    const Texture* texture;  ///< over a grid the stack that it is in
+    float target_scale;      ///< per unit of a 16-bit channel
     int bits;
     const View* view = nullptr;
     size_t position = 0;  ///< in the sweep's order
@@ -40,7 +40,7 @@ public:
     ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
                bool resident);
     int bits() const { return stream_.bits(); }  ///< per channel
-    float scale16() const { return bits() == 8 ? stream_.scale() / 257.0f : stream_.scale(); }
+    float scale16() const { return stream_.scale16(); }
     const std::vector<uint32_t>& views() const { return views_; }  ///< in the order of run()
     std::array<int, 2> largest() const { return largest_image(*dataset_, views_); }
     /// Once, before run(): how many images go together. Those over a mesh are put in an order in which neighbours do.
@@ -66,6 +66,8 @@ public:
 
 private:
     void load(size_t first, size_t turn);
+    void make_stacks();
+    void make_slots();
     void fill(ImageStack& stack, size_t first);
     void fill(ImageSlot& slot, uint32_t view);
 

@@ -62,7 +62,7 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
         for (const float number : w_.numbers_of(w_.dataset.views[view])) numbers.push_back(number);
     numbers_ = Buffer(numbers);
     views_ = Texture::of_buffer(GL_RGBA32F, numbers_);
-    bool one_eye = true;
+    bool one_eye = !numbers.empty();
     for (size_t at = 0; at < numbers.size(); at += 12)
         one_eye = one_eye && std::equal(numbers.begin() + 8, numbers.begin() + 12, numbers.data() + at + 8);
 
@@ -80,7 +80,7 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
     if (one_eye) here.push_back({"ONE_EYE", ""});
     const auto make = [&](const char* shader, const Defines& what) {
         Program program = Program::draw("common/whole.vert", std::string("reflect/") + shader, here + what);
-        program.set4(46, 1, numbers.data() + 8);
+        if (one_eye) program.set4(46, 1, numbers.data() + 8);
         w_.set_stack(program, room_);
         return program;
     };
@@ -112,14 +112,15 @@ void CombinedTexelPasses::take(const ImageOnDevice& image, int layer) {
 void CombinedTexelPasses::add(const std::vector<ImageOnDevice>& images, const Program& program,
                               const Framebuffer& target) {
     if (waiting_.images == 0) waiting_ = {&program, &target, images[0].position, 0};
+    if (!w_.mesh) {
+        images[0].texture->bind(1);
+        waiting_.images = int(images.size());
+        return sum();
+    }
     for (const ImageOnDevice& image : images) {
-        if (w_.mesh)
-            take(image, waiting_.images);
-        else
-            image.texture->bind(1);
+        take(image, waiting_.images);
         if (++waiting_.images == room_) sum();
     }
-    if (!w_.mesh) finish();  // a stack that isn't full
 }
 
 void CombinedTexelPasses::sum() {
@@ -132,7 +133,6 @@ void CombinedTexelPasses::sum() {
     w_.run.blend();
     w_.run.draw_whole(uint64_t(w_.shape.width()) * uint64_t(w_.shape.height()) * uint64_t(waiting_.images));
     w_.run.no_blend();
-    waiting_.first += size_t(waiting_.images);
     waiting_.images = 0;
 }
 
@@ -165,8 +165,13 @@ void CombinedTexelPasses::line(const std::vector<ImageOnDevice>& images, const T
 }  // namespace
 
 int combined_texel_images(const Atlas& atlas, size_t views, int bits, int together) {
-    const uint64_t fit = ImageStack::budget / ImageStack::bytes(atlas.width(), atlas.height(), bits),
-                   most = together > 0 ? uint64_t(together) : std::max<uint64_t>(4, fit),
+    // What devices have: texels of a buffer texture, layers of an array.
+    constexpr uint64_t budget = uint64_t(256) << 20, most_texels = uint64_t(1) << 27, most_layers = 2048;
+    const bool grid = dynamic_cast<const GridAtlas*>(&atlas) != nullptr;
+    const uint64_t bytes = ImageStack::bytes(atlas.width(), atlas.height(), bits),
+                   fit = std::max<uint64_t>(4, budget / bytes),
+                   limit = grid ? most_texels / (bytes / uint64_t(bits / 2)) : most_layers,
+                   most = std::max<uint64_t>(1, std::min(limit, together > 0 ? uint64_t(together) : fit)),
                    all = std::max<size_t>(1, views), loops = (all + most - 1) / most;
     return int((all + loops - 1) / loops);
 }

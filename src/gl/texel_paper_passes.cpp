@@ -18,6 +18,12 @@ public:
 private:
     void keep(const ImageOnDevice& image, const Program& program);
     void add(const Program& program, const Framebuffer& target);
+    void draw() {
+        if (w_.mesh)
+            w_.run.draw_tiles();
+        else
+            w_.run.draw_whole();
+    }
 
     TexelWorld w_;
     std::optional<ItemBuffer> items_;
@@ -33,7 +39,8 @@ PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
     : w_(world), kept_(GL_RGBA32F, world.shape.width(), world.shape.height()), kept_target_({{&kept_}}) {
     const auto [width, height] = w_.images.largest();
     if (w_.mesh) items_.emplace(*w_.mesh, width, height);
-    const Defines here = w_.defines(), kept = here + Defines{{"KEPT", ""}}, diagonal{{"DIAGONAL", ""}};
+    const Defines here = w_.shape.defines(w_.storage) + (w_.mesh ? w_.mesh->defines() : Defines{{"GRID", ""}}),
+                  kept = here + Defines{{"KEPT", ""}}, diagonal{{"DIAGONAL", ""}};
     const std::string tiles = w_.mesh ? "distribute/tile.vert" : "common/whole.vert";
     const auto only = [](int i) { return Defines{{"ONLY", std::to_string(i)}}; };
     const Defines projected = w_.mesh ? Defines{{"PROJECTED", ""}} : w_.colour();
@@ -78,14 +85,14 @@ void PaperTexelPasses::keep(const ImageOnDevice& image, const Program& program) 
     image.texture->bind(1);
     w_.surface.bind(7);
     w_.run.bind(kept_target_, program);
-    w_.draw();
+    draw();
     kept_.bind(8);
 }
 
 void PaperTexelPasses::add(const Program& program, const Framebuffer& target) {
     w_.run.bind(target, program);
     w_.run.blend();
-    w_.draw();
+    draw();
     w_.run.no_blend();
 }
 

@@ -16,11 +16,6 @@ float clipped_unit(float clip_above, float gain, float scale) {
 
 }  // namespace
 
-Defines TexelWorld::defines() const {
-    const Defines all = shape.defines(storage);
-    return mesh ? all + mesh->defines() : all + Defines{{"GRID", ""}};
-}
-
 std::array<float, 12> TexelWorld::numbers_of(const View& view) const {
     std::array<float, 12> numbers;
     const auto put = [&](size_t at, const Vec3d& three, float fourth) {

@@ -45,20 +45,12 @@ struct TexelWorld {
     Storage storage;
     float clip_above;  ///< of TexelOptions; 0 where the dataset's encoding has no largest value
 
-    void draw() const {
-        if (mesh)
-            run.draw_tiles();
-        else
-            run.draw_whole();
-    }
-    /// MODEL, STORAGE and what says where texels are: GRID, or SIDE and RECTANGLES.
-    Defines defines() const;
     /// For programs that look into words of colour.
     Defines colour() const { return {{"COLOUR", std::to_string(images.bits())}}; }
     /// What shaders/reflect/sample.glsl knows of a view: lamp, exposure, eye.
     std::array<float, 12> numbers_of(const View& view) const;
     /// Where a grid's programs find pixels in a stack of so many images.
-    void set_stack(const Program& program, int images) const;
+    void set_stack(const Program& program, int images_in_it) const;
     /// The shapes of a group's candidates, for start.frag.
     void set_shapes(const Program& program, int group) const;
 };
@@ -69,7 +61,7 @@ std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelWorld& world);
 /// The same sums in one program that loops over as many images as memory holds at a time, with up to 8 render targets
 /// (Section 6.5's proposal).
 std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world, int together);
-/// Images of one loop: layers of what texels took over a mesh, a stack over a grid. together: FragmentOptions.
+/// Images of one loop: layers of what texels took over a mesh, a stack over a grid. together: of FragmentOptions.
 int combined_texel_images(const Atlas& atlas, size_t views, int bits, int together);
 
 }  // namespace radiafit

@@ -102,8 +102,7 @@ void Texture::download(GLenum format, GLenum type, void* data, size_t bytes, int
 }
 
 void Texture::clear() {
-    const bool integer = format_ == GL_R8UI || format_ == GL_R16UI || format_ == GL_R32UI || format_ == GL_RGBA8UI ||
-                         format_ == GL_RGBA16UI || format_ == GL_RG32UI || format_ == GL_RGBA32UI;
+    const bool integer = holds_integers(format_);
     gl().ClearTexImage(name_, 0, integer ? GL_RGBA_INTEGER : GL_RGBA, integer ? GL_UNSIGNED_INT : GL_FLOAT, nullptr);
 }
 
@@ -157,12 +156,17 @@ void Framebuffer::clear() const {
             gl().ClearNamedFramebufferfv(name_, GL_COLOR, i, zero);
 }
 
-Buffer::Buffer(size_t bytes, const void* data, bool dynamic) : bytes_(bytes) {
+Buffer::Buffer(size_t bytes, const void* data, bool dynamic)
+    : Buffer(bytes, data, GLbitfield(dynamic ? GL_DYNAMIC_STORAGE_BIT : 0)) {}
+
+Buffer Buffer::to_map(size_t bytes) { return Buffer(bytes, nullptr, GLbitfield(GL_MAP_WRITE_BIT)); }
+
+Buffer::Buffer(size_t bytes, const void* data, GLbitfield access) : bytes_(bytes) {
     gl().CreateBuffers(1, &name_);
     // GL has no empty buffers; a mesh without, say, rings still gets a name to bind.
     static const uint64_t nothing = 0;
     gl().NamedBufferStorage(name_, static_cast<GLsizeiptr>(bytes ? bytes : sizeof nothing), bytes ? data : &nothing,
-                            dynamic ? GL_DYNAMIC_STORAGE_BIT | GL_MAP_WRITE_BIT : 0);
+                            access);
     Context::current().count_allocation(static_cast<int64_t>(bytes_));
 }
 

@@ -103,11 +103,13 @@ private:
 class Buffer {
 public:
     Buffer() = default;
-    /// `data` may be null: the contents are undefined then. `dynamic` allows write() and map().
+    /// `data` may be null: the contents are undefined then. `dynamic` allows write().
     Buffer(size_t bytes, const void* data, bool dynamic = false);
     template <class T>
     explicit Buffer(const std::vector<T>& values, bool dynamic = false)
         : Buffer(values.size() * sizeof(T), values.data(), dynamic) {}
+    /// Contents undefined at first; allows map().
+    static Buffer to_map(size_t bytes);
     ~Buffer();
     Buffer(Buffer&& other) noexcept { swap(other); }
     Buffer& operator=(Buffer&& other) noexcept {
@@ -115,7 +117,7 @@ public:
         return *this;
     }
     void write(size_t offset, size_t bytes, const void* data);
-    /// Of a dynamic one, for writing all that is used later, until unmap(); what it held is lost.
+    /// For writing all that is used later, until unmap(); what it held is lost.
     void* map();
     void unmap();
     void read(size_t offset, size_t bytes, void* data) const;
@@ -124,6 +126,7 @@ public:
     size_t bytes() const { return bytes_; }
 
 private:
+    Buffer(size_t bytes, const void* data, GLbitfield access);
     void swap(Buffer& other) noexcept {
         std::swap(name_, other.name_);
         std::swap(bytes_, other.bytes_);

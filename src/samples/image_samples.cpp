@@ -41,7 +41,7 @@ SampleCollector::SampleCollector(const Dataset& dataset, const Atlas& atlas, std
 
 float SampleCollector::scale() const {
     const ImageStream& any = state_.front().stream;
-    return any.bits() == 8 ? any.scale() / 257.0f : any.scale();  // TargetImage::scale16
+    return any.scale16();
 }
 
 void SampleCollector::collect(std::span<const uint32_t> views, std::span<ImageSamples> out) {
