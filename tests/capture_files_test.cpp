@@ -1,4 +1,5 @@
-// Readers and writers of capture/: COLMAP models, images, meshes, tables. Import as a whole is in capture_test.cpp.
+// Readers and writers of capture/: COLMAP models, images, tables. Meshes are in mesh_file_test.cpp, import as a
+// whole in capture_test.cpp.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -7,7 +8,6 @@
 #include "capture/gains.h"
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
-#include "capture/mesh_file.h"
 #include "capture/split.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"
@@ -305,74 +305,6 @@ TEST(ImageScale, AnyRatioKeepsTheTotalLightAndItsCentre) {
     EXPECT_EQ(scale_down_mask({255, 255, 0, 0}, 2, 2, 1, 1), (std::vector<uint8_t>{255}));  // half is in
 }
 
-// ---- Meshes ----
-
-// A cube of quads, each face with texture coordinates of its own: seams along every edge.
-const char* const cube_obj =
-    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
-    "vt 0 0\nvt 0.3 0\nvt 0.3 0.3\nvt 0 0.3\nvt 0.5 0.5\nvt 0.9 0.5\nvt 0.9 0.9\nvt 0.5 0.9\nvn 0 0 1\nvn 1 0 0\n"
-    "f 1/1/1 4/2/1 3/3/1 2/4/1\nf 5/5/2 6/6/2 7/7/2 8/8/2\nf 1/5/1 2/6/1 6/7/1 5/8/1\n"
-    "f 3/1/1 4/2/1 8/3/1 7/4/1\nf 1/2/2 5/3/2 8/4/2 4/1/2\nf 2/8/1 3/7/1 7/6/1 6/5/1\n";
-
-double signed_volume(const Mesh& mesh) {
-    double sum = 0;
-    for (const auto& t : mesh.triangles) {
-        Mat3d m;
-        for (int k = 0; k < 3; ++k) m.col(k) = mesh.positions[t[size_t(k)]].cast<double>();
-        const Vec3d a = m.col(0), b = m.col(1), c = m.col(2);
-        sum += a.x() * (b.y() * c.z() - b.z() * c.y()) + a.y() * (b.z() * c.x() - b.x() * c.z()) +
-               a.z() * (b.x() * c.y() - b.y() * c.x());
-    }
-    return sum / 6;
-}
-
-TEST_F(Files, SeamsAreWeldedByPosition) {
-    write_bytes(root_ / "cube.obj", std::string("mtllib missing.mtl\n") + cube_obj);
-    const MeshFile file = read_mesh_file(root_ / "cube.obj");
-    EXPECT_EQ(file.mesh.vertex_count(), 8u);
-    EXPECT_EQ(file.mesh.triangle_count(), 12u);
-    EXPECT_NEAR(signed_volume(file.mesh), 8, 1e-9);  // all faces still turn outward
-    EXPECT_TRUE(file.notes.empty());
-}
-
-TEST_F(Files, SeveralObjectsAreMergedAndNearPositionsStayApart) {
-    // The second object shares an edge with the first; its last vertex is one float step off a vertex of the first.
-    write_bytes(root_ / "two.obj",
-                "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-                "o two\nv -0.0 0 0\nv 0 1 0\nv -1 0 0\nv 1.0000001 0 0\nf 4 5 6\nf 4 7 5\n");
-    const MeshFile file = read_mesh_file(root_ / "two.obj");
-    EXPECT_EQ(file.mesh.triangle_count(), 3u);
-    EXPECT_EQ(file.mesh.vertex_count(), 5u);
-}
-
-TEST_F(Files, DefectsAreCountedInNotes) {
-    write_bytes(root_ / "x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 2\nf 1 2 4\nl 1 2\n");
-    const MeshFile file = read_mesh_file(root_ / "x.obj");
-    EXPECT_EQ(file.mesh.triangle_count(), 3u);
-    std::string all;
-    for (const std::string& note : file.notes) all += note + "\n";
-    expect_in("2 degenerate", all);
-    expect_in("1 vertices of no triangle", all);
-    expect_in("1 points or lines", all);
-}
-
-TEST_F(Files, MeshesThatCannotBeUsed) {
-    const auto reject = [&](const char* name, const std::string& content) {
-        write_bytes(root_ / name, content);
-        const std::string text = complaint([&] { read_mesh_file(root_ / name); });
-        expect_in(name, text);
-        return text;
-    };
-    expect_in("empty mesh", reject("nothing.obj", ""));
-    expect_in("mesh", reject("vertices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n# no face in here\n"));
-    expect_in("empty mesh", reject("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\np 2\np 3\n"));
-    expect_in("every triangle is degenerate", reject("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"));
-    expect_in("not finite", reject("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"));
-    reject("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
-    reject("noise.ply", "no ply at all, but a line of text that is long enough");
-    expect_in("no such mesh", complaint([&] { read_mesh_file(root_ / "none.obj"); }));
-}
-
 // ---- Split and gains ----
 
 TEST_F(Files, HoldoutRules) {
@@ -402,7 +334,7 @@ TEST_F(Files, GainTables) {
         write_bytes(file, std::string("# head\na.jpg 1\n") + line);
         expect_in("gains.txt:3", complaint([&] { read_gains(file, {"a.jpg"}); }));
     }
-    expect_in("cannot read", complaint([&] { read_gains(root_ / "none.txt", {}); }));
+    expect_in("no such gain table", complaint([&] { read_gains(root_ / "none.txt", {}); }));
     std::vector<double> gains = {2, 8, 100};
     normalize_gains(gains, {0, 0, 1});
     EXPECT_NEAR(gains[0], 0.5, 1e-12);  // the geometric mean of 2 and 8 is 4

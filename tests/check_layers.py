@@ -34,14 +34,13 @@ SHARED_TEXTS = {"model": "model", "optimize": "optim"}
 # Foreign headers and the folders of src/ that may include them.
 LIBRARIES = [
     (r"OpenImageIO/", {"capture"}),
-    (r"assimp/", {"capture"}),
     (r"(OpenEXR/|Imf|Imath|Iex)", {"fit"}),
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
     (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"app"}),
 ]
-HEAVY = re.compile(r"(OpenImageIO/|assimp/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
+HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 
 

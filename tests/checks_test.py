@@ -60,7 +60,6 @@ class Layers(Tree):
             ("src/gl/a.cpp", '#include "program.h"', "names no layer"),
             ("src/gl/a.cpp", '#include "vulkan/program.h"', "is no layer"),
             ("src/dataset/a.cpp", "#include <OpenImageIO/imageio.h>", "only capture"),
-            ("src/fit/a.cpp", "#include <assimp/scene.h>", "only capture"),
             ("src/capture/a.cpp", "#include <ImfInputFile.h>", "only fit"),
             ("src/app/a.cpp", "#include <GL/glcorearb.h>", "only gl"),
             ("experiments/a.cpp", "#include <EGL/egl.h>", "only gl"),

@@ -1,14 +1,17 @@
 #include "capture/mesh_file.h"
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <assimp/Importer.hpp>
+#include <array>
 #include <bit>
 #include <unordered_map>
 
 #include "base/error.h"
+#include "base/read_file.h"
+#include "capture/file_names.h"
+#include "capture/obj_mesh.h"
+#include "capture/ply_header.h"
+#include "capture/ply_mesh.h"
 
 namespace radiafit {
 namespace {
@@ -26,29 +29,14 @@ struct BitsHash {
     }
 };
 
-/// Appends the meshes of a node and of what hangs below it. Returns how many faces were no triangles.
-size_t append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, Mesh& out) {
-    const aiMatrix4x4 world_from_node = parent * node.mTransformation;
-    const bool moved = !world_from_node.IsIdentity();  // untouched positions stay the file's own, bit for bit
-    size_t skipped = 0;
-    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-        const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-        const auto first = static_cast<uint32_t>(out.positions.size());
-        for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-            const aiVector3D p = moved ? world_from_node * mesh.mVertices[v] : mesh.mVertices[v];
-            out.positions.emplace_back(p.x, p.y, p.z);
-        }
-        for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-            const aiFace& face = mesh.mFaces[f];
-            if (face.mNumIndices == 3)
-                out.triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-            else
-                ++skipped;
-        }
-    }
-    for (unsigned c = 0; c < node.mNumChildren; ++c)
-        skipped += append_node(scene, *node.mChildren[c], world_from_node, out);
-    return skipped;
+/// PLY by its first line, OBJ, which has no mark, by the name's ending.
+RawMesh read_any(const std::filesystem::path& file) {
+    std::string content = read_file(file, "mesh file");
+    if (content.empty())
+        throw UserError(fmt::format("{}: empty mesh: the file has no bytes: export it again", file.string()));
+    if (is_ply(content)) return read_ply_mesh(file, std::move(content));
+    if (lower_ending(file) == ".obj") return read_obj_mesh(file, std::move(content));
+    throw UserError(fmt::format("{}: neither PLY nor OBJ: export the mesh as PLY or OBJ", file.string()));
 }
 
 }  // namespace
@@ -74,31 +62,19 @@ size_t weld_positions(Mesh& mesh) {
 
 MeshFile read_mesh_file(const std::filesystem::path& file) {
     const std::string name = file.string();
-    if (!std::filesystem::is_regular_file(file))
-        throw UserError(fmt::format("{}: no such mesh file: check the path", name));
-    if (std::filesystem::file_size(file) == 0)
-        throw UserError(fmt::format("{}: empty mesh: the file has no bytes: export it again", name));
-
-    Assimp::Importer importer;
-    const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
-    MeshFile result;
-    size_t skipped = 0;
-    if (scene != nullptr && scene->mRootNode != nullptr)
-        skipped = append_node(*scene, *scene->mRootNode, aiMatrix4x4(), result.mesh);
-    else if (std::string why = importer.GetErrorString(); true) {
-        for (size_t at; (at = why.find('\n')) != std::string::npos;) why.replace(at, 1, " ");
-        throw UserError(fmt::format("{}: cannot read this mesh ({}): export it as OBJ or PLY", name, why));
-    }
-    if (result.mesh.triangles.empty())
+    RawMesh raw = read_any(file);
+    if (raw.mesh.triangles.empty())
         throw UserError(fmt::format("{}: empty mesh: no triangle in it (a point cloud?): export the surface", name));
-    weld_positions(result.mesh);
-    check_mesh(result.mesh, name);
+    check_mesh(raw.mesh, name);
+    weld_positions(raw.mesh);
 
+    MeshFile result{std::move(raw.mesh), {}};
     const MeshDefects defects = find_defects(result.mesh);
     const auto note = [&](size_t count, const char* what) {
         if (count) result.notes.push_back(fmt::format("{}: {} {}", name, count, what));
     };
-    note(skipped, "points or lines left out");
+    note(raw.no_polygons, "points or lines left out");
+    note(raw.unused_vertices, "vertices of no face left out");
     note(defects.degenerate_triangles.size(), "degenerate triangles, skipped everywhere");
     note(defects.unreferenced_vertices.size(), "vertices of no triangle, which stay without samples");
     if (defects.degenerate_triangles.size() == result.mesh.triangle_count())

@@ -13,10 +13,12 @@ struct MeshFile {
     std::vector<std::string> notes;  ///< defects, counted, one line each; empty for a clean file
 };
 
-/// Reads any format assimp knows. All meshes of the file are merged; polygons are triangulated; vertices are welded
-/// where their positions are equal in every bit (so that texture seams don't cut the surface), in order of first
-/// appearance. Points, lines, normals, texture coordinates and materials are left out.
-/// Throws UserError for a missing or unreadable file, a mesh without triangles and positions that are not finite.
+/// Reads PLY (text, binary of either byte order) and OBJ. All objects of the file are merged; polygons become triangles
+/// around their first corner; vertices are welded where their positions are equal in every bit (so that texture seams
+/// don't cut the surface), in order of first appearance. Points, lines, normals, texture coordinates and materials are
+/// left out.
+/// Throws UserError that names file (text: line) and cure for anything missing, unreadable, of another format,
+/// malformed, cut, out of range or not finite, and for a mesh without triangles.
 MeshFile read_mesh_file(const std::filesystem::path& file);
 
 /// Merges vertices of bitwise equal position (-0 equals 0); exported for tests. Returns the number merged away.

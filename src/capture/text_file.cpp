@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/read_file.h"
 
 namespace radiafit {
 namespace {
@@ -16,17 +18,33 @@ std::string_view trimmed(std::string_view line) {
     if (first == std::string_view::npos) return {};
     return line.substr(first, line.find_last_not_of(blanks) - first + 1);
 }
+
+/// The whole token, or an error. from_chars takes no plus sign, but some writers set one.
+template <class T>
+std::errc parse(std::string_view token, T& value) {
+    if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
+    const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
+    return end == token.data() + token.size() ? code : std::errc::invalid_argument;
+}
 }  // namespace
 
-TextFile::TextFile(const std::filesystem::path& file, const std::string& what) : file_(file), stream_(file) {
-    if (!stream_ || !std::filesystem::is_regular_file(file))
-        throw UserError(fmt::format("{}: cannot read this {}: check the path", file.string(), what));
+TextFile::TextFile(const std::filesystem::path& file, const std::string& what)
+    : TextFile(file, read_file(file, what), 0) {}
+
+TextFile::TextFile(std::filesystem::path file, std::string text, size_t lines_before)
+    : file_(std::move(file)), text_(std::move(text)), number_(lines_before) {
+    if (text_.find('\0') != std::string::npos)
+        throw UserError(
+            fmt::format("{}: holds zero bytes, so it is no text or a damaged one: write it again", file_.string()));
 }
 
 bool TextFile::next_line(std::string_view& line) {
-    if (!std::getline(stream_, line_)) return false;
+    if (at_ == text_.size()) return false;
+    const size_t end = std::min(text_.find('\n', at_), text_.size());
+    ended_ = end < text_.size();
+    line = trimmed(std::string_view(text_).substr(at_, end - at_));
+    at_ = end + (ended_ ? 1 : 0);
     ++number_;
-    line = trimmed(line_);
     return true;
 }
 
@@ -42,17 +60,29 @@ void TextFile::fail(const std::string& problem) const { throw UserError(fmt::for
 
 double TextFile::to_double(std::string_view token, const char* what) const {
     double value = 0;
-    const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (code != std::errc() || end != token.data() + token.size())
+    if (parse(token, value) != std::errc())
         fail(fmt::format("{} is '{}', which is no number: mend the line", what, token));
+    if (!std::isfinite(value)) fail(fmt::format("{} is '{}', which is not finite: mend the line", what, token));
+    return value;
+}
+
+float TextFile::to_float(std::string_view token, const char* what) const {
+    float value = 0;
+    if (parse(token, value) != std::errc()) value = static_cast<float>(to_double(token, what));  // 1e-50, say, is 0
     if (!std::isfinite(value)) fail(fmt::format("{} is '{}', which is not finite: mend the line", what, token));
     return value;
 }
 
 uint64_t TextFile::to_unsigned(std::string_view token, const char* what) const {
     uint64_t value = 0;
-    const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (code != std::errc() || end != token.data() + token.size())
+    if (parse(token, value) != std::errc())
+        fail(fmt::format("{} is '{}', which is no whole number: mend the line", what, token));
+    return value;
+}
+
+int64_t TextFile::to_signed(std::string_view token, const char* what) const {
+    int64_t value = 0;
+    if (parse(token, value) != std::errc())
         fail(fmt::format("{} is '{}', which is no whole number: mend the line", what, token));
     return value;
 }

@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,27 +9,35 @@ namespace radiafit {
 /// Reads a text file line by line and knows where it is, so that every complaint can name file and line.
 class TextFile {
 public:
-    /// Throws UserError when the file cannot be opened; `what` names its role, such as "gain table".
+    /// Throws UserError when the file cannot be read or holds zero bytes, as after a crash of the system that wrote it;
+    /// `what` names its role, such as "gain table".
     TextFile(const std::filesystem::path& file, const std::string& what);
+    /// A text already read, which begins after `lines_before` lines of the file.
+    TextFile(std::filesystem::path file, std::string text, size_t lines_before);
 
-    /// The next line, trimmed of blanks at both ends; false at the end of the file.
+    /// The next line, trimmed of blanks at both ends; false at the end of the file. Stays valid as long as this.
     bool next_line(std::string_view& line);
     /// The next line that is neither blank nor a comment (#).
     bool next_entry(std::string_view& line);
+    /// Whether a line break ends the line last read; where one is missing, the line may have been cut.
+    bool line_is_ended() const { return ended_; }
 
+    size_t line_number() const { return number_; }
     std::string where() const;  ///< "file:line" of the line last read
     [[noreturn]] void fail(const std::string& problem) const;
 
-    /// Whole-token conversions; `what` names the quantity. A value that is no number, not finite (double) or out of
-    /// range is a UserError.
+    /// Whole-token conversions; `what` names the quantity. A value that is no number, not finite (double, float) or out
+    /// of range is a UserError.
     double to_double(std::string_view token, const char* what) const;
+    float to_float(std::string_view token, const char* what) const;
     uint64_t to_unsigned(std::string_view token, const char* what) const;
+    int64_t to_signed(std::string_view token, const char* what) const;
 
 private:
     std::filesystem::path file_;
-    std::ifstream stream_;
-    std::string line_;
-    size_t number_ = 0;
+    std::string text_;
+    size_t at_ = 0, number_ = 0;
+    bool ended_ = true;
 };
 
 /// Tokens of a line between blanks and tabs.

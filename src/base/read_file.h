@@ -1,0 +1,14 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace radiafit {
+
+/// The bytes of a file that the user named; `what` is its role, such as "gain table". Waits on no pipe or device.
+/// Throws UserError: missing, unreadable, no regular file, larger than 4 GiB (a file may say more than the disk holds).
+std::string read_file(const std::filesystem::path& file, const std::string& what);
+
+/// Throws likewise where read_file would not even open the file.
+void check_readable(const std::filesystem::path& file, const std::string& what);
+
+}  // namespace radiafit
