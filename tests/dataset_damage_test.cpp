@@ -43,13 +43,16 @@ TEST_F(DamagedTest, MissingFiles) {
 TEST_F(DamagedTest, Json) {
     write_text(json_, "");
     expect_in("run radiafit generate or import again", open_complaint());
-    expect_in("line 3 ", open_with("\"version\": 1", "\"version\" 1"));
-    expect_in("\"version\" is 4", open_with("\"version\": 1", "\"version\": 4"));
+    expect_in("line 3 ", open_with("\"version\": 4", "\"version\" 4"));
+    expect_in("\"version\" is 5", open_with("\"version\": 4", "\"version\": 5"));
     expect_in("\"format\" is \"gltf\"", open_with("radiafit-dataset", "gltf"));
     expect_in("u8-srgb", open_with("u8-srgb", "u8-adobe"));
     expect_in("\"encoding\" is missing", open_with("\"encoding\"", "\"coding\""));
     expect_in("views[0].camera.fx", open_with("\"fx\"", "\"f_x\""));
     expect_in("views[0].held_out", open_with("\"held_out\":false", "\"held_out\":0"));
+    expect_in("views[0].checksum", open_with("\"checksum\"", "\"check\""));
+    expect_in("16 hexadecimal digits", open_with("\"checksum\":\"", "\"checksum\":\"-"));
+    expect_in("checksums.mesh.ply", open_with("\"mesh.ply\":\"", "\"mesh.ply\":\"x"));
     expect_in("\"views\" is empty", complaint([&] {
                   write_text(json_, text_.substr(0, text_.find("\"views\"")) + "\"views\": []}");
                   open_dataset(folder_);

@@ -73,19 +73,15 @@ TEST_F(LitTest, LightsAndNormalsSurviveExactly) {
     for (uint32_t t = 0; t < atlas.texel_count(); ++t) EXPECT_EQ(atlas.normal(t), header_.normal_map.normals[t]);
     expect_in("--surface-side 3", complaint([&] { reflectance_atlas(dataset, 4); }));
     write();  // an earlier one is replaced, normals and all
-    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 2"), std::string::npos);
 }
 
-TEST_F(LitTest, WithoutLightsNormalsAndFloatsTheVersionIsStill1) {
+TEST_F(LitTest, WithoutLightsAndNormalsTheMeshHasItsOwn) {
     write_random(folder_, Encoding::u16_linear, {{4, 4, false, 1}});
-    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 1"), std::string::npos);
     const Dataset dataset = open_dataset(folder_);
     EXPECT_FALSE(dataset.light_moves());
     EXPECT_EQ(dataset.normal_map.side, 0);
     const TriangleAtlas plain(dataset.mesh, 5), atlas = reflectance_atlas(dataset, 5);
     for (uint32_t t = 0; t < atlas.texel_count(); ++t) EXPECT_EQ(atlas.normal(t), plain.normal(t));
-    write_random(folder_, Encoding::f32_linear, {{4, 4, false, 1}});
-    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 2"), std::string::npos);
 }
 
 TEST_F(LitTest, WriterRefusesLightsThatAreNone) {
@@ -168,7 +164,6 @@ TEST_F(GridTest, SurvivesExactly) {
     EXPECT_EQ(dataset.views[1].camera_direction, Vec3d(0.6, 0, 0.8));
     EXPECT_FALSE(dataset.views[0].camera_direction);
     EXPECT_FALSE(fs::exists(folder_ / "mesh.ply"));
-    EXPECT_NE(read_text(folder_ / "dataset.json").find("\"version\": 3"), std::string::npos);
     expect_in("reflectance", complaint([&] { require_light_field(dataset); }));
 
     const GridAtlas atlas = make_atlas(grid);

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/solver.h"
 #include "base/error.h"
+#include "dataset/checksums.h"
 #include "dataset/synthetic/synthetic.h"
 #include "dataset/truth.h"
 #include "report/table.h"
@@ -161,8 +162,11 @@ void add_info(CLI::App& app) {
             print_reflectance(path, *moved_to, *json);
         else if (fit)
             print_light_field(path, *moved_to, *json);
-        else
-            print_dataset(open_dataset(path), *json);
+        else {
+            const Dataset dataset = open_dataset(path);
+            check_pixels(dataset);
+            print_dataset(dataset, *json);
+        }
     });
 }
 

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
 #include "dataset/value_file.h"
@@ -13,11 +15,45 @@ namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
-void check_range(const fs::path& file, const View& view, const char* what, uint64_t offset, uint64_t bytes,
-                 uint64_t file_bytes) {
-    if (offset > file_bytes || bytes > file_bytes - offset)
+/// A part of images.bin.
+struct Range {
+    uint64_t begin, end;
+    const View* view;
+    const char* what;  ///< "image" or "mask"
+};
+
+Range range_of(const View& view, const char* what, uint64_t begin, uint64_t bytes, const fs::path& file,
+               uint64_t file_bytes) {
+    if (begin > file_bytes || bytes > file_bytes - begin)
         throw_damaged(file, fmt::format("the {} of view \"{}\" ends at byte {}, but the file ends at {}", what,
-                                        view.name, offset + bytes, file_bytes));
+                                        view.name, begin + bytes, file_bytes));
+    return {begin, begin + bytes, &view, what};
+}
+
+/// Where the pixels and masks of all views stand: within the file, each in a place of its own.
+void check_places(const Dataset& dataset, const fs::path& images_file, uint64_t file_bytes) {
+    const fs::path json_file = dataset.folder / dataset_json_name;
+    std::vector<Range> ranges;
+    for (const View& view : dataset.views) {
+        if (view.pixel_offset % image_alignment != 0)
+            throw_damaged(json_file, fmt::format("the pixels of view \"{}\" start at byte {}, not a multiple of {}",
+                                                 view.name, view.pixel_offset, image_alignment));
+        const uint64_t bytes = pixel_bytes(view.camera, dataset.encoding);
+        ranges.push_back(range_of(view, "image", view.pixel_offset, bytes, images_file, file_bytes));
+        if (view.mask_offset)
+            ranges.push_back(
+                range_of(view, "mask", *view.mask_offset, mask_bytes(view.camera), images_file, file_bytes));
+        if (!view.checksum) continue;
+        range_of(view, "block", view.pixel_offset, image_block_bytes(view, dataset.encoding), images_file, file_bytes);
+        if (view.mask_offset && *view.mask_offset != view.pixel_offset + bytes)
+            throw_damaged(json_file, fmt::format("the mask of view \"{}\" starts at byte {}, but its pixels end at {}",
+                                                 view.name, *view.mask_offset, view.pixel_offset + bytes));
+    }
+    std::ranges::sort(ranges, {}, &Range::begin);
+    for (size_t i = 1; i < ranges.size(); ++i)
+        if (const Range& a = ranges[i - 1], &b = ranges[i]; b.begin < a.end)
+            throw_damaged(json_file, fmt::format("the {} of view \"{}\" overlaps the {} of view \"{}\"", b.what,
+                                                 b.view->name, a.what, a.view->name));
 }
 
 std::vector<Vec3f> read_normals(const fs::path& file, size_t count, const std::string& whose) {
@@ -115,20 +151,13 @@ Dataset open_dataset(const fs::path& folder) {
     if (images_bytes != sizes.images_bytes)
         throw_damaged(images_file, fmt::format("the file has {} bytes, but {} says {}", images_bytes, dataset_json_name,
                                                sizes.images_bytes));
-    for (const View& view : dataset.views) {
-        if (view.pixel_offset % image_alignment != 0)
-            throw_damaged(json_file, fmt::format("the pixels of view \"{}\" start at byte {}, not a multiple of {}",
-                                                 view.name, view.pixel_offset, image_alignment));
-        check_range(images_file, view, "image", view.pixel_offset, pixel_bytes(view.camera, dataset.encoding),
-                    images_bytes);
-        if (view.mask_offset)
-            check_range(images_file, view, "mask", *view.mask_offset, mask_bytes(view.camera), images_bytes);
-    }
+    check_places(dataset, images_file, images_bytes);
 
     if (dataset.has_grid())
         read_grid(folder, sizes, dataset.grid);
     else
         read_mesh(folder, sizes, dataset);
+    for (const char* name : {dataset_mesh_name, dataset_normals_name}) check_file(dataset, name);
     return dataset;
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,8 @@ struct View {
     /// Byte offset of [height][ceil(width / 8)] bytes, most significant bit first, 1 = object.
     std::optional<uint64_t> mask_offset;
     float peak = 1;  ///< largest stored value, for f16_linear and f32_linear; 1 for every other encoding
+    /// hash_bytes() of the image's bytes in images.bin (image_block_bytes() of them); none before version 4.
+    std::optional<uint64_t> checksum;
     std::array<int, 2> crop_origin = {0, 0};  ///< column and row of the rectangle in the photograph: information only
     std::array<int, 2> full_size = {0, 0};    ///< width and height of the photograph; 0, 0: not cropped
 
@@ -60,7 +63,8 @@ struct Dataset {
     Mesh mesh;  ///< empty if there is a grid
     Grid grid;
     std::vector<View> views;
-    NormalMap normal_map;  ///< of a mesh
+    NormalMap normal_map;                       ///< of a mesh
+    std::map<std::string, uint64_t> checksums;  ///< file_checksum() of the other files by name; empty before version 4
 
     bool has_grid() const { return grid.width > 0; }
     bool light_moves() const { return !views.empty() && views.front().light.has_value(); }
@@ -68,8 +72,9 @@ struct Dataset {
     uint64_t image_bytes() const;                      ///< raw pixels of all views, masks and padding left out
 };
 
-/// Reads and checks a packed dataset whole (sizes, offsets, cameras, mesh or grid). Throws UserError that names file
-/// and cure.
+/// Reads and checks a packed dataset whole, all but the pixels (sizes, offsets, cameras, mesh or grid). Throws
+/// UserError that names file and cure. Pixels are checked as they are streamed (ImageStream), or all at once by
+/// check_pixels().
 Dataset open_dataset(const std::filesystem::path& folder);
 
 /// Throws UserError for a dataset that no light field map can be fitted to: a grid, or light that moves.

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/error.h"
+#include "dataset/encoding.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -16,8 +18,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* format_name = "radiafit-dataset";
-/// Version 2 has lights, normals and f32-linear, version 3 grids; a dataset is written as the least that can hold it.
-constexpr int format_version = 3;
+/// Version 2 has lights, normals and f32-linear, version 3 grids, version 4 checksums.
+constexpr int format_version = 4;
+constexpr int first_with_checksums = 4;
 constexpr int max_side = 1 << 16;  // pixels; keeps every product of sizes far from overflow
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
@@ -29,10 +32,7 @@ Json light_to_json(const Light& light) {
     return {{distant ? "direction" : "position", list(light.place)}, {"intensity", list(light.intensity)}};
 }
 
-int needed_version(const Dataset& dataset) {
-    if (dataset.has_grid()) return 3;
-    return dataset.light_moves() || dataset.normal_map.side > 0 || dataset.encoding == Encoding::f32_linear ? 2 : 1;
-}
+std::string checksum_text(uint64_t checksum) { return fmt::format("{:016x}", checksum); }
 
 Json camera_to_json(const View& view) {
     const Camera& c = view.camera;
@@ -63,6 +63,7 @@ Json view_to_json(const View& view) {
                    {"full_width", view.full_size[0] > 0 ? view.full_size[0] : c.width},
                    {"full_height", view.full_size[1] > 0 ? view.full_size[1] : c.height}}}};
     if (view.light) json["light"] = light_to_json(*view.light);
+    json["checksum"] = checksum_text(view.checksum.value());
     return json;
 }
 
@@ -91,6 +92,14 @@ public:
         if (at(key).is_null()) return std::nullopt;
         return count(key);
     }
+    uint64_t checksum(const char* key) const {
+        const std::string digits = text(key);
+        uint64_t value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+        if (digits.size() != 16 || error != std::errc() || end != digits.data() + 16)
+            fail(key, fmt::format("is \"{}\", not 16 hexadecimal digits", digits));
+        return value;
+    }
     bool has(const char* key) const { return json_.contains(key) && !json_.at(key).is_null(); }
     int side(const char* key, int least) const {
         const uint64_t value = count(key);
@@ -107,6 +116,11 @@ public:
         return m;
     }
     Fields object(const char* key) const { return {at(key), file_, where(key)}; }
+    std::vector<std::string> keys() const {
+        std::vector<std::string> names;
+        for (const auto& [key, value] : json_.items()) names.push_back(key);
+        return names;
+    }
     const Json& array(const char* key) const {
         if (!at(key).is_array()) fail(key, "must be a list");
         return at(key);
@@ -151,7 +165,7 @@ Light light_from_json(const Fields& fields, const std::string& name) {
     return light;
 }
 
-View view_from_json(const Fields& fields, const fs::path& file) {
+View view_from_json(const Fields& fields, const fs::path& file, Encoding encoding, bool checksums) {
     View view;
     view.name = fields.text("name");
     view.held_out = fields.boolean("held_out");
@@ -176,11 +190,14 @@ View view_from_json(const Fields& fields, const fs::path& file) {
     view.mask_offset = fields.optional_count("mask_offset");
     view.peak = static_cast<float>(fields.number("peak"));
     if (!(view.peak >= 0 && std::isfinite(view.peak))) fields.fail("peak", "must be finite and not below 0");
+    if (has_largest_value(encoding) && view.peak != 1)
+        fields.fail("peak", fmt::format("is {}, but is 1 for {} images", view.peak, to_string(encoding)));
     const Fields crop = fields.object("crop");
     view.crop_origin = {crop.side("x0", 0), crop.side("y0", 0)};
     view.full_size = {crop.side("full_width", 1), crop.side("full_height", 1)};
     if (fields.has("light"))
         view.light = light_from_json(fields.object("light"), fmt::format("{}: view \"{}\"", file.string(), view.name));
+    if (checksums) view.checksum = fields.checksum("checksum");
     return view;
 }
 
@@ -225,7 +242,7 @@ std::string read_dataset_file(const fs::path& file) {
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {
     Json head = {{"format", format_name},
-                 {"version", needed_version(dataset)},
+                 {"version", format_version},
                  {"name", dataset.name},
                  {"description", dataset.description},
                  {"source", dataset.source},
@@ -237,6 +254,8 @@ std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {
         head["grid"] = {{"width", g.width},       {"height", g.height},   {"origin", list(g.origin)},
                         {"right", list(g.right)}, {"down", list(g.down)}, {"normals", sizes.grid_normals}};
     if (dataset.normal_map.side > 0) head["normals"] = {{"side", dataset.normal_map.side}};
+    head["checksums"] = Json::object();
+    for (const auto& [name, checksum] : dataset.checksums) head["checksums"][name] = checksum_text(checksum);
     // One line per view: a person can read it, and a text tool can compare two.
     std::string text = "{\n";
     for (const auto& [key, value] : head.items()) text += fmt::format("  \"{}\": {},\n", key, dump(value));
@@ -261,7 +280,8 @@ Dataset dataset_from_json(const std::string& text, const fs::path& file, Dataset
     const Fields fields(json, file, "");
     if (const std::string name = fields.text("format"); name != format_name)
         fields.fail("format", fmt::format("is \"{}\", not \"{}\"", name, format_name));
-    if (const uint64_t version = fields.count("version"); version < 1 || version > uint64_t(format_version))
+    const uint64_t version = fields.count("version");
+    if (version < 1 || version > uint64_t(format_version))
         fields.fail("version", fmt::format("is {}, this program reads 1 to {}", version, format_version));
 
     Dataset dataset;
@@ -278,10 +298,15 @@ Dataset dataset_from_json(const std::string& text, const fs::path& file, Dataset
         sizes.grid_normals = grid.boolean("normals");
     }
     if (fields.has("normals")) dataset.normal_map.side = fields.object("normals").side("side", 2);
+    const bool checksums = version >= first_with_checksums;
+    if (checksums)
+        for (const Fields files = fields.object("checksums"); const std::string& name : files.keys())
+            dataset.checksums[name] = files.checksum(name.c_str());
     const Json& views = fields.array("views");
     if (views.empty()) fields.fail("views", "is empty");
     for (size_t i = 0; i < views.size(); ++i)
-        dataset.views.push_back(view_from_json(Fields(views[i], file, fmt::format("views[{}]", i)), file));
+        dataset.views.push_back(
+            view_from_json(Fields(views[i], file, fmt::format("views[{}]", i)), file, dataset.encoding, checksums));
     const Grid& grid = dataset.grid;
     for (const View& view : dataset.views) {
         const auto [w, h] = std::array{view.camera.width, view.camera.height};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
@@ -15,6 +16,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/half.h"
+#include "base/hash.h"
+#include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
 #include "dataset/truth.h"
@@ -93,7 +96,8 @@ struct DatasetWriter::State {
     AtomicFolder output;
     int file = -1;
     Encoding encoding = Encoding::u8_srgb;
-    uint64_t bytes = 0;  ///< of images.bin so far
+    uint64_t bytes = 0;          ///< of images.bin so far
+    std::vector<uint8_t> block;  ///< one image as it goes to the file, reused
     std::vector<View> views;
 
     explicit State(const fs::path& f) : folder(f), output(resolved(f), AtomicFolder::Existing::replace) {
@@ -121,10 +125,6 @@ struct DatasetWriter::State {
             size -= size_t(written);
             bytes += uint64_t(written);
         }
-    }
-    void align() {
-        static const char zeros[image_alignment] = {};
-        append(zeros, size_t((image_alignment - bytes % image_alignment) % image_alignment));
     }
 };
 
@@ -159,15 +159,16 @@ void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t
     if (s.encoding == Encoding::f32_linear)
         view.peak = largest<float>(pixels, 3 * pixel_count, view.name, [](float x) { return x; });
 
+    const size_t bytes = size_t(pixel_bytes(view.camera, s.encoding));
     view.pixel_offset = s.bytes;
-    s.append(pixels, size_t(pixel_bytes(view.camera, s.encoding)));
     view.mask_offset.reset();
-    if (!mask.empty()) {
-        view.mask_offset = s.bytes;
-        const std::vector<uint8_t> bits = pack_mask(mask, view.camera);
-        s.append(bits.data(), bits.size());
-    }
-    s.align();
+    if (!mask.empty()) view.mask_offset = s.bytes + bytes;
+    std::vector<uint8_t>& block = s.block;
+    block.assign(image_block_bytes(view, s.encoding), 0);
+    std::memcpy(block.data(), pixels, bytes);
+    if (!mask.empty()) std::ranges::copy(pack_mask(mask, view.camera), block.begin() + ptrdiff_t(bytes));
+    view.checksum = hash_bytes(block.data(), block.size());
+    s.append(block.data(), block.size());
     s.views.push_back(std::move(view));
 }
 
@@ -210,6 +211,9 @@ void DatasetWriter::finish(const Dataset& header) {
     dataset.grid = {grid.width, grid.height, grid.origin, grid.right, grid.down, {}};
     dataset.normal_map.side = has_grid ? 0 : map.side;
     if (!has_grid) write_ply(header.mesh, s.output.path() / dataset_mesh_name);
+    for (const std::string_view name : our_files)
+        if (const fs::path written = s.output.path() / name; name != dataset_images_name && fs::exists(written))
+            dataset.checksums[std::string(name)] = file_checksum(written);
     write_file(s.output.path() / dataset_json_name,
                dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.bytes,
                                          has_grid && !normals.empty()}));

@@ -1,6 +1,7 @@
 #include "dataset/image_stream.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/half.h"
+#include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 
 namespace radiafit {
@@ -76,13 +78,8 @@ void apply_mask(const uint8_t* __restrict bits, size_t width, size_t height, uin
     }
 }
 
-/// What a view needs of the dataset.
-struct StreamedView {
-    int width, height;
-    double gain;
-    uint64_t pixel_offset;
-    std::optional<uint64_t> mask_offset;
-};
+/// Which views have been checked, by any of the streams that share it.
+using CheckedViews = std::vector<std::atomic<bool>>;
 
 }  // namespace
 
@@ -92,7 +89,9 @@ struct ImageStream::State {
     std::shared_ptr<const std::vector<uint8_t>> kept;  ///< StreamSource::memory: the whole of images.bin, and a byte
     std::vector<uint8_t> buffer;                       ///< StreamSource::disk: one image, reused
     std::vector<uint8_t> mask_buffer;
-    std::vector<StreamedView> views;
+    std::shared_ptr<const std::vector<View>> views;
+    std::shared_ptr<CheckedViews> checked;
+    std::filesystem::path path;  ///< of images.bin
     Encoding encoding = Encoding::u8_srgb;
     TargetSpace space = TargetSpace::stored;
     std::array<uint16_t, 256> table = {};
@@ -115,14 +114,21 @@ struct ImageStream::State {
         bytes_read += bytes;
         return to.data();
     }
-    const uint8_t* pixels_at(const StreamedView& view, uint64_t& bytes_read) {
-        const uint64_t count = uint64_t(view.width) * uint64_t(view.height);
-        return bytes_at(view.pixel_offset, 3 * count * uint64_t(bytes_per_channel(encoding)), buffer, bytes_read);
+    /// Checked when the view is read for the first time.
+    const uint8_t* pixels_at(uint32_t index, uint64_t& bytes_read) {
+        const View& view = views->at(index);
+        std::atomic<bool>& known = (*checked)[index];
+        if (known.load(std::memory_order_relaxed))
+            return bytes_at(view.pixel_offset, pixel_bytes(view.camera, encoding), buffer, bytes_read);
+        const uint64_t bytes = checked_bytes(view, encoding);
+        const uint8_t* block = bytes_at(view.pixel_offset, bytes, buffer, bytes_read);
+        check_image_bytes(view, encoding, {block, bytes}, path);
+        known.store(true, std::memory_order_relaxed);
+        return block;
     }
-    const uint8_t* mask_at(const StreamedView& view, uint64_t& bytes_read) {
+    const uint8_t* mask_at(const View& view, uint64_t& bytes_read) {
         if (!view.mask_offset) return nullptr;
-        return bytes_at(*view.mask_offset, uint64_t(view.width + 7) / 8 * uint64_t(view.height), mask_buffer,
-                        bytes_read);
+        return bytes_at(*view.mask_offset, mask_bytes(view.camera), mask_buffer, bytes_read);
     }
     /// body(target), where target(i) is channel i's as a float: of linear encodings, a multiple in either space.
     template <class Body>
@@ -162,18 +168,20 @@ ImageStream::ImageStream(const Dataset& dataset, StreamSource source, TargetSpac
     double largest = 0;
     uint64_t end = 0;
     bool gains = false;
+    s.views = std::make_shared<const std::vector<View>>(dataset.views);
+    s.checked = std::make_shared<CheckedViews>(dataset.views.size());
     for (const View& view : dataset.views) {
-        s.views.push_back({view.camera.width, view.camera.height, view.gain, view.pixel_offset, view.mask_offset});
         gains |= view.gain != 1;
         largest = std::max(largest, s.target(view.peak, view.gain));
-        end = std::max(end, view.pixel_offset + pixel_bytes(view.camera, dataset.encoding));
+        end = std::max(end, view.pixel_offset + checked_bytes(view, dataset.encoding));
         if (view.mask_offset) end = std::max(end, *view.mask_offset + mask_bytes(view.camera));
     }
     bits_ = bytes && as_stored && !gains ? 8 : 16;
     if (!(largest > 0)) largest = 1;  // black throughout
     scale_ = bits_ == 8 ? 1.0f / 255.0f : static_cast<float>(largest / 65535);
 
-    s.file = std::make_shared<InputFile>(dataset.folder / dataset_images_name);
+    s.path = dataset.folder / dataset_images_name;
+    s.file = std::make_shared<InputFile>(s.path);
     s.cold = source == StreamSource::disk_cold;
     if (s.cold) {
         s.file->no_readahead();  // or pages of images that come later stay
@@ -201,13 +209,13 @@ ImageStream ImageStream::another() const {
 void ImageStream::load(uint32_t index, TargetImage& image) {
     const double start_s = wall_time_s();
     State& s = *state_;
-    const StreamedView& view = s.views.at(index);
-    const size_t width = size_t(view.width), height = size_t(view.height), count = width * height;
-    const uint8_t *pixels = s.pixels_at(view, bytes_read_), *mask = s.mask_at(view, bytes_read_);
+    const View& view = s.views->at(index);
+    const size_t width = size_t(view.camera.width), height = size_t(view.camera.height), count = width * height;
+    const uint8_t *pixels = s.pixels_at(index, bytes_read_), *mask = s.mask_at(view, bytes_read_);
     s.masked.reset();
 
-    image.width = view.width;
-    image.height = view.height;
+    image.width = view.camera.width;
+    image.height = view.camera.height;
     image.bits = bits_;
     image.scale = scale_;
     if (bits_ == 8) {
@@ -240,10 +248,10 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
 void ImageStream::load_values(uint32_t index, std::vector<float>& values) {
     const double start_s = wall_time_s();
     State& s = *state_;
-    const StreamedView& view = s.views.at(index);
-    const uint8_t* stored = s.pixels_at(view, bytes_read_);
+    const View& view = s.views->at(index);
+    const uint8_t* stored = s.pixels_at(index, bytes_read_);
     s.masked.reset();
-    values.resize(3 * size_t(view.width) * size_t(view.height));
+    values.resize(3 * size_t(view.camera.width) * size_t(view.camera.height));
     s.with_targets(stored, view.gain, [&](auto target) {
         for (size_t i = 0; i < values.size(); ++i) values[i] = target(i);
     });
@@ -253,18 +261,18 @@ void ImageStream::load_values(uint32_t index, std::vector<float>& values) {
 void ImageStream::load_mask(uint32_t index, TargetImage& image) {
     const double start_s = wall_time_s();
     State& s = *state_;
-    const StreamedView& view = s.views.at(index);
+    const View& view = s.views->at(index);
     s.masked.reset();
-    s.pixels_at(view, bytes_read_);
+    s.pixels_at(index, bytes_read_);
     const uint8_t* mask = s.mask_at(view, bytes_read_);
-    image.width = view.width;
-    image.height = view.height;
+    image.width = view.camera.width;
+    image.height = view.camera.height;
     image.bits = 8;
     image.scale = 1.0f / 255.0f;
     image.rgba16.clear();
-    image.rgba8.resize(4 * size_t(view.width) * size_t(view.height));
+    image.rgba8.resize(4 * size_t(view.camera.width) * size_t(view.camera.height));
     for (size_t at = 0; at < image.rgba8.size(); at += 4) store_word(&image.rgba8[at], 0xff000000u);
-    if (mask) apply_mask<uint32_t, 24>(mask, size_t(view.width), size_t(view.height), image.rgba8.data());
+    if (mask) apply_mask<uint32_t, 24>(mask, size_t(view.camera.width), size_t(view.camera.height), image.rgba8.data());
     s.masked = index;
     seconds_ += wall_time_s() - start_s;
 }
@@ -272,7 +280,7 @@ void ImageStream::load_mask(uint32_t index, TargetImage& image) {
 void ImageStream::values_at(std::span<const uint32_t> pixels, float* values) {
     State& s = *state_;
     if (!s.masked) throw std::logic_error("ImageStream::values_at without load_mask");
-    const StreamedView& view = s.views[*s.masked];
+    const View& view = (*s.views)[*s.masked];
     s.with_targets(s.kept ? s.kept->data() + view.pixel_offset : s.buffer.data(), view.gain, [&](auto target) {
         for (const uint32_t pixel : pixels)
             for (size_t c = 0; c < 3; ++c) *values++ = target(3 * size_t(pixel) + c);

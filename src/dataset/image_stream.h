@@ -47,6 +47,7 @@ struct TargetImage {
 /// Streams a dataset's images. 8 bits where the stored bytes are the targets (u8, no gain, stored space); else 16 bits,
 /// rounded to nearest, with one scale for the whole dataset (largest representable target / 65535). Targets below 0
 /// (halves) are 0. If no view has a mask, alpha is the maximum everywhere.
+/// What is read is checked the first time (check_image_bytes()): a UserError names the image that is not as written.
 /// Not thread-safe: one stream per thread. Cameras, gains and offsets are copied from the dataset at construction.
 class ImageStream {
 public:

@@ -1,0 +1,91 @@
+#include "dataset/checksums.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "base/file.h"
+#include "base/half.h"
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "dataset/dataset_json.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+namespace {
+
+/// The first channel that is not finite or above the view's peak.
+template <class Stored, class ToFloat>
+void check_floats(const View& view, std::span<const uint8_t> pixels, const fs::path& images_file, ToFloat to_float) {
+    for (size_t i = 0; i < pixels.size() / sizeof(Stored); ++i) {
+        Stored stored;
+        std::memcpy(&stored, pixels.data() + i * sizeof(Stored), sizeof(Stored));
+        const float value = to_float(stored);
+        if (!(std::isfinite(value) && value <= view.peak))
+            throw_damaged(images_file,
+                          fmt::format("channel {} of pixel {} of view \"{}\" is {}, {}", i % 3, i / 3, view.name, value,
+                                      std::isfinite(value) ? "above its peak" : "not finite"));
+    }
+}
+
+}  // namespace
+
+uint64_t image_block_bytes(const View& view, Encoding encoding) {
+    const uint64_t used = pixel_bytes(view.camera, encoding) + (view.mask_offset ? mask_bytes(view.camera) : 0);
+    return (used + image_alignment - 1) / image_alignment * image_alignment;
+}
+
+uint64_t checked_bytes(const View& view, Encoding encoding) {
+    return view.checksum ? image_block_bytes(view, encoding) : pixel_bytes(view.camera, encoding);
+}
+
+void check_image_bytes(const View& view, Encoding encoding, std::span<const uint8_t> bytes,
+                       const fs::path& images_file) {
+    if (view.checksum) {
+        if (hash_bytes(bytes.data(), bytes.size()) != *view.checksum)
+            throw_damaged(images_file, fmt::format("view \"{}\" is not as it was written: its checksum differs from "
+                                                   "that in {}",
+                                                   view.name, dataset_json_name));
+        return;
+    }
+    if (encoding == Encoding::f16_linear)
+        check_floats<uint16_t>(view, bytes, images_file, [](uint16_t h) { return float_from_half(h); });
+    if (encoding == Encoding::f32_linear) check_floats<float>(view, bytes, images_file, [](float x) { return x; });
+}
+
+uint64_t file_checksum(const fs::path& file) {
+    const InputFile in(file);
+    std::vector<uint8_t> bytes(in.size());
+    in.read(bytes.data(), 0, bytes.size());
+    return hash_bytes(bytes.data(), bytes.size());
+}
+
+void check_file(const Dataset& dataset, const std::string& name) {
+    const auto known = dataset.checksums.find(name);
+    if (known == dataset.checksums.end()) return;
+    const fs::path file = dataset.folder / name;
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) throw_damaged(file, "the file is missing or cannot be read");
+    if (file_checksum(file) != known->second)
+        throw_damaged(file, fmt::format("the file is not as it was written: its checksum differs from that in {}",
+                                        dataset_json_name));
+}
+
+void check_pixels(const Dataset& dataset) {
+    const fs::path images_file = dataset.folder / dataset_images_name;
+    const InputFile file(images_file);
+    std::vector<std::vector<uint8_t>> buffers{size_t(thread_count())};
+    parallel_for(dataset.views.size(), 1, [&](size_t i, int worker) {
+        const View& view = dataset.views[i];
+        std::vector<uint8_t>& block = buffers[size_t(worker)];
+        block.resize(checked_bytes(view, dataset.encoding));
+        file.read(block.data(), view.pixel_offset, block.size());
+        check_image_bytes(view, dataset.encoding, block, images_file);
+    });
+    for (const auto& [name, checksum] : dataset.checksums) check_file(dataset, name);
+}
+
+}  // namespace radiafit
