@@ -7,6 +7,8 @@ import csv
 import json
 import math
 import re
+import resource
+import shutil
 import struct
 import unittest
 
@@ -66,6 +68,19 @@ class Files(CommandLine):
             self.assertGreater(len(megabytes), 3, table)
             # every row is rounded to 0.01
             self.assertAlmostEqual(sum(megabytes[:-1]), megabytes[-1], delta=0.005 * len(megabytes))
+
+    def test_needs_are_told_and_compared_with_what_is_free(self):
+        told = re.compile(r"needs about [\d.]+ .B of memory \([\d.]+ .B free\) and [\d.]+ .B of disk for new \(")
+        self.addCleanup(shutil.rmtree, self.root / "new", ignore_errors=True)
+        for command in (["generate", "star"], ["fit", "star", "--iterations", "0"]):
+            self.assertRegex(self.good(*command, "-o", "new").stderr, told)
+            shutil.rmtree(self.root / "new")
+        huge = ["fit", "star", "--terms", "16", "--surface-side", "64", "--view-side", "64"]
+        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 32, 1 << 32))}
+        self.refused(*huge, "-o", "new", says=["fit needs about ", "choose smaller sizes", "--force"], **limit)
+        forced = self.run_program(*huge, "--iterations", "0", "--force", "-o", "new", **limit)
+        self.assertIn("warning: fit needs about ", forced.stderr)
+        self.assertFalse((self.root / "new").exists())  # it went on, and memory did not suffice
 
     def test_what_fit_left(self):
         description = strict_json((self.root / "fit/fit.json").read_text())

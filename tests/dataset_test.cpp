@@ -1,6 +1,5 @@
 // Packed datasets: what is written comes back, in every encoding, and the writer keeps what stands there until it is
 // done.
-#include "dataset/checksums.h"
 #include "dataset/dataset.h"
 
 #include <sys/resource.h>
@@ -10,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "dataset/checksums.h"
 #include "dataset/image_stream.h"
 #include "dataset_fixture.h"
 

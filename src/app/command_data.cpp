@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/solver.h"
 #include "base/error.h"
+#include "base/resources.h"
 #include "dataset/checksums.h"
 #include "dataset/synthetic/synthetic.h"
 #include "dataset/truth.h"
@@ -60,6 +61,10 @@ void print_reflectance(const std::filesystem::path& path, const std::string& mov
 
 }  // namespace
 
+void add_force(CLI::App& command, bool& force) {
+    command.add_flag("--force", force, "go on though memory or disk will not suffice");
+}
+
 void print_dataset(const Dataset& d, bool json) {
     const size_t held_out = d.split(true).size();
     double least = 1e300, most = 0;
@@ -110,6 +115,7 @@ void print_dataset(const Dataset& d, bool json) {
 void add_generate(CLI::App& app) {
     auto options = std::make_shared<SyntheticOptions>();
     auto out = std::make_shared<std::string>();
+    auto force = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
     command->add_option("shape", options->shape, "star, bust or ornament")->required();
     command->add_option("--scale", options->scale, "smoke, standard or paper")->capture_default_str();
@@ -132,7 +138,9 @@ void add_generate(CLI::App& app) {
     choice("--light", ornament.light, {{"distant", Light::Kind::distant}, {"near", Light::Kind::near}},
            "the lamp's kind (distant unless given); near: falls off with the distance squared");
     command->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    add_force(*command, *force);
     command->callback([=] {
+        announce_needs("generate", synthetic_needs(*options), *out, *force);
         generate_synthetic(*options, *out);
         print_dataset(open_dataset(*out), false);
     });
@@ -188,7 +196,9 @@ void add_plan(CLI::App& app) {
             table.add({"total", "", "", fmt::format("{:.2f}", double(total_bytes(rows)) / 1e6)});
             fmt::print("{}\n{}\n", title, table.text());
         };
-        show("this program", plan(dataset, *request));
+        const Plan planned = plan(dataset, *request);
+        show("this program", planned.memory);
+        show("on disk", planned.disk);
         if (!request->texel_local())
             show("paper layout (Section 6.3; the accounting is ours)",
                  paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), request->model.surface_side,

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/record.h"
+#include "base/resources.h"
 #include "cpu/texel_fit.h"
 
 namespace radiafit {
@@ -177,6 +178,14 @@ std::string problems_of(const FitRecord& fit) {
                        counts[size_t(Status::not_finite)]);
 }
 
+/// Says what the fit needs, and stops where that is not there.
+void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
+    constexpr size_t views_to_count_samples_on = 8;
+    constexpr uint64_t program_bytes = 150'000'000;  // with its libraries, which `radiafit --version` loads too
+    const Plan planned = plan(dataset, request, views_to_count_samples_on);
+    announce_needs("fit", {total_bytes(planned.memory) + program_bytes, total_bytes(planned.disk)}, out, force);
+}
+
 void fit_light_field(const std::string& out, const Dataset& dataset, const FitRequest& request,
                      const Invocation& invocation) {
     Progress progress("fit", size_t(request.iterations) + 1);
@@ -206,10 +215,12 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
     auto request = std::make_shared<FitRequest>();
     auto folder = std::make_shared<std::string>();
     auto out = std::make_shared<std::string>();
+    auto force = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand("fit", "fit a model to a packed dataset");
     command->add_option("dataset", *folder, "packed dataset")->required();
     add_fit_options(*command, *request);
     command->add_option("-o,--output", *out, "folder of the fit")->required();
+    add_force(*command, *force);
     command->callback([=] {
         request->check();
         check_apart(*out, request->records);
@@ -221,6 +232,7 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
         const Dataset dataset = open_dataset(*folder);
         settle_options(*command, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
+        announce_plan(*out, dataset, *request, *force);
         (request->texel_local() ? fit_reflectance : fit_light_field)(*out, dataset, *request, invocation);
     });
 }

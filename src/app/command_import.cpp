@@ -26,6 +26,7 @@ void add_colmap(CLI::App& command) {
         ->capture_default_str();
     colmap->add_option("--name", options->name, "of the dataset");
     colmap->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    add_force(*colmap, options->force);
     colmap->callback([=] {
         const ImportReport report = import_colmap(*options, *out);
         for (const std::string& note : report.notes) log_warning(note);
@@ -58,6 +59,7 @@ void add_lights(CLI::App& command) {
     lights->add_option("--holdout,--held-out", options->holdout, holdout_help)->capture_default_str();
     lights->add_option("--name", options->name, "of the dataset");
     lights->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    add_force(*lights, options->force);
     lights->callback([=] {
         const LightImportReport report = import_lights(*options, *out);
         for (const std::string& note : report.notes) log_warning(note);

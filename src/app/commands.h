@@ -21,6 +21,9 @@ void add_judge(CLI::App& app);
 void add_render(CLI::App& app);
 void add_devices(CLI::App& app);
 
+/// --force, of the commands that compare what they need with what is free.
+void add_force(CLI::App& command, bool& force);
+
 /// What a dataset is, on standard output.
 void print_dataset(const Dataset& dataset, bool json);
 

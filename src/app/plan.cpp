@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+
 #include "app/choices.h"
 #include "app/solver.h"
 #include "base/parallel.h"
@@ -25,13 +28,22 @@ std::vector<PlanRow> rows_of(const std::vector<PlannedArray>& arrays) {
     return rows;
 }
 
-/// Pixels in texels over all training views, from every eighth of them.
-uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request) {
+/// Pixels of all fitted views.
+uint64_t pixels_of(const Dataset& dataset, const std::vector<uint32_t>& views) {
+    uint64_t pixels = 0;
+    for (const uint32_t view : views)
+        pixels += uint64_t(dataset.views[view].camera.width) * uint64_t(dataset.views[view].camera.height);
+    return pixels;
+}
+
+/// Pixels in texels over all fitted views, from every eighth of them, or from `most_views` at most.
+uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request, size_t most_views) {
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     FitRequest on_cpu = request;
     on_cpu.distributor = "cpu";
     const Distributors distributors = make_distributors(atlas, on_cpu);
-    const size_t step = 8, looked_at = (views.size() + step - 1) / step;
+    const size_t step = std::max<size_t>(8, (views.size() + most_views - 1) / most_views);
+    const size_t looked_at = (views.size() + step - 1) / step;
     std::vector<uint64_t> kept(looked_at, 0);
     std::vector<std::unique_ptr<ImageStream>> streams{size_t(thread_count())};
     parallel_for(looked_at, 1, [&](size_t i, int worker) {
@@ -49,22 +61,47 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
     return looked_at ? sum * views.size() / looked_at : 0;
 }
 
-std::vector<PlanRow> plan_texels(const Dataset& dataset, const FitRequest& request) {
+/// What a fragment engine's images take of the host.
+void add_host_images(const Dataset& dataset, const FitRequest& request, std::vector<PlanRow>& rows) {
+    if (request.source != "memory") return;
+    rows.push_back({"images in host memory", fmt::format("{} views", dataset.views.size()), dataset.views.size(),
+                    dataset.image_bytes()});
+}
+
+/// What two-step holds of samples, `bytes` in all, while it sorts them.
+PlanRow held_samples(const FitRequest& request, uint64_t bytes) {
+    return {"samples held in step 1, at most", "--memory, beside an image per thread", 0,
+            std::min(request.memory_bytes(), bytes)};
+}
+
+/// Samples on disk by texel, and once more while they are sorted.
+constexpr uint64_t texel_record_bytes = 2 * sizeof(TexelRadiance);
+
+Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views) {
     require_lights(dataset);
     const TexelOptions options = request.texel_options();
     const auto atlas = texel_atlas(dataset, options.surface_side);
-    if (request.solver == "stream" && request.engine == "fragment")
-        return rows_of(
+    const uint64_t texels = atlas->texel_count(), n = uint64_t(options.model->parameters);
+    Plan plan;
+    plan.disk.push_back(
+        {"maps",
+         fmt::format("{} x {} pixels x {} floats, before they are compressed", atlas->width(), atlas->height(), n + 4),
+         n + 4, uint64_t(atlas->width()) * uint64_t(atlas->height()) * 4 * (n + 4)});
+    std::vector<PlanRow>& rows = plan.memory;
+    if (request.solver == "stream" && request.engine == "fragment") {
+        rows = rows_of(
             plan_texel_engine(dataset, *atlas, fitted_views(dataset, request), options, fragment_options(request)));
-    const uint64_t texels = atlas->texel_count(), samples = estimate_samples(dataset, *atlas, request);
-    const uint64_t n = uint64_t(options.model->parameters);
-    std::vector<PlanRow> rows;
+        add_host_images(dataset, request, rows);
+        return plan;
+    }
+    const uint64_t samples = estimate_samples(dataset, *atlas, request, most_views);
     rows.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
                     texels * 4 * (n + 4) - 3 * texels});
     if (request.solver == "two-step") {
-        rows.push_back(
-            {"samples held in step 1, at most", "--memory, beside an image per thread", 0, request.memory_bytes()});
-        return rows;
+        rows.push_back(held_samples(request, samples * texel_record_bytes));
+        plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", texel_record_bytes), samples,
+                             samples * texel_record_bytes});
+        return plan;
     }
     rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
                     samples * sizeof(TexelRadiance)});
@@ -72,38 +109,68 @@ std::vector<PlanRow> plan_texels(const Dataset& dataset, const FitRequest& reque
         rows.push_back({"engine, about",
                         "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
                         texel_solvers(*options.model).stream_bytes(texels, samples)});
-    return rows;
+    return plan;
+}
+
+/// Of a sample in the records of two-step, which stands in three vertices' blocks, and once more in a file in which it
+/// waits to be sorted.
+uint64_t record_bytes(const FitRequest& request) {
+    constexpr uint64_t longest_compact = 10, full = 56, waiting = 16;
+    return 3 * (request.record == "full" ? full : longest_compact) + waiting;
+}
+
+void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptions& options, const VertexRings& rings,
+              Plan& plan) {
+    const uint64_t vertices = rings.vertex_count(), terms = uint64_t(options.terms);
+    const uint64_t surface = uint64_t(atlas.width()) * uint64_t(atlas.height());
+    const uint64_t view = vertices * uint64_t(options.view_side) * uint64_t(options.view_side);
+    plan.disk.push_back({"maps",
+                         fmt::format("{} terms x (3 surface maps, 1 view map) x 3 floats, before they are "
+                                     "compressed",
+                                     terms),
+                         4 * terms, terms * (3 * surface + view) * 12});
+    plan.disk.push_back({"problems", fmt::format("{} vertices x 12 floats", vertices), vertices, vertices * 48});
+    plan.disk.push_back({"mesh", "a copy", dataset.mesh.triangle_count(),
+                         12 * dataset.mesh.vertex_count() + 13 * dataset.mesh.triangle_count()});
 }
 
 }  // namespace
 
-std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request) {
-    if (request.texel_local()) return plan_texels(dataset, request);
+Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+    if (request.texel_local()) return plan_texels(dataset, request, most_views);
     require_light_field(dataset);
     const LfmOptions options = request.model_options();
     const VertexRings rings(dataset.mesh);
-    if (request.engine == "fragment") {
-        const TriangleAtlas atlas(dataset.mesh, options.surface_side);
-        return rows_of(plan_fragment_engine(dataset, atlas, rings, fitted_views(dataset, request), options,
-                                            fragment_options(request)));
+    const TriangleAtlas atlas(dataset.mesh, options.surface_side);
+    const std::vector<uint32_t> views = fitted_views(dataset, request);
+    Plan plan;
+    add_maps(dataset, atlas, options, rings, plan);
+    if (request.solver == "stream" && request.engine == "fragment") {
+        plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, fragment_options(request)));
+        add_host_images(dataset, request, plan.memory);
+        return plan;
     }
-    std::vector<PlanRow> rows;
-    const int tile_texels = options.surface_side * (options.surface_side + 1) / 2;
-    const LfmLayout layout(rings, tile_texels, options.view_side, options.terms);
-    const size_t training = fitted_views(dataset, request).size();
-    const uint64_t vector_bytes = layout.size() * sizeof(float);
     const auto add = [&](std::string name, std::string shape, uint64_t count, uint64_t bytes) {
-        rows.push_back({std::move(name), std::move(shape), count, bytes});
+        plan.memory.push_back({std::move(name), std::move(shape), count, bytes});
     };
+    const LfmLayout layout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
+    const bool stream = request.solver == "stream";
     for (const char* name : {"p", "trial", "d", "g", "trial g", "P", "fresh P"})
-        add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(), vector_bytes);
-    add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), training),
-        rings.vertex_count() * training, rings.vertex_count() * training * 20);
-    uint64_t pixels = 0;
-    for (uint32_t view : fitted_views(dataset, request))
-        pixels += uint64_t(dataset.views[view].camera.width) * dataset.views[view].camera.height;
+        if (stream || name == std::string_view("p"))
+            add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
+                layout.size() * sizeof(float));
+    const uint64_t pixels = pixels_of(dataset, views);
+    if (request.solver == "two-step") {
+        plan.memory.push_back(held_samples(request, pixels * record_bytes(request)));
+        const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
+        plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,
+                             samples * record_bytes(request)});
+        return plan;
+    }
+    add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
+        rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * 20);
     add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
-    return rows;
+    return plan;
 }
 
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side) {

@@ -139,13 +139,17 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& r
                                      const std::vector<uint32_t>* views = nullptr,
                                      const SharedTexels* samples = nullptr);
 
-/// Bytes per array, before anything is allocated.
+/// Bytes per array, before anything is allocated or written.
 struct PlanRow {
     std::string array, shape;
     uint64_t count, bytes;
 };
 uint64_t total_bytes(const std::vector<PlanRow>& rows);
-std::vector<PlanRow> plan(const Dataset& dataset, const FitRequest& request);
+struct Plan {
+    std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
+};
+/// Samples are counted on every eighth fitted view, or on `most_views` of them at most.
+Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);
 

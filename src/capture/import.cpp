@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/resources.h"
 #include "capture/colmap.h"
 #include "capture/file_names.h"
 #include "capture/gains.h"
@@ -19,6 +20,7 @@
 #include "capture/image_scale.h"
 #include "capture/mesh_file.h"
 #include "capture/split.h"
+#include "dataset/checksums.h"
 #include "dataset/stream_views.h"
 #include "geometry/raster.h"
 
@@ -243,6 +245,23 @@ void pack(const std::vector<Source>& sources, const std::vector<double>& gains, 
     });
 }
 
+/// Of the images as they are cropped, in memory by several threads at a time.
+Needs needs_of(const std::vector<Source>& sources, const Mesh& mesh, Encoding encoding) {
+    const uint64_t mesh_bytes = 12 * mesh.vertex_count() + 13 * mesh.triangle_count();
+    Needs needs{.memory = 2 * mesh_bytes, .disk = mesh_bytes};
+    uint64_t largest = 0;
+    for (const Source& s : sources) {
+        View view;
+        view.camera = s.camera.cropped(s.crop[0], s.crop[1], s.crop[2], s.crop[3]);
+        view.mask_offset = 0;
+        needs.disk += image_block_bytes(view, encoding) + 1000;
+        largest = std::max(largest, uint64_t(s.calibrated.width) * uint64_t(s.calibrated.height));
+    }
+    constexpr uint64_t pixel_bytes = 30;  // as read, with 16 bits, as spread to RGB, scaled, and packed
+    needs.memory += 4 * uint64_t(thread_count()) * largest * pixel_bytes;
+    return needs;
+}
+
 std::string provenance(const ImportOptions& options) {
     std::string text = fmt::format("radiafit import colmap --model {} --images {} --mesh {}", options.model.string(),
                                    options.images.string(), options.mesh.string());
@@ -287,6 +306,7 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
 
     const bool deep = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.bits == 16; });
     const Encoding encoding = deep ? Encoding::u16_linear : Encoding::u8_srgb;
+    announce_needs("import", needs_of(sources, mesh.mesh, encoding), out, options.force);
     writer.set_encoding(encoding);
     pack(sources, gains, model, encoding, writer);
 

@@ -16,6 +16,7 @@ struct ImportOptions {
     int max_size = 0;                 ///< longest side of a photograph, pixels; 0: as it is
     std::string gains = "none";       ///< none, estimate, or a table (see capture/gains.h)
     std::string name;                 ///< of the dataset; empty: the output folder's
+    bool force = false;               ///< go on where memory or disk will not suffice
 };
 
 struct ImportReport {

@@ -6,12 +6,15 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel.h"
+#include "base/resources.h"
 #include "capture/file_names.h"
 #include "capture/image_file.h"
 #include "capture/image_set.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
 #include "capture/split.h"
+#include "dataset/checksums.h"
 #include "dataset/stream_views.h"
 
 namespace radiafit {
@@ -189,6 +192,18 @@ std::vector<Vec3f> choose_normals(const LightImportOptions& o, const ImageSetFor
     return normals;
 }
 
+Needs needs_of(size_t images, const ImageSetFormat& format, const Grid& grid) {
+    View view;
+    view.camera.width = format.width;
+    view.camera.height = format.height;
+    view.mask_offset = 0;
+    const uint64_t normals = grid.texel_normals.size() * sizeof(Vec3f);
+    const uint64_t pixels = uint64_t(format.width) * uint64_t(format.height);
+    constexpr uint64_t pixel_bytes = 40;  // as read, floats perhaps, as spread to RGB, and packed
+    return {.memory = 4 * uint64_t(thread_count()) * pixels * pixel_bytes + 2 * normals,
+            .disk = images * (image_block_bytes(view, format.encoding) + 1000) + normals};
+}
+
 std::string provenance(const LightImportOptions& o) {
     std::string text = "radiafit import lights";
     const auto add = [&](const char* option, const std::string& value) {
@@ -224,6 +239,7 @@ LightImportReport import_lights(const LightImportOptions& options, const fs::pat
     place_cameras(options, header.grid, sources);
 
     DatasetWriter writer(out);
+    announce_needs("import", needs_of(sources.size(), format, header.grid), out, options.force);
     writer.set_encoding(format.encoding);
     pack(sources, mask, format, writer);
     header.name = dataset_name(options.name, out);

@@ -23,6 +23,7 @@ struct LightImportOptions {
     int depth = 0;                           ///< bits per channel that the images must have: 8, 16, 32; 0: any
     std::string holdout = "every:8";         ///< see capture/split.h; in the order of the lights
     std::string name;                        ///< of the dataset; empty: the output folder's
+    bool force = false;                      ///< go on where memory or disk will not suffice
 };
 
 struct LightImportReport {

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "dataset/dataset_json.h"
 #include "dataset/stream_views.h"
 #include "dataset/synthetic/closed_mesh.h"
 #include "dataset/synthetic/ornament.h"
@@ -118,6 +119,24 @@ SyntheticSize synthetic_size(const SyntheticOptions& options) {
     if (options.scale == "standard") return {1280, 100, 256};
     if (options.scale == "paper") return star ? SyntheticSize{6094, 331, 400} : SyntheticSize{7228, 336, 400};
     throw UserError(fmt::format("unknown scale \"{}\"; there are smoke, standard and paper", options.scale));
+}
+
+Needs synthetic_needs(const SyntheticOptions& options) {
+    const SyntheticSize size = synthetic_size(options);
+    const bool ornament = options.shape == "ornament";
+    const uint64_t channel = ornament ? uint64_t(bytes_per_channel(options.ornament.sensor.encoding)) : 1;
+    const uint64_t pixels = uint64_t(size.side) * uint64_t(size.side);
+    const uint64_t tile = uint64_t(size.surface_side) * uint64_t(size.surface_side + 1) / 2;
+    const uint64_t texels = ornament ? uint64_t(size.triangles) * tile : 0;
+    constexpr uint64_t texel_on_disk = 12 + 36 + 1;  // normal, truth and material
+    constexpr uint64_t texel_in_memory = 4 * 49;     // these, where they come from, and shading frames
+    constexpr uint64_t pixel_in_memory = 100;        // supersampled, in several stages
+    constexpr uint64_t mesh_on_disk = 20;            // of a triangle: 13 bytes and half a vertex
+    constexpr uint64_t other_memory = 300'000'000;   // the program and its tables of light
+    const uint64_t image = (3 * channel * pixels + image_alignment - 1) / image_alignment * image_alignment;
+    return {.memory = other_memory + uint64_t(thread_count()) * 4 * pixels * pixel_in_memory + texels * texel_in_memory,
+            .disk = uint64_t(size.views) * (image + 1000) + texels * texel_on_disk +
+                    uint64_t(size.triangles) * mesh_on_disk};
 }
 
 void generate_synthetic(const SyntheticOptions& options, const std::filesystem::path& out) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/resources.h"
 #include "dataset/synthetic/ornament_options.h"
 
 /// Seeded datasets of known making: stand-ins for the paper's captures, which are not public. Star and bust: a
@@ -26,6 +27,9 @@ struct SyntheticSize {
 };
 /// Throws UserError, with the names there are, for an unknown shape or scale.
 SyntheticSize synthetic_size(const SyntheticOptions& options);
+
+/// What generate_synthetic() will take, from above. Throws likewise.
+Needs synthetic_needs(const SyntheticOptions& options);
 
 /// A synthetic dataset's image i: its name, and whether it is held out.
 View synthetic_view(size_t i, const Camera& camera);

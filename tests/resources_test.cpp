@@ -1,0 +1,74 @@
+// What is left of memory and disk, and what happens when it is too little.
+#include "base/resources.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/error.h"
+#include "temporary_folder.h"
+
+namespace radiafit {
+namespace {
+
+constexpr uint64_t far_too_much = uint64_t(1) << 60;
+
+std::string complaint(const Needs& needs, const std::filesystem::path& output) {
+    try {
+        announce_needs("fit", needs, output, false);
+    } catch (const UserError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Resources, BytesAsPeopleReadThem) {
+    EXPECT_EQ(readable_bytes(0), "0 B");
+    EXPECT_EQ(readable_bytes(999), "999 B");
+    EXPECT_EQ(readable_bytes(1000), "1.0 kB");
+    EXPECT_EQ(readable_bytes(999'499), "999 kB");
+    EXPECT_EQ(readable_bytes(999'500), "1.0 MB");
+    EXPECT_EQ(readable_bytes(1'240'000'000), "1.2 GB");
+    EXPECT_EQ(readable_bytes(UINT64_MAX), "18 EB");
+}
+
+TEST(Resources, OfThisMachine) {
+    const TemporaryFolder folder;
+    EXPECT_GT(available_memory(), uint64_t(1) << 20);
+    EXPECT_LT(available_memory(), far_too_much);
+    EXPECT_GT(free_disk(folder.path()), 0u);
+    EXPECT_LT(free_disk(folder.path()), far_too_much);
+}
+
+TEST(Resources, OfAFolderThatIsNotThereYet) {
+    EXPECT_EQ(free_disk("/proc/none/of/these"), free_disk("/proc"));
+    EXPECT_LT(free_disk("none/of/these"), far_too_much);
+}
+
+TEST(Resources, TooLittleIsRefusedUnlessForced) {
+    EXPECT_EQ(complaint({1000, 1000}, "out"), "");
+    const std::string memory = complaint({far_too_much, 1000}, "out"), disk = complaint({1000, far_too_much}, "out");
+    EXPECT_NE(memory.find("fit needs about 1.2 EB of memory"), std::string::npos) << memory;
+    EXPECT_NE(memory.find("choose smaller sizes"), std::string::npos) << memory;
+    EXPECT_NE(disk.find("of disk for out"), std::string::npos) << disk;
+    EXPECT_NE(disk.find("make room"), std::string::npos) << disk;
+    EXPECT_NE(disk.find("--force"), std::string::npos) << disk;
+    EXPECT_NO_THROW(announce_needs("fit", {far_too_much, far_too_much}, "out", true));
+}
+
+TEST(Resources, ALimitOnAddressSpaceCounts) {
+    const pid_t child = fork();
+    if (child == 0) {
+        constexpr uint64_t limit = uint64_t(8) << 30;
+        const rlimit space{limit, limit};
+        setrlimit(RLIMIT_AS, &space);
+        _exit(available_memory() < limit ? 0 : 1);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+}  // namespace
+}  // namespace radiafit
