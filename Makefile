@@ -55,4 +55,4 @@ format-check: packages
 # Builds and runs that were broken off; finished results and figures stay.
 clean:
 	rm -rf build
-	@find results paper_figs datasets \( -name '.tmp-*' -o -name '.old-*' \) -prune -exec rm -rf {} +
+	@find results paper_figs datasets \( -name '.radiafit-tmp-*' -o -name '.radiafit-old-*' \) -prune -exec rm -rf {} +

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/standard_streams.h"
 #include "dataset/synthetic/synthetic.h"
 #include "gl/context.h"
 #include "report/figures.h"
@@ -27,7 +28,11 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0) std::exit(app.exit(e));
+        if (e.get_exit_code() == 0) {
+            app.exit(e);  // --help
+            finish_standard_output();
+            std::exit(0);
+        }
         throw UserError(fmt::format("{}; see --help", e.what()));
     }
     set_thread_count(threads);
@@ -121,15 +126,16 @@ std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count
 
 int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body) {
+    prepare_standard_streams();
     try {
         Experiment experiment(name, argc, argv);
         body(experiment);
         return 0;
     } catch (const UserError& e) {
-        fmt::print(stderr, "{}: {}\n", name, e.what());
+        log_error(name, e.what());
         return 2;
     } catch (const std::exception& e) {
-        fmt::print(stderr, "{}: {}\n", name, e.what());
+        log_error(name, e.what());
         return 1;
     }
 }

@@ -5,7 +5,7 @@
 
 #include "base/atomic_file.h"
 #include "base/log.h"
-#include "capture/image_file.h"
+#include "capture/png_file.h"
 #include "cpu/texel_solver.h"
 #include "dataset/image_stream.h"
 #include "experiment.h"

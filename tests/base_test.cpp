@@ -1,27 +1,18 @@
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/file.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <mutex>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 #ifdef __F16C__
 #include <immintrin.h>
 #endif
 
-#include "base/atomic_file.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/half.h"
@@ -29,12 +20,9 @@
 #include "base/parallel.h"
 #include "base/record.h"
 #include "base/rng.h"
-#include "temporary_folder.h"
 
 namespace radiafit {
 namespace {
-
-namespace fs = std::filesystem;
 
 // ---- parallel ------------------------------------------------------------------------------------------------------
 
@@ -368,160 +356,6 @@ TEST(Clock, WorkTakesProcessorTimeAndSleepDoesNot) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     EXPECT_GE(watch.wall_s(), 0.2);
     EXPECT_LT(watch.cpu_s(), 0.1);
-}
-
-// ---- atomic files --------------------------------------------------------------------------------------------------
-
-std::string contents(const fs::path& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-size_t entries(const fs::path& folder) {
-    return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
-
-/// The message of the UserError that `action` throws.
-template <class Action>
-std::string user_error(const Action& action) {
-    try {
-        action();
-    } catch (const UserError& error) {
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "not one line: " << error.what();
-        return error.what();
-    }
-    ADD_FAILURE() << "no UserError";
-    return "";
-}
-
-TEST(AtomicFile, AppearsWholeOrNotAtAll) {
-    const TemporaryFolder folder;
-    const fs::path path = folder.path() / "out.txt";
-    write_file(path, "old");
-    {
-        AtomicFile file(path);
-        file.stream() << "half of the ne";
-        file.stream().flush();
-        EXPECT_EQ(file.temporary_path().parent_path(), path.parent_path());
-        EXPECT_EQ(file.temporary_path().extension(), ".txt");
-        EXPECT_EQ(contents(path), "old");
-    }
-    EXPECT_EQ(contents(path), "old");
-    EXPECT_EQ(entries(folder.path()), 1u);
-    AtomicFile file(path);
-    file.stream() << "new";
-    file.commit(true);
-    EXPECT_EQ(contents(path), "new");
-    EXPECT_EQ(entries(folder.path()), 1u);
-}
-
-TEST(AtomicFile, ErrorsNameThePathAndTheCure) {
-    const TemporaryFolder folder;
-    const fs::path missing = folder.path() / "missing" / "out.txt";
-    const std::string message = user_error([&] { write_file(missing, "x"); });
-    EXPECT_EQ(message, "cannot write " + missing.string() + ": No such file or directory; choose a writable folder");
-    EXPECT_NE(user_error([&] { write_file(folder.path(), "x"); }).find("it is a folder"), std::string::npos);
-    // /dev/full takes no byte: a link to it is as near to a full disk as a test gets.
-    const fs::path full = folder.path() / "full.txt";
-    AtomicFile file(full);
-    fs::create_symlink("/dev/full", file.temporary_path());
-    file.stream() << std::string(1 << 20, 'x');
-    EXPECT_NE(user_error([&] { file.commit(); }).find("cannot write " + full.string()), std::string::npos);
-    EXPECT_FALSE(fs::exists(full));
-}
-
-TEST(AtomicFolder, AppearsWholeAndReplacesOnlyWhenAsked) {
-    const TemporaryFolder folder;
-    const fs::path target = folder.path() / "deep" / "out";
-    {
-        AtomicFolder abandoned(target);
-        write_file(abandoned.path() / "a", "x");
-    }
-    EXPECT_EQ(entries(folder.path()), 0u);
-    {
-        AtomicFolder beside(folder.path() / "deep" / "beside");
-        AtomicFolder abandoned(target);
-    }
-    EXPECT_EQ(entries(folder.path()), 0u);
-    {
-        AtomicFolder first(fs::path(target.string() + "/"));  // as a shell's completion writes it
-        EXPECT_EQ(first.target(), target);
-        write_file(first.path() / "a", "1");
-        EXPECT_FALSE(fs::exists(target));
-        first.commit();
-    }
-    EXPECT_EQ(contents(target / "a"), "1");
-    EXPECT_NE(user_error([&] { AtomicFolder refused(target); }).find("exists already"), std::string::npos);
-    AtomicFolder second(target, AtomicFolder::Existing::replace);
-    write_file(second.path() / "b", "2");
-    EXPECT_EQ(contents(target / "a"), "1");
-    second.commit();
-    EXPECT_FALSE(fs::exists(target / "a"));
-    EXPECT_EQ(contents(target / "b"), "2");
-    EXPECT_EQ(entries(folder.path() / "deep"), 1u);
-    write_file(folder.path() / "file", "x");
-    user_error([&] { AtomicFolder impossible(folder.path() / "file" / "below"); });
-}
-
-/// Another process that begins a folder and works on it until it is killed.
-pid_t begin_elsewhere(const fs::path& target) {
-    int ready[2];
-    EXPECT_EQ(pipe(ready), 0);
-    const pid_t child = fork();
-    if (child == 0) {
-        const AtomicFolder begun(target);
-        write_file(begun.path() / "half", "x");
-        close(ready[0]);
-        close(ready[1]);
-        while (true) pause();
-    }
-    close(ready[1]);
-    char none;
-    EXPECT_EQ(read(ready[0], &none, 1), 0);  // until the child has closed it, too
-    close(ready[0]);
-    return child;
-}
-void end(pid_t child) {
-    kill(child, SIGKILL);
-    waitpid(child, nullptr, 0);
-}
-
-TEST(AtomicFolder, RemovesWhatKilledProcessesLeftOfTheSameTarget) {
-    const TemporaryFolder folder;
-    const fs::path target = folder.path() / "out";
-    const pid_t other = begin_elsewhere(folder.path() / "other"), alive = begin_elsewhere(target),
-                dead = begin_elsewhere(target);
-    end(other);
-    end(dead);
-    EXPECT_EQ(entries(folder.path()), 3u);
-    {
-        const AtomicFolder next(target);
-        EXPECT_EQ(entries(folder.path()), 3u);  // its own, and those of `other` and `alive`
-    }
-    EXPECT_EQ(entries(folder.path()), 2u);
-    end(alive);
-    AtomicFolder(target).commit();
-    EXPECT_EQ(entries(folder.path()), 2u);
-    EXPECT_TRUE(fs::exists(target));
-
-    // A process that cannot be seen from here, but holds its lock; and the folder that one was about to replace.
-    const std::string rest = std::to_string(dead) + "-0-out";
-    const fs::path hidden = folder.path() / (".tmp-" + rest), old = folder.path() / (".old-" + rest);
-    fs::remove(target);
-    fs::create_directory(hidden);
-    fs::create_directory(old);
-    const int lock = open(hidden.c_str(), O_RDONLY | O_DIRECTORY);
-    ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
-    AtomicFolder(target).commit();
-    EXPECT_TRUE(fs::exists(hidden));
-    EXPECT_TRUE(fs::exists(old));
-    close(lock);
-    AtomicFolder(target, AtomicFolder::Existing::replace).commit();
-    EXPECT_FALSE(fs::exists(hidden));
-    EXPECT_FALSE(fs::exists(old));
-    EXPECT_TRUE(fs::exists(target));
 }
 
 // ---- provenance ----------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@
 #include "capture/gains.h"
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
+#include "capture/png_file.h"
 #include "capture/split.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"

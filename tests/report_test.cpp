@@ -7,12 +7,15 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/atomic_file.h"
 #include "base/error.h"
 #include "report/csv.h"
 #include "report/figures.h"
+#include "report/problem_picture.h"
 #include "report/result_folder.h"
 #include "report/table.h"
 #include "temporary_folder.h"
+#include "write_limit.h"
 
 namespace radiafit {
 namespace {
@@ -63,6 +66,18 @@ TEST(Csv, WithoutCommitNothingRemains) {
     const TemporaryFolder folder;
     { CsvWriter(folder.path() / "rows.csv", {"a"}).row({"1"}); }
     EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Csv, AFullDiskLeavesTheOlderFile) {
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "rows.csv";
+    write_file(path, "older\n");
+    const WriteLimit limit(8);
+    CsvWriter writer(path, {"header"});
+    writer.row({"1"});
+    EXPECT_EQ(message_of<UserError>([&] { writer.commit(); }),
+              "cannot write " + path.string() + ": File too large; make room or choose another disk");
+    EXPECT_EQ(contents(path), "older\n");
 }
 
 TEST(Csv, TheHeaderAndEveryRowAreChecked) {
@@ -154,7 +169,7 @@ TEST(ResultFolder, AppearsWholeWithItsRecordAndNeverOverwrites) {
 TEST(ResultFolder, NewestOfEachDevice) {
     const TemporaryFolder root;
     for (const char* name :
-         {"b/20240101T000000Z-x", "b/20231231T235959Z-y", "a/20200101T000000Z-z", "a/.tmp-1-0-later"}) {
+         {"b/20240101T000000Z-x", "b/20231231T235959Z-y", "a/20200101T000000Z-z", "a/.radiafit-tmp-1-0-later"}) {
         fs::create_directories(root.path() / "fig7" / name);
         write_file(root.path() / "fig7" / name / "run.json", "{}");
     }
@@ -217,13 +232,62 @@ TEST_F(Figures, AFailingScriptLeavesNothingAndSaysWhy) {
     EXPECT_NE(
         message_of<SystemError>([&] { draw_figure(script("set terminal svg\n"), stem_, {}); }).find("drew nothing"),
         std::string::npos);
+    EXPECT_NE(message_of<SystemError>([&] {
+                  draw_figure(script("set output output\nset print output\nprint '<svg>'\n"), stem_, {});
+              }).find("drew only a part"),
+              std::string::npos);
     EXPECT_TRUE(fs::is_empty(stem_.parent_path()));
     EXPECT_NE(message_of<UserError>([&] { draw_figure(folder_.path() / "missing.gp", stem_, {}); }).find("missing.gp"),
               std::string::npos);
     EXPECT_NE(message_of<UserError>([&] {
-                  draw_figure(script("x = 1\n"), folder_.path() / "none" / "figure", {});
+                  draw_figure(script("x = 1\n"), folder_.path() / "figure.gp" / "figure", {});
               }).find("cannot write"),
               std::string::npos);
+}
+
+TEST_F(Figures, AFullDiskLeavesTheOlderFigure) {
+    fs::create_directory(stem_.parent_path());
+    write_file(folder_.path() / "line.dat", "0 0\n1 1\n");
+    const auto draw = [&] {
+        draw_figure(script(good_script), stem_,
+                    {{"rows", (folder_.path() / "line.dat").string()}, {"caption", "a line"}});
+    };
+    draw();
+    const std::string svg = contents(stem_.string() + ".svg"), png = contents(stem_.string() + ".png");
+    for (const size_t room : {size_t(0), size_t(1000), png.size() - 1, svg.size() - 1}) {
+        fs::path script_file = script(good_script);  // before the disk is full
+        const WriteLimit limit(room);
+        EXPECT_NE(message_of<UserError>([&] {
+                      draw_figure(script_file, stem_,
+                                  {{"rows", (folder_.path() / "line.dat").string()}, {"caption", "another line"}});
+                  }).find("make room"),
+                  std::string::npos)
+            << room;
+        EXPECT_EQ(contents(stem_.string() + ".svg"), svg);
+        EXPECT_EQ(contents(stem_.string() + ".png"), png);
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(stem_.parent_path()), fs::directory_iterator()), 2);
+}
+
+TEST(ProblemPicture, TheSameBytesInEveryRunAndNoHiddenNames) {
+    if (std::system("gnuplot --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is absent";
+    const TemporaryFolder folder;
+    ProblemPicture picture;
+    picture.width = picture.height = 2;
+    picture.status = picture.iterations = picture.samples = picture.rms = {0, 1, 1, NAN};
+    picture.status_names = {"converged", "failed"};
+    picture.title = "four problems";
+    picture.unit = "grey";
+    picture.mark = "a_test";
+    std::vector<std::string> drawn;
+    for (const char* stem : {"a", "b"}) {
+        draw_problems(picture, folder.path() / stem);
+        drawn.push_back(contents(folder.path() / (std::string(stem) + ".svg")));
+    }
+    EXPECT_EQ(drawn[0], drawn[1]);
+    EXPECT_LT(drawn[0].find("a_test"), 1u << 14);
+    EXPECT_EQ(drawn[0].find(folder.path().filename().string()), std::string::npos);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 4);
 }
 
 TEST(FiguresWithoutGnuplot, SaysWhatToInstall) {

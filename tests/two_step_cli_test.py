@@ -122,7 +122,7 @@ class TwoStep(ProgramTest):
             cwd=self.root, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             while process.poll() is None:
-                names = [name for name in os.listdir(self.root) if name.startswith(".tmp-") and name.endswith("-records")]
+                names = [name for name in os.listdir(self.root) if name.startswith(".radiafit-tmp-") and name.endswith("-records")]
                 if any((self.root / name / "waiting.bin").exists() for name in names):
                     break
         finally:
@@ -143,7 +143,7 @@ class TwoStep(ProgramTest):
         again = self.good("fit", "star", *FIT, "--memory", "20K", "--records", "records", "-o", "killed")
         self.assertNotIn("earlier run", again.stderr)
         self.assertEqual(self.parameters("whole"), self.parameters("killed"))
-        self.assertFalse(list(self.root.glob(".tmp-*")), "what the killed run left")
+        self.assertFalse(list(self.root.glob(".radiafit-tmp-*")), "what the killed run left")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 
 #include "base/atomic_file.h"
 #include "base/clock.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "cpu/lfm_engine.h"
 #include "cpu/peaks.h"
@@ -293,7 +294,8 @@ BENCHMARK(resampling)->Unit(benchmark::kMillisecond);
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (argc != 2) {
-        fmt::print(stderr, "usage: bench_kernels DATASET [--benchmark_...]; radiafit generate makes one\n");
+        radiafit::log_error("bench_kernels",
+                            "usage: bench_kernels DATASET [--benchmark_...]; radiafit generate makes one");
         return 2;
     }
     try {
@@ -305,7 +307,7 @@ int main(int argc, char** argv) {
         benchmark::RunSpecifiedBenchmarks();
         radiafit::scene.reset();
     } catch (const std::exception& e) {
-        fmt::print(stderr, "bench_kernels: {}\n", e.what());
+        radiafit::log_error("bench_kernels", e.what());
         return 2;
     }
     return 0;

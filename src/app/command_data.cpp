@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/solver.h"
 #include "base/error.h"
+#include "base/leftovers.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
 #include "dataset/synthetic/synthetic.h"
@@ -156,6 +157,7 @@ void add_info(CLI::App& app) {
     command->add_flag("--json", *json, "one JSON object on standard output");
     command->callback([=] {
         const std::filesystem::path path(*folder);
+        restore_interrupted(path);
         std::error_code ignored;
         const bool fit = std::filesystem::exists(path / "fit.json", ignored);
         if (std::filesystem::is_directory(path, ignored) && !fit &&

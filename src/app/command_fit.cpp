@@ -223,11 +223,11 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
     add_force(*command, *force);
     command->callback([=] {
         request->check();
-        check_apart(*out, request->records);
-        request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         check_fit_target(*out);
         AtomicFolder(*out,
                      AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end
+        check_apart(*out, request->records);
+        request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         if (!request->texel_local()) reject_idle_options(*request, false);
         const Dataset dataset = open_dataset(*folder);
         settle_options(*command, dataset, *request);

@@ -34,6 +34,8 @@ void add_fit_options(CLI::App& command, FitRequest& request);
 /// and, where it can, Levenberg-Marquardt.
 void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest& request);
 
+inline constexpr const char* light_field_baseline = "mean colour per texel";
+inline constexpr const char* reflectance_baseline = "Lambertian";
 /// The trivial baseline of the views, sides and space that a fit used: one mean colour per texel.
 LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset);
 /// The same for reflectance: the Lambertian model on the same samples.

@@ -1,18 +1,32 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
-#include <csignal>
-#include <cstdio>
 
 #include "app/commands.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "base/record.h"
+#include "base/standard_streams.h"
+
+namespace {
+
+using namespace radiafit;
+
+int run(CLI::App& app, int argc, char** argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() != 0) throw UserError(std::string(e.what()) + "; see radiafit --help");
+        app.exit(e);  // --help, --version
+    }
+    finish_standard_output();
+    return 0;
+}
+
+}  // namespace
 
 /// Exit status: 0 done, 1 the machine failed (GL, I/O), 2 the user's mistake.
 int main(int argc, char** argv) {
-    using namespace radiafit;
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write(), with a line of its own
+    prepare_standard_streams();
     CLI::App app("radiafit fits image-based models to posed photographs by streaming them through OpenGL.", "radiafit");
     app.require_subcommand(1);
     app.set_version_flag("--version", "radiafit " + make_record(1, argv).version + " (" + git_revision() + ")");
@@ -30,18 +44,12 @@ int main(int argc, char** argv) {
     add_render(app);
     add_devices(app);
     try {
-        app.parse(argc, argv);
-        if (std::fflush(stdout) != 0) throw SystemError("standard output took only a part: is its disk full?");
-        return 0;
-    } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-        fmt::print(stderr, "radiafit: {}; see radiafit --help\n", e.what());
-        return 2;
+        return run(app, argc, argv);
     } catch (const UserError& e) {
-        fmt::print(stderr, "radiafit: {}\n", e.what());
+        log_error("radiafit", e.what());
         return 2;
     } catch (const std::exception& e) {
-        fmt::print(stderr, "radiafit: {}\n", e.what());
+        log_error("radiafit", standard_output_failed() ? standard_output_failure() : e.what());
         return 1;
     }
 }

@@ -2,84 +2,27 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <charconv>
-#include <csignal>
+#include <cstdio>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "base/error.h"
+#include "base/leftovers.h"
+#include "base/temporary_name.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
-    throw UserError(fmt::format("cannot write {}: {}; choose a writable folder", path.string(), reason));
+[[noreturn]] void refuse_name(const fs::path& path, const std::string& why) {
+    throw UserError(
+        fmt::format("cannot write {}: {}; choose another name", path.empty() ? "\"\"" : path.string(), why));
 }
-
-constexpr std::string_view unfinished = ".tmp", replaced = ".old";
-
-/// A name beside `path` that no other process or thread uses, hidden, with the same extension.
-fs::path temporary_beside(const fs::path& path, std::string_view prefix = unfinished) {
-    static std::atomic<unsigned> counter{0};
-    return path.parent_path() / fmt::format("{}-{}-{}-{}", prefix, getpid(), counter++, path.filename().string());
-}
-
-/// The process that made this name by temporary_beside(target, prefix); 0 if none did.
-pid_t maker_of(std::string_view name, const fs::path& target, std::string_view prefix) {
-    const auto take = [&](std::string_view text) {
-        const bool there = name.starts_with(text);
-        if (there) name.remove_prefix(text.size());
-        return there;
-    };
-    const auto take_number = [&](auto& number) {
-        const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-        name.remove_prefix(size_t(end - name.data()));
-        return error == std::errc{};
-    };
-    pid_t process = 0;
-    unsigned count = 0;
-    const bool ours = take(prefix) && take("-") && take_number(process) && take("-") && take_number(count) &&
-                      take("-") && name == target.filename().string();
-    return ours && process > 0 ? process : 0;
-}
-
-/// Held until it is closed, or its process dies. -1: somebody holds it, or this file system has no locks.
-int lock_folder(const fs::path& folder) {
-    const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0) return file;
-    if (file >= 0) close(file);
-    return -1;
-}
-
-/// What processes that were killed left of `target`. The lock tells one that is at work elsewhere (another container,
-/// say) from one that is gone; the process's number, one that has not locked its folder yet. A replaced folder stays
-/// while there is no other.
-void remove_leftovers(const fs::path& target) {
-    std::error_code error;
-    std::vector<fs::path> leftovers;
-    const bool stands = fs::exists(target, error);
-    const fs::path parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    for (fs::directory_iterator at(parent, error), end; !error && at != end; at.increment(error)) {
-        const std::string name = at->path().filename().string();
-        pid_t process = maker_of(name, target, unfinished);
-        if (process == 0 && stands) process = maker_of(name, target, replaced);
-        if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) leftovers.push_back(at->path());
-    }
-    for (const fs::path& leftover : leftovers) {
-        const int lock = lock_folder(leftover);
-        if (lock < 0) continue;
-        fs::remove_all(leftover, error);
-        close(lock);
-    }
-}
-
-std::string last_error() { return std::generic_category().message(errno); }
 
 /// "results/" and "results" are the same place, but only one of them has a file name.
 fs::path without_trailing_slash(fs::path path) {
@@ -87,101 +30,199 @@ fs::path without_trailing_slash(fs::path path) {
     return path.has_filename() ? path : path.parent_path();
 }
 
-void sync_to_disk(const fs::path& path, const fs::path& shown) {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file < 0) fail(shown, last_error());
-    const bool synced = fsync(file) == 0;
-    const std::string reason = synced ? "" : last_error();
-    close(file);
-    if (!synced) fail(shown, reason);
+fs::path or_here(const fs::path& folder) { return folder.empty() ? fs::path(".") : folder; }
+
+/// 0 or errno.
+int rename_with(const fs::path& from, const fs::path& to, unsigned flags) {
+    return renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), flags) == 0 ? 0 : errno;
+}
+int plain_rename(const fs::path& from, const fs::path& to) {
+    return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+bool unsupported(int error) { return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP; }
+
+void remove_quietly(const fs::path& path) {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+}
+
+/// Another file system begins there: nothing can be renamed to it.
+bool is_mount_point(const fs::path& path) {
+    struct stat here, above;
+    return lstat(path.c_str(), &here) == 0 && S_ISDIR(here.st_mode) &&
+           stat(or_here(path.parent_path()).c_str(), &above) == 0 && here.st_dev != above.st_dev;
+}
+
+fs::path folder_name(fs::path target) {
+    target = without_trailing_slash(std::move(target));
+    if (target.empty()) refuse_name(target, "it has no name");
+    if (!target.has_filename() || target.filename() == "." || target.filename() == "..")
+        refuse_name(target, "it is no name of a new folder");
+    if (is_mount_point(target)) refuse_name(target, "another disk begins there");
+    return target;
+}
+
+fs::path file_name(fs::path path) {
+    if (!path.has_filename()) refuse_name(path, path.empty() ? "it has no name" : "it names a folder");
+    std::error_code error;
+    if (fs::is_directory(path, error)) refuse_name(path, "it is a folder");
+    return path;
+}
+
+/// Beside the file, whose folder is cleared of what others left.
+fs::path temporary_file_of(const fs::path& path) {
+    if (!within_unfinished_folder(path)) clear_leftovers(path.parent_path());
+    return temporary_name(path.parent_path(), path.filename().string());
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), temporary_(temporary_beside(path_)) {
-    if (!path_.has_filename()) fail(path_, "it names a folder");
-    std::error_code error;
-    if (fs::is_directory(path_, error)) fail(path_, "it is a folder");
+AtomicFile::AtomicFile(fs::path path)
+    : path_(file_name(std::move(path))), temporary_(temporary_file_of(path_)), out_(temporary_) {
+    out_.lock();
 }
 
 AtomicFile::~AtomicFile() {
-    if (committed_) return;
-    if (stream_.is_open()) stream_.close();
-    std::error_code ignored;
-    fs::remove(temporary_, ignored);
+    if (!committed_) remove_quietly(temporary_);
 }
 
-std::ofstream& AtomicFile::stream() {
-    if (!stream_.is_open()) {
-        errno = 0;
-        stream_.open(temporary_, std::ios::binary | std::ios::trunc);
-        if (!stream_) fail(path_, last_error());
-    }
-    return stream_;
-}
-
-void AtomicFile::commit(bool durable) {
-    if (stream_.is_open()) {
-        errno = 0;
-        const bool whole = static_cast<bool>(stream_);
-        stream_.close();
-        if (!whole || !stream_) fail(path_, errno != 0 ? last_error() : "the disk took only a part of it");
-    }
-    if (durable) sync_to_disk(temporary_, path_);
-    std::error_code error;
-    fs::rename(temporary_, path_, error);
-    if (error) fail(path_, error.message());
+void AtomicFile::commit() {
+    const bool durable = !within_unfinished_folder(path_);
+    out_.close();
+    if (durable) sync_to_disk(temporary_);
+    if (const int error = plain_rename(temporary_, path_)) throw_unwritable(path_, error);
     committed_ = true;
+    if (durable) sync_to_disk(or_here(path_.parent_path()));
 }
 
-void write_file(const fs::path& path, std::string_view text) {
+void write_file(const fs::path& path, std::string_view bytes) {
     AtomicFile file(path);
-    file.stream() << text;
+    file.write(bytes);
     file.commit();
 }
 
-AtomicFolder::AtomicFolder(fs::path target, Existing existing)
-    : target_(without_trailing_slash(std::move(target))), temporary_(temporary_beside(target_)), existing_(existing) {
-    std::error_code error;
-    if (fs::exists(target_, error) && existing_ == Existing::refuse)
-        throw UserError(fmt::format("{} exists already; remove it or choose another name", target_.string()));
-    for (fs::path parent = temporary_.parent_path(); !parent.empty() && !fs::exists(parent, error);
-         parent = parent.parent_path())
-        made_parents_.push_back(parent);
-    remove_leftovers(target_);
-    fs::create_directories(temporary_, error);
-    if (error) fail(target_, error.message());
-    lock_ = lock_folder(temporary_);
+UnfinishedFolder::UnfinishedFolder(const fs::path& parent, const std::string& name)
+    : path_(temporary_name(parent, name)) {
+    clear_leftovers(parent);
+    make();
+    lock_ = lock_path(path_);
 }
 
-AtomicFolder::~AtomicFolder() {
+/// Again if a parent went meanwhile: another process that had made it may have had no use for it.
+void UnfinishedFolder::make() {
+    std::error_code error;
+    for (int tries = 0; tries < 100; ++tries) {
+        make_parents(error);
+        if (!error) fs::create_directory(path_, error);
+        if (error != std::errc::no_such_file_or_directory) break;
+    }
+    if (!error) return;
+    remove_made_parents();
+    throw_unwritable(path_, error.value());
+}
+
+void UnfinishedFolder::make_parents(std::error_code& error) {
+    std::vector<fs::path> missing;
+    for (fs::path at = path_.parent_path(); !at.empty() && !fs::exists(at, error); at = at.parent_path())
+        missing.push_back(at);
+    error.clear();
+    for (auto at = missing.rbegin(); !error && at != missing.rend(); ++at)
+        if (fs::create_directory(*at, error)) made_parents_.insert(made_parents_.begin(), *at);
+}
+
+void UnfinishedFolder::remove_made_parents() const {
     std::error_code ignored;
-    if (!committed_) {
-        fs::remove_all(temporary_, ignored);
-        for (const fs::path& parent : made_parents_)
-            if (!fs::remove(parent, ignored)) break;  // others have put something there
+    for (const fs::path& parent : made_parents_) fs::remove(parent, ignored);  // others may have put something there
+}
+
+UnfinishedFolder::~UnfinishedFolder() {
+    if (!released_) {
+        remove_quietly(path_);
+        remove_made_parents();
     }
     if (lock_ >= 0) close(lock_);
 }
 
-void AtomicFolder::commit() {
+void UnfinishedFolder::sync() const {
+    if (within_unfinished_folder(path_)) return;
     std::error_code error;
-    fs::path old;
-    if (fs::exists(target_, error)) {
-        if (existing_ == Existing::refuse)
-            throw UserError(fmt::format("{} appeared meanwhile; choose another name", target_.string()));
-        old = temporary_beside(target_, replaced);
-        fs::rename(target_, old, error);
-        if (error) fail(target_, error.message());
+    for (fs::recursive_directory_iterator at(path_, error), end; !error && at != end; at.increment(error))
+        if (at->is_directory() || at->is_regular_file()) sync_to_disk(at->path());
+    if (error) throw_unwritable(path_, error.value());
+    sync_to_disk(path_);
+}
+
+void UnfinishedFolder::release() {
+    released_ = true;
+    sync_to_disk(or_here(path_.parent_path()));
+    for (const fs::path& parent : made_parents_) sync_to_disk(or_here(parent.parent_path()));
+}
+
+AtomicFolder::AtomicFolder(fs::path target, Existing existing)
+    : target_(folder_name(std::move(target))),
+      work_(target_.parent_path(), target_.filename().string()),
+      existing_(existing) {
+    refuse_existing("exists already; remove it or choose another name");
+}
+
+void AtomicFolder::refuse_existing(const char* what) const {
+    std::error_code error;
+    if (existing_ == Existing::refuse && fs::exists(fs::symlink_status(target_, error)))
+        throw UserError(fmt::format("{} {}", target_.string(), what));
+}
+
+void AtomicFolder::commit() {
+    work_.sync();
+    exchange();
+    work_.release();
+    remove_quietly(work_.path());  // the earlier one
+}
+
+void AtomicFolder::exchange() {
+    while (true) {
+        int error = rename_with(path(), target_, RENAME_NOREPLACE);
+        if (error == EEXIST) {
+            refuse_existing("appeared meanwhile; choose another name");
+            error = rename_with(path(), target_, RENAME_EXCHANGE);
+            if (error == ENOENT) continue;  // it went meanwhile
+        }
+        if (unsupported(error)) return rename_twice();
+        if (error) throw_unwritable(target_, error);
+        return;
     }
-    fs::rename(temporary_, target_, error);
-    if (error) {
-        std::error_code ignored;
-        if (!old.empty()) fs::rename(old, target_, ignored);  // the earlier output survives a failure
-        fail(target_, error.message());
+}
+
+void AtomicFolder::rename_twice() {
+    while (true) {
+        refuse_existing("appeared meanwhile; choose another name");
+        const fs::path old = temporary_name(target_.parent_path(), target_.filename().string(), replaced_prefix);
+        const int lock = lock_path(target_);  // others shall see that its replacement is under way
+        const int parted = plain_rename(target_, old);
+        int error = parted == ENOENT ? 0 : parted;
+        if (!error) error = plain_rename(path(), target_);
+        const bool another_was_faster = error == ENOTEMPTY || error == EEXIST;
+        if (error && !another_was_faster && !parted) plain_rename(old, target_);  // the earlier output survives
+        if (lock >= 0) close(lock);
+        if (error && !another_was_faster) throw_unwritable(target_, error);
+        if (!parted) remove_quietly(old);
+        if (!error) return;
     }
-    committed_ = true;
-    if (!old.empty()) fs::remove_all(old, error);
+}
+
+AtomicFiles::AtomicFiles(fs::path folder) : folder_(std::move(folder)), work_(folder_, "") {}
+
+void AtomicFiles::commit() {
+    std::vector<fs::path> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path())) {
+        names.push_back(entry.path().filename());
+        file_name(folder_ / names.back());  // a folder in the way shows before the first file has its name
+    }
+    work_.sync();
+    for (const fs::path& name : names)
+        if (const int error = plain_rename(path() / name, folder_ / name)) throw_unwritable(folder_ / name, error);
+    work_.release();
+    remove_quietly(path());
 }
 
 }  // namespace radiafit

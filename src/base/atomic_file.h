@@ -1,14 +1,19 @@
 #pragma once
 #include <filesystem>
-#include <fstream>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
-/// Outputs appear whole or not at all: they are written under a temporary name beside their place and renamed.
+#include "base/file.h"
+
+/// Outputs appear whole or not at all: they are written under hidden names beside their places and renamed, and are on
+/// the disk (fsync) before they are. All throw UserError as throw_unwritable() does, and leave what stood there before.
+/// What a run that was killed left in a folder goes when the next one writes there.
 namespace radiafit {
 
-/// A file that takes its name at commit(); destroyed before that, it leaves nothing behind.
-/// Throws UserError "cannot write PATH: REASON; choose a writable folder" (a full disk is noticed at commit).
+/// A file that takes its name at commit(); destroyed before that, it leaves nothing behind. A library that opens files
+/// itself should write to memory instead: it may not notice what the disk refuses.
 class AtomicFile {
 public:
     explicit AtomicFile(std::filesystem::path path);
@@ -16,48 +21,88 @@ public:
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// Opened on first use, binary.
-    std::ofstream& stream();
-    /// For libraries that open files themselves. Same folder, same extension.
-    const std::filesystem::path& temporary_path() const { return temporary_; }
-    /// `durable` also waits until the data is on the disk (fsync).
-    void commit(bool durable = false);
+    void write(std::string_view bytes) { out_.write(bytes.data(), bytes.size()); }
+    /// In a folder that isn't whole itself, syncing is left to that folder's commit.
+    void commit();
 
 private:
     std::filesystem::path path_;
     std::filesystem::path temporary_;
-    std::ofstream stream_;
+    OutputFile out_;
     bool committed_ = false;
 };
 
-void write_file(const std::filesystem::path& path, std::string_view text);
+/// `bytes`: text or not.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
 
-/// A folder that takes its name at commit(): files are written to path() meanwhile. Missing parents are made, and go
-/// again without a commit(). What a process that was killed left of the same target goes, too: its folder is locked
-/// (flock) as long as it lives, and its name tells the process.
+/// A hidden folder, locked as long as it lives; goes with all that is in it. Missing parents are made, and go again
+/// while nothing is in them.
+class UnfinishedFolder {
+public:
+    /// In `parent`. `name`: what files in it are to be known by in messages, as parent/name/FILE, or parent/FILE.
+    UnfinishedFolder(const std::filesystem::path& parent, const std::string& name);
+    ~UnfinishedFolder();
+    UnfinishedFolder(const UnfinishedFolder&) = delete;
+    UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    /// Waits until all that is in it is on the disk; left to the outer one if it lies in another.
+    void sync() const;
+    /// It has another name now and stays; the parents that were made for it are on the disk.
+    void release();
+
+private:
+    void make();
+    void make_parents(std::error_code& error);
+    void remove_made_parents() const;
+
+    std::filesystem::path path_;
+    std::vector<std::filesystem::path> made_parents_;  ///< innermost first
+    int lock_ = -1;
+    bool released_ = false;
+};
+
+/// A folder that takes its name at commit(): files are written to path() meanwhile. An earlier folder of the name is
+/// exchanged for it in one step (renameat2), so that there is always a whole one, and of several writers the last wins.
+/// Where the file system cannot do that, a process killed between two renames leaves the earlier one hidden;
+/// restore_interrupted() and the next writer give it its name back.
 class AtomicFolder {
 public:
     /// What to do at commit() with a folder that already has the name. `replace` is for callers who have made sure that
     /// it is an earlier output of theirs.
     enum class Existing { refuse, replace };
 
+    /// Refuses names that no folder can be renamed to: empty, ".", "..", a mount point.
     explicit AtomicFolder(std::filesystem::path target, Existing existing = Existing::refuse);
-    ~AtomicFolder();
-    AtomicFolder(const AtomicFolder&) = delete;
-    AtomicFolder& operator=(const AtomicFolder&) = delete;
 
     /// Where to write before commit().
-    const std::filesystem::path& path() const { return temporary_; }
+    const std::filesystem::path& path() const { return work_.path(); }
     const std::filesystem::path& target() const { return target_; }
     void commit();
 
 private:
+    void refuse_existing(const char* what) const;
+    void exchange();
+    void rename_twice();
+
     std::filesystem::path target_;
-    std::filesystem::path temporary_;
-    int lock_ = -1;                                    ///< on the temporary folder
-    std::vector<std::filesystem::path> made_parents_;  ///< innermost first
+    UnfinishedFolder work_;
     Existing existing_;
-    bool committed_ = false;
+};
+
+/// Files that take their names in one folder together, over earlier files of the same names: all or, if an error comes
+/// before commit() ends its checks, none.
+class AtomicFiles {
+public:
+    explicit AtomicFiles(std::filesystem::path folder);
+
+    /// Where to write the files before commit().
+    const std::filesystem::path& path() const { return work_.path(); }
+    void commit();
+
+private:
+    std::filesystem::path folder_;
+    UnfinishedFolder work_;
 };
 
 }  // namespace radiafit

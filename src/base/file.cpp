@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/temporary_name.h"
 
 namespace radiafit {
 namespace {
@@ -21,14 +23,18 @@ constexpr size_t buffer_bytes = size_t(1) << 20;
 
 std::string last_error() { return std::generic_category().message(errno); }
 
-[[noreturn]] void fail_to_write(const std::filesystem::path& path, int error) {
-    const char* cure = error == ENOSPC || error == EDQUOT || error == EFBIG ? "make room or choose another folder"
-                                                                            : "choose a writable folder";
-    throw UserError(
-        fmt::format("cannot write {}: {}; {}", path.string(), std::generic_category().message(error), cure));
+const char* cure_of(int error) {
+    if (error == ENOSPC || error == EDQUOT || error == EFBIG) return "make room or choose another disk";
+    if (error == ENAMETOOLONG) return "choose a shorter name";
+    return "choose a writable folder";
 }
 
 }  // namespace
+
+void throw_unwritable(const std::filesystem::path& path, int error) {
+    throw UserError(fmt::format("cannot write {}: {}; {}", final_path(path).string(),
+                                std::generic_category().message(error), cure_of(error)));
+}
 
 InputFile::InputFile(std::filesystem::path path)
     : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
@@ -70,7 +76,7 @@ void InputFile::forget(uint64_t offset, uint64_t bytes) const {
 
 OutputFile::OutputFile(std::filesystem::path path)
     : path_(std::move(path)), file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
-    if (file_ < 0) fail_to_write(path_, errno);
+    if (file_ < 0) throw_unwritable(path_, errno);
     buffer_.reserve(buffer_bytes);
 }
 
@@ -93,7 +99,7 @@ void OutputFile::flush(const uint8_t* from, size_t bytes) {
     while (bytes > 0) {
         const ssize_t put = ::write(file_, from, bytes);
         if (put < 0 && errno == EINTR) continue;
-        if (put <= 0) fail_to_write(path_, put == 0 ? ENOSPC : errno);
+        if (put <= 0) throw_unwritable(path_, put == 0 ? ENOSPC : errno);
         from += put;
         bytes -= size_t(put);
     }
@@ -102,7 +108,17 @@ void OutputFile::flush(const uint8_t* from, size_t bytes) {
 void OutputFile::close() {
     flush(buffer_.data(), buffer_.size());
     buffer_.clear();
-    if (::close(std::exchange(file_, -1)) != 0) fail_to_write(path_, errno);
+    if (::close(std::exchange(file_, -1)) != 0) throw_unwritable(path_, errno);
+}
+
+void OutputFile::lock() const { flock(file_, LOCK_EX | LOCK_NB); }
+
+void sync_to_disk(const std::filesystem::path& path) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    int error = file < 0 || fsync(file) != 0 ? errno : 0;
+    if (file >= 0) ::close(file);
+    if (error == EINVAL || error == ENOSYS || error == EOPNOTSUPP || error == EROFS || error == EACCES) error = 0;
+    if (error) throw_unwritable(path, error);
 }
 
 double cached_share(const std::filesystem::path& path) {

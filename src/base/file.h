@@ -30,8 +30,12 @@ private:
     int file_;
 };
 
-/// Writes from front to back through a buffer. Throws UserError "cannot write PATH: REASON; ..." (a full disk, say);
-/// close() must be called for the file to be whole.
+/// Throws UserError "cannot write PATH: REASON; CURE", with the name that the user knows, not a hidden one.
+/// `error`: errno.
+[[noreturn]] void throw_unwritable(const std::filesystem::path& path, int error);
+
+/// Writes from front to back through a buffer. Throws as throw_unwritable() does; close() must be called for the file
+/// to be whole.
 class OutputFile {
 public:
     explicit OutputFile(std::filesystem::path path);
@@ -42,6 +46,8 @@ public:
     void write(const void* from, size_t bytes);
     void close();
     uint64_t bytes() const { return bytes_; }  ///< written so far
+    /// Shows other processes that this one writes it (leftovers.h), where the file system has locks.
+    void lock() const;
 
 private:
     void flush(const uint8_t* from, size_t bytes);
@@ -51,6 +57,10 @@ private:
     std::vector<uint8_t> buffer_;
     uint64_t bytes_ = 0;
 };
+
+/// Waits until a file's data, or a folder's names, are on the disk. Throws as throw_unwritable() does; a file system
+/// that has no such thing is no error.
+void sync_to_disk(const std::filesystem::path& path);
 
 /// Share of a file's pages that are in memory, by mincore.
 double cached_share(const std::filesystem::path& path);

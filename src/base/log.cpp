@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/clock.h"
+#include "base/standard_streams.h"
 
 namespace radiafit {
 namespace {
@@ -30,9 +30,21 @@ int terminal_columns() {
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-void write_line(std::string_view prefix, std::string_view message) {
+/// Lines may stay lines in a message of ours; in an error, which is one line, `\n` comes from a file's name.
+std::string printable(std::string_view text, bool one_line) {
+    std::string result;
+    for (const char c : text) {
+        if ((c >= 0 && c < ' ' && (one_line || c != '\n')) || c == '\x7f')
+            result += fmt::format("\\x{:02x}", c);
+        else
+            result += c;
+    }
+    return result;
+}
+
+void write_line(std::string_view prefix, std::string_view message, bool one_line) {
     std::scoped_lock lock(output_mutex);
-    fmt::print(stderr, "{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", prefix, message);
+    write_to_stderr(fmt::format("{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", prefix, printable(message, one_line)));
     bar_on_screen = false;
 }
 
@@ -48,10 +60,14 @@ void set_quiet(bool quiet) { is_quiet = quiet; }
 bool quiet() { return is_quiet; }
 
 void log_info(std::string_view message) {
-    if (!is_quiet) write_line("", message);
+    if (!is_quiet) write_line("", message, false);
 }
 
-void log_warning(std::string_view message) { write_line("warning: ", message); }
+void log_warning(std::string_view message) { write_line("warning: ", message, true); }
+
+void log_error(std::string_view program, std::string_view message) {
+    write_line(fmt::format("{}: ", program), message, true);
+}
 
 std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns) {
     done = std::min(done, total);
@@ -86,11 +102,11 @@ void Progress::show(size_t done) {
     shown_s_ = now_s;
     if (on_terminal()) {
         std::scoped_lock lock(output_mutex);
-        fmt::print(stderr, "\r{}\x1b[K", progress_bar(task_, done, total_, now_s - start_s_, terminal_columns()));
-        std::fflush(stderr);
+        write_to_stderr(
+            fmt::format("\r{}\x1b[K", progress_bar(task_, done, total_, now_s - start_s_, terminal_columns())));
         drawn_ = bar_on_screen = true;
     } else {
-        write_line("", fmt::format("{}: {} of {} after {}", task_, done, total_, duration(now_s - start_s_)));
+        write_line("", fmt::format("{}: {} of {} after {}", task_, done, total_, duration(now_s - start_s_)), true);
     }
 }
 
@@ -101,8 +117,7 @@ void Progress::finish() {
     drawn_ = false;
     std::scoped_lock lock(output_mutex);
     if (!bar_on_screen) return;
-    fmt::print(stderr, "\r\x1b[K");
-    std::fflush(stderr);
+    write_to_stderr("\r\x1b[K");
     bar_on_screen = false;
 }
 

@@ -6,6 +6,8 @@
 #include <string_view>
 
 /// Messages and progress for people. All of it goes to standard error, so that standard output stays free for results.
+/// A standard error that takes nothing (a full disk, a closed pipe) is no error here. Control characters, which a
+/// file's name may hold, are shown as \x1b.
 namespace radiafit {
 
 /// Quiet leaves only warnings; for --json and for tests.
@@ -15,6 +17,8 @@ bool quiet();
 void log_info(std::string_view message);
 /// Prefixed "warning: ", shown even when quiet.
 void log_warning(std::string_view message);
+/// "PROGRAM: MESSAGE", the last line of a program that fails; shown even when quiet.
+void log_error(std::string_view program, std::string_view message);
 
 /// "fit  [#####.....]  50%  12/24  0:08 left" for a terminal of `columns` characters.
 std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns);

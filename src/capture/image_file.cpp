@@ -9,7 +9,6 @@
 #include <fstream>
 #include <memory>
 
-#include "base/atomic_file.h"
 #include "base/error.h"
 
 namespace radiafit {
@@ -174,25 +173,6 @@ MaskFile read_mask(const std::filesystem::path& file) {
     const int threshold = largest == 1 ? 1 : 128;
     for (uint8_t& value : mask.values) value = value >= threshold ? 255 : 0;
     return mask;
-}
-
-void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& rgb8) {
-    if (width < 1 || height < 1 || rgb8.size() != size_t(width) * size_t(height) * 3)
-        throw SystemError(
-            fmt::format("write_png({}): {} bytes for {} x {} pixels", file.string(), rgb8.size(), width, height));
-    AtomicFile target(file);
-    const auto fail = [&](const std::string& why) {
-        throw UserError(
-            fmt::format("cannot write {}: {}; choose a writable folder with space left", file.string(), one_line(why)));
-    };
-    const auto output = oiio::ImageOutput::create("png");
-    if (!output) fail(oiio::geterror());
-    oiio::ImageSpec spec(width, height, 3, oiio::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    if (!output->open(target.temporary_path().string(), spec) ||
-        !output->write_image(oiio::TypeDesc::UINT8, rgb8.data()) || !output->close())
-        fail(output->geterror());
-    target.commit();
 }
 
 }  // namespace radiafit

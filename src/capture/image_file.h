@@ -28,7 +28,4 @@ struct MaskFile {
 };
 MaskFile read_mask(const std::filesystem::path& file);
 
-/// Writes [height][width][3] sRGB bytes under a temporary name and renames. Throws UserError where it cannot.
-void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& rgb8);
-
 }  // namespace radiafit

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/leftovers.h"
 #include "dataset/encoding.h"
 
 namespace radiafit {
@@ -226,6 +227,7 @@ void check_view(const View& view, const std::string& name) {
 std::string read_dataset_file(const fs::path& file) {
     std::error_code ignored;
     const fs::path folder = file.parent_path();
+    restore_interrupted(folder);
     if (!fs::exists(folder, ignored))
         throw UserError(
             fmt::format("{}: no such folder; radiafit generate or import makes a dataset", folder.string()));

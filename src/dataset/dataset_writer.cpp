@@ -1,16 +1,12 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -94,38 +90,15 @@ float largest(const void* pixels, size_t count, const std::string& name, ToFloat
 struct DatasetWriter::State {
     fs::path folder;  ///< as the user gave it: the name in errors
     AtomicFolder output;
-    int file = -1;
+    OutputFile images;
     Encoding encoding = Encoding::u8_srgb;
-    uint64_t bytes = 0;          ///< of images.bin so far
     std::vector<uint8_t> block;  ///< one image as it goes to the file, reused
     std::vector<View> views;
 
-    explicit State(const fs::path& f) : folder(f), output(resolved(f), AtomicFolder::Existing::replace) {
-        file = open((output.path() / dataset_images_name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-        if (file < 0) fail_write();
-    }
-    ~State() {
-        if (file >= 0) close(file);
-    }
-
-    [[noreturn]] void fail_write() const {
-        const int reason = errno;
-        const bool full = reason == ENOSPC || reason == EDQUOT || reason == EFBIG;
-        throw UserError(fmt::format("{}: cannot write {} after {} bytes: {}; {}", folder.string(), dataset_images_name,
-                                    bytes, std::generic_category().message(reason),
-                                    full ? "free some space or choose another disk" : "choose a writable folder"));
-    }
-    void append(const void* data, size_t size) {
-        const auto* at = static_cast<const char*>(data);
-        while (size > 0) {
-            const ssize_t written = write(file, at, size);
-            if (written < 0 && errno == EINTR) continue;
-            if (written <= 0) fail_write();
-            at += written;
-            size -= size_t(written);
-            bytes += uint64_t(written);
-        }
-    }
+    explicit State(const fs::path& f)
+        : folder(f),
+          output(resolved(f), AtomicFolder::Existing::replace),
+          images(output.path() / dataset_images_name) {}
 };
 
 DatasetWriter::DatasetWriter(fs::path folder) {
@@ -160,15 +133,15 @@ void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t
         view.peak = largest<float>(pixels, 3 * pixel_count, view.name, [](float x) { return x; });
 
     const size_t bytes = size_t(pixel_bytes(view.camera, s.encoding));
-    view.pixel_offset = s.bytes;
+    view.pixel_offset = s.images.bytes();
     view.mask_offset.reset();
-    if (!mask.empty()) view.mask_offset = s.bytes + bytes;
+    if (!mask.empty()) view.mask_offset = s.images.bytes() + bytes;
     std::vector<uint8_t>& block = s.block;
     block.assign(image_block_bytes(view, s.encoding), 0);
     std::memcpy(block.data(), pixels, bytes);
     if (!mask.empty()) std::ranges::copy(pack_mask(mask, view.camera), block.begin() + ptrdiff_t(bytes));
     view.checksum = hash_bytes(block.data(), block.size());
-    s.append(block.data(), block.size());
+    s.images.write(block.data(), block.size());
     s.views.push_back(std::move(view));
 }
 
@@ -199,8 +172,7 @@ void DatasetWriter::finish(const Dataset& header) {
         out.write(normals.data(), normals.size() * sizeof(Vec3f));
         out.close();
     }
-    const int file = std::exchange(s.file, -1);
-    if (close(file) != 0) s.fail_write();
+    s.images.close();
 
     Dataset dataset;
     dataset.name = header.name;
@@ -215,7 +187,7 @@ void DatasetWriter::finish(const Dataset& header) {
         if (const fs::path written = s.output.path() / name; name != dataset_images_name && fs::exists(written))
             dataset.checksums[std::string(name)] = file_checksum(written);
     write_file(s.output.path() / dataset_json_name,
-               dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.bytes,
+               dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.images.bytes(),
                                          has_grid && !normals.empty()}));
     s.output.commit();
 }

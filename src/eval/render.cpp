@@ -91,7 +91,7 @@ LightImage render_fit(const ReflectanceFit& fit, const Atlas& atlas, const Datas
 }
 
 void write_light_exr(const std::filesystem::path& path, const LightImage& image) {
-    ExrImage exr{image.width, image.height, {"R", "G", "B", "A"}, {}, {}};
+    ExrImage exr{image.width, image.height, {"R", "G", "B", "A"}, {}, {{"software", picture_mark}}};
     exr.values.reserve(4 * image.coverage.size());
     for (size_t i = 0; i < image.coverage.size(); ++i)
         exr.values.insert(exr.values.end(),

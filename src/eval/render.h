@@ -21,7 +21,11 @@ LightImage render_fit(const LightFieldFit& fit, const Mesh& mesh, const Camera& 
 /// A reflectance fit as `view` sees and lights it.
 LightImage render_fit(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, const View& view);
 
-/// Channels R, G, B (linear light) and A (coverage), float32. Throws UserError when the file cannot be written.
+/// Stands in render's EXR and SVG files: by it the next run tells its pictures from those of others.
+inline constexpr const char* picture_mark = "radiafit_render";
+
+/// Channels R, G, B (linear light) and A (coverage), float32, and the mark. Throws UserError when the file cannot be
+/// written.
 void write_light_exr(const std::filesystem::path& path, const LightImage& image);
 
 struct ByteImage {

@@ -3,12 +3,14 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <half.h>
 
+#include <algorithm>
 #include <exception>
 
 #include "base/atomic_file.h"
@@ -23,6 +25,26 @@ std::string first_line(const std::exception& e) {
     return what.substr(0, what.find('\n'));
 }
 
+/// The file's bytes in memory: OpenEXR writes its last ones in a destructor, where it can report no error.
+class MemoryStream : public Imf::OStream {
+public:
+    explicit MemoryStream(const std::string& name) : Imf::OStream(name.c_str()) {}
+    const std::string& bytes() const { return bytes_; }
+
+    void write(const char c[], int n) override {
+        const size_t end = at_ + size_t(n);
+        if (end > bytes_.size()) bytes_.resize(end);
+        std::copy_n(c, n, bytes_.begin() + ptrdiff_t(at_));
+        at_ = end;
+    }
+    uint64_t tellp() override { return at_; }
+    void seekp(uint64_t pos) override { at_ = pos; }
+
+private:
+    std::string bytes_;
+    size_t at_ = 0;
+};
+
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrType type) {
@@ -33,7 +55,7 @@ void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrType
                                     path.string(), image.width, image.height, channels, image.values.size()));
     std::vector<half> halves;
     if (type == ExrType::float16) halves.assign(image.values.begin(), image.values.end());
-    AtomicFile out(path);
+    MemoryStream bytes_of_file(path.string());
     try {
         Imf::Header header(image.width, image.height);
         header.compression() = Imf::ZIP_COMPRESSION;
@@ -49,14 +71,13 @@ void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrType
             frame.insert(image.channels[c], Imf::Slice(pixel_type, base + c * bytes, channels * bytes,
                                                        channels * bytes * size_t(image.width)));
         }
-        Imf::OutputFile file(out.temporary_path().string().c_str(), header);
+        Imf::OutputFile file(bytes_of_file, header);
         file.setFrameBuffer(frame);
         file.writePixels(image.height);
     } catch (const std::exception& e) {
-        throw UserError(
-            fmt::format("cannot write {}: {}; choose a writable folder with room", path.string(), first_line(e)));
+        throw SystemError(fmt::format("OpenEXR cannot make {}: {}", path.string(), first_line(e)));
     }
-    out.commit();
+    write_file(path, bytes_of_file.bytes());
 }
 
 ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels) {

@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/leftovers.h"
 #include "base/parallel.h"
 #include "dataset/mesh_ply.h"
 #include "fit/fit_json.h"
@@ -51,6 +52,7 @@ void require_problems(const FitRecord& fit, size_t problems) {
 }
 
 void require_folder(const fs::path& folder) {
+    restore_interrupted(folder);
     if (!fs::is_directory(folder))
         throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
 }

@@ -91,7 +91,7 @@ void CsvWriter::row(const std::vector<std::string>& fields) {
 void CsvWriter::write(const std::vector<std::string>& fields) {
     std::string line;
     for (size_t i = 0; i < fields.size(); i++) line += (i == 0 ? "" : ",") + quoted(fields[i]);
-    file_.stream() << line << '\n';
+    file_.write(line + '\n');
 }
 
 void CsvWriter::commit() { file_.commit(); }

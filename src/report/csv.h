@@ -10,7 +10,7 @@
 namespace radiafit {
 
 /// Rows that appear under their name, whole, at commit(); without it nothing remains.
-/// A row is written the moment it comes; throws UserError where AtomicFile does.
+/// Throws UserError where AtomicFile does.
 class CsvWriter {
 public:
     /// Throws std::logic_error for an empty header, or a name that is empty or stands twice.

@@ -7,7 +7,7 @@
 /// Figures are gnuplot scripts over result rows.
 namespace radiafit {
 
-/// Runs `script` twice and leaves STEM.svg and STEM.png, each under its name only when it is whole.
+/// Runs `script` twice and leaves STEM.svg and STEM.png, both or, after an error, what stood there before.
 /// The script sees the given string variables and two more: `terminal` ("svg" or "png") and `output` (a file to set as
 /// output). Paths in variables should be absolute or relative to the working folder of this process.
 /// Throws UserError if gnuplot is missing, the script can't be read or the output can't be written, SystemError with

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* script = R"(
 if (terminal eq 'svg') {
-    set terminal svg size 1200,1000 font 'DejaVu Sans,13' background 'white'
+    set terminal svg name mark size 1200,1000 font 'DejaVu Sans,13' background 'white'
 } else {
     set terminal pngcairo size 1200,1000 font 'DejaVu Sans,11'
 }
@@ -32,19 +32,19 @@ set title 'how the problem ended'
 set palette defined (0 '#bbbbbb', 1 '#009e73', 2 '#56b4e9', 3 '#dddddd', 4 '#e69f00', 5 '#000000', 6 '#cc0000', 7 '#8e44ad') maxcolors 8
 set cbrange [-0.5:7.5]
 eval 'set cbtics ('.status_tics.') scale 0'
-eval 'plot '.map('status').' with image'
+eval 'plot '.map('status').' with image notitle'
 set palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725') maxcolors 0
 set cbtics autofreq scale 0.5
 set cbrange [0:*]
 set title 'iterations'
-eval 'plot '.map('iterations').' with image'
+eval 'plot '.map('iterations').' with image notitle'
 set title 'samples that count'
-eval 'plot '.map('samples').' with image'
+eval 'plot '.map('samples').' with image notitle'
 set title 'root mean square residual at the end, '.unit
 set logscale cb
 set format cb '10^{%L}'
 eval 'set cbrange ['.rms_range.']'
-eval 'plot '.map('rms').' with image'
+eval 'plot '.map('rms').' with image notitle'
 unset multiplot
 )";
 
@@ -100,6 +100,7 @@ void draw_problems(const ProblemPicture& picture, const std::filesystem::path& s
     for (const char c : work.path().string()) quoted += c == '\'' ? std::string("''") : std::string(1, c);
     draw_figure(work.path() / "problems.gp", stem,
                 {{"data", quoted},
+                 {"mark", picture.mark},
                  {"width", std::to_string(picture.width)},
                  {"height", std::to_string(picture.height)},
                  {"heading", plain(picture.title)},

@@ -15,6 +15,7 @@ struct ProblemPicture {
     std::vector<float> rms;  ///< root mean square residual at the end
     std::vector<std::string> status_names;
     std::string title, unit;  ///< unit: of the residual
+    std::string mark;         ///< letters and _: names what is in the SVG file, which so holds it
 };
 
 /// STEM.png and STEM.svg by gnuplot; throws as draw_figure() does.

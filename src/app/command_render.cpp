@@ -1,0 +1,280 @@
+// render: how a fit looks.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <optional>
+
+#include "app/commands.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "capture/png_file.h"
+#include "eval/judge.h"
+#include "eval/reflectance_renderer.h"
+#include "eval/render.h"
+#include "report/problem_picture.h"
+
+namespace radiafit {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderOptions {
+    std::string fit, output, dataset;
+    std::optional<int> view;
+    int turntable = 0;
+    std::vector<double> light;  ///< direction, or empty
+    bool problems = false;
+};
+
+/// Whether render made it: its EXR and SVG files say so in their first bytes.
+bool carries_mark(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::string head(1 << 14, '\0');
+    stream.read(head.data(), std::streamsize(head.size()));
+    return head.find(picture_mark) != std::string::npos;
+}
+
+/// The pictures of one command. They are made under hidden names and appear together, over earlier ones of render and
+/// over nothing else.
+class Pictures {
+public:
+    explicit Pictures(const fs::path& folder) : folder_(folder), files_(folder) {}
+
+    /// Refuses a name at which one of `endings` stands and is not render's: a fit's own map, a photograph.
+    void check(const std::string& name, std::initializer_list<const char*> endings) const {
+        const fs::path stem = folder_ / name;
+        if (carries_mark(stem.string() + ".exr") || carries_mark(stem.string() + ".svg")) return;
+        for (const char* ending : endings)
+            if (std::error_code error; fs::exists(fs::symlink_status(stem.string() + ending, error)))
+                throw UserError(
+                    fmt::format("{}{}: stands there and is no picture of radiafit render; choose another "
+                                "name or remove it",
+                                stem.string(), ending));
+    }
+    void add(const std::string& name, const LightImage& image) {
+        write_light_exr(files_.path() / (name + ".exr"), image);
+        add(name, to_bytes(image));
+        messages_.push_back(fmt::format("{0}.png, {0}.exr", (folder_ / name).string()));
+    }
+    void add_sheet(const std::string& name, const ByteImage& sheet, const std::string& content) {
+        add(name + "_sheet", sheet);
+        messages_.push_back(fmt::format("{}_sheet.png: {}", (folder_ / name).string(), content));
+    }
+    void add(const std::string& name, const ProblemPicture& picture) {
+        draw_problems(picture, files_.path() / name);
+        messages_.push_back(fmt::format("{0}.png, {0}.svg", (folder_ / name).string()));
+    }
+    void commit() {
+        files_.commit();
+        for (const std::string& message : messages_) log_info(message);
+    }
+
+private:
+    void add(const std::string& name, const ByteImage& bytes) const {
+        write_png(files_.path() / (name + ".png"), bytes.width, bytes.height, bytes.rgb);
+    }
+
+    fs::path folder_;
+    AtomicFiles files_;
+    std::vector<std::string> messages_;
+};
+
+/// Where one view goes: FILE.png, FILE.exr and FILE.svg alike name FILE.
+fs::path stem_of(const std::string& output) {
+    fs::path stem = output;
+    for (const char* extension : {".png", ".exr", ".svg"})
+        if (stem.extension() == extension) return stem.replace_extension();
+    return stem;
+}
+
+/// A camera on a circle around the mesh, as far away and as high as the capture's cameras are on average.
+Camera turntable_camera(const Dataset& dataset, int i, int count) {
+    Vec3d center = Vec3d::Zero(), up = Vec3d::Zero();
+    for (const Vec3f& p : dataset.mesh.positions) center += p.cast<double>() / double(dataset.mesh.vertex_count());
+    double distance = 0, height = 0;
+    for (const View& v : dataset.views) up -= v.camera.cam_from_world_rotation.row(1).transpose();
+    up.normalize();
+    for (const View& v : dataset.views) {
+        const Vec3d d = v.camera.center() - center;
+        distance += d.norm() / double(dataset.views.size());
+        height += up.dot(d.normalized()) / double(dataset.views.size());
+    }
+    const Vec3d any = std::abs(up.z()) < 0.9 ? Vec3d::UnitZ() : Vec3d::UnitX();
+    const Vec3d east = any.cross(up).normalized(), north = up.cross(east);
+    const double angle = 2 * 3.14159265358979 * i / count, flat = std::sqrt(std::max(0.0, 1 - height * height));
+    const Vec3d eye = center + distance * (height * up + flat * (std::cos(angle) * east + std::sin(angle) * north));
+    const Camera& like = dataset.views[0].camera;
+    Camera camera =
+        Camera::look_at(eye, center, up, 2 * std::atan(0.5 * like.height / like.fy), like.width, like.height);
+    return camera;
+}
+
+/// The view that was asked for, or one from the middle of those held out.
+uint32_t chosen_view(const Dataset& dataset, std::optional<int> view) {
+    if (view) {
+        if (*view < 0 || size_t(*view) >= dataset.views.size())
+            throw UserError(
+                fmt::format("--view {}: {} has views 0 to {}", *view, dataset.name, dataset.views.size() - 1));
+        return uint32_t(*view);
+    }
+    const auto held_out = dataset.split(true);
+    return held_out.empty() ? 0 : held_out[held_out.size() / 2];
+}
+
+/// A distant lamp in this direction, of any length.
+Light lamp_towards(const std::vector<double>& xyz) {
+    const Vec3d direction(xyz[0], xyz[1], xyz[2]);
+    const double length = direction.norm();
+    if (!(std::isfinite(length) && length > 0))
+        throw UserError(fmt::format("--light {}: a direction's length is finite and not 0; choose, say, 0,0.6,0.8",
+                                    fmt::join(xyz, ",")));
+    return {Light::Kind::distant, direction / length, Vec3d::Ones()};
+}
+
+std::string turn_name(int i) { return fmt::format("turn{:03d}", i); }
+
+/// `picture_from`: camera to LightImage.
+template <class PictureFrom>
+void render_turntable(const RenderOptions& o, const Dataset& dataset, const PictureFrom& picture_from) {
+    Pictures pictures(o.output);
+    for (int i = 0; i < o.turntable; ++i) pictures.check(turn_name(i), {".png", ".exr"});
+    for (int i = 0; i < o.turntable; ++i)
+        pictures.add(turn_name(i), picture_from(turntable_camera(dataset, i, o.turntable)));
+    pictures.commit();
+}
+
+std::string sheet_content(const Dataset& dataset, uint32_t view, const char* baseline_name) {
+    return fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, baseline_name);
+}
+
+void render_light_field(const RenderOptions& o) {
+    if (o.problems)
+        throw UserError("--problems: those of a light field map are vertices, with no place of their own on a picture");
+    if (!o.light.empty()) throw UserError("--light: a light field map keeps the light it was photographed under");
+    const StoredFit stored = read_fit(o.fit);
+    const LightFieldFit& fit = stored.fit;
+    const Dataset dataset = open_fitted_dataset(fit, o.dataset);
+    if (o.turntable > 0)
+        return render_turntable(o, dataset,
+                                [&](const Camera& camera) { return render_fit(fit, dataset.mesh, camera); });
+    const uint32_t view = chosen_view(dataset, o.view);
+    const fs::path stem = stem_of(o.output);
+    const std::string name = stem.filename().string();
+    Pictures pictures(stem.parent_path());
+    pictures.check(name, {".png", ".exr", "_sheet.png"});
+    pictures.add(name, render_fit(fit, dataset.mesh, dataset.views[view].camera));
+    const JudgedView baseline = judged_view(baseline_of(fit, dataset), dataset, view);
+    pictures.add_sheet(name, comparison_sheet(judged_view(fit, dataset, view), &baseline, dataset.encoding),
+                       sheet_content(dataset, view, light_field_baseline));
+    pictures.commit();
+}
+
+/// Where and why a fit failed, as a picture.
+ProblemPicture problems_of(const StoredReflectance& stored) {
+    const ReflectanceFit& fit = stored.fit;
+    const Atlas& atlas = *stored.atlas;
+    ProblemPicture picture;
+    picture.width = atlas.width();
+    picture.height = atlas.height();
+    for (auto* map : {&picture.status, &picture.iterations, &picture.samples, &picture.rms})
+        map->assign(size_t(picture.width) * size_t(picture.height), NAN);
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
+        if (!atlas.usable(t)) continue;
+        const auto [x, y] = atlas.place(t);
+        const size_t at = size_t(y) * size_t(picture.width) + size_t(x);
+        picture.status[at] = float(fit.status[t]);
+        picture.iterations[at] = float(fit.iterations[t]);
+        picture.samples[at] = float(fit.samples[t]);
+        if (fit.samples[t] > 0) picture.rms[at] = std::sqrt(2 * fit.error[t] / (3 * float(fit.samples[t])));
+    }
+    for (size_t s = 0; s < size_t(Status::count); ++s) picture.status_names.push_back(to_string(Status(s)));
+    picture.title = fmt::format("{}: {} by {} on {}, a problem per texel", fit.dataset_name, fit.options.model->name,
+                                fit.solver, fit.engine);
+    picture.unit = "reflectance (white = 1)";
+    picture.mark = picture_mark;
+    return picture;
+}
+
+void render_problems(const RenderOptions& o, const StoredReflectance& stored) {
+    const fs::path stem = stem_of(o.output);
+    Pictures pictures(stem.parent_path());
+    pictures.check(stem.filename().string(), {".png", ".svg"});
+    pictures.add(stem.filename().string(), problems_of(stored));
+    pictures.commit();
+}
+
+/// One view of a reflectance fit, beside the photograph if it was lit as that was.
+void render_lit(const RenderOptions& o, const StoredReflectance& stored, uint32_t view, const View& shown) {
+    const Dataset& dataset = *stored.dataset;
+    const fs::path stem = stem_of(o.output);
+    const std::string name = stem.filename().string();
+    Pictures pictures(stem.parent_path());
+    pictures.check(name, {".png", ".exr", "_sheet.png"});
+    pictures.add(name, render_fit(stored.fit, *stored.atlas, dataset, shown));
+    if (o.light.empty()) {
+        const ReflectanceOutcome lambertian = baseline_of(stored.fit, dataset);
+        const JudgedView fit = judged_view(stored.fit, *stored.atlas, dataset, view),
+                         baseline = judged_view(lambertian.fit, *stored.atlas, dataset, view);
+        pictures.add_sheet(name, comparison_sheet(fit, &baseline, dataset.encoding),
+                           sheet_content(dataset, view, reflectance_baseline));
+    }
+    pictures.commit();
+}
+
+void render_reflectance(const RenderOptions& o) {
+    const StoredReflectance stored = read_reflectance(o.fit, o.dataset);
+    if (o.problems) return render_problems(o, stored);
+    const Dataset& dataset = *stored.dataset;
+    const uint32_t view = chosen_view(dataset, o.view);
+    View shown = dataset.views[view];
+    if (!o.light.empty()) shown.light = lamp_towards(o.light);
+    if (o.turntable == 0) return render_lit(o, stored, view, shown);
+    if (dataset.has_grid()) throw UserError("--turntable: a grid is seen from where its camera stood");
+    render_turntable(o, dataset, [&](const Camera& camera) {
+        shown.camera = camera;
+        return render_fit(stored.fit, *stored.atlas, dataset, shown);
+    });
+}
+
+void check_output(const RenderOptions& o) {
+    if (o.output.empty()) throw UserError("--output is empty; name a file, or a folder for --turntable");
+    if (o.turntable == 0 && !stem_of(o.output).has_filename())
+        throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));
+}
+
+void render(const RenderOptions& o) {
+    check_output(o);
+    (fitted_model(o.fit) == "lfm" ? render_light_field : render_reflectance)(o);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+    auto o = std::make_shared<RenderOptions>();
+    CLI::App* command = app.add_subcommand("render", "a view of a fit as EXR and PNG, beside the photograph");
+    command->add_option("fit", o->fit, "folder of the fit")->required();
+    auto* view = command->add_option("--view", o->view, "view index; default: a held-out one");
+    command->add_option("--turntable", o->turntable, "this many views around the object instead")
+        ->excludes(view)
+        ->check(CLI::Range(1, 10000));
+    command->add_option("--light", o->light, "x y z: direction to a distant lamp of intensity 1, of a reflectance fit")
+        ->expected(3)
+        ->delimiter(',');
+    command
+        ->add_flag("--problems", o->problems,
+                   "how each texel's fit ended, its iterations, samples and error, in the atlas, of a reflectance fit")
+        ->excludes(view)
+        ->excludes("--light")
+        ->excludes("--turntable");
+    command->add_option("--dataset", o->dataset, "where the dataset is now, if it moved");
+    command->add_option("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
+        ->required();
+    command->callback([=] { render(*o); });
+}
+
+}  // namespace radiafit
