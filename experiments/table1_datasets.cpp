@@ -86,7 +86,7 @@ Sizes light_field_sizes(const Dataset& dataset, const FitRequest& request) {
     Sizes out{model.surface_side, layout.parameter_count(), layout.size() / 4, 3 * layout.problem_count()};
     out.paper_bytes = total_bytes(
         paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), model.surface_side, model.view_side));
-    for (const PlanRow& row : plan(dataset, request))
+    for (const PlanRow& row : plan(dataset, request).memory)
         if (row.array != "samples, at most") out.engine_bytes += row.bytes;
     return out;
 }
