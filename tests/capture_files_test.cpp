@@ -1,5 +1,5 @@
-// Readers and writers of capture/: COLMAP models, images, tables. Meshes are in mesh_file_test.cpp, import as a
-// whole in capture_test.cpp.
+// Readers and writers of capture/: COLMAP models, scaled images, tables. Meshes are in mesh_file_test.cpp, pictures
+// in image_file_test.cpp, import as a whole in capture_test.cpp.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -109,6 +109,11 @@ TEST_F(Files, BadTextModelsNameFileAndLine) {
         {"x PINHOLE 64 48 60 60 32 24\n", good_image, "cameras.txt:1", "CAMERA_ID"},
         {good_camera + good_camera, good_image, "cameras.txt:2", "twice"},
         {good_camera, "1 0 0 0 0 0 0 1 1 a.png\n\n", "images.txt:1", "zero quaternion"},
+        {good_camera, "1 1e200 0 0 0 0 0 1 1 a.png\n\n", "images.txt:1", "far from 1"},
+        {good_camera, "1 0.01 0 0 0 0 0 1 1 a.png\n\n", "images.txt:1", "far from 1"},
+        {"1 PINHOLE 64 48 1e308 60 32 24\n", good_image, "images.txt:1", "focal lengths"},
+        {"1 PINHOLE 64 48 60 60 32 1e99\n", good_image, "images.txt:1", "principal point"},
+        {good_camera, "1 1 0 0 0 0 0 1e300 1 a.png\n\n", "images.txt:1", "translation"},
         {good_camera, "1 1 0 0 0 0 nan 1 1 a.png\n\n", "images.txt:1", "TY"},
         {good_camera, "1 1 0 0 0 0 0 1e999 1 a.png\n\n", "images.txt:1", "TZ"},
         {good_camera, good_image + "2 1 0 0 0 0 0 1 9 b.png\n\n", "images.txt:3", "camera 9"},
@@ -163,84 +168,6 @@ TEST_F(Files, BadBinaryModelsNameTheFile) {
 
 // ---- Images ----
 
-std::vector<uint16_t> ramp(size_t count, uint16_t largest) {
-    std::vector<uint16_t> v(count);
-    for (size_t i = 0; i < count; ++i) v[i] = static_cast<uint16_t>((i * 7919u + 13u) % (largest + 1u));
-    return v;
-}
-
-TEST_F(Files, PngValuesAreExact) {
-    const int w = 5, h = 3;
-    for (const int bits : {8, 16})
-        for (const int channels : {1, 2, 3, 4}) {
-            SCOPED_TRACE(std::to_string(bits) + " bits, " + std::to_string(channels) + " channels");
-            const auto samples = ramp(size_t(w * h * channels), bits == 8 ? 255 : 65535);
-            write_bytes(root_ / "x.png", encode_png(w, h, channels, bits, samples));
-            const ImageFile image = read_image(root_ / "x.png");
-            ASSERT_EQ(image.width, w);
-            ASSERT_EQ(image.height, h);
-            ASSERT_EQ(image.bits, bits);
-            ASSERT_EQ(image.alpha.size(), channels % 2 == 0 ? size_t(w * h) : 0u);
-            for (size_t i = 0; i < size_t(w * h); ++i) {
-                for (size_t c = 0; c < 3; ++c) {
-                    const uint16_t expected = samples[i * size_t(channels) + (channels >= 3 ? c : 0)];
-                    EXPECT_EQ(bits == 8 ? image.rgb8[3 * i + c] : image.rgb16[3 * i + c], expected);
-                }
-                if (channels % 2 == 0) {
-                    const double alpha = samples[(i + 1) * size_t(channels) - 1];
-                    EXPECT_EQ(image.alpha[i], std::lround(bits == 8 ? alpha : alpha / 257));
-                }
-            }
-        }
-}
-
-TEST_F(Files, DamagedPngIsAnErrorAtEveryByte) {
-    const std::string whole = encode_png(6, 5, 3, 8, ramp(90, 255));
-    const fs::path file = root_ / "x.png";
-    write_bytes(file, whole);
-    EXPECT_NO_THROW(read_image(file));
-    for (size_t size = 0; size < whole.size(); ++size) {
-        write_bytes(file, whole.substr(0, size));
-        expect_in("x.png", complaint([&] { read_image(file); }));
-    }
-    for (size_t at = 0; at < whole.size(); ++at) {
-        std::string damaged = whole;
-        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-        write_bytes(file, damaged);
-        expect_in("truncated or corrupt", complaint([&] { read_image(file); }));
-    }
-    expect_in("no such image", complaint([&] { read_image(root_ / "none.png"); }));
-    write_bytes(file, "not an image at all, but long enough to be looked at");
-    expect_in("corrupt", complaint([&] { read_image(file); }));
-}
-
-// 16 x 16 grey, baseline.
-const char* const small_jpeg =
-    "ffd8ffe000104a46494600010100000100010000ffdb0043000302020302020303030304030304050805050404050a070706080c0a0c0c0b0a"
-    "0b0b0d0e12100d0e110e0b0b1016101113141515150c0f171816141812141514ffc0000b080010001001011100ffc4001f0000010501010101"
-    "010100000000000000000102030405060708090a0bffc400b5100002010303020403050504040000017d010203000411051221314106135161"
-    "07227114328191a1082342b1c11552d1f02433627282090a161718191a25262728292a3435363738393a434445464748494a53545556575859"
-    "5a636465666768696a737475767778797a838485868788898a92939495969798999aa2a3a4a5a6a7a8a9aab2b3b4b5b6b7b8b9bac2c3c4c5c6"
-    "c7c8c9cad2d3d4d5d6d7d8d9dae1e2e3e4e5e6e7e8e9eaf1f2f3f4f5f6f7f8f9faffda0008010100003f00f04f0d7c36fb9fbafd2bd5bc35f0"
-    "dbee7eebf4af55f0d7c36fb9fbafd2bd57c35f0dbee7eebf4affd9";
-
-TEST_F(Files, TruncatedJpegIsAnErrorAtEveryByte) {
-    std::string whole;
-    for (const char* hex = small_jpeg; *hex; hex += 2)
-        whole += static_cast<char>(std::stoi(std::string(hex, 2), nullptr, 16));
-    const fs::path file = root_ / "x.jpg";
-    write_bytes(file, whole);
-    const ImageFile image = read_image(file);
-    EXPECT_EQ(image.width, 16);
-    EXPECT_EQ(image.rgb8.size(), size_t(16 * 16 * 3));
-    // The picture rises from top left to bottom right.
-    EXPECT_LT(image.rgb8.front() + 50, image.rgb8.back());
-    for (size_t size = 0; size < whole.size(); ++size) {
-        write_bytes(file, whole.substr(0, size));
-        expect_in("x.jpg", complaint([&] { read_image(file); }));
-    }
-}
-
 TEST_F(Files, WritePngRoundTrip) {
     const auto samples = ramp(size_t(7 * 4 * 3), 255);
     const std::vector<uint8_t> rgb(samples.begin(), samples.end());
@@ -250,21 +177,6 @@ TEST_F(Files, WritePngRoundTrip) {
     expect_in("writable", complaint([&] { write_png(root_ / "none" / "out.png", 7, 4, rgb); }));
     write_bytes(root_ / "file", "");
     expect_in("writable", complaint([&] { write_png(root_ / "file" / "out.png", 7, 4, rgb); }));
-}
-
-TEST_F(Files, MasksOfAllKinds) {
-    using Values = std::vector<uint8_t>;
-    const fs::path file = root_ / "m.png";
-    const auto mask = [&](int channels, int bits, const std::vector<uint16_t>& samples) {
-        write_bytes(file, encode_png(2, 2, channels, bits, samples));
-        return read_mask(file).values;
-    };
-    EXPECT_EQ(mask(1, 8, {0, 127, 128, 255}), (Values{0, 0, 255, 255}));
-    EXPECT_EQ(mask(1, 8, {0, 1, 1, 0}), (Values{0, 255, 255, 0}));  // files of 0 and 1
-    EXPECT_EQ(mask(1, 8, {0, 0, 0, 0}), (Values{0, 0, 0, 0}));
-    EXPECT_EQ(mask(1, 16, {0, 65535, 20000, 40000}), (Values{0, 255, 0, 255}));
-    EXPECT_EQ(mask(3, 8, {0, 0, 0, 255, 255, 255, 0, 200, 0, 9, 9, 9}), (Values{0, 255, 255, 0}));
-    EXPECT_EQ(mask(2, 8, {255, 255, 255, 0, 0, 255, 0, 0}), (Values{255, 0, 0, 0}));  // cut out by alpha
 }
 
 TEST(ImageScale, HalvingIsTheMeanInLinearLight) {

@@ -67,6 +67,44 @@ inline std::string big_endian(uint32_t v) {
     return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8), static_cast<char>(v)};
 }
 
+/// Different values from 0 to `largest`.
+inline std::vector<uint16_t> ramp(size_t count, uint16_t largest) {
+    std::vector<uint16_t> v(count);
+    for (size_t i = 0; i < count; ++i) v[i] = static_cast<uint16_t>((i * 7919u + 13u) % (largest + 1u));
+    return v;
+}
+
+/// Length, type, data and checksum.
+inline std::string png_chunk(const std::string& type, const std::string& data) {
+    uint32_t crc = 0xffffffffu;
+    for (const char c : type + data) {
+        crc ^= static_cast<uint8_t>(c);
+        for (int k = 0; k < 8; ++k) crc = crc & 1 ? 0xedb88320u ^ (crc >> 1) : crc >> 1;
+    }
+    return big_endian(uint32_t(data.size())) + type + data + big_endian(~crc);
+}
+
+/// A zlib stream that holds the bytes as they are.
+inline std::string stored_zlib(const std::string& raw) {
+    std::string zlib = "\x78\x01";
+    for (size_t at = 0; at < raw.size(); at += 65535) {
+        const size_t size = std::min<size_t>(65535, raw.size() - at);
+        zlib += at + size == raw.size() ? '\1' : '\0';
+        for (const size_t v : {size, ~size & 0xffff}) {
+            zlib += static_cast<char>(v & 255);
+            zlib += static_cast<char>(v >> 8);
+        }
+        zlib += raw.substr(at, size);
+    }
+    uint32_t a = 1, b = 0;  // Adler-32
+    for (const char c : raw) {
+        a = (a + static_cast<uint8_t>(c)) % 65521;
+        b = (b + a) % 65521;
+    }
+    zlib += big_endian(b << 16 | a);
+    return zlib;
+}
+
 /// A PNG with stored (uncompressed) data, filter 0. samples: [height][width][channels], row 0 on top; bits 8 or 16;
 /// channels 1 grey, 2 grey + alpha, 3 RGB, 4 RGBA.
 inline std::string encode_png(int width, int height, int channels, int bits, const std::vector<uint16_t>& samples) {
@@ -79,34 +117,11 @@ inline std::string encode_png(int width, int height, int channels, int bits, con
             raw += static_cast<char>(samples[y * row + i] & 255);
         }
     }
-    const auto chunk = [](const std::string& type, const std::string& data) {
-        uint32_t crc = 0xffffffffu;
-        for (const char c : type + data) {
-            crc ^= static_cast<uint8_t>(c);
-            for (int k = 0; k < 8; ++k) crc = crc & 1 ? 0xedb88320u ^ (crc >> 1) : crc >> 1;
-        }
-        return big_endian(uint32_t(data.size())) + type + data + big_endian(~crc);
-    };
-    std::string zlib = "\x78\x01";
-    uint32_t a = 1, b = 0;  // Adler-32
-    for (size_t at = 0; at < raw.size(); at += 65535) {
-        const size_t size = std::min<size_t>(65535, raw.size() - at);
-        zlib += at + size == raw.size() ? '\1' : '\0';
-        for (const size_t v : {size, ~size & 0xffff}) {
-            zlib += static_cast<char>(v & 255);
-            zlib += static_cast<char>(v >> 8);
-        }
-        zlib += raw.substr(at, size);
-    }
-    for (const char c : raw) {
-        a = (a + static_cast<uint8_t>(c)) % 65521;
-        b = (b + a) % 65521;
-    }
-    zlib += big_endian(b << 16 | a);
+    const auto chunk = png_chunk;
     const char color = channels == 1 ? 0 : channels == 2 ? 4 : channels == 3 ? 2 : 6;
     const std::string head = big_endian(uint32_t(width)) + big_endian(uint32_t(height)) +
                              std::string{static_cast<char>(bits), color, 0, 0, 0};
-    return "\x89PNG\r\n\x1a\n" + chunk("IHDR", head) + chunk("IDAT", zlib) + chunk("IEND", "");
+    return "\x89PNG\r\n\x1a\n" + chunk("IHDR", head) + chunk("IDAT", stored_zlib(raw)) + chunk("IEND", "");
 }
 
 /// A colour PFM, little-endian, rows bottom to top. values: [height][width][3], row 0 on top.

@@ -1,7 +1,11 @@
 // `import colmap` as a whole: small captures with known pixels, bad ones, and the real one where it is at hand.
+#include <sys/stat.h>
+
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <thread>
 
 #include "capture/import.h"
 #include "capture_fixture.h"
@@ -290,6 +294,63 @@ TEST_F(ImportTest, GainsComeFromTheTableOrFromThePixels) {
             EXPECT_NEAR(set.views[i].gain, mean / exposure[i], tolerance) << set.views[i].name;
         options_.gains = "estimate";
     }
+}
+
+TEST_F(ImportTest, ImagesThatChangeMeanwhileAreNoticed) {
+    // Every image is a link to one file, which somebody swaps all the time: sooner or later the import reads one at
+    // another depth than before.
+    write_bytes(root_ / "images/8.png", png(random_pixels(3, 1)));
+    write_bytes(root_ / "images/16.png", png(random_pixels(3, 2, 65535), 3, 16));
+    fs::create_symlink("8.png", root_ / "images/now.png");
+    for (int i = 0; i < 16; ++i) {
+        const std::string name = std::string(1, static_cast<char>('a' + i)) + ".png";
+        add_image(name, "");
+        fs::remove(root_ / "images" / name);
+        fs::create_symlink("now.png", root_ / "images" / name);
+    }
+    std::atomic<bool> stop = false;
+    std::thread swapper([&] {
+        for (bool deep = true; !stop; deep = !deep) {
+            fs::create_symlink(deep ? "16.png" : "8.png", root_ / "images/next.png");
+            fs::rename(root_ / "images/next.png", root_ / "images/now.png");
+        }
+    });
+    bool noticed = false;
+    for (int attempt = 0; attempt < 50 && !noticed; ++attempt) try {
+            import();
+            fs::remove_all(root_ / "set");
+        } catch (const UserError& error) {
+            noticed = std::string(error.what()).find("leave the images alone") != std::string::npos;
+            EXPECT_TRUE(noticed) << error.what();
+        }
+    stop = true;
+    swapper.join();
+    EXPECT_TRUE(noticed);
+}
+
+TEST_F(ImportTest, PipesLoopsAndFoldersAreRefused) {
+    add_image("a.png", png(random_pixels(3, 9)));
+    options_.masks = root_ / "masks";
+    write_bytes(options_.masks / "a.png", mask_png(0, width));
+    const std::vector<fs::path> files = {root_ / "sparse/cameras.txt", root_ / "sparse/images.txt",
+                                         options_.images / "a.png", options_.masks / "a.png", options_.mesh};
+    for (const fs::path& file : files) {
+        SCOPED_TRACE(file);
+        const std::string good = read_bytes(file);
+        fs::remove(file);
+        ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+        expect_in("it is a pipe", import_complaint());
+        fs::remove(file);
+        fs::create_directory(file);
+        expect_in("it is a folder", import_complaint());
+        fs::remove(file);
+        fs::create_symlink(file.filename(), file);
+        import_complaint();
+        fs::remove(file);
+        write_bytes(file, good);
+    }
+    options_.images = root_ / std::string(300, 'x');
+    expect_in("--images", import_complaint());
 }
 
 // ---- The real capture ----

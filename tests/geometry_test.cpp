@@ -163,6 +163,10 @@ TEST(Camera, ChecksNameTheCameraAndTheFault) {
     said([](Camera& c) { c.cam_from_world_translation.y() = INFINITY; }, "not finite");
     said([](Camera& c) { c.fy = 0; }, "positive");
     said([](Camera& c) { c.width = 0; }, "positive");
+    said([](Camera& c) { c.fx = 1e308; }, "focal length");
+    said([](Camera& c) { c.fy = 1e-9; }, "focal length");
+    said([](Camera& c) { c.cx = -1e12; }, "principal point");
+    said([](Camera& c) { c.cam_from_world_translation.z() = 1e15; }, "translation");
     said([](Camera& c) { c.cam_from_world_rotation *= 1.001; }, "orthonormal");
     said([](Camera& c) { c.cam_from_world_rotation.row(0) *= -1; }, "orthonormal");  // a mirror
     Camera nearly = good;

@@ -1,4 +1,6 @@
 // What `import lights` refuses, and says of it.
+#include <sys/stat.h>
+
 #include "lights_fixture.h"
 
 namespace radiafit {
@@ -55,6 +57,36 @@ TEST_F(LightsTest, ImagesMustBeAlike) {
     expect_in("--transfer gamma", refused());
 }
 
+TEST_F(LightsTest, NoImageIsPackedTwice) {
+    write_sphere();
+    options_.lights = root_ / "dome.lp";
+    options_.intensities.clear();
+    // Neither folder exists: both lines would mean the same file.
+    write_bytes(options_.lights, "2\na/00.png 0 0 1\nb/00.png 0 1 1\n");
+    expect_in("dome.lp: 'b/00.png' means", refused());
+    write_bytes(options_.lights, "2\n00.png 0 0 1\n./00.png 0 1 1\n");
+    expect_in("dome.lp: './00.png' means", refused());
+}
+
+TEST_F(LightsTest, PipesAndLoopsAreRefused) {
+    write_sphere();
+    for (fs::path* input : {&options_.lights, &options_.intensities, &options_.mask, &options_.normals}) {
+        const fs::path whole = *input;
+        ASSERT_EQ(mkfifo((*input = root_ / "pipe").c_str(), 0600), 0);
+        expect_in("pipe: cannot read this", refused());
+        fs::remove(*input);
+        fs::create_symlink("pipe", *input);
+        expect_in("pipe: cannot read this", refused());
+        fs::remove(*input);
+        *input = whole;
+    }
+    fs::remove(options_.images / name(3));
+    ASSERT_EQ(mkfifo((options_.images / name(3)).c_str(), 0600), 0);
+    expect_in("10 lights, but", refused());  // a pipe is no image of the folder
+    options_.images = root_ / std::string(300, 'x');
+    expect_in("no such folder", refused());
+}
+
 TEST_F(LightsTest, NormalsAndMaskMustFit) {
     write_sphere();
     const fs::path normals = options_.normals, mask = options_.mask;
@@ -64,7 +96,7 @@ TEST_F(LightsTest, NormalsAndMaskMustFit) {
     expect_in("at their size", text);
     const std::string whole = encode_pfm(width, height, std::vector<float>(3 * pixels, 1));
     write_bytes(normals, whole.substr(0, whole.size() - 12));
-    expect_in("normals.pfm: truncated or corrupt image (it cannot be read whole)", refused());
+    expect_in("normals.pfm: truncated or corrupt image (the file ends within the picture)", refused());
     std::vector<float> broken(3 * pixels, 0.57f);
     broken[3 * (5 * width + 2) + 2] = nan_value;
     write_bytes(normals, encode_pfm(width, height, broken));

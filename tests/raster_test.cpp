@@ -63,6 +63,25 @@ TEST(Raster, CounterClockwiseFromTheEyeIsFront) {
     EXPECT_EQ(covered(r), 0u);
 }
 
+TEST(Raster, ExtremeCamerasDrawFiniteNumbers) {
+    const Mesh mesh{{{-1, -1, 2}, {1, -1, 3}, {1, 1, 2}, {-1, 1, 1e30f}, {0, 0, 1e-5f}},
+                    {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}}};
+    Camera turned = Camera::look_at({0.3, 0.2, 0}, {0.1, 0, 5}, {0, 1, 0}, 0.7, 20, 20);
+    Rasterizer r;
+    for (const double f : {1e-3, 20.0, 1e9, 1e150, 1e308})
+        for (const double middle : {10.0, -1e9, 1e9, 1e300})
+            for (const double z : {0.0, 1e12, 1e300}) {
+                turned.fx = turned.fy = f;
+                turned.cx = turned.cy = middle;
+                turned.cam_from_world_translation.z() = z;
+                r.draw(mesh, turned);
+                for (const RasterPixel& p : r.pixels()) {
+                    ASSERT_TRUE(p.triangle == no_triangle || p.triangle < mesh.triangle_count());
+                    ASSERT_TRUE(std::isfinite(p.b1) && std::isfinite(p.b2));
+                }
+            }
+}
+
 TEST(Raster, BarycentricsAndDepthOfAKnownTriangle) {
     const Camera c = straight_camera(8);
     // Depths 1, 2, 4 at pixels (0, 8), (8, 8), (0, 0). At pixel centre (2.5, 5.5) the image-space weights are

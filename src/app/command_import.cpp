@@ -17,7 +17,7 @@ void add_colmap(CLI::App& command) {
     CLI::App* colmap = command.add_subcommand("colmap", "photographs with a COLMAP calibration and a mesh");
     colmap->add_option("--model", options->model, "folder with cameras and images, .txt or .bin")->required();
     colmap->add_option("--images", options->images, "folder of the undistorted photographs")->required();
-    colmap->add_option("--mesh", options->mesh, "surface in the calibration's frame")->required();
+    colmap->add_option("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ")->required();
     colmap->add_option("--masks", options->masks, "folder of NAME.png, white = object");
     colmap->add_option("--holdout,--held-out", options->holdout, holdout_help)->capture_default_str();
     colmap->add_option("--max-size", options->max_size, "longest side in pixels; 0 keeps the size")

@@ -7,13 +7,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <span>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "capture/text_file.h"
 
 namespace radiafit {
@@ -88,9 +87,13 @@ void add_image(ColmapModel& model, const Intrinsics& cameras, const std::string&
                          model.cameras_file.string()));
     Eigen::Quaterniond rotation(pose[0], pose[1], pose[2], pose[3]);
     if (!(rotation.norm() > 1e-12)) fail("has a zero quaternion: register it again or remove it");
+    // COLMAP writes unit quaternions, others round them or leave them as they come.
+    if (rotation.norm() < 0.1 || !(rotation.norm() < 10))
+        fail(fmt::format("has a quaternion of length {}, far from 1: write the model again", rotation.norm()));
     ColmapImage image{name, camera->second};
     image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
     image.camera.cam_from_world_translation = {pose[4], pose[5], pose[6]};
+    check_camera(image.camera, fmt::format("{}: image '{}'", where, name));
     model.images.push_back(std::move(image));
 }
 
@@ -135,11 +138,7 @@ void read_images_text(ColmapModel& model, const Intrinsics& cameras) {
 /// The bytes of a binary model file; little-endian, as COLMAP writes them.
 class BinaryFile {
 public:
-    explicit BinaryFile(const std::filesystem::path& file) : file_(file) {
-        std::ifstream stream(file, std::ios::binary);
-        if (!stream) throw UserError(fmt::format("{}: cannot read this file: check its permissions", file.string()));
-        bytes_.assign(std::istreambuf_iterator<char>(stream), {});
-    }
+    explicit BinaryFile(const std::filesystem::path& file) : file_(file), bytes_(read_file(file, "COLMAP file")) {}
     template <class T>
     T get() {
         T value;
@@ -177,7 +176,7 @@ private:
                                     file_.string(), bytes_.size(), entry_));
     }
     std::filesystem::path file_;
-    std::vector<char> bytes_;
+    std::string bytes_;
     size_t at_ = 0;
     std::string entry_ = "the header";
 };
@@ -221,7 +220,10 @@ void read_images_binary(ColmapModel& model, const Intrinsics& cameras) {
 }  // namespace
 
 ColmapModel read_colmap(const std::filesystem::path& folder) {
-    const auto stands = [&](const char* name) { return std::filesystem::is_regular_file(folder / name); };
+    const auto stands = [&](const char* name) {
+        std::error_code ignored;
+        return std::filesystem::exists(folder / name, ignored);
+    };
     ColmapModel model;
     if (stands("cameras.bin") && stands("images.bin")) {
         model.cameras_file = folder / "cameras.bin";

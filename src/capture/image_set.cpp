@@ -15,14 +15,10 @@ namespace {
 
 std::string depth_name(int bits) { return bits == 32 ? "floating-point" : fmt::format("{}-bit", bits); }
 
-void check_alike(const ImageFile& image, const fs::path& file, const ImageSetFormat& format) {
+void check_depth(const ImageFile& image, const fs::path& file, const ImageSetFormat& format) {
     if (image.bits != format.bits)
         throw UserError(fmt::format("{}: has {} channels, but {} has {} ones: export all images alike", file.string(),
                                     depth_name(image.bits), format.first.string(), depth_name(format.bits)));
-    if (image.width != format.width || image.height != format.height)
-        throw UserError(fmt::format("{}: {} x {} pixels, but {} has {} x {}: all images are to show the same pixels",
-                                    file.string(), image.width, image.height, format.first.string(), format.width,
-                                    format.height));
 }
 
 /// What the mask and the image's alpha leave of it; empty: all.
@@ -91,8 +87,13 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
 }
 
 PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask) {
-    ImageFile image = read_image(file, true);
-    check_alike(image, file, format);
+    ImageFile image = read_image(file, true, [&](int width, int height) {
+        if (width != format.width || height != format.height)
+            throw UserError(
+                fmt::format("{}: {} x {} pixels, but {} has {} x {}: all images are to show the same pixels",
+                            file.string(), width, height, format.first.string(), format.width, format.height));
+    });
+    check_depth(image, file, format);
     PackedImage packed;
     packed.mask = mask_of(image, mask);
     packed.pixels = pack_pixels(image, packed.mask, file, format);

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/read_file.h"
 #include "base/resources.h"
 #include "capture/colmap.h"
 #include "capture/file_names.h"
@@ -52,8 +53,9 @@ struct Loaded {
 
 fs::path find_mask(const fs::path& folder, const std::string& name) {
     const fs::path stem = folder / fs::path(name).replace_extension(".png"), appended = folder / (name + ".png");
-    if (fs::is_regular_file(stem)) return stem;
-    if (fs::is_regular_file(appended)) return appended;
+    std::error_code ignored;  // a name too long, say: no mask
+    if (fs::exists(stem, ignored)) return stem;
+    if (fs::exists(appended, ignored)) return appended;
     throw UserError(fmt::format("{}: no mask for image '{}': expected {} or {}", folder.string(), name,
                                 stem.filename().string(), appended.filename().string()));
 }
@@ -73,9 +75,10 @@ Camera scaled_camera(Camera camera, int max_size) {
 
 std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel& model,
                                  const std::vector<uint8_t>& held_out) {
-    if (!fs::is_directory(options.images))
+    std::error_code ignored;
+    if (!fs::is_directory(options.images, ignored))
         throw UserError(fmt::format("{}: no such folder of photographs: check --images", options.images.string()));
-    if (!options.masks.empty() && !fs::is_directory(options.masks))
+    if (!options.masks.empty() && !fs::is_directory(options.masks, ignored))
         throw UserError(fmt::format("{}: no such folder of masks: check --masks", options.masks.string()));
     std::vector<Source> sources(model.images.size());
     for (size_t i = 0; i < sources.size(); ++i) {
@@ -85,9 +88,10 @@ std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel
         source.calibrated = model.images[i].camera;
         source.camera = scaled_camera(source.calibrated, options.max_size);
         source.held_out = held_out[i] != 0;
-        if (!fs::is_regular_file(source.image))
+        if (!fs::exists(source.image, ignored))
             throw UserError(fmt::format("{}: no such image, but {} lists it: check --images", source.image.string(),
                                         model.images_file.string()));
+        check_readable(source.image, "image file");
         if (!options.masks.empty()) source.mask = find_mask(options.masks, source.name);
         if (std::max(source.camera.width, source.camera.height) > largest_side)
             throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give --max-size",
@@ -99,20 +103,17 @@ std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel
 
 Loaded load(const Source& source, const ColmapModel& model) {
     const Camera& full = source.calibrated;
-    Loaded loaded{read_image(source.image), {}};
-    const auto expect_size = [&](const fs::path& file, int width, int height) {
-        if (width != full.width || height != full.height)
-            throw UserError(
-                fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: give the undistorted files that "
-                            "belong to this model (`colmap image_undistorter` writes both)",
-                            file.string(), width, height, model.cameras_file.string(), full.width, full.height));
+    const auto expect_size = [&](const fs::path& file) {
+        return [&](int width, int height) {
+            if (width != full.width || height != full.height)
+                throw UserError(
+                    fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: give the undistorted files "
+                                "that belong to this model (`colmap image_undistorter` writes both)",
+                                file.string(), width, height, model.cameras_file.string(), full.width, full.height));
+        };
     };
-    expect_size(source.image, loaded.image.width, loaded.image.height);
-    if (!source.mask.empty()) {
-        MaskFile mask = read_mask(source.mask);
-        expect_size(source.mask, mask.width, mask.height);
-        loaded.mask = std::move(mask.values);
-    }
+    Loaded loaded{read_image(source.image, false, expect_size(source.image)), {}};
+    if (!source.mask.empty()) loaded.mask = read_mask(source.mask, expect_size(source.mask)).values;
     const int width = source.camera.width, height = source.camera.height;
     if (width != full.width || height != full.height) {
         loaded.image = scale_down(loaded.image, width, height);
@@ -232,6 +233,11 @@ void pack(const std::vector<Source>& sources, const std::vector<double>& gains, 
     stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
         const Source& source = sources[i];
         const Loaded loaded = load(source, model);
+        if (loaded.image.bits != source.bits)
+            throw UserError(
+                fmt::format("{}: had {} bits per channel a moment ago and has {} now: leave the images alone "
+                            "until they are imported",
+                            source.image.string(), source.bits, loaded.image.bits));
         packed.pixels = pack_pixels(loaded.image, source.crop, encoding);
         packed.mask = crop_mask(loaded.mask, loaded.image.width, source.crop);
         View view;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -43,18 +44,27 @@ void check_options(const LightImportOptions& o) {
         throw UserError(fmt::format("--transfer {}: choose auto, linear or srgb", o.transfer));
     if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
         throw UserError(fmt::format("--depth {}: choose 8, 16 or 32 (floats)", o.depth));
-    if (!fs::is_directory(o.images))
+    std::error_code ignored;
+    if (!fs::is_directory(o.images, ignored))
         throw UserError(fmt::format("{}: no such folder of images: check --images", o.images.string()));
 }
 
 std::vector<std::string> list_images(const fs::path& folder) {
     constexpr std::string_view endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".pfm", ".hdr", ".bmp"};
     std::vector<std::string> names;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    std::error_code error;
+    fs::directory_iterator entries(folder, error);
+    for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+        const fs::directory_entry& entry = *entries;
+        std::error_code ignored;
         const std::string ending = lower_ending(entry.path());
-        if (entry.is_regular_file() && std::find(std::begin(endings), std::end(endings), ending) != std::end(endings))
+        if (entry.is_regular_file(ignored) &&
+            std::find(std::begin(endings), std::end(endings), ending) != std::end(endings))
             names.push_back(entry.path().filename().string());
     }
+    if (error)
+        throw UserError(
+            fmt::format("{}: cannot list this folder: {}: check its permissions", folder.string(), error.message()));
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -62,8 +72,9 @@ std::vector<std::string> list_images(const fs::path& folder) {
 /// Light files often name images by where they once were, on another system.
 fs::path find_image(const fs::path& folder, const std::string& name, const fs::path& list) {
     const std::string base = name.substr(name.find_last_of("/\\") + 1);
+    std::error_code ignored;  // a name too long, say: no image
     for (const fs::path& file : {folder / name, folder / base})
-        if (fs::is_regular_file(file)) return file;
+        if (fs::exists(file, ignored)) return file;
     throw UserError(fmt::format("{}: no such image, but {} names it: check --images, or take its line out",
                                 (folder / base).string(), list.string()));
 }
@@ -106,9 +117,13 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
         expect_entries(o.intensities, "intensities", intensities.size(), names.size());
     }
     std::vector<Source> sources(names.size());
+    std::set<fs::path> files;
     const std::vector<uint8_t> held_out = choose_held_out(names, o.holdout);
     for (size_t i = 0; i < names.size(); ++i) {
         sources[i].file = find_image(o.images, names[i], named_by);
+        if (!files.insert(sources[i].file.lexically_normal()).second)
+            throw UserError(fmt::format("{}: '{}' means {}, as another line does: give images of different names",
+                                        named_by.string(), names[i], sources[i].file.string()));
         View& view = sources[i].view;
         view.name = sources[i].file.filename().string();
         view.held_out = held_out[i] != 0;
@@ -141,16 +156,18 @@ void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<So
             view.camera_direction = Vec3d::UnitZ();
         } else {
             view.camera = grid.camera_at(entry_for(places, i), o.camera_positions.string());
+            check_camera(view.camera, o.camera_positions.string());
         }
     }
 }
 
 std::vector<uint8_t> read_common_mask(const LightImportOptions& o, const ImageSetFormat& format) {
     if (o.mask.empty()) return {};
-    MaskFile mask = read_mask(o.mask);
-    if (mask.width != format.width || mask.height != format.height)
-        throw UserError(fmt::format("{}: {} x {} pixels, but the images have {} x {}: give the mask at their size",
-                                    o.mask.string(), mask.width, mask.height, format.width, format.height));
+    MaskFile mask = read_mask(o.mask, [&](int width, int height) {
+        if (width != format.width || height != format.height)
+            throw UserError(fmt::format("{}: {} x {} pixels, but the images have {} x {}: give the mask at their size",
+                                        o.mask.string(), width, height, format.width, format.height));
+    });
     if (std::count(mask.values.begin(), mask.values.end(), 0) == ptrdiff_t(mask.values.size()))
         throw UserError(fmt::format("{}: the mask is black throughout: white is to mean object", o.mask.string()));
     return std::move(mask.values);
@@ -161,13 +178,14 @@ std::vector<Vec3f> choose_normals(const LightImportOptions& o, const ImageSetFor
                                   const std::vector<uint8_t>& mask, LightImportReport& report) {
     std::vector<Vec3f> normals;
     if (!o.normals.empty()) {
-        NormalFile file = read_normal_file(o.normals);
-        if (file.width != format.width || file.height != format.height)
-            throw UserError(
-                fmt::format("{}: normals for {} x {} pixels, but the images have {} x {}: give the normals "
-                            "at their size",
-                            o.normals.string(), file.width, file.height, format.width, format.height));
-        normals = std::move(file.normals);
+        const auto check_size = [&](int width, int height) {
+            if (width != format.width || height != format.height)
+                throw UserError(
+                    fmt::format("{}: normals for {} x {} pixels, but the images have {} x {}: give the "
+                                "normals at their size",
+                                o.normals.string(), width, height, format.width, format.height));
+        };
+        normals = read_normal_file(o.normals, check_size).normals;
     } else if (!mask.empty()) {
         normals.assign(mask.size(), Vec3f::UnitZ());
     }

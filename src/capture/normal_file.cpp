@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "capture/image_file.h"
 
 namespace radiafit {
 
-NormalFile read_normal_file(const std::filesystem::path& file) {
-    const ImageFile image = read_image(file, true);
+NormalFile read_normal_file(const std::filesystem::path& file, const HeaderCheck& check) {
+    const ImageFile image = read_image(file, true, check);
     const size_t count = size_t(image.width) * size_t(image.height);
     const auto component = [&](size_t i) {
         if (image.bits == 8) return float(image.rgb8[i]) / 127.5f - 1;

@@ -3,11 +3,20 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 
 namespace radiafit {
+namespace {
+
+// Wider than any lens or map, and narrow enough that no sum or product of coordinates overflows.
+constexpr double least_focal_length = 1e-3, largest_focal_length = 1e9;  // pixels
+constexpr double farthest_principal_point = 1e9;                         // pixels from the image's corner
+constexpr double farthest_translation = 1e12;                            // world units
+
+}  // namespace
 
 Camera Camera::cropped(int x0, int y0, int w, int h) const {
     Camera c = *this;
@@ -45,9 +54,17 @@ void check_camera(const Camera& camera, const std::string& name) {
         throw UserError(fmt::format("{}: the camera holds a number that is not finite; calibrate it again", name));
     if (camera.width <= 0 || camera.height <= 0)
         throw UserError(fmt::format("{}: the image size {} x {} must be positive", name, camera.width, camera.height));
-    if (camera.fx <= 0 || camera.fy <= 0)
+    if (std::min(camera.fx, camera.fy) < least_focal_length || std::max(camera.fx, camera.fy) > largest_focal_length)
         throw UserError(
-            fmt::format("{}: the focal lengths {} and {} must be positive pixels", name, camera.fx, camera.fy));
+            fmt::format("{}: the focal lengths {} and {} must be positive pixels, from {} to {}; calibrate "
+                        "it again",
+                        name, camera.fx, camera.fy, least_focal_length, largest_focal_length));
+    if (std::max(std::abs(camera.cx), std::abs(camera.cy)) > farthest_principal_point)
+        throw UserError(fmt::format("{}: the principal point {}, {} lies more than {} pixels away; calibrate it again",
+                                    name, camera.cx, camera.cy, farthest_principal_point));
+    if (camera.cam_from_world_translation.cwiseAbs().maxCoeff() > farthest_translation)
+        throw UserError(fmt::format("{}: the translation goes beyond {} units; move the scene to the origin", name,
+                                    farthest_translation));
     const double skew = (r * r.transpose() - Mat3d::Identity()).cwiseAbs().maxCoeff();
     if (skew > 1e-4 || r.row(0).cross(r.row(1)).dot(r.row(2)) <= 0)
         throw UserError(fmt::format(

@@ -34,8 +34,8 @@ struct Camera {
     static Camera look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fov_y, int width, int height);
 };
 
-/// Throws UserError, prefixed by `name`, unless every number is finite, sizes and focal lengths are positive and the
-/// rotation is orthonormal to 1e-4.
+/// Throws UserError, prefixed by `name`, for a number that is not finite or beyond what the rasterizer can draw with
+/// (camera.cpp has the bounds), sizes that are not positive, and a rotation that is not orthonormal to 1e-4.
 void check_camera(const Camera& camera, const std::string& name);
 
 }  // namespace radiafit

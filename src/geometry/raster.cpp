@@ -8,7 +8,8 @@ namespace radiafit {
 namespace {
 
 constexpr double smallest_depth = 1e-6;
-constexpr double snap = 16384;  // 2^14: 26-bit coordinates, whose products a double holds exactly
+constexpr double farthest = 1e60;  // pixels: products of coordinates, their differences and inverses stay finite
+constexpr double snap = 16384;     // 2^14: 26-bit coordinates, whose products a double holds exactly
 
 /// a x + b y + c, in pixels from the image's middle.
 struct Plane {
@@ -85,7 +86,7 @@ void Rasterizer::draw(const Mesh& mesh, const Camera& camera) {
     projected_.resize(mesh.vertex_count());
     for (size_t v = 0; v < projected_.size(); ++v) {
         const Vec3d p = camera.project(mesh.positions[v].cast<double>());
-        const bool in_front = p.z() > smallest_depth && std::isfinite(p.x()) && std::isfinite(p.y());
+        const bool in_front = p.z() > smallest_depth && std::abs(p.x()) < farthest && std::abs(p.y()) < farthest;
         projected_[v] = {std::nearbyint((p.x() - middle_x) * snap) / snap,
                          std::nearbyint((p.y() - middle_y) * snap) / snap, in_front ? 1 / p.z() : 0};
     }

@@ -1,0 +1,435 @@
+// Picture files: values of every format as they are stored, and what is refused before memory is taken.
+#include "capture/image_file.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "capture_fixture.h"
+
+namespace radiafit {
+namespace {
+
+using namespace testing;
+using Images = testing::FolderTest;
+
+TEST_F(Images, PngValuesAreExact) {
+    const int w = 5, h = 3;
+    for (const int bits : {8, 16})
+        for (const int channels : {1, 2, 3, 4}) {
+            SCOPED_TRACE(std::to_string(bits) + " bits, " + std::to_string(channels) + " channels");
+            const auto samples = ramp(size_t(w * h * channels), bits == 8 ? 255 : 65535);
+            write_bytes(root_ / "x.png", encode_png(w, h, channels, bits, samples));
+            const ImageFile image = read_image(root_ / "x.png");
+            ASSERT_EQ(image.width, w);
+            ASSERT_EQ(image.height, h);
+            ASSERT_EQ(image.bits, bits);
+            ASSERT_EQ(image.alpha.size(), channels % 2 == 0 ? size_t(w * h) : 0u);
+            for (size_t i = 0; i < size_t(w * h); ++i) {
+                for (size_t c = 0; c < 3; ++c) {
+                    const uint16_t expected = samples[i * size_t(channels) + (channels >= 3 ? c : 0)];
+                    EXPECT_EQ(bits == 8 ? image.rgb8[3 * i + c] : image.rgb16[3 * i + c], expected);
+                }
+                if (channels % 2 == 0) {
+                    const double alpha = samples[(i + 1) * size_t(channels) - 1];
+                    EXPECT_EQ(image.alpha[i], std::lround(bits == 8 ? alpha : alpha / 257));
+                }
+            }
+        }
+}
+
+TEST_F(Images, DamagedPngIsAnErrorAtEveryByte) {
+    const std::string whole = encode_png(6, 5, 3, 8, ramp(90, 255));
+    const fs::path file = root_ / "x.png";
+    write_bytes(file, whole);
+    EXPECT_NO_THROW(read_image(file));
+    for (size_t size = 0; size < whole.size(); ++size) {
+        write_bytes(file, whole.substr(0, size));
+        expect_in("x.png", complaint([&] { read_image(file); }));
+    }
+    for (size_t at = 0; at < whole.size(); ++at) {
+        std::string damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+        write_bytes(file, damaged);
+        expect_in("corrupt", complaint([&] { read_image(file); }));
+    }
+    expect_in("no such image", complaint([&] { read_image(root_ / "none.png"); }));
+    write_bytes(file, "not an image at all, but long enough to be looked at");
+    expect_in("corrupt", complaint([&] { read_image(file); }));
+}
+
+// 16 x 16 grey, baseline.
+const char* const small_jpeg =
+    "ffd8ffe000104a46494600010100000100010000ffdb0043000302020302020303030304030304050805050404050a070706080c0a0c0c0b0a"
+    "0b0b0d0e12100d0e110e0b0b1016101113141515150c0f171816141812141514ffc0000b080010001001011100ffc4001f0000010501010101"
+    "010100000000000000000102030405060708090a0bffc400b5100002010303020403050504040000017d010203000411051221314106135161"
+    "07227114328191a1082342b1c11552d1f02433627282090a161718191a25262728292a3435363738393a434445464748494a53545556575859"
+    "5a636465666768696a737475767778797a838485868788898a92939495969798999aa2a3a4a5a6a7a8a9aab2b3b4b5b6b7b8b9bac2c3c4c5c6"
+    "c7c8c9cad2d3d4d5d6d7d8d9dae1e2e3e4e5e6e7e8e9eaf1f2f3f4f5f6f7f8f9faffda0008010100003f00f04f0d7c36fb9fbafd2bd5bc35f0"
+    "dbee7eebf4af55f0d7c36fb9fbafd2bd57c35f0dbee7eebf4affd9";
+
+TEST_F(Images, TruncatedJpegIsAnErrorAtEveryByte) {
+    std::string whole;
+    for (const char* hex = small_jpeg; *hex; hex += 2)
+        whole += static_cast<char>(std::stoi(std::string(hex, 2), nullptr, 16));
+    const fs::path file = root_ / "x.jpg";
+    write_bytes(file, whole);
+    const ImageFile image = read_image(file);
+    EXPECT_EQ(image.width, 16);
+    EXPECT_EQ(image.rgb8.size(), size_t(16 * 16 * 3));
+    // The picture rises from top left to bottom right.
+    EXPECT_LT(image.rgb8.front() + 50, image.rgb8.back());
+    for (size_t size = 0; size < whole.size(); ++size) {
+        write_bytes(file, whole.substr(0, size));
+        expect_in("x.jpg", complaint([&] { read_image(file); }));
+    }
+}
+
+TEST_F(Images, MasksOfAllKinds) {
+    using Values = std::vector<uint8_t>;
+    const fs::path file = root_ / "m.png";
+    const auto mask = [&](int channels, int bits, const std::vector<uint16_t>& samples) {
+        write_bytes(file, encode_png(2, 2, channels, bits, samples));
+        return read_mask(file).values;
+    };
+    EXPECT_EQ(mask(1, 8, {0, 127, 128, 255}), (Values{0, 0, 255, 255}));
+    EXPECT_EQ(mask(1, 8, {0, 1, 1, 0}), (Values{0, 255, 255, 0}));  // files of 0 and 1
+    EXPECT_EQ(mask(1, 8, {0, 0, 0, 0}), (Values{0, 0, 0, 0}));
+    EXPECT_EQ(mask(1, 16, {0, 65535, 20000, 40000}), (Values{0, 255, 0, 255}));
+    EXPECT_EQ(mask(3, 8, {0, 0, 0, 255, 255, 255, 0, 200, 0, 9, 9, 9}), (Values{0, 255, 255, 0}));
+    EXPECT_EQ(mask(2, 8, {255, 255, 255, 0, 0, 255, 0, 0}), (Values{255, 0, 0, 0}));  // cut out by alpha
+}
+
+/// A PNG of one's own header and pixel bytes; more: chunks between them.
+std::string plain_png(uint32_t width, uint32_t height, char bits, char color, const std::string& zlib,
+                      const std::string& more = "") {
+    return "\x89PNG\r\n\x1a\n" +
+           png_chunk("IHDR", big_endian(width) + big_endian(height) + std::string{bits, color, 0, 0, 0}) + more +
+           png_chunk("IDAT", zlib) + png_chunk("IEND", "");
+}
+
+TEST_F(Images, PngPalettesBitsAndGamma) {
+    const fs::path file = root_ / "x.png";
+    // A palette of two colours, the second half transparent.
+    const std::string palette = png_chunk("PLTE", "\1\2\3\4\5\6") + png_chunk("tRNS", "\xff\x80");
+    write_bytes(file, plain_png(2, 1, 8, 3, stored_zlib({0, 1, 0}), palette));
+    ImageFile image = read_image(file);
+    EXPECT_EQ(image.rgb8, (std::vector<uint8_t>{4, 5, 6, 1, 2, 3}));
+    EXPECT_EQ(image.alpha, (std::vector<uint8_t>{128, 255}));
+    // One bit per pixel.
+    write_bytes(file, plain_png(4, 1, 1, 0, stored_zlib({0, '\x50'})));
+    EXPECT_EQ(read_mask(file).values, (std::vector<uint8_t>{0, 255, 0, 255}));
+    // 16 bits are linear where the file's gamma is 1 and nothing says sRGB.
+    const std::string gamma = png_chunk("gAMA", big_endian(100000)), srgb = png_chunk("sRGB", std::string(1, '\0'));
+    const std::map<std::string, bool> linear = {
+        {"", false}, {gamma, true}, {gamma + srgb, false}, {png_chunk("gAMA", big_endian(45455)), false}};
+    for (const auto& [chunks, expected] : linear) {
+        write_bytes(file, plain_png(1, 1, 16, 0, stored_zlib({0, 1, 2}), chunks));
+        image = read_image(file);
+        EXPECT_EQ(image.linear, expected);
+        EXPECT_EQ(image.rgb16, (std::vector<uint16_t>{258, 258, 258}));
+    }
+}
+
+// ---- TIFF ----
+
+struct TiffEntry {
+    uint16_t tag, type;  ///< type: 3 short, 4 long
+    std::vector<uint32_t> values;
+};
+
+/// A TIFF of one strip behind its directory. The entries may be wrong in any way.
+std::string encode_tiff(std::vector<TiffEntry> entries, const std::string& strip, bool big = false) {
+    const auto number = [&](uint32_t v, size_t bytes) {
+        std::string text = big_endian(v).substr(4 - bytes);
+        if (!big) std::reverse(text.begin(), text.end());
+        return text;
+    };
+    std::string file = (big ? "MM" : "II") + number(42, 2) + number(8, 4) + number(uint32_t(entries.size()), 2), later;
+    const size_t end = 8 + 2 + 12 * entries.size() + 4;
+    for (TiffEntry& entry : entries) {
+        if (entry.tag == 273 && entry.values.empty()) entry.values = {1 << 20};
+        std::string values;
+        for (const uint32_t v : entry.values) values += number(v, entry.type == 3 ? 2 : 4);
+        file += number(entry.tag, 2) + number(entry.type, 2) + number(uint32_t(entry.values.size()), 4);
+        if (values.size() > 4) {
+            file += number(uint32_t(end + later.size()), 4);
+            later += values;
+        } else {
+            file += values + std::string(4 - values.size(), '\0');
+        }
+    }
+    file += number(0, 4) + later;
+    return file + std::string(512 - file.size(), '\0') + strip;
+}
+
+std::vector<TiffEntry> tiff_entries(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits) {
+    return {{256, 4, {width}},
+            {257, 4, {height}},
+            {258, 3, std::vector<uint32_t>(channels, bits)},
+            {259, 3, {1}},
+            {262, 3, {channels < 3 ? 1u : 2u}},
+            {273, 4, {512}},
+            {277, 3, {channels}},
+            {278, 4, {height}},
+            {279, 4, {width * height * channels * bits / 8}},
+            {338, 3, {2}},
+            {339, 3, std::vector<uint32_t>(channels, bits == 32 ? 3 : 1)}};
+}
+
+TEST_F(Images, TiffValuesAreExact) {
+    const fs::path file = root_ / "x.tif";
+    const uint32_t w = 5, h = 3;
+    for (const uint32_t bits : {8u, 16u, 32u})
+        for (const uint32_t channels : {1u, 2u, 3u, 4u})
+            for (const bool big : {false, true}) {
+                SCOPED_TRACE(fmt::format("{} bits, {} channels, big-endian: {}", bits, channels, big));
+                const auto samples = ramp(w * h * channels, bits == 8 ? 255 : 65535);
+                std::string strip;
+                for (const uint16_t sample : samples) {
+                    std::string bytes = Bytes().put(sample).text.substr(0, bits == 8 ? 1 : 2);
+                    if (bits == 32) bytes = Bytes().put(float(sample)).text;
+                    if (big) std::reverse(bytes.begin(), bytes.end());
+                    strip += bytes;
+                }
+                auto entries = tiff_entries(w, h, channels, bits);
+                if (channels % 2 == 1) std::erase_if(entries, [](const TiffEntry& e) { return e.tag == 338; });
+                write_bytes(file, encode_tiff(entries, strip, big));
+                const ImageFile image = read_image(file, true);
+                ASSERT_EQ(image.bits, int(bits));
+                ASSERT_EQ(image.alpha.size(), channels % 2 == 0 ? w * h : 0);
+                for (size_t i = 0; i < w * h; ++i)
+                    for (size_t c = 0; c < 3; ++c) {
+                        const uint16_t expected = samples[i * channels + (channels >= 3 ? c : 0)];
+                        const size_t at = 3 * i + c;
+                        EXPECT_EQ(bits == 8    ? image.rgb8[at]
+                                  : bits == 16 ? image.rgb16[at]
+                                               : image.rgb32[at],
+                                  expected);
+                    }
+            }
+}
+
+TEST_F(Images, BadTiffsAreRefused) {
+    const fs::path file = root_ / "x.tif";
+    const auto with = [&](uint16_t tag, std::vector<uint32_t> values) {
+        auto entries = tiff_entries(8, 8, 3, 8);
+        std::erase_if(entries, [](const TiffEntry& e) { return e.tag == 338; });
+        const auto at = std::find_if(entries.begin(), entries.end(), [&](const TiffEntry& e) { return e.tag >= tag; });
+        if (at != entries.end() && at->tag == tag)
+            at->values = values;
+        else
+            entries.insert(at, {tag, 4, values});
+        return encode_tiff(entries, std::string(192, '\x77'));
+    };
+    const auto refused = [&](const std::string& bytes) {
+        write_bytes(file, bytes);
+        return complaint([&] { read_image(file, true); });
+    };
+    const std::string good = with(256, {8});
+    write_bytes(file, good);
+    EXPECT_EQ(read_image(file).rgb8, std::vector<uint8_t>(192, 0x77));
+    // Entries that the pixels do not need may point anywhere.
+    write_bytes(file, with(34665, {8}));
+    EXPECT_EQ(read_image(file).rgb8, std::vector<uint8_t>(192, 0x77));
+
+    expect_in("sides run from 1", refused(with(257, {0})));
+    expect_in("sides run from 1", refused(with(257, {4000000000u})));
+    expect_in("channels of 1 bits", refused(with(258, {1, 1, 1})));
+    expect_in("channels that differ", refused(with(258, {8, 16, 8})));
+    expect_in("another number of TIFF channels", refused(with(258, {8})));
+    expect_in("compression 7", refused(with(259, {7})));
+    expect_in("photometric interpretation 6", refused(with(262, {6})));
+    expect_in("within a TIFF strip", refused(with(273, {700})));
+    expect_in("within a TIFF strip", refused(with(279, {4000000000u})));
+    expect_in("another number of TIFF strips", refused(with(273, {512, 512})));
+    expect_in("another number of TIFF strips", refused(with(278, {4})));
+    expect_in("strips or tiles without pixels", refused(with(278, {0})));
+    expect_in("channels: 200", refused(with(277, {200})));
+    expect_in("planar configuration 3", refused(with(284, {3})));
+    expect_in("neither strips nor tiles", refused(with(324, {512})));
+    expect_in("convert the image to PNG", refused(with(339, {2, 2, 2})));
+    expect_in("PNG", refused("II+\0" + good.substr(4)));  // more than 4 GB
+    for (size_t size = 0; size < good.size(); ++size) refused(good.substr(0, size));
+}
+
+// ---- OpenEXR, PFM ----
+
+/// An uncompressed OpenEXR file of floats, [height][width][3], row 0 on top. right, bottom: of its data window.
+std::string encode_exr(int width, int height, const std::vector<float>& values, int32_t right, int32_t bottom) {
+    const auto attribute = [](const std::string& name, const std::string& type, const std::string& value) {
+        return name + '\0' + type + '\0' + Bytes().put(int32_t(value.size())).text + value;
+    };
+    std::string channels;
+    for (const char* name : {"B", "G", "R"})
+        channels += std::string(name) + '\0' + Bytes().put(2).put(0).put(1).put(1).text;
+    const std::string box = Bytes().put(0).put(0).put(right).put(bottom).text;
+    std::string file = Bytes().put(0x01312f76).put(2).text + attribute("channels", "chlist", channels + '\0') +
+                       attribute("compression", "compression", std::string(1, '\0')) +
+                       attribute("dataWindow", "box2i", box) + attribute("displayWindow", "box2i", box) +
+                       attribute("lineOrder", "lineOrder", std::string(1, '\0')) +
+                       attribute("pixelAspectRatio", "float", Bytes().put(1.0f).text) +
+                       attribute("screenWindowCenter", "v2f", Bytes().put(0.0f).put(0.0f).text) +
+                       attribute("screenWindowWidth", "float", Bytes().put(1.0f).text) + '\0';
+    const size_t row = size_t(width) * 3, first = file.size() + 8 * size_t(height);
+    for (size_t y = 0; y < size_t(height); ++y) file += Bytes().put(uint64_t(first + y * (8 + 4 * row))).text;
+    for (size_t y = 0; y < size_t(height); ++y) {
+        Bytes line;
+        line.put(int32_t(y)).put(int32_t(4 * row));
+        for (size_t c = 3; c-- > 0;)
+            for (size_t x = 0; x < size_t(width); ++x) line.put(values[y * row + 3 * x + c]);
+        file += line.text;
+    }
+    return file;
+}
+
+std::vector<float> float_ramp(size_t count) {
+    std::vector<float> values(count);
+    for (size_t i = 0; i < count; ++i) values[i] = float(i) * 0.37f - 3;
+    return values;
+}
+
+TEST_F(Images, FloatFilesAreReadWholeOrRefused) {
+    const auto values = float_ramp(6 * 5 * 3);
+    const std::map<std::string, std::string> files = {{"x.exr", encode_exr(6, 5, values, 5, 4)},
+                                                      {"x.pfm", encode_pfm(6, 5, values)}};
+    for (const auto& [name, whole] : files) {
+        SCOPED_TRACE(name);
+        const fs::path file = root_ / name;
+        write_bytes(file, whole);
+        EXPECT_EQ(read_image(file, true).rgb32, values);
+        expect_in("convert the image to PNG", complaint([&] { read_image(file); }));
+        for (size_t size = 0; size < whole.size(); ++size) {
+            write_bytes(file, whole.substr(0, size));
+            expect_in(name, complaint([&] { read_image(file, true); }));
+        }
+    }
+}
+
+TEST_F(Images, PfmHeaders) {
+    const fs::path file = root_ / "x.pfm";
+    const auto pixel = [](float v) { return Bytes().put(v).text; };
+    write_bytes(file, "Pf # grey\n1 2\n-2\n" + pixel(3) + pixel(4));
+    EXPECT_EQ(read_image(file, true).rgb32, (std::vector<float>{8, 8, 8, 6, 6, 6}));
+    write_bytes(file, std::string("Pf\n1 1\n1.0\n") + '\x3f' + '\x80' + '\0' + '\0');  // big-endian
+    EXPECT_EQ(read_image(file, true).rgb32, (std::vector<float>{1, 1, 1}));
+    for (const char* head : {"Pf\n1\n", "Pf\n-1 1 -1\n", "Pf\n1 1 0\n", "Pf\n1 1 nan\n", "Pf\n1 x -1\n", "Pf\n1 1 -1",
+                             "Pf\n99999999999 1 -1\n", "Pf\n30000 30000 -1\n", "Pf #", "Pf\n1 2 -1\n"}) {
+        SCOPED_TRACE(head);
+        write_bytes(file, head + std::string(4, '\1'));
+        expect_in("truncated or corrupt", complaint([&] { read_image(file, true); }));
+    }
+}
+
+// ---- What no file may do ----
+
+TEST_F(Images, HeadersThatPromiseTooMuchTakeNoMemory) {
+    auto tiff = tiff_entries(30000, 30000, 3, 8);
+    std::erase_if(tiff, [](const TiffEntry& e) { return e.tag == 338 || e.tag == 279; });
+    tiff.insert(tiff.end() - 1, {279, 4, {64}});
+    std::string jpeg = "\xff\xd8\xff\xc0";
+    jpeg += std::string("\0\x11\x08\x7f\x00\x7f\x00\3\1\x11\0\2\x11\0\3\x11\0", 17) + std::string(100, '\0');
+    const std::map<std::string, std::string> files = {
+        {"x.png", plain_png(20000, 20000, 8, 2, "")},
+        {"x.tif", encode_tiff(tiff, std::string(64, '\0'))},
+        {"x.exr", encode_exr(6, 5, float_ramp(90), 15999, 15999)},
+        {"high.exr", encode_exr(6, 5, float_ramp(90), 5, 2147483646)},
+        {"x.jpg", jpeg},
+        {"x.pfm", "PF\n30000 30000\n-1\n"},
+    };
+    struct rusage before = {}, after = {};
+    getrusage(RUSAGE_SELF, &before);
+    for (const auto& [name, bytes] : files) {
+        SCOPED_TRACE(name);
+        write_bytes(root_ / name, bytes);
+        expect_in(name, complaint([&] { read_image(root_ / name, true); }));
+        expect_in(name, complaint([&] { read_mask(root_ / name); }));
+    }
+    getrusage(RUSAGE_SELF, &after);
+    EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100 << 10);  // KiB; the smallest of these would be 1.2 GB
+}
+
+TEST_F(Images, TheSizeIsToldBeforeThePixelsAreRead) {
+    struct Seen {};
+    const auto check = [](int width, int height) {
+        EXPECT_EQ(width, 700);
+        EXPECT_EQ(height, 500);
+        throw Seen();
+    };
+    write_bytes(root_ / "x.png", plain_png(700, 500, 8, 2, "no pixels"));
+    EXPECT_THROW(read_image(root_ / "x.png", false, check), Seen);
+    EXPECT_THROW(read_mask(root_ / "x.png", check), Seen);
+}
+
+TEST_F(Images, OtherFormatsAreRefused) {
+    const std::map<std::string, std::string> files = {
+        {"x.bmp", "BM" + std::string(100, '\1')},
+        {"x.gif", "GIF89a" + std::string(100, '\1')},
+        {"x.png", "RIFF" + std::string(100, '\1')},  // not the name decides
+        {"x.hdr", "#?RADIANCE\n" + std::string(100, '\n')},
+    };
+    for (const auto& [name, bytes] : files) {
+        write_bytes(root_ / name, bytes);
+        expect_in(name + ": neither PNG, JPEG", complaint([&] { read_image(root_ / name, true); }));
+        expect_in("convert the image to PNG", complaint([&] { read_mask(root_ / name); }));
+    }
+    expect_in("it is a folder", complaint([&] { read_image(root_); }));
+    ASSERT_EQ(mkfifo((root_ / "pipe.png").c_str(), 0600), 0);
+    expect_in("it is a pipe", complaint([&] { read_image(root_ / "pipe.png"); }));
+    fs::create_symlink("loop.png", root_ / "loop.png");
+    expect_in("symbolic links", complaint([&] { read_image(root_ / "loop.png"); }));
+    expect_in("too long", complaint([&] { read_image(root_ / std::string(300, 'x')); }));
+}
+
+TEST_F(Images, LibrariesPrintNothing) {
+    auto tiff = tiff_entries(8, 8, 1, 8);
+    std::erase_if(tiff, [](const TiffEntry& e) { return e.tag == 338; });
+    tiff[3].values = {8};  // deflate, of bytes that are none
+    const std::map<std::string, std::string> files = {
+        {"x.png", plain_png(8, 8, 8, 2, "this is no zlib stream")},
+        {"short.png", plain_png(8, 8, 8, 2, stored_zlib(std::string(30, '\0')))},
+        {"filter.png", plain_png(1, 1, 8, 0, stored_zlib("\x9\x9"))},
+        {"x.tif", encode_tiff(tiff, std::string(64, '\x55'))},
+        {"x.exr", encode_exr(6, 5, float_ramp(90), 5, 400)},
+    };
+    ::testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    for (const auto& [name, bytes] : files) {
+        SCOPED_TRACE(name);
+        write_bytes(root_ / name, bytes);
+        expect_in("truncated or corrupt", complaint([&] { read_image(root_ / name, true); }));
+    }
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+}
+
+TEST_F(Images, DamageAnywhereIsRefusedOrRead) {
+    auto tiff = tiff_entries(6, 5, 3, 8);
+    std::erase_if(tiff, [](const TiffEntry& e) { return e.tag == 338; });
+    const std::map<std::string, std::string> files = {
+        {"x.tif", encode_tiff(tiff, std::string(90, '\x55'))},
+        {"x.exr", encode_exr(6, 5, float_ramp(90), 5, 4)},
+        {"x.pfm", encode_pfm(6, 5, float_ramp(90))},
+    };
+    std::mt19937 random(7);
+    for (const auto& [name, whole] : files)
+        for (size_t at = 0; at < whole.size(); ++at) {
+            SCOPED_TRACE(fmt::format("{} at {}", name, at));
+            std::string damaged = whole;
+            damaged[at] = static_cast<char>(random());
+            write_bytes(root_ / name, damaged);
+            try {
+                read_image(root_ / name, true);
+            } catch (const UserError& error) {
+                EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+            }
+        }
+}
+
+}  // namespace
+}  // namespace radiafit
