@@ -1,8 +1,9 @@
 # The few commands a person types; everything else is CMake. Variables:
 #   PROFILE=standard|smoke|paper   size of the experiments
 #   ONLY=fig7                      only experiments whose names contain this
-#   PRESET=release|asan            see CMakePresets.json
+#   PRESET=release|asan|tsan       see CMakePresets.json
 #   BUILD=FOLDER                   where to build
+#   COUNT=3, SEED=1                how much `make check` disturbs each command, and when
 #   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
 PROFILE ?= standard
 ONLY ?=
@@ -11,8 +12,10 @@ BUILD ?= build/$(PRESET)
 JOBS ?= $(shell nproc)
 BENCH_DATASET ?= datasets/packed/star-standard
 BENCH_FLAGS ?=
+COUNT ?= 3
+SEED ?= 1
 
-.PHONY: build test experiments bench smoke configure packages format format-check clean
+.PHONY: build test check faults sanitized experiments bench smoke configure packages format format-check clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -22,6 +25,24 @@ test: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
+
+# What `make test` has no time for: faults (kills, full disks, several writers, inputs that change), sanitizers.
+check: configure
+	@tests/check_format
+	@python3 -B tests/check_layers.py
+	@$(MAKE) --no-print-directory faults
+	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
+	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
+
+# ONLY=TEXT: kinds of faults and commands whose line contains it.
+faults: configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit table1_datasets fig7_convergence
+	@python3 -B tests/faults/faults.py $(BUILD) --count $(COUNT) --seed $(SEED) --only '$(ONLY)'
+
+# The test programs by a sanitizer's preset; its suppressions, and why, are in tests/lsan.supp and tests/tsan.supp.
+sanitized: configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target test_programs
+	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS) --label-exclude 'smoke|program|text'
 
 experiments: configure
 	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \

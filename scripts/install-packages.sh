@@ -10,7 +10,7 @@ packages="
     libgtest-dev libbenchmark-dev libceres-dev libqhull-dev
     libegl-dev libgl-dev libosmesa6-dev
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
-    gnuplot-nox fonts-dejavu-core
+    gnuplot-nox fonts-dejavu-core strace
     clang-format glslang-tools spirv-tools python3
 "
 

@@ -79,14 +79,15 @@ class ProgramTest(unittest.TestCase):
         self.assertEqual(before, snapshot(self.root))
 
 
-def write_png(path, width, height, rgb):
+def write_png(path, width, height, rgb, depth=8):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    rows = b"".join(b"\0" + rgb[3 * width * y : 3 * width * (y + 1)] for y in range(height))
+    stride = 3 * width * depth // 8
+    rows = b"".join(b"\0" + rgb[stride * y : stride * (y + 1)] for y in range(height))
     path.write_bytes(
         b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, 2, 0, 0, 0))
         + chunk(b"IDAT", zlib.compress(rows))
         + chunk(b"IEND", b"")
     )
