@@ -3,6 +3,7 @@ import contextlib
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -98,6 +99,7 @@ class Place:
 
     def fill(self, command, older):
         """As it is before the command: `older`: with the output of an earlier run."""
+        self.scene.need(command)
         for folder in (self.folder, self.temporary):
             folder.mkdir(parents=True, exist_ok=True)
             for entry in folder.iterdir():
@@ -190,28 +192,53 @@ class Scene:
         self.environment = {**os.environ, "LC_ALL": "C", "MESA_SHADER_CACHE_DIR": str(self.root / "shader-cache")}
         self.environment.pop("DISPLAY", None)
         self.lock, self.locks, self.references, self.count = threading.Lock(), {}, {}, 0
-        (self.root / "shader-cache").mkdir()
-        self.make_inputs()
+        for name in ("shader-cache", "inputs"):
+            (self.root / name).mkdir()
 
     def radiafit(self, *arguments):
         subprocess.run([str(self.programs["radiafit"]), *map(str, arguments)], cwd=self.root / "inputs", env=self.environment,
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=True)
 
-    def make_inputs(self):
-        inputs = self.root / "inputs"
-        inputs.mkdir()
-        for name, seed in (("star", 1), ("other-star", 2)):
-            self.radiafit("generate", "star", "--seed", seed, "-o", name)
-        self.radiafit("generate", "ornament", "-o", "ornament")
-        write_capture(inputs / "star", inputs / "capture")
-        write_capture(inputs / "other-star", inputs / "other-capture")
-        write_lamps(inputs / "lamps", 1)
-        write_lamps(inputs / "other-lamps", 2)
-        for prefix, iterations in (("", 2), ("other-", 3)):
-            self.radiafit("fit", "star", "--iterations", iterations, "-o", f"{prefix}lfm")
-            self.radiafit("fit", "star", "--solver", "two-step", "--iterations", 1, "--records", f"{prefix}records", "-o", "unused")
-        for i in (0, 1, 2):
-            self.radiafit("fit", "ornament", "--model", "lafortune", "--iterations", 2 + i, "-o", f"texels{i}")
+    def make(self, name):
+        """An input, when it is first asked for; others that it is made from first."""
+        with self.lock_of(name):
+            if not (self.root / "inputs" / name).exists():
+                self.INPUTS[name.removeprefix("other-")](self, name)
+
+    def need(self, command):
+        for arguments in command.variants:
+            for name in re.findall(f"{INPUTS}/([^/ ]+)", " ".join(arguments)):
+                self.make(name)
+
+    def make_star(self, name):
+        self.radiafit("generate", "star", "--seed", 2 if name.startswith("other-") else 1, "-o", name)
+
+    def make_ornament(self, name):
+        self.radiafit("generate", "ornament", "-o", name)
+
+    def make_capture(self, name):
+        star = name.replace("capture", "star")
+        self.make(star)
+        write_capture(self.root / "inputs" / star, self.root / "inputs" / name)
+
+    def make_lamps(self, name):
+        write_lamps(self.root / "inputs" / name, seed=name)
+
+    def make_light_field(self, name):
+        self.make("star")
+        self.radiafit("fit", "star", "--iterations", 3 if name.startswith("other-") else 2, "-o", name)
+
+    def make_records(self, name):
+        self.make("star")
+        self.radiafit("fit", "star", "--solver", "two-step", "--iterations", 1, "--records", name, "-o", f"fit-of-{name}")
+
+    def make_texels(self, name):
+        self.make("ornament")
+        self.radiafit("fit", "ornament", "--model", "lafortune", "--iterations", 2 + int(name[-1]), "-o", name)
+
+    INPUTS = {"star": make_star, "ornament": make_ornament, "capture": make_capture, "lamps": make_lamps,
+              "lfm": make_light_field, "records": make_records, "texels0": make_texels, "texels1": make_texels,
+              "texels2": make_texels}
 
     def place(self):
         with self.lock:

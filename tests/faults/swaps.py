@@ -136,6 +136,7 @@ class Swapping:
         self.inputs.mkdir(parents=True)
         for name in self.swap.inputs:
             for prefix in ("", "other-"):
+                self.scene.make(f"{prefix}{name}")
                 shutil.copytree(self.scene.root / "inputs" / f"{prefix}{name}", self.inputs / f"{prefix}{name}")
         if exchanged:
             exchange(self.inputs, self.swap.inputs[-1])
