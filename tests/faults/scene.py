@@ -29,6 +29,10 @@ class Command:
     program: str = "radiafit"
     steps: bool = False  # several outputs, one after another: the first may be whole where the last fails
 
+    def forced(self):
+        """The option that begins a run though the disk will not suffice."""
+        return ("--force",) if self.variants[0][0] in ("generate", "import", "fit") else ()
+
 
 def command(name, arguments, option, values, **more):
     """Variants by the values of one option."""
@@ -105,7 +109,8 @@ class Place:
             for entry in folder.iterdir():
                 shutil.rmtree(entry) if entry.is_dir() and not entry.is_symlink() else entry.unlink()
         (self.folder / "neighbour.txt").write_text("nobody's\n")
-        (self.folder / ".tmp-neighbour").write_text("nobody's either\n")
+        for name in (".hidden-neighbour", ".tmp-neighbour", ".radiafit-tmp-neighbour"):
+            (self.folder / name).write_text("nobody's either\n")
         if command.program != "radiafit":
             self.make_checkout()
         if older:
@@ -132,10 +137,10 @@ class Place:
             (aside / name).rename(self.folder / name)
         shutil.rmtree(aside, ignore_errors=True)
 
-    def start(self, command, variant=0, wrapper=(), **options):
+    def start(self, command, variant=0, wrapper=(), more=(), **options):
         """The run's standard error goes to a pipe, unless told otherwise. It has a process group of its own."""
         return subprocess.Popen(
-            [*wrapper, str(self.scene.programs[command.program]), *command.variants[variant]],
+            [*wrapper, str(self.scene.programs[command.program]), *command.variants[variant], *more],
             cwd=self.folder, env={**self.scene.environment, "TMPDIR": str(self.temporary)}, stdin=subprocess.DEVNULL,
             start_new_session=True,
             **{"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True, "errors": "replace", **options})
