@@ -119,11 +119,11 @@ class FailingCalls:
             place.fill(self.command, self.older)
             place.run(self.command, wrapper=tracing(log, calls))
             moments = calls_below(log, place.folder)
-            for moment in sorted(self.random.sample(moments, min(self.count, len(moments)))):
+            for call, n in sorted(self.random.sample(moments, min(self.count, len(moments)))):
                 place.fill(self.command, self.older)
-                status, said = place.run(self.command, wrapper=tracing(log, calls, f"error={error}:when={moment}"))
+                status, said = place.run(self.command, wrapper=tracing(log, (call,), call, f"error={error}:when={n}"))
                 violations = judge_end(place, self.command, status, said)
-                self.tally.add(injected(log, place.folder), violations, f"{error} from {calls[0]} or the like, the {moment}th")
+                self.tally.add(injected(log, place.folder), violations, f"{error} from {call}, the {n}th")
         return self.tally
 
 

@@ -89,18 +89,17 @@ class KillsAtChanges:
             moments = calls_below(log, place.folder)
             if limit is not None:
                 moments = sorted(self.random.sample(moments, min(limit, len(moments))))
-            for moment in moments:
+            for call, n in moments:
                 place.restore(self.command, self.older)
-                self.kill_at(place, log, calls, moment)
+                self.kill_at(place, log, call, n)
         place.restore(self.command, self.older)
         self.tally.violations += place.run_clean(self.command)
         return self.tally
 
-    def kill_at(self, place, log, calls, moment):
-        status, said = place.run(self.command, wrapper=tracing(log, calls, f"signal=SIGKILL:when={moment}"))
+    def kill_at(self, place, log, call, n):
+        status, said = place.run(self.command, wrapper=tracing(log, (call,), call, f"signal=SIGKILL:when={n}"))
         killed = status == -signal.SIGKILL
-        how = f"killed at {calls[0]} or the like, the {moment}th"
-        self.tally.add(killed, judge_end(place, self.command, status, said, killed), how)
+        self.tally.add(killed, judge_end(place, self.command, status, said, killed), f"killed at {call}, the {n}th")
 
 
 def tasks(scene, count, seed, traced):

@@ -15,24 +15,23 @@ def can_trace():
     return subprocess.run(["strace", "-o", "/dev/null", "true"], capture_output=True, check=False).returncode == 0
 
 
-def tracing(log, calls, inject=""):
-    """What stands before a command. Paths of files are in the log."""
-    names = ",".join(calls)
-    more = ("-e", f"inject={names}:{inject}") if inject else ()
+def tracing(log, calls, call="", inject=""):
+    """What stands before a command; `inject` goes into `call`, one of `calls`. Paths of files are in the log."""
+    more = ("-e", f"inject={call}:{inject}") if call else ()
     faster = () if inject.startswith("signal=") else ("--seccomp-bpf",)  # with it, no signal arrives
-    return ("strace", "-f", "-qq", "-y", *faster, "-e", "signal=none", "-o", str(log), "-e", f"trace={names}", *more)
+    return ("strace", "-f", "-qq", "-y", *faster, "-e", "signal=none", "-o", str(log), "-e", f"trace={','.join(calls)}", *more)
 
 
 def calls_below(log, place):
-    """Which of its thread's traced calls each call was that names `place`: what inject's `when` counts. Sorted."""
+    """Calls that name `place`, as (name, n): the n-th of this name that its thread made, which inject's `when` counts."""
     counts, found = {}, set()
     for line in log.read_text(errors="replace").splitlines():
         match = re.match(r"(\d+) +(\w+)\(", line)
         if not match:
             continue
-        counts[match[1]] = counts.get(match[1], 0) + 1
+        counts[match.groups()] = counts.get(match.groups(), 0) + 1
         if names(line, place):
-            found.add(counts[match[1]])
+            found.add((match[2], counts[match.groups()]))
     return sorted(found)
 
 
