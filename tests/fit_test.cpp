@@ -289,6 +289,22 @@ TEST_F(Corruption, ImagesOfAnotherShapeOrMeaning) {
     expect("disagree with those counted", [&] { set("status.G", 0); });
 }
 
+TEST_F(Corruption, SizesInHeadersAreComparedBeforeMemoryIsTaken) {
+    const auto grow = [](const fs::path& file) {
+        std::string bytes = text_of(file);
+        const std::string name = std::string("dataWindow") + '\0' + "box2i" + '\0';
+        const size_t at = bytes.find(name) + name.size() + 4 + 8;  // behind the attribute's size and the first corner
+        const int32_t last[2] = {15999, 15999};
+        std::memcpy(bytes.data() + at, last, sizeof last);
+        put(file, bytes + std::string(30'000, '\0'));  // room for the table of its lines
+    };
+    for (const std::string name : {"problems.exr", "view_term1.exr", "surface_term0_corner2.exr"})
+        expect(name + ": 16000 x 16000 pixels where", [&] { grow(where / name); });
+    grow(where / "problems.exr");
+    EXPECT_NE(user_error([&] { read_exr(where / "problems.exr"); }).find("16000 x 16000 pixels cannot stand in"),
+              std::string::npos);
+}
+
 TEST_F(Corruption, FitJson) {
     const auto edit = [&](const std::string& from, const std::string& to) {
         return [this, from, to] { replace_in(where / "fit.json", from, to); };
@@ -298,6 +314,12 @@ TEST_F(Corruption, FitJson) {
     expect("version", edit("\"version\": 1", "\"version\": 99"));
     expect("fit.json", edit("\"terms\": 2", "\"terms\": 0"));
     expect("fit.json", edit("\"terms\": 2", "\"terms\": \"two\""));
+    expect("terms is true", edit("\"terms\": 2", "\"terms\": true"));
+    expect("terms is 2.9", edit("\"terms\": 2", "\"terms\": 2.9"));
+    expect("terms is 4294967298", edit("\"terms\": 2", "\"terms\": 4294967298"));
+    expect("mu is true", edit("\"mu\": 1", "\"mu\": true, \"nu\": 1"));
+    expect("views is -1", edit("\"views\": 5", "\"views\": -1"));
+    expect("nested", edit("\"options\": {}", "\"options\": " + std::string(100'000, '[') + std::string(100'000, ']')));
     expect("fit.json", edit("\"lookup\": \"bilinear\"", "\"lookup\": \"cubic\""));
     expect("fit.json", edit("\"space\": \"stored\"", "\"space\": \"outer\""));
     expect("fit.json", edit("\"lambda_view\"", "\"lambda_vies\""));

@@ -103,6 +103,12 @@ class Reflectance(ProgramTest):
         self.assertEqual((validation["images"], train["images"], test["images"]), (42, 168, 30))  # of 210 and 30
         self.assertEqual(validation["split"], "validation")
         self.refused("judge", "lm", "--split", "validation", says=["--validation"])
+        description = self.root / "partial" / "fit.json"
+        whole = description.read_text()
+        for value in ("4294967298", "true", "5.0", "-5"):
+            description.write_text(whole.replace('"validation": 5', f'"validation": {value}'))
+            self.refused("judge", "partial", says=["options.validation is no number of views"])
+        description.write_text(whole)
         self.refused("fit", "ornament", "--model", "lambert", "--validation", "1", "-o", "no", says=["validation = 1"])
 
     def test_renders(self):

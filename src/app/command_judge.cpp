@@ -20,7 +20,7 @@ int validation_of(const FitRecord& fit) {
     const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
     if (!options.is_object() || !options.contains("validation")) return 0;
     const auto& validation = options.at("validation");
-    if (!validation.is_number_integer() || validation.get<int>() < 0)
+    if (!validation.is_number_unsigned() || validation != validation.get<int>() || validation.get<int>() < 0)
         throw UserError(fmt::format("the fit of {}: fit.json's options.validation is no number of views; fit again",
                                     fit.dataset_name));
     return validation.get<int>();

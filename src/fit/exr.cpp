@@ -19,6 +19,9 @@
 namespace radiafit {
 namespace {
 
+/// No codec shrinks further: what claims more is damaged.
+constexpr uint64_t most_pixels_per_byte = 2000;
+
 // The part of a library message that fits on our one line.
 std::string first_line(const std::exception& e) {
     const std::string what = e.what();
@@ -44,6 +47,16 @@ private:
     std::string bytes_;
     size_t at_ = 0;
 };
+
+void check_size(const std::filesystem::path& path, const ExrImage& image, std::optional<std::array<int, 2>> size) {
+    if (size && (image.width != (*size)[0] || image.height != (*size)[1]))
+        throw UserError(fmt::format("{}: {} x {} pixels where {} x {} belong; restore the file or fit again",
+                                    path.string(), image.width, image.height, (*size)[0], (*size)[1]));
+    const uint64_t bytes = std::filesystem::file_size(path);
+    if (!size && uint64_t(image.width) * uint64_t(image.height) / most_pixels_per_byte > bytes)
+        throw UserError(fmt::format("{}: {} x {} pixels cannot stand in {} bytes; restore the file or write it again",
+                                    path.string(), image.width, image.height, bytes));
+}
 
 }  // namespace
 
@@ -80,7 +93,8 @@ void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrType
     write_file(path, bytes_of_file.bytes());
 }
 
-ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels) {
+ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels,
+                  std::optional<std::array<int, 2>> size) {
     if (!std::filesystem::is_regular_file(path))
         throw UserError(fmt::format("{}: no such file; restore it or write it again", path.string()));
     ExrImage image;
@@ -91,6 +105,7 @@ ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::stri
         const Imath::Box2i window = header.dataWindow();
         image.width = window.max.x - window.min.x + 1;
         image.height = window.max.y - window.min.y + 1;
+        check_size(path, image, size);
         const Imf::ChannelList& present = header.channels();
         if (channels.empty())
             for (auto c = present.begin(); c != present.end(); ++c) image.channels.push_back(c.name());
@@ -111,6 +126,8 @@ ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::stri
                                                        size_t(column), size_t(row)));
         file.setFrameBuffer(frame);
         file.readPixels(window.min.y, window.max.y);
+    } catch (const UserError&) {
+        throw;
     } catch (const std::exception& e) {
         throw UserError(fmt::format("{}: cannot be read as OpenEXR ({}); restore it or write it again", path.string(),
                                     first_line(e)));

@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,10 @@ struct ExrImage {
 void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrType type = ExrType::float32);
 
 /// Channels come back in the order of `channels`; those not named there are not read. An empty list reads all, in the
-/// file's (alphabetic) order. Throws UserError when the file cannot be read whole or lacks a channel.
-ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels = {});
+/// file's (alphabetic) order. `size`: the columns and rows that the image must have; without it, any that the file is
+/// long enough to hold. Throws UserError, before memory is taken for the pixels, for another size and a missing
+/// channel; and when the file cannot be read whole.
+ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels = {},
+                  std::optional<std::array<int, 2>> size = {});
 
 }  // namespace radiafit

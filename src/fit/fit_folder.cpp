@@ -185,12 +185,10 @@ StoredReflectance read_reflectance(const fs::path& folder, const fs::path& moved
     stored.atlas = texel_atlas(*stored.dataset, fit.options.surface_side);
     const TexelModel& model = *fit.options.model;
     fit.parameters.assign(size_t(stored.atlas->texel_count()) * size_t(model.parameters), 0.0f);
-    for (const int k : maps_of(model)) {
-        const fs::path path = folder / parameter_map_name(model, k);
-        take_parameter_image(path, read_exr(path, parameter_map_channels(model, k)), *stored.atlas, k, fit);
-    }
+    for (const int k : maps_of(model))
+        take_parameter_image(folder / parameter_map_name(model, k), *stored.atlas, k, fit);
     const fs::path problems = folder / problems_name;
-    take_problem_image(problems, read_exr(problems, texel_problem_channels()), *stored.atlas, fit);
+    take_problem_image(problems, *stored.atlas, fit);
     check_promises(fit, promises, problems);
     return stored;
 }
@@ -211,17 +209,15 @@ StoredFit read_fit(const fs::path& folder) {
                                     fit.dataset_fingerprint.vertices, fit.dataset_fingerprint.triangles));
     const Shape shape(stored.mesh, fit.options);
     const fs::path problems = folder / problems_name;
-    take_problem_image(problems, read_exr(problems, problem_channels()), stored.mesh.vertex_count(), fit);
+    take_problem_image(problems, stored.mesh.vertex_count(), fit);
     check_promises(fit, promises, problems);
     fit.parameters.assign(shape.layout.size(), 0.0f);
     parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
         const int term = int(job / 4), corner = int(job % 4);
-        const fs::path path = folder / (corner < 3 ? surface_name(term, corner) : view_name(term));
-        const ExrImage image = read_exr(path, map_channels());
         if (corner < 3)
-            take_surface_image(path, image, shape.atlas, shape.layout, term, corner, fit);
+            take_surface_image(folder / surface_name(term, corner), shape.atlas, shape.layout, term, corner, fit);
         else
-            take_view_image(path, image, shape.layout, term, fit);
+            take_view_image(folder / view_name(term), shape.layout, term, fit);
     });
     return stored;
 }

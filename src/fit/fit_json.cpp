@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/nesting.h"
 #include "fit/fit_maps.h"
 
 namespace radiafit {
@@ -29,6 +30,24 @@ Enum one_of(const Json& value, std::initializer_list<Enum> choices, const char* 
     for (const Enum e : choices)
         if (to_string(e) == text) return e;
     throw std::runtime_error(fmt::format("unknown {} \"{}\"", what, text));
+}
+
+// nlohmann's get<int>() takes true, 2.9 and 2^32 + 2 for numbers: we do not.
+int whole(const Json& object, const char* key) {
+    const Json& value = object.at(key);
+    if (!value.is_number_integer() || value != value.get<int>())
+        throw std::runtime_error(fmt::format("{} is {}, no whole number", key, value.dump()));
+    return value.get<int>();
+}
+uint64_t count(const Json& object, const std::string& key) {
+    const Json& value = object.at(key);
+    if (!value.is_number_unsigned()) throw std::runtime_error(fmt::format("{} is {}, no count", key, value.dump()));
+    return value.get<uint64_t>();
+}
+float number(const Json& object, const char* key) {
+    const Json& value = object.at(key);
+    if (!value.is_number()) throw std::runtime_error(fmt::format("{} is {}, no number", key, value.dump()));
+    return value.get<float>();
 }
 
 std::string space_name(TargetSpace space) { return space == TargetSpace::stored ? "stored" : "linear"; }
@@ -61,6 +80,7 @@ void add_tail(Json& json, const FitRecord& fit, const std::string& dataset_path,
 }
 
 Json checked_json(const std::string& text) {
+    if (nested_deeper(text, 100)) throw std::runtime_error("its brackets are nested more than 100 deep");
     Json json = Json::parse(text);
     if (json.at("format") != fit_format) throw std::runtime_error("its format is not radiafit-fit");
     if (json.at("version") != fit_version)
@@ -76,7 +96,7 @@ FitPromises take_record(const Json& json, FitRecord& fit) {
     fit.space = space_of(json.at("space").get<std::string>());
     const Json& statuses = json.at("problems").at("status");
     for (size_t s = 0; s < promises.status_counts.size(); ++s)
-        promises.status_counts[s] = statuses.at(to_string(Status(s))).get<uint64_t>();
+        promises.status_counts[s] = count(statuses, to_string(Status(s)));
     const Json& d = json.at("dataset");
     promises.dataset_path = d.at("path").get<std::string>();
     fit.dataset_name = d.at("name").get<std::string>();
@@ -84,9 +104,8 @@ FitPromises take_record(const Json& json, FitRecord& fit) {
         d.at("encoding"),
         {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear},
         "encoding");
-    fit.dataset_fingerprint = {d.at("vertices").get<uint64_t>(),    d.at("triangles").get<uint64_t>(),
-                               d.at("views").get<uint64_t>(),       d.at("held_out").get<uint64_t>(),
-                               d.at("image_bytes").get<uint64_t>(), d.at("digest").get<std::string>()};
+    fit.dataset_fingerprint = {count(d, "vertices"), count(d, "triangles"),   count(d, "views"),
+                               count(d, "held_out"), count(d, "image_bytes"), d.at("digest").get<std::string>()};
     fit.times_json = json.at("times_s").dump();
     fit.options_json = json.at("options").dump();
     fit.provenance_json = json.at("provenance").dump();
@@ -160,16 +179,16 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         if (json.at("model") != "lfm") throw std::runtime_error("its model is no light field map");
         LfmOptions& o = fit.options;
         const Json& lfm = json.at("lfm");
-        o.terms = lfm.at("terms").get<int>();
-        o.surface_side = lfm.at("surface_side").get<int>();
-        o.view_side = lfm.at("view_side").get<int>();
+        o.terms = whole(lfm, "terms");
+        o.surface_side = whole(lfm, "surface_side");
+        o.view_side = whole(lfm, "view_side");
         o.lookup = one_of(lfm.at("lookup"), {ViewLookup::bilinear, ViewLookup::nearest}, "lookup");
         o.mode = one_of(lfm.at("mode"), {Mode::paper, Mode::modern}, "mode");
-        o.lambda_surface = lfm.at("lambda_surface").get<float>();
-        o.lambda_view = lfm.at("lambda_view").get<float>();
-        o.mu = lfm.at("mu").get<float>();
-        o.lower = lfm.at("lower").get<float>();
-        o.upper = lfm.at("upper").get<float>();
+        o.lambda_surface = number(lfm, "lambda_surface");
+        o.lambda_view = number(lfm, "lambda_view");
+        o.mu = number(lfm, "mu");
+        o.lower = number(lfm, "lower");
+        o.upper = number(lfm, "upper");
         check_options(o);
         return take_record(json, fit);
     });
@@ -185,11 +204,11 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         for (int i = 0; i < o.model->parameters; ++i)
             if (r.at("parameters").at(size_t(i)) != o.model->parameter_name(i))
                 throw std::runtime_error("its parameters are those of another version of model " + model);
-        o.surface_side = r.at("surface_side").get<int>();
+        o.surface_side = whole(r, "surface_side");
         o.mode = one_of(r.at("mode"), {Mode::paper, Mode::modern}, "mode");
-        o.mu = r.at("mu").get<float>();
-        o.clip_above = r.at("clip_above").get<float>();
-        o.shadow_below = r.at("shadow_below").get<float>();
+        o.mu = number(r, "mu");
+        o.clip_above = number(r, "clip_above");
+        o.shadow_below = number(r, "shadow_below");
         check_options(o);
         return take_record(json, fit);
     });

@@ -18,12 +18,6 @@ ExrImage blank(int width, int height, const std::vector<std::string>& channels) 
     return image;
 }
 
-void require_size(const std::filesystem::path& path, const ExrImage& image, int width, int height) {
-    if (image.width != width || image.height != height)
-        throw UserError(fmt::format("{}: {} x {} pixels where {} x {} belong; restore the file or fit again",
-                                    path.string(), image.width, image.height, width, height));
-}
-
 // Calls body(pixel's first value, parameter's first channel) for every texel that the images of a term hold.
 template <class Body>
 void for_each_surface_texel(const TriangleAtlas& atlas, const LfmLayout& layout, int term, int corner, int width,
@@ -108,9 +102,9 @@ ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, cons
     return image;
 }
 
-void take_surface_image(const std::filesystem::path& path, const ExrImage& image, const TriangleAtlas& atlas,
-                        const LfmLayout& layout, int term, int corner, LightFieldFit& fit) {
-    require_size(path, image, atlas.width(), atlas.height());
+void take_surface_image(const std::filesystem::path& path, const TriangleAtlas& atlas, const LfmLayout& layout,
+                        int term, int corner, LightFieldFit& fit) {
+    const ExrImage image = read_exr(path, map_channels(), {{atlas.width(), atlas.height()}});
     for_each_surface_texel(atlas, layout, term, corner, image.width, [&](size_t pixel, size_t parameter) {
         for (size_t c = 0; c < 3; ++c) fit.parameters[parameter + c] = image.values[pixel + c];
     });
@@ -126,11 +120,11 @@ ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term)
     return image;
 }
 
-void take_view_image(const std::filesystem::path& path, const ExrImage& image, const LfmLayout& layout, int term,
-                     LightFieldFit& fit) {
+void take_view_image(const std::filesystem::path& path, const LfmLayout& layout, int term, LightFieldFit& fit) {
     const size_t vertices = layout.problem_count();
     const int side = layout.view_side();
-    require_size(path, image, table_columns(vertices) * side, table_rows(vertices) * side);
+    const ExrImage image =
+        read_exr(path, map_channels(), {{table_columns(vertices) * side, table_rows(vertices) * side}});
     for_each_view_texel(layout, term, image.width, [&](size_t pixel, size_t parameter) {
         for (size_t c = 0; c < 3; ++c) fit.parameters[parameter + c] = image.values[pixel + c];
     });
@@ -148,8 +142,8 @@ ExrImage problem_image(const LightFieldFit& fit) {
     return image;
 }
 
-void take_problem_image(const std::filesystem::path& path, const ExrImage& image, size_t vertices, LightFieldFit& fit) {
-    require_size(path, image, table_columns(vertices), table_rows(vertices));
+void take_problem_image(const std::filesystem::path& path, size_t vertices, LightFieldFit& fit) {
+    const ExrImage image = read_exr(path, problem_channels(), {{table_columns(vertices), table_rows(vertices)}});
     resize_problems(fit, 3 * vertices);
     for (size_t q = 0; q < 3 * vertices; ++q) {
         const float* pixel = image.values.data() + q / 3 * 3 * quantities + q % 3;
@@ -184,10 +178,9 @@ ExrImage parameter_image(const Atlas& atlas, const ReflectanceFit& fit, int k) {
     return image;
 }
 
-void take_parameter_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas, int k,
-                          ReflectanceFit& fit) {
+void take_parameter_image(const std::filesystem::path& path, const Atlas& atlas, int k, ReflectanceFit& fit) {
     const TexelModel& model = *fit.options.model;
-    require_size(path, image, atlas.width(), atlas.height());
+    const ExrImage image = read_exr(path, parameter_map_channels(model, k), {{atlas.width(), atlas.height()}});
     const size_t channels = image.channels.size(), first = first_parameter(model, k);
     for_each_texel(atlas, [&](size_t pixel, size_t texel) {
         std::copy_n(&image.values[pixel * channels], channels,
@@ -205,9 +198,8 @@ ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit) {
     return image;
 }
 
-void take_problem_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas,
-                        ReflectanceFit& fit) {
-    require_size(path, image, atlas.width(), atlas.height());
+void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, ReflectanceFit& fit) {
+    const ExrImage image = read_exr(path, texel_problem_channels(), {{atlas.width(), atlas.height()}});
     resize_problems(fit, atlas.texel_count());
     for_each_texel(atlas, [&](size_t pixel, size_t t) {
         const float* values = &image.values[pixel * quantities];

@@ -30,17 +30,14 @@ ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit);
 std::string parameter_map_name(const TexelModel& model, int k);  ///< "rho_d.exr", "shape.exr"
 std::vector<std::string> parameter_map_channels(const TexelModel& model, int k);
 
-// The way back. `path` is what messages name; throws UserError on a size or value that cannot be.
-void take_surface_image(const std::filesystem::path& path, const ExrImage& image, const TriangleAtlas& atlas,
-                        const LfmLayout& layout, int term, int corner, LightFieldFit& fit);
-void take_view_image(const std::filesystem::path& path, const ExrImage& image, const LfmLayout& layout, int term,
-                     LightFieldFit& fit);
-void take_problem_image(const std::filesystem::path& path, const ExrImage& image, size_t vertices, LightFieldFit& fit);
+// The way back: reads the image at `path`. Throws UserError on a size or value that cannot be.
+void take_surface_image(const std::filesystem::path& path, const TriangleAtlas& atlas, const LfmLayout& layout,
+                        int term, int corner, LightFieldFit& fit);
+void take_view_image(const std::filesystem::path& path, const LfmLayout& layout, int term, LightFieldFit& fit);
+void take_problem_image(const std::filesystem::path& path, size_t vertices, LightFieldFit& fit);
 
-void take_parameter_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas, int k,
-                          ReflectanceFit& fit);
-void take_problem_image(const std::filesystem::path& path, const ExrImage& image, const Atlas& atlas,
-                        ReflectanceFit& fit);
+void take_parameter_image(const std::filesystem::path& path, const Atlas& atlas, int k, ReflectanceFit& fit);
+void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, ReflectanceFit& fit);
 
 const std::vector<std::string>& map_channels();      ///< R, G, B
 const std::vector<std::string>& problem_channels();  ///< in the order problem_image() stores them
