@@ -4,6 +4,7 @@
 #include "dataset/dataset.h"
 #include "dataset/image_stream.h"
 #include "dataset/mesh_ply.h"
+#include "dataset/truth.h"
 #include "dataset_fixture.h"
 
 namespace radiafit {
@@ -138,6 +139,30 @@ TEST_F(DamagedTest, AFileThatShrinksUnderTheStreamIsASystemError) {
     EXPECT_THROW(ImageStream(dataset, StreamSource::memory), SystemError);
     fs::remove(folder_ / "images.bin");
     EXPECT_THROW(ImageStream(dataset, StreamSource::disk), SystemError);
+}
+
+TEST_F(DatasetTest, TruthOfOtherTypesAndCountsIsRefused) {
+    ReflectanceTruth truth;
+    truth.side = 3;
+    truth.materials = {{"gold", "lafortune", {"a", "b"}}};
+    truth.material.assign(4, 0);
+    truth.parameters.resize(4);
+    write_truth(truth, root_);
+    EXPECT_EQ(read_truth(root_).material.size(), 4u);
+    const std::string whole = read_text(root_ / "truth.json");
+    const auto refused = [&](const std::string& from, const std::string& to) {
+        write_text(root_ / "truth.json", replaced(whole, from, to));
+        return complaint([&] { read_truth(root_); });
+    };
+    expect_in("\"texels\" is no whole number", refused("\"texels\": 4", "\"texels\": 4.0"));
+    // 36 bytes each: the product is that of 4 texels, modulo 2^64
+    expect_in("\"texels\"", refused("\"texels\": 4", "\"texels\": " + std::to_string(4 + (uint64_t(1) << 62))));
+    expect_in("truth_parameters.f32: the file has 144 bytes", refused("\"texels\": 4", "\"texels\": 4000000000"));
+    expect_in("\"side\" is no whole number", refused("\"side\": 3", "\"side\": true"));
+    expect_in("\"side\" is no whole number", refused("\"side\": 3", "\"side\": 4294967299"));
+    expect_in("material 0 has more parameters",
+              refused("\"a\"", "\"a\", \"c\", \"d\", \"e\", \"f\", \"g\", \"h\", \"i\", \"j\""));
+    expect_in("no JSON", refused("{", std::string(100'000, '[')));
 }
 
 }  // namespace

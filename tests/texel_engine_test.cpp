@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -14,6 +15,7 @@
 #include "dataset/truth.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
+#include "samples/record_description.h"
 #include "temporary_folder.h"
 #include "texel_scene.h"
 
@@ -258,6 +260,27 @@ TEST_F(TexelDataset, DamagedOrForeignRecordsAreRefused) {
         UserError);
     fs::resize_file(folder / "texels.bin", 4096);
     EXPECT_THROW(open_texel_records(folder, "key"), UserError);
+}
+
+// With the checksum that fits them, so that nothing else is wrong.
+TEST_F(TexelDataset, RecordsOfOtherTypesAndCountsAreRefused) {
+    write("records", uint64_t(1) << 30);
+    const fs::path folder = folder_.path() / "records", file = folder / "texels.json";
+    std::ifstream stream(file);
+    const auto whole = nlohmann::ordered_json::parse(stream);
+    const auto refused = [&](const char* field, const nlohmann::ordered_json& value) {
+        auto changed = whole;
+        changed[field] = value;
+        write_description(file, changed.dump());
+        EXPECT_THROW(open_texel_records(folder, "key"), UserError) << field << " " << value;
+    };
+    refused("texels", "many");
+    refused("texels", uint64_t(1) << 33);
+    refused("texels", 4'000'000'000u);
+    refused("samples", -1);
+    refused("samples", nullptr);
+    refused("bytes", "all");
+    refused("index_checksum", nlohmann::ordered_json::array());
 }
 
 TEST_F(TexelDataset, LoadedSamplesFollowTheRules) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -12,6 +13,7 @@
 #include "dataset/synthetic/synthetic.h"
 #include "model/lfm_start.h"
 #include "samples/raster_distributor.h"
+#include "samples/record_description.h"
 #include "temporary_folder.h"
 
 namespace radiafit {
@@ -217,6 +219,43 @@ TEST(DiskRecords, RefuseWhatIsNotWholeOrNotTheirs) {
     fs::remove(written.folder.path() / "records.json");
     EXPECT_THROW(written.records("star"), UserError);
     EXPECT_THROW(DiskRecords("/nowhere", ""), UserError);
+}
+
+// With the checksum that fits them, so that nothing else is wrong.
+TEST(DiskRecords, RefuseDescriptionsOfOtherTypesAndCounts) {
+    const TriangleAtlas atlas(star().dataset.mesh, 4);
+    const Written written(atlas, {.key = "star"});
+    const fs::path file = written.folder.path() / "records.json";
+    const auto whole = nlohmann::ordered_json::parse(contents(file));
+    const auto refused = [&](const char* field, const nlohmann::ordered_json& value) {
+        auto changed = whole;
+        changed[field] = value;
+        write_description(file, changed.dump());
+        EXPECT_THROW(written.records("star"), UserError) << field << " " << value;
+    };
+    refused("kind", "other");
+    refused("kind", 1);
+    refused("bits", 7);
+    refused("bits", "8");
+    refused("scale", "much");
+    refused("views", 3);
+    refused("views", {"a"});
+    refused("bytes", -1);
+    refused("vertices", uint64_t(1) << 60);
+    refused("vertices", nullptr);
+    refused("index_checksum", "none");
+    auto without = whole;
+    without.erase("bits");
+    write_description(file, without.dump());
+    EXPECT_THROW(written.records("star"), UserError);
+    std::ofstream(file) << std::string(100'000, '[');
+    EXPECT_THROW(written.records("star"), UserError);
+    write_description(file, whole.dump());
+    const DiskRecords records = written.records("star");
+    const auto views = star().dataset.split(false);
+    EXPECT_NO_THROW(records.require(star().rings.vertex_count(), views));
+    EXPECT_THROW(records.require(star().rings.vertex_count() + 1, views), UserError);
+    EXPECT_THROW(records.require(star().rings.vertex_count(), {0, 99'999}), UserError);
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <tuple>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -18,9 +20,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr const char* format_name = "radiafit-truth";
 constexpr int format_version = 1;
+using TruthParameters = decltype(ReflectanceTruth::parameters)::value_type;
 
 [[noreturn]] void damaged(const fs::path& file, const std::string& what) {
     throw UserError(fmt::format("{}: {}; run radiafit generate again", file.string(), what));
+}
+
+size_t count_in(const Json& json, const char* key, uint64_t most, const fs::path& file) {
+    const Json& value = json.at(key);
+    if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+        damaged(file, fmt::format("\"{}\" is no whole number from 0 to {}", key, most));
+    return value.get<size_t>();
 }
 
 template <class T>
@@ -62,17 +72,20 @@ ReflectanceTruth read_truth(const fs::path& folder) {
         const Json json = Json::parse(in);
         if (json.at("format") != format_name || json.at("version") != format_version)
             damaged(file, fmt::format("not a {} of version {}", format_name, format_version));
-        truth.side = json.at("side").get<int>();
+        truth.side = static_cast<int>(count_in(json, "side", 64, file));
         truth.exact = json.at("exact").get<bool>();
-        texels = json.at("texels").get<size_t>();
-        for (const Json& m : json.at("materials"))
+        texels = count_in(json, "texels", std::numeric_limits<uint32_t>::max(), file);
+        for (const Json& m : json.at("materials")) {
             truth.materials.push_back({m.at("name").get<std::string>(), m.at("model").get<std::string>(),
                                        m.at("parameters").get<std::vector<std::string>>()});
+            if (truth.materials.back().parameters.size() > std::tuple_size_v<TruthParameters>)
+                damaged(file, fmt::format("material {} has more parameters than a texel", truth.materials.size() - 1));
+        }
     } catch (const Json::exception&) {
         damaged(file, "a field is missing or of another type, or the text is no JSON");
     }
     const std::string whose = fmt::format("{} texels", texels);
-    truth.parameters = read_values<std::array<float, 9>>(folder / truth_parameters_name, texels, whose, damaged);
+    truth.parameters = read_values<TruthParameters>(folder / truth_parameters_name, texels, whose, damaged);
     truth.material = read_values<uint8_t>(folder / truth_material_name, texels, whose, damaged);
     for (const uint8_t m : truth.material)
         if (m >= truth.materials.size())

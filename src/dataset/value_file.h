@@ -18,8 +18,8 @@ std::vector<T> read_values(const std::filesystem::path& file, size_t count, cons
     std::error_code error;
     const uint64_t bytes = std::filesystem::file_size(file, error);
     if (error) damaged(file, "the file is missing or cannot be read");
-    if (bytes != count * sizeof(T))
-        damaged(file, fmt::format("the file has {} bytes, but {} need {}", bytes, whose, count * sizeof(T)));
+    if (bytes % sizeof(T) != 0 || bytes / sizeof(T) != count)  // a product might overflow
+        damaged(file, fmt::format("the file has {} bytes, but {} need {} each", bytes, whose, sizeof(T)));
     std::vector<T> values(count);
     InputFile(file).read(values.data(), 0, bytes);
     return values;

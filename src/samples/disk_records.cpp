@@ -21,6 +21,19 @@ constexpr const char* description_name = "records.json";
 constexpr const char* waiting_name = "waiting.bin";
 constexpr const char* format = "radiafit-records";
 
+using Json = nlohmann::ordered_json;
+
+RecordKind kind_of(const Json& name) {
+    if (name == "full") return RecordKind::full;
+    if (name == "compact") return RecordKind::compact;
+    throw Json::other_error::create(501, "no kind of records", nullptr);
+}
+int bits_of(const Json& bits) {
+    if (bits == 8) return 8;
+    if (bits == 16) return 16;
+    throw Json::other_error::create(501, "no bits", nullptr);
+}
+
 uint64_t index_checksum(const std::vector<VertexRecord>& index) {
     return hash_bytes(index.data(), index.size() * sizeof(VertexRecord));
 }
@@ -290,18 +303,40 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
 DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
     : file_((read_description(folder / description_name, format, key), open_records_file(folder / records_name))),
       path_(folder / records_name) {
-    const auto json = nlohmann::ordered_json::parse(read_description(folder / description_name, format, key));
-    kind_ = json.at("kind") == "full" ? RecordKind::full : RecordKind::compact;
-    bits_ = json.at("bits");
-    scale_ = json.at("scale");
-    bytes_ = json.at("bytes");
-    views_ = json.at("views").get<std::vector<uint32_t>>();
-    vertices_.resize(json.at("vertices").get<size_t>());
-    const InputFile index = open_records_file(folder / index_name);
-    if (file_.size() != bytes_) throw_damaged_records(path_);
-    if (index.size() != vertices_.size() * sizeof(VertexRecord)) throw_damaged_records(folder / index_name);
-    index.read(vertices_.data(), 0, index.size());
-    if (json.at("index_checksum") != index_checksum(vertices_)) throw_damaged_records(folder / index_name);
+    const fs::path description = folder / description_name, index_path = folder / index_name;
+    const Json json = Json::parse(read_description(description, format, key));
+    bytes_ = file_.size();
+    const InputFile index = open_records_file(index_path);
+    vertices_.resize(index.size() / sizeof(VertexRecord));  // what stands there, not what the description claims
+    index.read(vertices_.data(), 0, vertices_.size() * sizeof(VertexRecord));
+    try {
+        kind_ = kind_of(json.at("kind"));
+        bits_ = bits_of(json.at("bits"));
+        scale_ = json.at("scale").get<float>();
+        views_ = json.at("views").get<std::vector<uint32_t>>();
+        if (json.at("bytes") != bytes_) throw_damaged_records(path_);
+        if (index.size() % sizeof(VertexRecord) != 0 || json.at("vertices") != vertices_.size() ||
+            json.at("index_checksum") != index_checksum(vertices_))
+            throw_damaged_records(index_path);
+    } catch (const Json::exception&) {
+        throw_damaged_records(description);
+    }
+    for (size_t v = 0; v < vertices_.size(); ++v)
+        if (!holds_its_samples(v)) throw_damaged_records(index_path);
+}
+
+bool DiskRecords::holds_its_samples(size_t v) const {
+    const VertexRecord& record = vertices_[v];
+    if (record.offset > end(v) || end(v) > bytes_) return false;
+    const uint32_t place = record.texel_bytes;
+    const uint64_t compact = uint64_t(bits_) * 3 / 8 + place;
+    return (place == 1 || place == 2 || place == 4) &&
+           block_bytes(v) == record.images * sizeof(RecordGroup) +
+                                 record.samples * (kind_ == RecordKind::full ? sizeof(FullRecord) : compact);
+}
+
+void DiskRecords::require(size_t vertices, const std::vector<uint32_t>& views) const {
+    if (vertices_.size() != vertices || views_ != views) throw_damaged_records(path_.parent_path() / description_name);
 }
 
 fs::path DiskRecords::file(const fs::path& folder) { return folder / records_name; }

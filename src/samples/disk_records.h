@@ -56,6 +56,10 @@ public:
     /// when they are read.
     DiskRecords(const std::filesystem::path& folder, const std::string& key);
 
+    /// Throws UserError unless they are of so many vertices and of these dataset views: whoever looks either up by an
+    /// index of the records asks first.
+    void require(size_t vertices, const std::vector<uint32_t>& views) const;
+
     RecordKind kind() const { return kind_; }
     int bits() const { return bits_; }      ///< compact: of a stored channel
     float scale() const { return scale_; }  ///< compact: target per unit of a 16-bit channel (8 bits: times 257)
@@ -70,6 +74,7 @@ public:
     void read(size_t begin, size_t end, std::vector<uint8_t>& blocks) const;
 
 private:
+    bool holds_its_samples(size_t v) const;
     uint64_t end(size_t v) const { return v + 1 < vertices_.size() ? vertices_[v + 1].offset : bytes_; }
 
     RecordKind kind_;

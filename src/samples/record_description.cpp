@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/nesting.h"
 
 namespace radiafit {
 namespace {
@@ -42,8 +44,10 @@ void write_description(const std::filesystem::path& file, const std::string& obj
 }
 
 std::string read_description(const std::filesystem::path& file, const std::string& format, const std::string& key) {
-    std::ifstream stream(file);
-    const auto json = nlohmann::ordered_json::parse(stream, nullptr, false);
+    std::ifstream stream(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (nested_deeper(text, 100)) throw_damaged_records(file);
+    const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
     const auto is = [&](const char* name, const nlohmann::ordered_json& value) {
         return json.is_object() && json.contains(name) && json.at(name) == value;
     };

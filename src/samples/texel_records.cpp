@@ -12,6 +12,7 @@ namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
+using Json = nlohmann::ordered_json;
 constexpr const char* records_name = "texels.bin";
 constexpr const char* index_name = "texels_index.bin";
 constexpr const char* description_name = "texels.json";
@@ -141,34 +142,50 @@ uint64_t checksum_of(const TexelSamples& block) {
 
 class TexelsOnDisk final : public TexelSource {
 public:
-    TexelsOnDisk(const fs::path& folder, const nlohmann::ordered_json& description)
-        : texels_(description.at("texels")),
-          samples_(description.at("samples")),
-          blocks_(texel_blocks(texels_)),
-          path_(folder / records_name),
-          file_(open_records_file(path_)) {
-        const InputFile index = open_records_file(folder / index_name);
-        if (index.size() != blocks_.size() * sizeof(BlockRecord)) throw_damaged_records(folder / index_name);
-        index.read(blocks_.data(), 0, index.size());
-        if (description.at("index_checksum") != hash_bytes(blocks_.data(), index.size()))
-            throw_damaged_records(folder / index_name);
-        if (file_.size() != description.at("bytes")) throw_damaged_records(path_);
+    TexelsOnDisk(const fs::path& folder, const std::string& key)
+        : path_(folder / records_name), file_(open_records_file(path_)) {
+        const fs::path description_path = folder / description_name, index_path = folder / index_name;
+        const Json description = Json::parse(read_description(description_path, format, key));
+        const InputFile index = open_records_file(index_path);
+        blocks_.resize(index.size() / sizeof(BlockRecord));  // what stands there, not what the description claims
+        index.read(blocks_.data(), 0, blocks_.size() * sizeof(BlockRecord));
+        try {
+            texels_ = description.at("texels").get<uint32_t>();
+            for (const BlockRecord& record : blocks_) samples_ += record.samples;
+            if (description.at("texels") != texels_ || description.at("samples") != samples_)
+                throw_damaged_records(description_path);
+            if (index.size() % sizeof(BlockRecord) != 0 || blocks_.size() != texel_blocks(texels_) ||
+                description.at("index_checksum") != hash_bytes(blocks_.data(), index.size()))
+                throw_damaged_records(index_path);
+            if (file_.size() != description.at("bytes")) throw_damaged_records(path_);
+        } catch (const Json::exception&) {
+            throw_damaged_records(description_path);
+        }
+        for (size_t b = 0; b < blocks_.size(); ++b)
+            if (!stands_in_file(b)) throw_damaged_records(index_path);
     }
     uint32_t texel_count() const override { return texels_; }
     uint64_t sample_count() const override { return samples_; }
     void read(uint32_t begin, TexelSamples& out) const override {
         const BlockRecord& record = blocks_[begin / block];
-        out.first.resize(std::min(block, texels_ - begin) + 1);
+        const uint64_t head = head_bytes(begin);
+        out.first.resize(head / sizeof(uint64_t));
         out.samples.resize(record.samples);
-        const uint64_t head = out.first.size() * sizeof(uint64_t);
         file_.read(out.first.data(), record.offset, head);
         file_.read(out.samples.data(), record.offset + head, record.samples * sizeof(TexelRadiance));
         if (checksum_of(out) != record.checksum) throw_damaged_records(path_);
     }
 
 private:
-    uint32_t texels_;
-    uint64_t samples_;
+    uint64_t head_bytes(uint32_t begin) const { return (std::min(block, texels_ - begin) + 1) * sizeof(uint64_t); }
+    bool stands_in_file(size_t b) const {
+        const uint64_t bytes = file_.size(), offset = blocks_[b].offset, head = head_bytes(uint32_t(b) * block);
+        return offset <= bytes && head <= bytes - offset &&
+               blocks_[b].samples <= (bytes - offset - head) / sizeof(TexelRadiance);
+    }
+
+    uint32_t texels_ = 0;
+    uint64_t samples_ = 0;
     std::vector<BlockRecord> blocks_;
     fs::path path_;
     InputFile file_;
@@ -214,8 +231,7 @@ TexelDistributionStatistics write_texel_records(const fs::path& folder, const Da
 }
 
 std::unique_ptr<TexelSource> open_texel_records(const fs::path& folder, const std::string& key) {
-    return std::make_unique<TexelsOnDisk>(
-        folder, nlohmann::ordered_json::parse(read_description(folder / description_name, format, key)));
+    return std::make_unique<TexelsOnDisk>(folder, key);
 }
 
 fs::path texel_records_file(const fs::path& folder) { return folder / records_name; }
