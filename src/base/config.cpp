@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -89,12 +91,37 @@ bool convert(const toml::node& node, std::vector<T>& out) {
     return true;
 }
 
+/// toml++ is undefined on some characters outside of strings: control characters, and those beyond ASCII.
+bool plain(unsigned char c) { return (c >= ' ' && c < 127) || c == '\t' || c == '\n' || c == '\r'; }
+
+/// Comments may hold what they like beyond ASCII. A quote before it may end a string that began lines above, so that
+/// what follows is no comment.
+void refuse_strange_characters(const std::filesystem::path& path, const std::string& text) {
+    size_t line = 1;
+    bool comment = false, quote = false;
+    for (const char c : text) {
+        if (!plain(static_cast<unsigned char>(c)) && (static_cast<signed char>(c) >= 0 || !comment || quote))
+            throw UserError(
+                fmt::format("{}:{}: a character that is no printable ASCII; in strings, write \\u and four "
+                            "hexadecimal digits",
+                            path.string(), line));
+        comment |= c == '#';
+        quote |= c == '"' || c == '\'';
+        if (c != '\n') continue;
+        ++line;
+        comment = quote = false;
+    }
+}
+
 toml::table parse_file(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error))
         throw UserError(fmt::format("{}: no such configuration file; check the path", path.string()));
+    std::ifstream stream(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    refuse_strange_characters(path, text);
     try {
-        return toml::parse_file(path.string());
+        return toml::parse(text, path.string());
     } catch (const toml::parse_error& parse_error) {
         throw UserError(fmt::format("{}:{}: {}; mend the line", path.string(), parse_error.source().begin.line,
                                     parse_error.description()));
@@ -172,10 +199,10 @@ struct Config::Sources {
         const std::string value = text.substr(equals + 1);
         toml::table table;
         try {
-            table = toml::parse("value = " + value);
-        } catch (const toml::parse_error&) {
-            table.insert("value", value);  // a bare word is a string
+            if (std::ranges::all_of(value, plain)) table = toml::parse("value = " + value);
+        } catch (const toml::parse_error&) {  // a bare word
         }
+        if (!table.contains("value")) table.insert("value", value);  // is a string
         overrides.push_back(std::move(table));
         entries.push_back({.key = text.substr(0, equals),
                            .node = nullptr,
