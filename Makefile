@@ -1,12 +1,14 @@
 # The few commands a person types; everything else is CMake. Variables:
 #   PROFILE=standard|smoke|paper   size of the experiments
-#   ONLY=fig7                      only experiments whose names contain this
+#   ONLY=fig7                      only experiments, or targets of `make fuzz`, whose names contain this
+#   MINUTES=1                      of `make fuzz` for each reader
 #   PRESET=release|asan|tsan       see CMakePresets.json
 #   BUILD=FOLDER                   where to build
 #   COUNT=3, SEED=1                how much `make check` disturbs each command, and when
 #   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
 PROFILE ?= standard
 ONLY ?=
+MINUTES ?= 1
 PRESET ?= release
 BUILD ?= build/$(PRESET)
 JOBS ?= $(shell nproc)
@@ -15,7 +17,7 @@ BENCH_FLAGS ?=
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check faults sanitized experiments bench smoke configure packages format format-check clean
+.PHONY: build test check fuzz faults sanitized experiments bench smoke configure packages format format-check clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -43,6 +45,14 @@ faults: configure
 sanitized: configure
 	@cmake --build $(BUILD) --parallel $(JOBS) --target test_programs
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS) --label-exclude 'smoke|program|text'
+
+# Every reader on mutated files, MINUTES each. What was learnt stays in build/fuzz/fuzz for the next time.
+fuzz:
+	@scripts/install-packages.sh fuzz
+	@cmake --preset fuzz --log-level=WARNING
+	@cmake --build build/fuzz --parallel $(JOBS) --target fuzz_readers
+	@tests/fuzz/run_fuzz.py build/fuzz/tests/fuzz/fuzz_readers build/fuzz/fuzz --minutes $(MINUTES) \
+	    --only "$(ONLY)" --jobs $(JOBS)
 
 experiments: configure
 	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Installs every Debian package that the build, the tests and the figures need: the only list of them.
+# `install-packages.sh fuzz`: what `make fuzz` needs, too.
 # Says nothing and changes nothing where all are there. RADIAFIT_SKIP_PACKAGES=1 leaves the system alone.
 set -eu
 
@@ -13,6 +14,7 @@ packages="
     gnuplot-nox fonts-dejavu-core strace
     clang-format glslang-tools spirv-tools python3
 "
+[ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"
 
 [ "${RADIAFIT_SKIP_PACKAGES:-0}" = 1 ] && exit 0
 

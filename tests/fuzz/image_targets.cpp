@@ -1,0 +1,133 @@
+// Photographs, masks and maps of normals of captures.
+#include <OpenImageIO/imageio.h>
+#include <zlib.h>
+
+#include <optional>
+
+#include "capture/image_file.h"
+#include "capture/normal_file.h"
+#include "capture_fixture.h"
+#include "target.h"
+
+namespace radiafit::fuzz {
+namespace {
+
+using Seeds = std::vector<std::string>;
+constexpr int width = 7, height = 5;
+
+/// Every way in which a capture reads a picture. Refused if all of them refuse.
+void read(const fs::path& file) {
+    std::optional<UserError> refusal;
+    int taken = 0;
+    for (const auto& way :
+         std::vector<std::function<void()>>{[&] { read_image(file); }, [&] { read_image(file, true); },
+                                            [&] { read_mask(file); }, [&] { read_normal_file(file); }}) {
+        try {
+            way();
+            ++taken;
+        } catch (const UserError& e) {
+            refusal = e;
+        }
+    }
+    if (!taken) throw *refusal;
+}
+
+/// As other programs write them: `name` decides on the format, `compression` is OpenImageIO's word.
+std::string written(const fs::path& folder, const char* name, int channels, OIIO::TypeDesc type,
+                    const char* compression, bool tiles = false) {
+    OIIO::ImageSpec spec(width, height, channels, type);
+    if (*compression) spec.attribute("compression", compression);
+    if (tiles) spec.tile_width = spec.tile_height = 16;
+    const fs::path file = folder / name;
+    const auto output = OIIO::ImageOutput::create(file.string());
+    std::vector<float> values;
+    for (int i = 0; i < width * height * channels; ++i) values.push_back(float(i % 19) / 18);
+    if (!output || !output->open(file.string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, values.data()) ||
+        !output->close())
+        throw std::runtime_error("no seed: " + OIIO::geterror());
+    return bytes_of(file);
+}
+
+Seeds png_seeds(const fs::path& folder) {
+    Seeds seeds;
+    for (const int bits : {8, 16})
+        for (const int channels : {3, 1, 2, 4}) {
+            std::vector<uint16_t> samples;
+            for (int i = 0; i < width * height * channels; ++i) samples.push_back(uint16_t(i * 7 % (1 << bits)));
+            seeds.push_back(testing::encode_png(width, height, channels, bits, samples));
+        }
+    seeds.push_back(written(folder, "other.png", 3, OIIO::TypeDesc::UINT8, ""));
+    return seeds;
+}
+
+Seeds jpeg_seeds(const fs::path& folder) {
+    return {written(folder, "other.jpg", 3, OIIO::TypeDesc::UINT8, "jpeg:90"),
+            written(folder, "other.jpg", 1, OIIO::TypeDesc::UINT8, "jpeg:50")};
+}
+
+Seeds tiff_seeds(const fs::path& folder) {
+    Seeds seeds;
+    for (const char* compression : {"none", "lzw", "zip", "packbits"})
+        for (const auto type : {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16, OIIO::TypeDesc::FLOAT})
+            for (const int channels : {3, 1, 4})
+                seeds.push_back(written(folder, "other.tif", channels, type, compression));
+    seeds.push_back(written(folder, "other.tif", 3, OIIO::TypeDesc::UINT8, "none", true));
+    return seeds;
+}
+
+Seeds exr_seeds(const fs::path& folder) {
+    Seeds seeds;
+    for (const char* compression : {"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "dwaa"})
+        for (const auto type : {OIIO::TypeDesc::HALF, OIIO::TypeDesc::FLOAT})
+            seeds.push_back(written(folder, "other.exr", 3, type, compression));
+    seeds.push_back(written(folder, "other.exr", 4, OIIO::TypeDesc::HALF, "zip"));
+    seeds.push_back(written(folder, "other.exr", 1, OIIO::TypeDesc::FLOAT, "none", true));
+    return seeds;
+}
+
+Seeds pfm_seeds(const fs::path&) {
+    const std::string color = testing::encode_pfm(width, height, std::vector<float>(width * height * 3, 0.5f));
+    std::string grey = testing::encode_pfm(width, height, std::vector<float>(width * height * 3, 0.5f));
+    grey[1] = 'f';
+    grey.resize(grey.size() - width * height * 8);
+    return {color, grey};
+}
+
+uint32_t number_at(const std::string& bytes, size_t at) {
+    uint32_t value = 0;
+    for (size_t i = 0; i < 4; ++i) value = value << 8 | uint8_t(bytes[at + i]);
+    return value;
+}
+
+/// Puts the checksums of a PNG's chunks right.
+void vouch(const fs::path& file) {
+    std::string png = bytes_of(file);
+    for (size_t at = 8; at + 12 <= png.size();) {
+        const uint64_t length = number_at(png, at);
+        if (at + 12 + length > png.size()) break;
+        const auto* chunk = reinterpret_cast<const Bytef*>(png.data() + at + 4);
+        png.replace(at + 8 + length, 4, testing::big_endian(uint32_t(crc32_z(0, chunk, 4 + length))));
+        at += 12 + length;
+    }
+    put_bytes(file, png);
+}
+
+Target target(const char* name, const char* file, Seeds (*seeds)(const fs::path&)) {
+    return {name, file, seeds, [=](const fs::path& folder) { read(folder / file); }};
+}
+
+}  // namespace
+
+std::vector<Target> image_targets() {
+    const auto vouched = [](const fs::path& folder) {
+        vouch(folder / "image.png");
+        read(folder / "image.png");
+    };
+    return {{"png", "image.png", png_seeds, vouched},
+            target("jpeg", "image.jpg", jpeg_seeds),
+            target("tiff", "image.tif", tiff_seeds),
+            target("image_exr", "image.exr", exr_seeds),
+            target("pfm", "image.pfm", pfm_seeds)};
+}
+
+}  // namespace radiafit::fuzz
