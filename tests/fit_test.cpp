@@ -305,6 +305,15 @@ TEST_F(Corruption, SizesInHeadersAreComparedBeforeMemoryIsTaken) {
               std::string::npos);
 }
 
+TEST_F(Corruption, AttributesEndWithinTheFile) {
+    const fs::path map = where / "problems.exr";
+    std::string bytes = text_of(map);
+    const std::string name = std::string("compression") + '\0' + "compression" + '\0';
+    const uint32_t huge = 0x70000000;
+    std::memcpy(bytes.data() + bytes.find(name) + name.size(), &huge, sizeof huge);
+    expect("problems.exr: cannot be read as OpenEXR (its header ends within an attribute)", [&] { put(map, bytes); });
+}
+
 TEST_F(Corruption, FitJson) {
     const auto edit = [&](const std::string& from, const std::string& to) {
         return [this, from, to] { replace_in(where / "fit.json", from, to); };

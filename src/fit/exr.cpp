@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
+#include <stdexcept>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -48,14 +50,46 @@ private:
     size_t at_ = 0;
 };
 
-void check_size(const std::filesystem::path& path, const ExrImage& image, std::optional<std::array<int, 2>> size) {
-    if (size && (image.width != (*size)[0] || image.height != (*size)[1]))
+using ExpectedSize = std::optional<std::array<int, 2>>;
+
+void check_size(const std::filesystem::path& path, int64_t width, int64_t height, const ExpectedSize& size) {
+    if (size && (width != (*size)[0] || height != (*size)[1]))
         throw UserError(fmt::format("{}: {} x {} pixels where {} x {} belong; restore the file or fit again",
-                                    path.string(), image.width, image.height, (*size)[0], (*size)[1]));
+                                    path.string(), width, height, (*size)[0], (*size)[1]));
     const uint64_t bytes = std::filesystem::file_size(path);
-    if (!size && uint64_t(image.width) * uint64_t(image.height) / most_pixels_per_byte > bytes)
+    if (width < 1 || height < 1 || uint64_t(width) * uint64_t(height) / most_pixels_per_byte > bytes)
         throw UserError(fmt::format("{}: {} x {} pixels cannot stand in {} bytes; restore the file or write it again",
-                                    path.string(), image.width, image.height, bytes));
+                                    path.string(), width, height, bytes));
+}
+
+template <class T>
+T number(std::istream& in) {
+    T value = 0;
+    in.read(reinterpret_cast<char*>(&value), sizeof value);
+    return value;
+}
+
+/// OpenEXR takes the memory that attributes and lines claim to need before it finds the file shorter, and before
+/// anyone may ask how large the image is.
+void check_header(const std::filesystem::path& path, const ExpectedSize& size) {
+    std::ifstream in(path, std::ios::binary);
+    number<uint32_t>(in);  // magic
+    constexpr uint32_t deep = 1 << 11, multipart = 1 << 12;
+    if (number<uint32_t>(in) & (deep | multipart)) throw std::runtime_error("it holds several or deep images");
+    const uint64_t bytes = std::filesystem::file_size(path);
+    std::string name, type;
+    while (std::getline(in, name, '\0') && !name.empty()) {
+        std::getline(in, type, '\0');
+        const auto length = number<uint32_t>(in);
+        const auto begin = in.tellg();
+        if (!in || length > bytes - uint64_t(begin)) throw std::runtime_error("its header ends within an attribute");
+        if (name == "dataWindow" && length == 4 * sizeof(int32_t)) {
+            const int64_t left = number<int32_t>(in), top = number<int32_t>(in);
+            const int64_t right = number<int32_t>(in), bottom = number<int32_t>(in);
+            check_size(path, right - left + 1, bottom - top + 1, size);
+        }
+        in.seekg(begin + std::streamoff(length));
+    }
 }
 
 }  // namespace
@@ -93,19 +127,18 @@ void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrType
     write_file(path, bytes_of_file.bytes());
 }
 
-ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels,
-                  std::optional<std::array<int, 2>> size) {
+ExrImage read_exr(const std::filesystem::path& path, const std::vector<std::string>& channels, ExpectedSize size) {
     if (!std::filesystem::is_regular_file(path))
         throw UserError(fmt::format("{}: no such file; restore it or write it again", path.string()));
     ExrImage image;
     image.channels = channels;
     try {
+        check_header(path, size);
         Imf::InputFile file(path.string().c_str());
         const Imf::Header& header = file.header();
         const Imath::Box2i window = header.dataWindow();
         image.width = window.max.x - window.min.x + 1;
         image.height = window.max.y - window.min.y + 1;
-        check_size(path, image, size);
         const Imf::ChannelList& present = header.channels();
         if (channels.empty())
             for (auto c = present.begin(); c != present.end(); ++c) image.channels.push_back(c.name());
