@@ -59,7 +59,9 @@ std::vector<Row> judge_all(const fs::path& results, const std::string& profile) 
 
 void write_claims(Experiment& experiment) {
     std::string folder = "results";
-    experiment.config().read("results", folder);
+    experiment.config().read("results", folder, [](const std::string& name) {
+        if (name.empty()) throw UserError("results = '': name the folder that the runs lie in");
+    });
     experiment.config().finish();
     const fs::path results = experiment.root() / folder;
     const std::vector<Row> rows = judge_all(results, experiment.profile());

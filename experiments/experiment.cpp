@@ -5,8 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "app/limits.h"
+#include "app/options.h"
+#include "app/parse_error.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/failure.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/standard_streams.h"
@@ -21,10 +25,10 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
     std::string config;
     std::vector<std::string> overrides;
     int threads = 0;
-    app.add_option("--config", config, "experiments/" + name_ + ".toml")->required();
+    add_text(app, "--config", config, "experiments/" + name_ + ".toml")->required();
     app.add_option("--profile", profile_, "smoke, standard or paper")->capture_default_str();
     app.add_option("--set", overrides, "key=value, over the config file")->allow_extra_args(false);
-    app.add_option("--threads", threads, "0 is all cores")->check(CLI::Range(0, 1024));
+    add_number(app, "--threads", threads, limits::threads, "0 is all cores");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -33,7 +37,7 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
             finish_standard_output();
             std::exit(0);
         }
-        throw UserError(fmt::format("{}; see --help", e.what()));
+        throw UserError(explain(app, e));
     }
     set_thread_count(threads);
     root_ = std::filesystem::absolute(config).parent_path().parent_path();
@@ -101,10 +105,18 @@ FitOutcome solve_noting_errors(const Dataset& dataset, const FitRequest& request
 
 void read_maps(Config& config, LfmOptions& model) {
     double lambda = 1e-3;
-    config.read("surface_side", model.surface_side);
-    config.read("view_side", model.view_side);
-    config.read("lambda", lambda);
+    config.read("surface_side", model.surface_side, limits::map_side);
+    config.read("view_side", model.view_side, limits::map_side);
+    config.read("lambda", lambda, limits::weight);
     model.lambda_surface = model.lambda_view = float(lambda);
+}
+
+void check_shape(const std::string& shape) { synthetic_size({.shape = shape}); }
+
+void check_light_field_shape(const std::string& shape) {
+    check_shape(shape);
+    if (shape == "ornament")
+        throw UserError("ornament has a lamp that moves, which no light field map follows; choose star or bust");
 }
 
 double log_slope(const Points& points) {
@@ -131,12 +143,10 @@ int run_experiment(const std::string& name, int argc, const char* const* argv,
         Experiment experiment(name, argc, argv);
         body(experiment);
         return 0;
-    } catch (const UserError& e) {
-        log_error(name, e.what());
-        return 2;
     } catch (const std::exception& e) {
-        log_error(name, e.what());
-        return 1;
+        const Failure failure = describe(e);
+        log_error(name, failure.line);
+        return failure.status;
     }
 }
 

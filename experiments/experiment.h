@@ -66,6 +66,10 @@ using Lines = std::map<std::string, Points>;
 /// Least-squares slope of log y over log x; points: at least two different x.
 double log_slope(const Points& points);
 
+/// Rules for the names of synthetic datasets in a config: any, or those that a light field map can be fitted to. Throw
+/// UserError, telling the names that there are.
+void check_shape(const std::string& shape);
+void check_light_field_shape(const std::string& shape);
 /// Reads surface_side, view_side and lambda, the weight of both kinds of maps.
 void read_maps(Config& config, LfmOptions& model);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/choices.h"
+#include "app/limits.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
@@ -19,6 +20,8 @@
 namespace radiafit {
 namespace {
 
+constexpr Range<int> timed_iterations{2, limits::iterations.upper, "the first is not timed"};
+
 struct Options {
     std::string dataset = "star";
     std::vector<std::string> passes{"paper", "combined"};
@@ -30,16 +33,14 @@ struct Options {
         request.view = "nearest";
         request.source = "disk-cold";
         request.iterations = 5;
-        c.read("dataset", dataset);
+        c.read("dataset", dataset, [](const std::string& shape) {
+            if (!shape.empty()) check_light_field_shape(shape);
+        });
         read_maps(c, request.model);
-        c.read("source", request.source);
-        c.read("passes", passes);
-        c.read("iterations", request.iterations);
+        c.read("source", request.source, choose_source);
+        c.read("passes", passes, choose_passes);
+        c.read("iterations", request.iterations, timed_iterations);
         c.finish();
-        choose_source(request.source);
-        for (const std::string& each : passes) choose_passes(each);
-        if (passes.empty()) c.reject("passes", "needs \"paper\", \"combined\" or both");
-        if (request.iterations < 2) c.reject("iterations", "needs at least 2: the first is not timed");
     }
 };
 

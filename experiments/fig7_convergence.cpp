@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/choices.h"
+#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/rng.h"
@@ -13,6 +15,8 @@
 namespace radiafit {
 namespace {
 
+constexpr Range<int> caps{10, limits::iterations.upper}, shown_problems{1, 6};
+
 struct Options {
     std::vector<std::string> datasets = {"star", "bust"};
     std::string engine = "cpu";
@@ -21,20 +25,17 @@ struct Options {
     int cap = 3000, modern_iterations = 400, problems = 3, seed = 7, shown_cg = 50, shown_sd = 500;
 
     explicit Options(Config& c) {
-        c.read("datasets", datasets);
-        c.read("engine", engine);
+        c.read("datasets", datasets, check_light_field_shape);
+        c.read("engine", engine, check_engine);
         read_maps(c, model);
-        c.read("tolerance", tolerance);
-        c.read("cap", cap);
-        c.read("modern_iterations", modern_iterations);
-        c.read("problems", problems);
-        c.read("seed", seed);
-        c.read("shown_cg", shown_cg);
-        c.read("shown_sd", shown_sd);
+        c.read("tolerance", tolerance, limits::tolerance);
+        c.read("cap", cap, caps);
+        c.read("modern_iterations", modern_iterations, limits::some_iterations);
+        c.read("problems", problems, shown_problems);
+        c.read("seed", seed, limits::draw_seed);
+        c.read("shown_cg", shown_cg, limits::some_iterations);
+        c.read("shown_sd", shown_sd, limits::some_iterations);
         c.finish();
-        if (cap < 10) c.reject("cap", "needs at least 10 iterations");
-        if (problems < 1 || problems > 6) c.reject("problems", "shows 1 to 6 problems");
-        if (!(tolerance > 1)) c.reject("tolerance", "is a multiple above 1");
     }
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/choices.h"
+#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "experiment.h"
@@ -25,15 +26,13 @@ struct Options {
         request.mode = "paper";
         request.view = "nearest";
         request.source = "disk-cold";
-        c.read("dataset", dataset);
+        c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, request.model);
-        c.read("iterations", request.iterations);
-        c.read("record_iterations", record_iterations);
-        c.read("source", request.source);
-        c.read("repetitions", repetitions);
+        c.read("iterations", request.iterations, limits::some_iterations);
+        c.read("record_iterations", record_iterations, limits::some_iterations);
+        c.read("source", request.source, choose_source);
+        c.read("repetitions", repetitions, limits::repetitions);
         c.finish();
-        if (request.iterations < 1) c.reject("iterations", "needs at least 1");
-        if (repetitions < 1) c.reject("repetitions", "needs at least 1");
     }
 };
 

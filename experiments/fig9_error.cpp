@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
+#include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "eval/judge.h"
@@ -22,19 +24,18 @@ struct Options {
     double lambda_surface = 1e-2, lambda_view = 0.1;
 
     explicit Options(Config& c) {
-        c.read("datasets", datasets);
+        c.read("datasets", datasets, check_light_field_shape);
         c.read("capture", capture);
-        c.read("terms", terms);
-        c.read("high_side", high_side);
-        c.read("low_side", low_side);
-        c.read("high_iterations", high_iterations);
-        c.read("low_iterations", low_iterations);
-        c.read("lambda_surface", lambda_surface);
-        c.read("lambda_view", lambda_view);
-        c.read("refills", refills);
+        c.read("terms", terms, limits::terms);
+        c.read("high_side", high_side, limits::map_side);
+        c.read("low_side", low_side, limits::map_side);
+        c.read("high_iterations", high_iterations, limits::iterations);
+        c.read("low_iterations", low_iterations, limits::iterations);
+        c.read("lambda_surface", lambda_surface, limits::weight);
+        c.read("lambda_view", lambda_view, limits::weight);
+        c.read("refills", refills, limits::refills);
         c.read("held_out", held_out);
         c.finish();
-        if (terms.empty()) c.reject("terms", "needs at least one number of terms");
         if (held_out != "test" && held_out != "validation") c.reject("held_out", "is test or validation");
     }
     FitRequest request(int k, int side, int iterations) const {
@@ -139,9 +140,11 @@ void write(const std::filesystem::path& folder, const std::vector<Row>& rows) {
 
 void fig9(Experiment& experiment) {
     const Options o(experiment.config());
+    std::optional<Dataset> capture;
+    if (!o.capture.empty()) require_light_field(capture.emplace(open_dataset(o.capture)));
     std::vector<Dataset> datasets;
     for (const std::string& shape : o.datasets) datasets.push_back(experiment.dataset(shape));
-    if (!o.capture.empty()) datasets.push_back(open_dataset(o.capture));
+    if (capture) datasets.push_back(std::move(*capture));
     Contest contest(o, experiment);
     for (const Dataset& dataset : datasets) contest.run(o.held_out == "validation" ? validation_of(dataset) : dataset);
     std::string renderer;

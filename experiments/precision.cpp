@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "app/choices.h"
+#include "app/limits.h"
 #include "base/log.h"
 #include "eval/judge.h"
 #include "experiment.h"
@@ -22,19 +24,17 @@ struct Options {
     explicit Options(Config& c) {
         request.engine = "fragment";
         request.mode = "paper";
-        c.read("dataset", dataset);
-        c.read("passes", request.passes);
-        c.read("storage", storage);
-        c.read("sums", sums);
+        c.read("dataset", dataset, check_light_field_shape);
+        c.read("passes", request.passes, choose_passes);
+        c.read("storage", storage, choose_storage);
+        c.read("sums", sums, choose_sums);
         read_maps(c, request.model);
-        c.read("iterations", request.iterations);
-        c.read("images", images);
+        c.read("iterations", request.iterations, limits::some_iterations);
+        c.read("images", images, limits::images);
         c.finish();
-        if (request.iterations < 1) c.reject("iterations", "needs at least 1");
-        if (images < 0) c.reject("images", "choose 0 (all) or more");
         // The others are measured against 32 bits throughout.
-        if (storage.empty() || storage[0] != "fp32") c.reject("storage", "begin with fp32");
-        if (sums.empty() || sums[0] != "fp32") c.reject("sums", "begin with fp32");
+        if (storage[0] != "fp32") c.reject("storage", "begin with fp32");
+        if (sums[0] != "fp32") c.reject("sums", "begin with fp32");
     }
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/limits.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "dataset/truth.h"
@@ -16,26 +17,24 @@
 namespace radiafit {
 namespace {
 
+constexpr Range<double> exponents{0, 1e6}, distances{0, 1e6};
+
 struct Options {
     double read_noise = 0.002, shot_noise = 0.01;
     int lm_iterations = 50, cg_iterations = 50, sd_iterations = 250, fragment_iterations = 25;
     double sharp = 15, within = 1.05, recovered = 1e-3;
 
     explicit Options(Config& c) {
-        c.read("read_noise", read_noise);
-        c.read("shot_noise", shot_noise);
-        c.read("lm_iterations", lm_iterations);
-        c.read("cg_iterations", cg_iterations);
-        c.read("sd_iterations", sd_iterations);
-        c.read("fragment_iterations", fragment_iterations);
-        c.read("sharp", sharp);
-        c.read("within", within);
-        c.read("recovered", recovered);
+        c.read("read_noise", read_noise, limits::noise);
+        c.read("shot_noise", shot_noise, limits::noise);
+        c.read("lm_iterations", lm_iterations, limits::some_iterations);
+        c.read("cg_iterations", cg_iterations, limits::some_iterations);
+        c.read("sd_iterations", sd_iterations, limits::some_iterations);
+        c.read("fragment_iterations", fragment_iterations, limits::iterations);
+        c.read("sharp", sharp, exponents);
+        c.read("within", within, limits::tolerance);
+        c.read("recovered", recovered, distances);
         c.finish();
-        if (lm_iterations < 1) c.reject("lm_iterations", "needs at least 1");
-        if (cg_iterations < 1) c.reject("cg_iterations", "needs at least 1");
-        if (sd_iterations < 1) c.reject("sd_iterations", "needs at least 1");
-        if (!(within > 1)) c.reject("within", "is a multiple above 1");
     }
 };
 

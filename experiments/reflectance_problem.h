@@ -1,6 +1,8 @@
 #pragma once
 #include <memory>
 
+#include "app/limits.h"
+#include "base/error.h"
 #include "experiment.h"
 #include "gl/texel_engine.h"
 
@@ -13,11 +15,11 @@ public:
     explicit ReflectanceProblem(Config& c) {
         options_.model = find_texel_model("lafortune");
         options_.mode = Mode::paper;
-        c.read("reflectance", shape_);
-        c.read("reflectance_side", options_.surface_side);
-        c.read("reflectance_images", images_);
-        if (images_ < 0) c.reject("reflectance_images", "needs at least 1 image, or 0 for all");
-        check_options(options_);
+        c.read("reflectance", shape_, [](const std::string& shape) {
+            if (shape != "ornament") throw UserError(shape + " has no lamp that moves; choose ornament");
+        });
+        c.read("reflectance_side", options_.surface_side, limits::map_side);
+        c.read("reflectance_images", images_, limits::images);
     }
     /// Once, after the config is finished.
     void open(const Experiment& experiment) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/choices.h"
+#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "experiment.h"
@@ -16,6 +17,8 @@
 namespace radiafit {
 namespace {
 
+constexpr Range<int> image_counts{1, limits::images.upper};
+
 struct Options {
     std::string dataset = "star";
     std::vector<int> sides = {16, 20, 24, 32}, images = {22, 44, 87};
@@ -23,27 +26,19 @@ struct Options {
     double lambda = 1e-3;
 
     explicit Options(Config& c) {
-        c.read("dataset", dataset);
-        c.read("sides", sides);
-        c.read("images", images);
-        c.read("time_side", time_side);
-        c.read("iterations", iterations);
-        c.read("rounds", rounds);
-        c.read("repeat_cpu", repeat_cpu);
-        c.read("repeat_paper", repeat_paper);
-        c.read("repeat_combined", repeat_combined);
-        c.read("lambda", lambda);
+        c.read("dataset", dataset, check_light_field_shape);
+        c.read("sides", sides, limits::map_side);
+        c.read("images", images, image_counts);
+        c.read("time_side", time_side, limits::map_side);
+        c.read("iterations", iterations, limits::some_iterations);
+        c.read("rounds", rounds, limits::repetitions);
+        c.read("repeat_cpu", repeat_cpu, limits::repetitions);
+        c.read("repeat_paper", repeat_paper, limits::repetitions);
+        c.read("repeat_combined", repeat_combined, limits::repetitions);
+        c.read("lambda", lambda, limits::weight);
         c.finish();
         if (sides.size() < 3) c.reject("sides", "a slope needs at least 3");
         if (images.size() < 3) c.reject("images", "a slope needs at least 3");
-        for (int n : images)
-            if (n < 1) c.reject("images", "choose 1 or more of each");
-        for (const auto& [key, repeat] : {std::pair{"repeat_cpu", repeat_cpu},
-                                          {"repeat_paper", repeat_paper},
-                                          {"repeat_combined", repeat_combined}})
-            if (repeat < 1) c.reject(key, "choose 1 or more");
-        if (iterations < 1) c.reject("iterations", "needs at least 1");
-        if (rounds < 1) c.reject("rounds", "needs at least 1");
     }
     /// The paper's conjugate gradients with surface and view maps of one side.
     FitRequest request(int side) const {
@@ -66,7 +61,7 @@ Memory memory_of(const Dataset& dataset, const FitRequest& request) {
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
     Memory m{.passes = request.passes, .storage = request.storage, .side = request.model.surface_side};
-    m.planned = total_bytes(plan(dataset, request));
+    m.planned = total_bytes(plan(dataset, request).memory);
     m.paper_layout = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
                                               request.model.surface_side, request.model.view_side));
     const auto context = Context::create(context_options(request));
@@ -106,8 +101,6 @@ std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const
                                       {"fragment combined", "fragment", "combined", o.repeat_combined}};
     const auto time_of = [&](const Contestant& c, int count) {
         const std::vector<uint32_t> some = spread_views(dataset.split(false), count);
-        if (some.size() < size_t(count))
-            throw UserError(fmt::format("images {}: {} has {} training views", count, dataset.name, some.size()));
         std::vector<uint32_t> views;
         for (uint32_t view : some) views.insert(views.end(), size_t(c.repeat), view);
         const SharedSamples once = distribute(dataset, atlas, defaults, some);
@@ -142,6 +135,11 @@ std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const
 void scaling(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
+    const size_t training = dataset.split(false).size();
+    for (const int count : o.images)
+        if (size_t(count) > training)
+            experiment.config().reject(
+                "images", fmt::format("holds {}, but {} has {} training views", count, dataset.name, training));
     std::vector<Memory> memory;
     for (const char* passes : {"paper", "combined"})
         for (const char* storage : {"fp32", "fp16"})

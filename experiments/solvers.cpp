@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "app/limits.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
@@ -26,27 +27,25 @@
 namespace radiafit {
 namespace {
 
+constexpr Range<double> contest_seconds{0, 1e6};
+
 struct Options {
     std::string dataset = "star";
     int vertices = 60, seed = 1, surface_side = 8, view_side = 8, cap = 3000, repetitions = 5;
     double lambda = 1e-3, tolerance = 1.01, seconds = 8;
 
     explicit Options(Config& c) {
-        c.read("dataset", dataset);
-        c.read("vertices", vertices);
-        c.read("seed", seed);
-        c.read("surface_side", surface_side);
-        c.read("view_side", view_side);
-        c.read("lambda", lambda);
-        c.read("tolerance", tolerance);
-        c.read("cap", cap);
-        c.read("repetitions", repetitions);
-        c.read("seconds", seconds);
+        c.read("dataset", dataset, check_light_field_shape);
+        c.read("vertices", vertices, limits::repetitions);
+        c.read("seed", seed, limits::draw_seed);
+        c.read("surface_side", surface_side, limits::map_side);
+        c.read("view_side", view_side, limits::map_side);
+        c.read("lambda", lambda, limits::weight);
+        c.read("tolerance", tolerance, limits::tolerance);
+        c.read("cap", cap, limits::some_iterations);
+        c.read("repetitions", repetitions, limits::repetitions);
+        c.read("seconds", seconds, contest_seconds);
         c.finish();
-        if (vertices < 1) c.reject("vertices", "needs at least 1");
-        if (!(tolerance > 1)) c.reject("tolerance", "is a multiple above 1");
-        if (cap < 1) c.reject("cap", "needs at least 1 iteration");
-        if (repetitions < 1) c.reject("repetitions", "needs at least 1");
     }
     /// The objective of every solver: E_t with the modern penalty, which is a sum of squares.
     FitRequest request() const {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/choices.h"
+#include "app/limits.h"
 #include "base/log.h"
 #include "experiment.h"
 #include "report/csv.h"
@@ -12,6 +14,8 @@
 
 namespace radiafit {
 namespace {
+
+constexpr Range<double> thresholds{1e-6, 1e6};
 
 struct Options {
     std::string dataset = "star", engine = "cpu";
@@ -21,19 +25,16 @@ struct Options {
     double tolerance = 1.01;
 
     explicit Options(Config& c) {
-        c.read("dataset", dataset);
-        c.read("engine", engine);
+        c.read("dataset", dataset, check_light_field_shape);
+        c.read("engine", engine, check_engine);
         read_maps(c, model);
-        c.read("levels", levels);
-        c.read("iterations", iterations);
-        c.read("cap", cap);
-        c.read("modern_iterations", modern_iterations);
-        c.read("tolerance", tolerance);
+        c.read("levels", levels, thresholds);
+        c.read("iterations", iterations, limits::some_iterations);
+        c.read("cap", cap, limits::some_iterations);
+        c.read("modern_iterations", modern_iterations, limits::some_iterations);
+        c.read("tolerance", tolerance, limits::tolerance);
         c.finish();
-        if (iterations < 1 || cap < iterations) c.reject("cap", "needs at least `iterations`, and those at least 1");
-        if (!(tolerance > 1)) c.reject("tolerance", "is a multiple above 1");
-        if (levels.empty() || std::any_of(levels.begin(), levels.end(), [](double x) { return !(x > 0); }))
-            c.reject("levels", "needs thresholds above 0");
+        if (cap < iterations) c.reject("cap", "needs at least `iterations`");
     }
 };
 

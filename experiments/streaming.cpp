@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "app/choices.h"
+#include "app/limits.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
@@ -31,11 +32,10 @@ struct Options {
     explicit Options(Config& c) : reflectance(c) {
         request.mode = "paper";
         request.view = "nearest";
-        c.read("dataset", dataset);
+        c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, request.model);
-        c.read("repetitions", repetitions);
+        c.read("repetitions", repetitions, limits::repetitions);
         c.finish();
-        if (repetitions < 1) c.reject("repetitions", "needs at least 1");
     }
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "capture/png_file.h"
@@ -20,10 +21,10 @@ struct Options {
     int surface_side = 8, view_side = 8, terms = 1;
 
     explicit Options(Config& c) {
-        c.read("datasets", datasets);
-        c.read("surface_side", surface_side);
-        c.read("view_side", view_side);
-        c.read("terms", terms);
+        c.read("datasets", datasets, check_shape);
+        c.read("surface_side", surface_side, limits::map_side);
+        c.read("view_side", view_side, limits::map_side);
+        c.read("terms", terms, limits::terms);
         c.finish();
     }
 };

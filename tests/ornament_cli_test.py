@@ -80,10 +80,10 @@ class Ornament(ProgramTest):
 
     def test_mistakes(self):
         self.refused("generate", "star", "--light", "near", "-o", "set", says=("leave these options out",))
-        self.refused("generate", "ornament", "--shot-noise", "2", "-o", "set", says=("noise of 2", "[0, 1]"))
-        self.refused("generate", "ornament", "--read-noise", "nan", "-o", "set", says=("noise of nan",))
-        self.refused("generate", "ornament", "--encoding", "jpeg", "-o", "set", says=("--encoding", "u16-linear"))
-        self.refused("generate", "ornament", "--shading", "ray", "-o", "set", says=("--shading", "texel"))
+        self.refused("generate", "ornament", "--shot-noise", "2", "-o", "set", says=("shot-noise = 2", "from 0 to 1"))
+        self.refused("generate", "ornament", "--read-noise", "nan", "-o", "set", says=("read-noise = nan",))
+        self.refused("generate", "ornament", "--encoding", "jpeg", "-o", "set", says=("encoding 'jpeg'", "u16-linear"))
+        self.refused("generate", "ornament", "--shading", "ray", "-o", "set", says=("shading 'ray'", "texel"))
 
 
 if __name__ == "__main__":

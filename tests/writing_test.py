@@ -73,7 +73,7 @@ class StandardStreams(Writing):
                         self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
 
     def test_names_reach_the_terminal_as_text(self):
-        self.refused("info", "a\x1b[2J\nb", says=[r"a\x1b[2J\x0ab: no such folder"])
+        self.refused("info", "a\x1b[2J\nb", says=[r"a\x1b[2J\nb: no such folder"])
 
 
 def limit_files(bytes_):

@@ -3,30 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/limits.h"
+#include "app/options.h"
 #include "app/solver.h"
-#include "base/config.h"
 #include "base/error.h"
 
 namespace radiafit {
 namespace {
-
-[[noreturn]] void reject_name(const char* what, const std::string& name, const std::vector<std::string>& names) {
-    throw UserError(fmt::format("{} '{}' does not exist; choose one of {} (nearest: {})", what, name,
-                                fmt::join(names, ", "), nearest(name, names)));
-}
-
-template <class Choice>
-Choice choose(const char* what, const std::string& name, const std::vector<std::pair<std::string, Choice>>& choices) {
-    std::vector<std::string> names;
-    for (const auto& [known, choice] : choices) {
-        if (known == name) return choice;
-        names.push_back(known);
-    }
-    reject_name(what, name, names);
-}
 
 /// For a table whose entries have a name: throws UserError if none has this one.
 void check_name(const char* what, const std::string& name, const auto& table) {
@@ -41,7 +26,7 @@ Mode choose_mode(const std::string& name) {
 
 /// The paper gives no weight. At 1 the jump of its penalty's gradient at the bound (Section 3.1: a - b, here -16)
 /// dwarfs the data term's and stalls conjugate gradients; 1e-4 is on a par with it.
-float bounds_weight(double mu, Mode mode) { return mu >= 0 ? float(mu) : mode == Mode::paper ? 1e-4f : 1.0f; }
+float bounds_weight(double mu, Mode mode) { return !(mu < 0) ? float(mu) : mode == Mode::paper ? 1e-4f : 1.0f; }
 
 }  // namespace
 
@@ -60,6 +45,8 @@ StreamSource choose_source(const std::string& name) {
          {"memory", StreamSource::memory},
          {"device", StreamSource::disk}});  // read once, and kept there: FragmentOptions::resident
 }
+
+void check_engine(const std::string& name) { choose<int>("engine", name, {{"cpu", 0}, {"fragment", 1}}); }
 
 RecordKind choose_record(const std::string& name) {
     return choose<RecordKind>("record", name, {{"compact", RecordKind::compact}, {"full", RecordKind::full}});
@@ -159,7 +146,7 @@ std::string FitRequest::label() const {
 
 void FitRequest::check() const {
     check_name("solver", solver, solvers());
-    choose<int>("engine", engine, {{"cpu", 0}, {"fragment", 1}});
+    check_engine(engine);
     choose_passes(passes);
     choose_storage(storage);
     choose_sums(sums);
@@ -175,16 +162,13 @@ void FitRequest::check() const {
     if (texel_local()) texel_options();
     if (levenberg_marquardt() && (!texel_local() || (solver == "stream" && engine != "cpu")))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
-    if (iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", iterations));
-    if (validation != 0 && validation < 2)
-        throw UserError(fmt::format("validation = {}: choose 0 (none) or 2 and more", validation));
-    if (std::isnan(mu)) throw UserError("mu = nan: weights are finite and not negative");
-    if (refills < 0) throw UserError(fmt::format("refills = {}: choose 0 or more", refills));
-    if (!(stop_residual >= 0 && stop_output_change >= 0))
-        throw UserError(fmt::format("stop-residual = {}, stop-change = {}: choose 0 (off) or more", stop_residual,
-                                    stop_output_change));
-    if (device < -1)
-        throw UserError(fmt::format("device = {}: choose -1 (any) or an index that radiafit devices lists", device));
+    require("iterations", iterations, limits::iterations);
+    require("validation", validation, limits::validation);
+    if (validation == 1) throw UserError(fmt::format("validation = 1: {}", advice(limits::validation)));
+    require("refills", refills, limits::refills);
+    require("stop-residual", stop_residual, limits::threshold);
+    require("stop-change", stop_output_change, limits::threshold);
+    require("device", device, limits::device);
 }
 
 std::string FitRequest::json() const {

@@ -12,6 +12,8 @@ enum class DistributorChoice { cpu, gl };
 DistributorChoice choose_distributor(const std::string& name);
 TargetSpace choose_space(const std::string& name);
 StreamSource choose_source(const std::string& name);
+/// Throws UserError unless it is cpu or fragment.
+void check_engine(const std::string& name);
 RecordKind choose_record(const std::string& name);
 Passes choose_passes(const std::string& name);
 Storage choose_storage(const std::string& name);

@@ -2,14 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/limits.h"
+#include "app/options.h"
 #include "app/solver.h"
 #include "base/error.h"
 #include "base/leftovers.h"
+#include "base/printable.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
 #include "dataset/synthetic/synthetic.h"
@@ -37,7 +39,8 @@ void print_fit(const FitRecord& f, const std::string& what, bool json) {
         fmt::print("{}\n", object.dump(2));
         return;
     }
-    fmt::print("fit of {} by {} on {}: {}\n", f.dataset_name, f.solver, f.engine, what);
+    fmt::print("fit of {} by {} on {}: {}\n", printable(f.dataset_name), printable(f.solver), printable(f.engine),
+               what);
     for (size_t s = 0; s < counts.size(); ++s)
         if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
 }
@@ -96,7 +99,7 @@ void print_dataset(const Dataset& d, bool json) {
         fmt::print("{}\n", object.dump(2));
         return;
     }
-    fmt::print("dataset {}: {}\n{}\n", d.name, d.description, d.source);
+    fmt::print("dataset {}: {}\n{}\n", printable(d.name), printable(d.description), printable(d.source));
     if (d.has_grid())
         fmt::print("grid of {} x {} texels, {} of them usable; normals {}\n", grid.width, grid.height, usable,
                    grid.texel_normals.empty() ? "of the plane" : "per texel");
@@ -120,25 +123,27 @@ void add_generate(CLI::App& app) {
     CLI::App* command = app.add_subcommand("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
     command->add_option("shape", options->shape, "star, bust or ornament")->required();
     command->add_option("--scale", options->scale, "smoke, standard or paper")->capture_default_str();
-    command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
+    add_number(*command, "--seed", options->seed, limits::seed, "of everything random");
     OrnamentOptions& ornament = options->ornament;
-    const auto choice = [&]<class T>(const char* name, T& value, std::map<std::string, T> names, const char* help) {
-        command->add_option(name, value, help)->transform(CLI::CheckedTransformer(std::move(names)))->group("ornament");
+    const std::vector<CLI::Option*> of_ornament = {
+        add_choice<Encoding>(*command, "--encoding", ornament.sensor.encoding,
+                             {{"u8-srgb", Encoding::u8_srgb},
+                              {"u16-linear", Encoding::u16_linear},
+                              {"f32-linear", Encoding::f32_linear}},
+                             "how pixels are stored (u16-linear unless given)"),
+        add_number(*command, "--read-noise", ornament.sensor.read_noise, limits::noise,
+                   "standard deviation of darkness; white is 1"),
+        add_number(*command, "--shot-noise", ornament.sensor.shot_noise, limits::noise,
+                   "standard deviation that white adds"),
+        add_choice<Shading>(
+            *command, "--shading", ornament.shading, {{"texel", Shading::texel}, {"pixel", Shading::pixel}},
+            "texel: samples hold their texel's exact value (unless given); pixel: pixels average over their area"),
+        add_choice<Light::Kind>(*command, "--light", ornament.light,
+                                {{"distant", Light::Kind::distant}, {"near", Light::Kind::near}},
+                                "the lamp's kind (distant unless given); near: falls off with the distance squared"),
     };
-    choice("--encoding", ornament.sensor.encoding,
-           {{"u8-srgb", Encoding::u8_srgb}, {"u16-linear", Encoding::u16_linear}, {"f32-linear", Encoding::f32_linear}},
-           "how pixels are stored (u16-linear unless given)");
-    command->add_option("--read-noise", ornament.sensor.read_noise, "standard deviation of darkness; white is 1")
-        ->capture_default_str()
-        ->group("ornament");
-    command->add_option("--shot-noise", ornament.sensor.shot_noise, "standard deviation that white adds")
-        ->capture_default_str()
-        ->group("ornament");
-    choice("--shading", ornament.shading, {{"texel", Shading::texel}, {"pixel", Shading::pixel}},
-           "texel: samples hold their texel's exact value (unless given); pixel: pixels average over their area");
-    choice("--light", ornament.light, {{"distant", Light::Kind::distant}, {"near", Light::Kind::near}},
-           "the lamp's kind (distant unless given); near: falls off with the distance squared");
-    command->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    for (CLI::Option* option : of_ornament) option->group("ornament");
+    add_text(*command, "-o,--output", *out, "folder of the packed dataset")->required();
     add_force(*command, *force);
     command->callback([=] {
         announce_needs("generate", synthetic_needs(*options), *out, *force);
@@ -152,8 +157,8 @@ void add_info(CLI::App& app) {
     auto moved_to = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand("info", "what a dataset or fit is, checked whole");
-    command->add_option("folder", *folder, "DATASET or FIT")->required();
-    command->add_option("--dataset", *moved_to, "where a fit's dataset is now, if it moved");
+    add_text(*command, "folder", *folder, "DATASET or FIT")->required();
+    add_text(*command, "--dataset", *moved_to, "where a fit's dataset is now, if it moved");
     command->add_flag("--json", *json, "one JSON object on standard output");
     command->callback([=] {
         const std::filesystem::path path(*folder);
@@ -184,7 +189,7 @@ void add_plan(CLI::App& app) {
     auto request = std::make_shared<FitRequest>();
     auto folder = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand("plan", "bytes of each array before anything is allocated");
-    command->add_option("dataset", *folder, "packed dataset")->required();
+    add_text(*command, "dataset", *folder, "packed dataset")->required();
     add_fit_options(*command, *request);
     command->callback([=] {
         request->check();

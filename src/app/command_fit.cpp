@@ -6,6 +6,8 @@
 
 #include "app/choices.h"
 #include "app/commands.h"
+#include "app/limits.h"
+#include "app/options.h"
 #include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -37,49 +39,40 @@ void add_fit_options(CLI::App& c, FitRequest& r) {
         ->capture_default_str();
     c.add_option("--view", r.view, "nearest or bilinear look-up in view maps")->capture_default_str();
     c.add_option("--space", r.space, "stored or linear: what residuals are formed in")->capture_default_str();
-    c.add_option("--terms", r.model.terms, "K")->capture_default_str();
+    add_number(c, "--terms", r.model.terms, limits::terms, "K");
     c.add_flag("--deflate,!--joint", r.deflate, "fit terms one after another, or together (default)");
-    c.add_option("--surface-side", r.model.surface_side, "n: n(n+1)/2 texels per surface map")->capture_default_str();
-    c.add_option("--view-side", r.model.view_side, "m: m x m texels per view map")->capture_default_str();
-    c.add_option("--lambda-surface", r.model.lambda_surface, "smoothness of surface maps")->capture_default_str();
-    c.add_option("--lambda-view", r.model.lambda_view, "smoothness of view maps")->capture_default_str();
-    c.add_option(
-         "--clip-above", r.clip_above,
-         "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 is off")
-        ->capture_default_str();
-    c.add_option("--shadow-below", r.shadow_below,
-                 "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off")
-        ->capture_default_str();
-    c.add_option_function<double>(
-        "--mu",
-        [&r](double mu) {
-            if (!(mu >= 0)) throw UserError(fmt::format("mu = {}: weights are finite and not negative", mu));
-            r.mu = mu;  // below 0 it would be the default
-        },
-        "weight of the bounds; default: 1, in paper mode 1e-4");
-    c.add_option("--iterations", r.iterations, "at most")->capture_default_str();
-    c.add_option("--validation", r.validation,
-                 "leave out every n-th training view, to choose options by (judge --split validation); 0 is off")
-        ->capture_default_str();
-    c.add_option("--stop-residual", r.stop_residual, "stop a problem at this root mean square residual; 0 is off")
-        ->capture_default_str();
-    c.add_option("--stop-change", r.stop_output_change, "stop a problem when its output changes less; 0 is off")
-        ->capture_default_str();
-    c.add_option("--seed", r.seed, "of the start values of further terms")->capture_default_str();
+    add_number(c, "--surface-side", r.model.surface_side, limits::map_side, "n: n(n+1)/2 texels per surface map");
+    add_number(c, "--view-side", r.model.view_side, limits::map_side, "m: m x m texels per view map");
+    add_number(c, "--lambda-surface", r.model.lambda_surface, limits::weight, "smoothness of surface maps");
+    add_number(c, "--lambda-view", r.model.lambda_view, limits::weight, "smoothness of view maps");
+    add_number(
+        c, "--clip-above", r.clip_above, limits::share,
+        "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 is off");
+    add_number(c, "--shadow-below", r.shadow_below, limits::share,
+               "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off");
+    add_number(c, "--mu", r.mu, limits::weight, "weight of the bounds; default: 1, in paper mode 1e-4")
+        ->default_str("");
+    add_number(c, "--iterations", r.iterations, limits::iterations, "at most");
+    add_number(c, "--validation", r.validation, limits::validation,
+               "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
+    add_number(c, "--stop-residual", r.stop_residual, limits::threshold,
+               "stop a problem at this root mean square residual; 0 is off");
+    add_number(c, "--stop-change", r.stop_output_change, limits::threshold,
+               "stop a problem when its output changes less; 0 is off");
+    add_number(c, "--seed", r.seed, limits::seed, "of the start values of further terms");
     c.add_option("--record", r.record, "compact or full (the paper's): what two-step writes of a sample")
         ->capture_default_str();
     c.add_option("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M")
         ->capture_default_str();
-    c.add_option("--records", r.records, "folder to keep two-step's records in, or to find them");
-    c.add_option("--refills", r.refills,
-                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms")
-        ->capture_default_str();
+    add_text(c, "--records", r.records, "folder to keep two-step's records in, or to find them");
+    add_number(c, "--refills", r.refills, limits::refills,
+               "how often pca replaces entries that it had to invent by what its terms say, and refines the terms");
     std::string settings;
     for (const CeresSetting& s : ceres_settings())
         settings += fmt::format("{}{}: {}", settings.empty() ? "" : "; ", s.name, s.help);
     c.add_option("--ceres", r.ceres, settings)->capture_default_str();
     c.add_option("--context", r.context, "egl or osmesa")->capture_default_str();
-    c.add_option("--device", r.device, "EGL device index, see radiafit devices; -1 chooses")->capture_default_str();
+    add_number(c, "--device", r.device, limits::device, "EGL device index, see radiafit devices; -1 chooses");
 }
 
 void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest& request) {
@@ -99,7 +92,7 @@ namespace {
 void check_apart(const std::string& output, const std::string& records) {
     if (records.empty()) return;
     const auto whole = [](const std::string& path) {
-        return (std::filesystem::weakly_canonical(path) / "").lexically_normal().string();
+        return (std::filesystem::weakly_canonical(std::filesystem::absolute(path)) / "").lexically_normal().string();
     };
     const std::string a = whole(output), b = whole(records);
     if (a.starts_with(b) || b.starts_with(a))
@@ -217,9 +210,9 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
     auto out = std::make_shared<std::string>();
     auto force = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand("fit", "fit a model to a packed dataset");
-    command->add_option("dataset", *folder, "packed dataset")->required();
+    add_text(*command, "dataset", *folder, "packed dataset")->required();
     add_fit_options(*command, *request);
-    command->add_option("-o,--output", *out, "folder of the fit")->required();
+    add_text(*command, "-o,--output", *out, "folder of the fit")->required();
     add_force(*command, *force);
     command->callback([=] {
         request->check();

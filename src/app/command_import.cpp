@@ -2,6 +2,8 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/limits.h"
+#include "app/options.h"
 #include "base/log.h"
 #include "capture/import.h"
 #include "capture/import_lights.h"
@@ -15,17 +17,15 @@ void add_colmap(CLI::App& command) {
     auto options = std::make_shared<ImportOptions>();
     auto out = std::make_shared<std::string>();
     CLI::App* colmap = command.add_subcommand("colmap", "photographs with a COLMAP calibration and a mesh");
-    colmap->add_option("--model", options->model, "folder with cameras and images, .txt or .bin")->required();
-    colmap->add_option("--images", options->images, "folder of the undistorted photographs")->required();
-    colmap->add_option("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ")->required();
-    colmap->add_option("--masks", options->masks, "folder of NAME.png, white = object");
-    colmap->add_option("--holdout,--held-out", options->holdout, holdout_help)->capture_default_str();
-    colmap->add_option("--max-size", options->max_size, "longest side in pixels; 0 keeps the size")
-        ->capture_default_str();
-    colmap->add_option("--gains", options->gains, "none, estimate, or a table (name ... linear gain)")
-        ->capture_default_str();
-    colmap->add_option("--name", options->name, "of the dataset");
-    colmap->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    add_text(*colmap, "--model", options->model, "folder with cameras and images, .txt or .bin")->required();
+    add_text(*colmap, "--images", options->images, "folder of the undistorted photographs")->required();
+    add_text(*colmap, "--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ")->required();
+    add_text(*colmap, "--masks", options->masks, "folder of NAME.png, white = object");
+    add_text(*colmap, "--holdout,--held-out", options->holdout, holdout_help);
+    add_number(*colmap, "--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
+    add_text(*colmap, "--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
+    add_text(*colmap, "--name", options->name, "of the dataset");
+    add_text(*colmap, "-o,--output", *out, "folder of the packed dataset")->required();
     add_force(*colmap, options->force);
     colmap->callback([=] {
         const ImportReport report = import_colmap(*options, *out);
@@ -39,26 +39,27 @@ void add_lights(CLI::App& command) {
     auto out = std::make_shared<std::string>();
     CLI::App* lights = command.add_subcommand(
         "lights", "images that show one surface pixel on pixel, under a lamp each: a fixed camera, or a flat sample");
-    lights->add_option("--images", options->images, "folder of the images")->required();
-    lights->add_option("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
-    lights->add_option("--light-positions", options->light_positions, "in their place: where near lamps stand");
-    lights->add_option("--names", options->names,
-                       "image names in the order of the lights; default: the folder, sorted");
-    lights->add_option("--intensities", options->intensities,
-                       "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
-                       "that faces the lamp, near lamps at distance 1; default: 1");
-    lights->add_option("--camera-positions", options->camera_positions,
-                       "x y z per line, one per image or one for all; default: far away along +z");
-    lights->add_option("--sample-width", options->sample_width,
-                       "what an image's width covers, in the unit of the positions");
-    lights->add_option("--mask", options->mask, "image, white = object");
-    lights->add_option("--normals", options->normals, "picture of normals: x right, y up, z towards the camera");
+    add_text(*lights, "--images", options->images, "folder of the images")->required();
+    add_text(*lights, "--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
+    add_text(*lights, "--light-positions", options->light_positions, "in their place: where near lamps stand");
+    add_text(*lights, "--names", options->names, "image names in the order of the lights; default: the folder, sorted");
+    add_text(*lights, "--intensities", options->intensities,
+             "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
+             "that faces the lamp, near lamps at distance 1; default: 1");
+    add_text(*lights, "--camera-positions", options->camera_positions,
+             "x y z per line, one per image or one for all; default: far away along +z");
+    add_number(*lights, "--sample-width", options->sample_width, limits::sample_width,
+               "what an image's width covers, in the unit of the positions")
+        ->default_str("");
+    add_text(*lights, "--mask", options->mask, "image, white = object");
+    add_text(*lights, "--normals", options->normals, "picture of normals: x right, y up, z towards the camera");
     lights->add_option("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear")
         ->capture_default_str();
-    lights->add_option("--depth", options->depth, "bits per channel that the images must have: 8, 16, 32 (floats)");
-    lights->add_option("--holdout,--held-out", options->holdout, holdout_help)->capture_default_str();
-    lights->add_option("--name", options->name, "of the dataset");
-    lights->add_option("-o,--output", *out, "folder of the packed dataset")->required();
+    add_choice<int>(*lights, "--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
+                    "bits per channel that the images must have: 8, 16, 32 (floats)");
+    add_text(*lights, "--holdout,--held-out", options->holdout, holdout_help);
+    add_text(*lights, "--name", options->name, "of the dataset");
+    add_text(*lights, "-o,--output", *out, "folder of the packed dataset")->required();
     add_force(*lights, options->force);
     lights->callback([=] {
         const LightImportReport report = import_lights(*options, *out);

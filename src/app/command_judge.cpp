@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/options.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "dataset/truth.h"
@@ -109,10 +110,8 @@ void print_judgement(const Judgement& j) {
 }
 
 Split choose_split(const std::string& name) {
-    if (name == "train") return Split::train;
-    if (name == "test") return Split::test;
-    if (name == "validation") return Split::validation;
-    throw UserError("split '" + name + "' does not exist; choose train, test or validation");
+    return choose<Split>("split", name,
+                         {{"train", Split::train}, {"test", Split::test}, {"validation", Split::validation}});
 }
 
 }  // namespace
@@ -124,9 +123,9 @@ void add_judge(CLI::App& app) {
     };
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
-    command->add_option("fit", o->fit, "folder of the fit")->required();
+    add_text(*command, "fit", o->fit, "folder of the fit")->required();
     command->add_option("--split", o->split, "train, test or validation")->capture_default_str();
-    command->add_option("--dataset", o->dataset, "where the dataset is now, if it moved");
+    add_text(*command, "--dataset", o->dataset, "where the dataset is now, if it moved");
     command->add_flag("--json", o->json, "one JSON object on standard output");
     command->callback([=] {
         const Split split = choose_split(o->split);

@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/limits.h"
+#include "app/options.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -257,11 +259,11 @@ void render(const RenderOptions& o) {
 void add_render(CLI::App& app) {
     auto o = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "a view of a fit as EXR and PNG, beside the photograph");
-    command->add_option("fit", o->fit, "folder of the fit")->required();
-    auto* view = command->add_option("--view", o->view, "view index; default: a held-out one");
-    command->add_option("--turntable", o->turntable, "this many views around the object instead")
-        ->excludes(view)
-        ->check(CLI::Range(1, 10000));
+    add_text(*command, "fit", o->fit, "folder of the fit")->required();
+    auto* view = add_number(*command, "--view", o->view, limits::view, "view index; default: a held-out one");
+    add_number(*command, "--turntable", o->turntable, limits::turntable, "this many views around the object instead")
+        ->default_str("")
+        ->excludes(view);
     command->add_option("--light", o->light, "x y z: direction to a distant lamp of intensity 1, of a reflectance fit")
         ->expected(3)
         ->delimiter(',');
@@ -271,8 +273,8 @@ void add_render(CLI::App& app) {
         ->excludes(view)
         ->excludes("--light")
         ->excludes("--turntable");
-    command->add_option("--dataset", o->dataset, "where the dataset is now, if it moved");
-    command->add_option("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
+    add_text(*command, "--dataset", o->dataset, "where the dataset is now, if it moved");
+    add_text(*command, "-o,--output", o->output, "file name without or with extension; a folder for --turntable")
         ->required();
     command->callback([=] { render(*o); });
 }

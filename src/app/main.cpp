@@ -1,7 +1,11 @@
 #include <CLI/CLI.hpp>
 
 #include "app/commands.h"
+#include "app/limits.h"
+#include "app/options.h"
+#include "app/parse_error.h"
 #include "base/error.h"
+#include "base/failure.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/record.h"
@@ -15,7 +19,7 @@ int run(CLI::App& app, int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() != 0) throw UserError(std::string(e.what()) + "; see radiafit --help");
+        if (e.get_exit_code() != 0) throw UserError(explain(app, e));
         app.exit(e);  // --help, --version
     }
     finish_standard_output();
@@ -31,7 +35,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.set_version_flag("--version", "radiafit " + make_record(1, argv).version + " (" + git_revision() + ")");
     int threads = 0;
-    app.add_option("--threads", threads, "threads to use; 0 is all cores")->check(CLI::Range(0, 1024));
+    add_number(app, "--threads", threads, limits::threads, "threads to use; 0 is all cores");
     app.fallthrough();
     app.parse_complete_callback([&] { set_thread_count(threads); });
     const Invocation invocation{argc, argv};
@@ -45,11 +49,9 @@ int main(int argc, char** argv) {
     add_devices(app);
     try {
         return run(app, argc, argv);
-    } catch (const UserError& e) {
-        log_error("radiafit", e.what());
-        return 2;
     } catch (const std::exception& e) {
-        log_error("radiafit", standard_output_failed() ? standard_output_failure() : e.what());
-        return 1;
+        const Failure failure = describe(e);
+        log_error("radiafit", standard_output_failed() ? standard_output_failure() : failure.line);
+        return standard_output_failed() ? 1 : failure.status;
     }
 }

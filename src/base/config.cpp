@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-// Malformed files are to be reported, not to end a debug build: the library has an error for each of its assertions.
-#define TOML_ASSERT(expression) static_assert(true)
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -93,17 +91,19 @@ bool convert(const toml::node& node, std::vector<T>& out) {
     return true;
 }
 
-bool ascii(char c) { return static_cast<unsigned char>(c) < 128; }
+/// toml++ is undefined on some characters outside of strings: control characters, and those beyond ASCII.
+bool plain(unsigned char c) { return (c >= ' ' && c < 127) || c == '\t' || c == '\n' || c == '\r'; }
 
-/// toml++ is undefined on some characters beyond ASCII outside of strings; comments may hold what they like. Behind a
-/// quote, # may begin no comment: the quote may end a string that began lines above.
-void refuse_beyond_ascii(const std::filesystem::path& path, const std::string& text) {
+/// Comments may hold what they like beyond ASCII. A quote before it may end a string that began lines above, so that
+/// what follows is no comment.
+void refuse_strange_characters(const std::filesystem::path& path, const std::string& text) {
     size_t line = 1;
     bool comment = false, quote = false;
     for (const char c : text) {
-        if (!ascii(c) && (!comment || quote))
+        if (!plain(static_cast<unsigned char>(c)) && (static_cast<signed char>(c) >= 0 || !comment || quote))
             throw UserError(
-                fmt::format("{}:{}: a character beyond ASCII; in strings, write \\u and four hexadecimal digits",
+                fmt::format("{}:{}: a character that is no printable ASCII; in strings, write \\u and four "
+                            "hexadecimal digits",
                             path.string(), line));
         comment |= c == '#';
         quote |= c == '"' || c == '\'';
@@ -113,13 +113,37 @@ void refuse_beyond_ascii(const std::filesystem::path& path, const std::string& t
     }
 }
 
+/// Says where the value came from if the rule does not hold for it.
+template <class T>
+void judge(const Entry& entry, const T& value, const std::function<void(const T&)>& rule) {
+    try {
+        rule(value);
+    } catch (const UserError& e) {
+        throw UserError(fmt::format("{}: {}", entry.where, e.what()));
+    }
+}
+
+/// A rule for lists from the rule for their entries.
+template <class T, class Rule>
+std::function<void(const std::vector<T>&)> for_each_of(std::string_view key, const Rule& rule) {
+    return [key, rule](const std::vector<T>& list) {
+        if (list.empty()) throw UserError(fmt::format("{} = []: give one or more", key));
+        for (const T& entry : list) rule(entry);
+    };
+}
+
+template <class T>
+std::function<void(const T&)> within(std::string_view key, const Range<T>& range) {
+    return [key, range](const T& value) { require(key, value, range); };
+}
+
 toml::table parse_file(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error))
         throw UserError(fmt::format("{}: no such configuration file; check the path", path.string()));
     std::ifstream stream(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    refuse_beyond_ascii(path, text);
+    refuse_strange_characters(path, text);
     try {
         return toml::parse(text, path.string());
     } catch (const toml::parse_error& parse_error) {
@@ -199,7 +223,7 @@ struct Config::Sources {
         const std::string value = text.substr(equals + 1);
         toml::table table;
         try {
-            if (std::ranges::all_of(value, ascii)) table = toml::parse("value = " + value);
+            if (std::ranges::all_of(value, plain)) table = toml::parse("value = " + value);
         } catch (const toml::parse_error&) {  // a bare word
         }
         if (!table.contains("value")) table.insert("value", value);  // is a string
@@ -232,7 +256,7 @@ Config::Config(std::filesystem::path path, std::string profile, const std::vecto
 Config::~Config() = default;
 
 template <class T>
-void Config::read_any(std::string_view key, T& value) {
+void Config::read_any(std::string_view key, T& value, const std::function<void(const T&)>& rule) {
     for (const Entry& entry : sources_->entries) {
         if (entry.key != key) continue;
         T given{};
@@ -246,6 +270,7 @@ void Config::read_any(std::string_view key, T& value) {
                 throw UserError(fmt::format("{}: '{}' must be {}, not {}", entry.where, key, expected(value),
                                             type_name(*entry.node)));
         }
+        if (rule) judge(entry, given, rule);
         if (entry.applies) value = std::move(given);
     }
     auto& resolved = sources_->resolved;
@@ -264,6 +289,25 @@ void Config::read(std::string_view key, std::string& value) { read_any(key, valu
 void Config::read(std::string_view key, std::vector<std::string>& value) { read_any(key, value); }
 void Config::read(std::string_view key, std::vector<int>& value) { read_any(key, value); }
 void Config::read(std::string_view key, std::vector<double>& value) { read_any(key, value); }
+
+void Config::read(std::string_view key, int& value, const Range<int>& range) {
+    read_any<int>(key, value, within(key, range));
+}
+void Config::read(std::string_view key, double& value, const Range<double>& range) {
+    read_any<double>(key, value, within(key, range));
+}
+void Config::read(std::string_view key, std::string& value, const NameRule& rule) {
+    read_any<std::string>(key, value, rule);
+}
+void Config::read(std::string_view key, std::vector<int>& value, const Range<int>& range) {
+    read_any<std::vector<int>>(key, value, for_each_of<int>(key, within(key, range)));
+}
+void Config::read(std::string_view key, std::vector<double>& value, const Range<double>& range) {
+    read_any<std::vector<double>>(key, value, for_each_of<double>(key, within(key, range)));
+}
+void Config::read(std::string_view key, std::vector<std::string>& value, const NameRule& rule) {
+    read_any<std::vector<std::string>>(key, value, for_each_of<std::string>(key, rule));
+}
 
 void Config::finish() const {
     std::vector<std::string> known;

@@ -1,11 +1,14 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "base/range.h"
 
 /// Strict configuration files. Defaults live in the struct that is configured; a key nobody reads is an error.
 ///
@@ -46,6 +49,16 @@ public:
     void read(std::string_view key, std::vector<int>& value);
     void read(std::string_view key, std::vector<double>& value);
 
+    /// The same for values that a rule holds for: a number's range, or for a name a function that throws UserError. Of
+    /// a list it holds for every entry, and there is at least one.
+    using NameRule = std::function<void(const std::string& name)>;
+    void read(std::string_view key, int& value, const Range<int>& range);
+    void read(std::string_view key, double& value, const Range<double>& range);
+    void read(std::string_view key, std::string& value, const NameRule& rule);
+    void read(std::string_view key, std::vector<int>& value, const Range<int>& range);
+    void read(std::string_view key, std::vector<double>& value, const Range<double>& range);
+    void read(std::string_view key, std::vector<std::string>& value, const NameRule& rule);
+
     /// Throws UserError for the first key, in any profile, that was never read, with the nearest one that was.
     void finish() const;
 
@@ -60,7 +73,7 @@ public:
 private:
     struct Sources;
     template <class T>
-    void read_any(std::string_view key, T& value);
+    void read_any(std::string_view key, T& value, const std::function<void(const T&)>& rule = {});
 
     std::filesystem::path path_;
     std::string profile_;

@@ -38,6 +38,8 @@ void throw_unwritable(const std::filesystem::path& path, int error) {
 
 InputFile::InputFile(std::filesystem::path path)
     : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (file_ < 0 && errno == EACCES)
+        throw UserError(fmt::format("{}: {}; check its permissions", path_.string(), last_error()));
     if (file_ < 0) throw SystemError(fmt::format("open({}): {}", path_.string(), last_error()));
 }
 

@@ -8,7 +8,8 @@
 /// page cache holds of them.
 namespace radiafit {
 
-/// Throws SystemError, quoting the call, when the file cannot be opened or read whole.
+/// Throws SystemError, quoting the call, when the file cannot be opened or read whole; UserError where that is
+/// forbidden.
 class InputFile {
 public:
     explicit InputFile(std::filesystem::path path);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/clock.h"
+#include "base/printable.h"
 #include "base/standard_streams.h"
 
 namespace radiafit {
@@ -30,21 +31,10 @@ int terminal_columns() {
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-/// Lines may stay lines in a message of ours; in an error, which is one line, `\n` comes from a file's name.
-std::string printable(std::string_view text, bool one_line) {
-    std::string result;
-    for (const char c : text) {
-        if ((c >= 0 && c < ' ' && (one_line || c != '\n')) || c == '\x7f')
-            result += fmt::format("\\x{:02x}", c);
-        else
-            result += c;
-    }
-    return result;
-}
-
+/// Lines may stay lines in a message of ours; an error is one line.
 void write_line(std::string_view prefix, std::string_view message, bool one_line) {
     std::scoped_lock lock(output_mutex);
-    write_to_stderr(fmt::format("{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", prefix, printable(message, one_line)));
+    write_to_stderr(fmt::format("{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", prefix, printable(message, !one_line)));
     bar_on_screen = false;
 }
 

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/leftovers.h"
+#include "base/read_file.h"
 #include "dataset/encoding.h"
 
 namespace radiafit {
@@ -236,10 +235,9 @@ std::string read_dataset_file(const fs::path& file) {
     if (!fs::exists(file, ignored))
         throw UserError(fmt::format("{}: not a packed dataset, it has no {}; radiafit generate or import makes one",
                                     folder.string(), dataset_json_name));
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    if (!(in && text << in.rdbuf())) throw_damaged(file, "the file cannot be read, or is empty");
-    return text.str();
+    std::string text = read_file(file, "dataset's description");
+    if (text.empty()) throw_damaged(file, "the file is empty");
+    return text;
 }
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes) {

@@ -103,6 +103,8 @@ void write_ply(const Mesh& mesh, const fs::path& path) {
 }
 
 Mesh read_ply(const fs::path& path) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(path, ignored)) damaged(path, "the file is missing or cannot be read");
     std::ifstream in(path, std::ios::binary);
     if (!in) damaged(path, "the file is missing or cannot be read");
     const Header header = read_header(in, path);

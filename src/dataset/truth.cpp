@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/read_file.h"
 #include "dataset/value_file.h"
 
 namespace radiafit {
@@ -68,8 +68,7 @@ ReflectanceTruth read_truth(const fs::path& folder) {
     ReflectanceTruth truth;
     size_t texels = 0;
     try {
-        std::ifstream in(file, std::ios::binary);
-        const Json json = Json::parse(in);
+        const Json json = Json::parse(read_file(file, "truth"));
         if (json.at("format") != format_name || json.at("version") != format_version)
             damaged(file, fmt::format("not a {} of version {}", format_name, format_version));
         truth.side = static_cast<int>(count_in(json, "side", 64, file));

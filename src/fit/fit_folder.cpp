@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/leftovers.h"
 #include "base/parallel.h"
+#include "base/read_file.h"
 #include "dataset/mesh_ply.h"
 #include "fit/fit_json.h"
 #include "fit/fit_maps.h"
@@ -25,11 +24,10 @@ std::string surface_name(int term, int corner) { return fmt::format("surface_ter
 std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
 
 std::string read_text(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw UserError(fmt::format("{}: no such file; give a folder that radiafit fit wrote", path.string()));
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
+    std::error_code ignored;
+    if (fs::symlink_status(path, ignored).type() == fs::file_type::not_found)
+        throw UserError(fmt::format("{}: no such file; give a folder that radiafit fit wrote", path.string()));
+    return read_file(path, "fit's description");
 }
 
 std::vector<std::string> names_in(const fs::path& folder) {

@@ -4,29 +4,19 @@
 
 #include "base/error.h"
 #include "model/lfm_text.h"
+#include "model/limits.h"
 
 namespace radiafit {
 
 void check_options(const LfmOptions& o) {
-    const auto require = [](bool holds, const std::string& what) {
-        if (!holds) throw UserError(what);
-    };
-    require(
-        o.terms >= 1 && o.terms <= max_terms,
-        "terms = " + std::to_string(o.terms) + ": a light field map has 1 to " + std::to_string(max_terms) + " terms");
-    require(o.surface_side >= 2 && o.surface_side <= 64,
-            "surface-side = " + std::to_string(o.surface_side) + ": choose 2 to 64 texels");
-    require(o.view_side >= 2 && o.view_side <= 64,
-            "view-side = " + std::to_string(o.view_side) + ": choose 2 to 64 texels");
-    const auto weight = [&](float w, const char* name) {
-        require(std::isfinite(w) && w >= 0,
-                std::string(name) + " = " + std::to_string(w) + ": weights are finite and not negative");
-    };
-    weight(o.lambda_surface, "lambda-surface");
-    weight(o.lambda_view, "lambda-view");
-    weight(o.mu, "mu");
-    require(std::isfinite(o.lower) && std::isfinite(o.upper) && o.lower < o.upper,
-            "bounds: the lower must be below the upper");
+    require("terms", o.terms, limits::terms);
+    require("surface-side", o.surface_side, limits::map_side);
+    require("view-side", o.view_side, limits::map_side);
+    require("lambda-surface", double(o.lambda_surface), limits::weight);
+    require("lambda-view", double(o.lambda_view), limits::weight);
+    require("mu", double(o.mu), limits::weight);
+    if (!(std::isfinite(o.lower) && std::isfinite(o.upper) && o.lower < o.upper))
+        throw UserError("bounds: the lower must be below the upper");
 }
 
 LfmLayout::LfmLayout(const VertexRings& rings, int tile_texels, int view_side, int terms)

@@ -27,7 +27,7 @@ struct LfmOptions {
     float mu = 1;                  ///< weight of E_b, first term only
     float lower = 0, upper = 16;   ///< bounds of the first term's maps
 };
-/// Throws UserError unless terms in [1, max_terms], sides in [2, 64], weights finite and >= 0, lower < upper.
+/// Throws UserError unless all is within model/limits.h, and lower < upper.
 void check_options(const LfmOptions& options);
 
 /// Parameters order: problem after problem, p = [p_v1 ... p_vQ] (Section 4.1). The block of vertex v holds

@@ -1,24 +1,15 @@
 #include "model/texel_options.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
-#include "base/error.h"
+#include "model/limits.h"
 #include "model/texel_local.h"
 
 namespace radiafit {
 
 void check_options(const TexelOptions& o) {
-    if (o.surface_side < 2 || o.surface_side > 64)
-        throw UserError(fmt::format("surface-side = {}: choose 2 to 64 texels", o.surface_side));
-    if (!(std::isfinite(o.mu) && o.mu >= 0))
-        throw UserError(fmt::format("mu = {}: weights are finite and not negative", o.mu));
-    const auto share = [](float x, const char* name) {
-        if (!(x >= 0 && x <= 1)) throw UserError(fmt::format("{} = {}: choose 0 (off) to 1", name, x));
-    };
-    share(o.clip_above, "clip-above");
-    share(o.shadow_below, "shadow-below");
+    require("surface-side", o.surface_side, limits::map_side);
+    require("mu", double(o.mu), limits::weight);
+    require("clip-above", double(o.clip_above), limits::share);
+    require("shadow-below", double(o.shadow_below), limits::share);
 }
 
 double bounds_penalty(const TexelOptions& options, std::span<const float> p) {

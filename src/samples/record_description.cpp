@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -11,6 +9,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/nesting.h"
+#include "base/read_file.h"
 
 namespace radiafit {
 namespace {
@@ -44,8 +43,9 @@ void write_description(const std::filesystem::path& file, const std::string& obj
 }
 
 std::string read_description(const std::filesystem::path& file, const std::string& format, const std::string& key) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    std::error_code ignored;
+    std::string text;
+    if (std::filesystem::exists(file, ignored)) text = read_file(file, "description of records");
     if (nested_deeper(text, 100)) throw_damaged_records(file);
     const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
     const auto is = [&](const char* name, const nlohmann::ordered_json& value) {

@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+#include <limits>
+
+#include "base/range.h"
+#include "model/limits.h"
+
+/// What the numbers of FitRequest and of commands may be, on the command line, in a config and in code alike.
+namespace radiafit::limits {
+
+constexpr Range<int> iterations{0, 1'000'000};
+constexpr Range<int> some_iterations{1, 1'000'000};  ///< of what is timed or compared, so needs one
+constexpr Range<int> refills{0, 1'000'000};
+constexpr Range<int> validation{0, 1'000'000, "0 is off, and 1 would leave nothing to fit"};
+constexpr Range<double> threshold{0, 1e6, "0 is off"};
+constexpr Range<uint64_t> seed{0, std::numeric_limits<uint64_t>::max()};
+constexpr Range<int> draw_seed{0, std::numeric_limits<int>::max()};  ///< of an experiment's draw
+constexpr Range<int> device{-1, 1023, "-1 is any; radiafit devices lists them"};
+constexpr Range<int> threads{0, 1024, "0 is all cores"};
+constexpr Range<int> repetitions{1, 1'000'000};
+constexpr Range<int> images{0, 1'000'000, "0 is all"};
+constexpr Range<double> tolerance{1 + 1e-6, 1e6, "a multiple of the best error"};
+
+constexpr Range<double> noise{0, 1, "white is 1"};
+constexpr Range<int> max_size{0, 65536, "0 keeps the size"};
+constexpr Range<double> sample_width{1e-9, 1e9};
+constexpr Range<int> view{0, 1'000'000};
+constexpr Range<int> turntable{1, 10000};
+
+}  // namespace radiafit::limits

@@ -1,0 +1,164 @@
+"""Good inputs that the rows damage: small, made once, copied for each row that names them."""
+import base64
+import math
+import shutil
+import struct
+
+from cli_fixture import quaternion, write_png
+
+CONFIGS = "experiments"  # the fixture that holds the experiments' config files
+
+
+def write_pfm(path, width, height, values):
+    """Rows bottom to top, three values per pixel."""
+    path.write_bytes(f"PF\n{width} {height}\n-1.0\n".encode() + struct.pack(f"<{3 * width * height}f", *values))
+
+
+def tiff(width, height, data, kind=2):
+    """An uncompressed TIFF of one strip, little-endian: kind 2 is RGB of 8 bits, 3 of floats."""
+    bits, format = (8, 1) if kind == 2 else (32, 3)
+    entries = [(256, 3, 1, width), (257, 3, 1, height), (258, 3, 3, 0), (259, 3, 1, 1), (262, 3, 1, 2), (273, 4, 1, 0),
+               (277, 3, 1, 3), (278, 3, 1, height), (279, 4, 1, len(data)), (339, 3, 3, 0)]  # fmt: skip
+    behind = 8 + 2 + 12 * len(entries) + 4
+    offsets = {258: behind, 339: behind + 6, 273: behind + 12}
+    table = b"".join(struct.pack("<HHII", t, k, n, offsets.get(t, v)) for t, k, n, v in entries)
+    return (b"II*\0" + struct.pack("<I", 8) + struct.pack("<H", len(entries)) + table + bytes(4)
+            + struct.pack("<6H", *[bits] * 3, *[format] * 3) + data)  # fmt: skip
+
+
+def exr(width, height, values):
+    """An uncompressed scan-line EXR with channels B, G and R of 32 bits; values: three per pixel, red first."""
+
+    def attribute(name, kind, data):
+        return name + b"\0" + kind + b"\0" + struct.pack("<I", len(data)) + data
+
+    channel = b"".join(c + b"\0" + struct.pack("<IIII", 2, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    head = struct.pack("<II", 20000630, 2)
+    head += attribute(b"channels", b"chlist", channel) + attribute(b"compression", b"compression", b"\0")
+    head += attribute(b"dataWindow", b"box2i", window) + attribute(b"displayWindow", b"box2i", window)
+    head += attribute(b"lineOrder", b"lineOrder", b"\0") + attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    head += attribute(b"screenWindowCenter", b"v2f", bytes(8)) + attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1))
+    head += b"\0"
+    line = 8 + 12 * width
+    at = len(head) + 8 * height
+    offsets = struct.pack(f"<{height}Q", *(at + y * line for y in range(height)))
+    body = b""
+    for y in range(height):
+        row = values[3 * width * y : 3 * width * (y + 1)]
+        body += struct.pack("<iI", y, 12 * width) + b"".join(struct.pack(f"<{width}f", *row[c::3]) for c in (2, 1, 0))
+    return head + offsets + body
+
+
+# A grey baseline JPEG of 6 x 5 pixels.
+JPEG = base64.b64decode(
+    "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDABALDA4MChAODQ4SERATGCgaGBYWGDEjJR0oOjM9PDkzODdASFxOQERXRTc4UG1RV19iZ2hnPk1xeXBkeFxl"
+    "Z2P/wAALCAAFAAYBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAABP/EABkQAAEFAAAAAAAAAAAAAAAAAAACBAUTgf/aAAgBAQAAPwBcK2RTh//Z"
+)
+
+
+def write_binary_model(text, out):
+    """The COLMAP model of a text folder, in binary files."""
+    out.mkdir()
+    cameras = [line.split() for line in (text / "cameras.txt").read_text().splitlines() if not line.startswith("#")]
+    data = struct.pack("<Q", len(cameras))
+    for id, _, width, height, *parameters in cameras:
+        data += struct.pack("<IiQQ4d", int(id), 1, int(width), int(height), *map(float, parameters))
+    (out / "cameras.bin").write_bytes(data)
+    images = [line.split() for line in (text / "images.txt").read_text().splitlines() if line and line[0] != "#"]
+    data = struct.pack("<Q", len(images))
+    for id, *pose, camera, name in images:
+        data += struct.pack("<I7dI", int(id), *map(float, pose), int(camera)) + name.encode() + b"\0" + struct.pack("<Q", 0)
+    (out / "images.bin").write_bytes(data)
+
+
+def write_lit(out):
+    """What `import lights` reads: four images of 6 x 5 pixels under a lamp each, in several formats."""
+    (out / "images").mkdir(parents=True)
+    values = [(7 * i % 90 + 40) / 255 for i in range(90)]
+    levels = bytes(int(255 * v) for v in values)
+    for i in range(4):
+        write_png(out / f"images/{i}.png", 6, 5, levels)
+        for kind in ("pfm", "exr", "tif", "jpg"):
+            (out / kind).mkdir(exist_ok=True)
+        write_pfm(out / f"pfm/{i}.pfm", 6, 5, values)
+        (out / f"exr/{i}.exr").write_bytes(exr(6, 5, values))
+        (out / f"tif/{i}.tif").write_bytes(tiff(6, 5, levels))
+        (out / f"jpg/{i}.jpg").write_bytes(JPEG)
+    vectors = ["0 0 1", "0.6 0 0.8", "0 0.6 0.8", "-0.6 0 0.8"]
+    (out / "lights.txt").write_text("\n".join(vectors) + "\n")
+    (out / "places.txt").write_text("0 0 10\n5 0 8\n0 5 8\n-5 0 8\n")
+    (out / "eyes.txt").write_text("0 0 12\n")
+    (out / "names.txt").write_text("0.png\n1.png\n2.png\n3.png\n")
+    (out / "intensities.txt").write_text("1 1 1\n")
+    (out / "dome.lp").write_text("4\n" + "".join(f"{i}.png {v}\n" for i, v in enumerate(vectors)))
+    write_png(out / "mask.png", 6, 5, b"\xff" * 90)
+    write_pfm(out / "normals.pfm", 6, 5, [0, 0, 1] * 30)
+
+
+def write_tiny(out):
+    """What `import colmap` reads, by hand: two triangles, three photographs of 16 x 16 pixels."""
+    (out / "images").mkdir(parents=True)
+    (out / "masks").mkdir()
+    (out / "text").mkdir()
+    cameras, images = [], []
+    for i, angle in enumerate((-0.3, 0, 0.3)):
+        c, s = math.cos(angle), math.sin(angle)
+        pose = quaternion([[c, 0, -s], [0, -1, 0], [-s, 0, -c]])
+        cameras.append(f"{i + 1} PINHOLE 16 16 20 20 8 8")
+        images += [f"{i + 1} {' '.join(map(repr, pose))} 0 0 4 {i + 1} {i}.png", ""]
+        write_png(out / f"images/{i}.png", 16, 16, bytes((x * 11 + i) % 200 for x in range(768)))
+        write_png(out / f"masks/{i}.png", 16, 16, b"\xff" * 768)
+    (out / "text/cameras.txt").write_text("\n".join(cameras) + "\n")
+    (out / "text/images.txt").write_text("\n".join(images) + "\n")
+    write_binary_model(out / "text", out / "binary")
+    points = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    (out / "mesh.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points) + "f 1 2 3\nf 1 3 4\n")
+    head = "ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    head += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    body = "".join(f"{x} {y} {z}\n" for x, y, z in points) + "3 0 1 2\n3 0 2 3\n"
+    (out / "ascii.ply").write_text(head.format("ascii") + body)
+    packed = b"".join(struct.pack("<3f", *p) for p in points)
+    packed += struct.pack("<B3iB3i", 3, 0, 1, 2, 3, 0, 2, 3)
+    (out / "binary.ply").write_bytes(head.format("binary_little_endian").encode() + packed)
+    (out / "gains.txt").write_text("0.png 1\n1.png 1.1\n2.png 0.9\n")
+
+
+# A fixture that a fit was made from must stand beside it.
+NEEDS = {
+    "fit": ["tiny"], "wholefit": ["whole"], "flatfit": ["flat"], "orbfit": ["orb"], "records": ["tiny"], "texrecords": ["flat"],
+}  # fmt: skip
+
+
+def make(run, root, source):
+    """All fixtures below `root`; run(command...) runs radiafit there, source is the checkout."""
+    write_tiny(root / "photos")
+    write_lit(root / "lit")
+    photos = ("import", "colmap", "--model", "photos/text", "--images", "photos/images", "--mesh", "photos/mesh.obj")
+    run(*photos, "--holdout", "every:3", "-o", "tiny")
+    run(*photos, "--holdout", "none", "-o", "whole")
+    run("import", "lights", "--images", "lit/images", "--lights", "lit/lights.txt", "--normals", "lit/normals.pfm",
+        "--holdout", "every:4", "-o", "flat")  # fmt: skip
+    run("import", "lights", "--images", "lit/pfm", "--lights", "lit/lights.txt", "--holdout", "every:4", "-o", "floats")
+    run("generate", "ornament", "-o", "orb")
+    run("fit", "tiny", "--iterations", "1", "-o", "fit")
+    run("fit", "whole", "--iterations", "1", "-o", "wholefit")
+    run("fit", "tiny", "--iterations", "1", "--solver", "two-step", "--records", "records", "-o", "records-fit")
+    shutil.rmtree(root / "records-fit")
+    run("fit", "flat", "--model", "lafortune", "--solver", "two-step", "--records", "texrecords", "-o", "flatfit")
+    run("fit", "orb", "--model", "lambert", "-o", "orbfit")
+    (root / CONFIGS).mkdir()
+    for config in (source / "experiments").glob("*.toml"):
+        shutil.copy(config, root / CONFIGS)
+
+
+def closure(names):
+    """With what they need beside them."""
+    out = set()
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        if name not in out:
+            out.add(name)
+            waiting += NEEDS.get(name, [])
+    return out

@@ -1,0 +1,233 @@
+"""Options: values out of range, no numbers, unknown names, what means nothing to the solver, and whole command lines."""
+import shlex
+
+rows = []
+
+
+def refuse(command, values, *words):
+    """A row for each value: {} stands for it in the command and in the words."""
+    for value in shlex.split(values):
+        rows.append((command.replace("{}", shlex.quote(value)), None, 2, *(w.replace("{}", value) for w in words)))
+
+
+def accept(command, *words):
+    rows.append((command, None, 0, *words))
+
+
+# A number that is none, and one that is one too far on either side; then what is just within.
+rest = "two nan 1e1 0x2 '1 2' 99999999999999999999"
+refuse("fit tiny --terms {} -o new", rest, "terms = '{}': choose a whole number from 1 to 16")
+whole = "2.5 ''"
+for option, below, above, least, most in (
+    ("--terms", "0", "17", "1", "3"), ("--surface-side", "1", "65", "2", "9"),
+    ("--view-side", "1", "65", "2", "9"), ("--iterations", "-1", "1000001", "0", "2"),
+    ("--validation", "-1", "1000001", "0", "2"), ("--device", "-2", "1024", "-1", "0"),
+    ("--seed", "-1 -0", "18446744073709551616", "0", "18446744073709551615"), ("--threads", "-1", "1025", "0", "1024"),
+):  # fmt: skip
+    plain = option[2:]
+    refuse(f"fit tiny {option} {{}} -o new", whole, f"{plain} = '{{}}': choose a whole number from ")
+    refuse(f"fit tiny {option} {{}} -o new", f"{below} {above}", f"{plain} = ", "choose a whole number from ")
+    accept(f"plan tiny {option} {least}")
+refuse("fit tiny --validation {} -o new", "1", "validation = 1: choose a whole number from 0", "1 would leave nothing to fit")
+
+numbers = "two ''"
+refuse("fit tiny --mu {} -o new", "0,5 1e1x 1e", "mu = '{}': choose a number from 0 to 1e+06")
+for option, below, above, least, most in (
+    ("--lambda-surface", "-1e-9 nan", "1.1e6 1e38", "0", "1e6"), ("--lambda-view", "-1", "1e7 inf", "0", "1e6"),
+    ("--mu", "-1 nan", "1e7", "0", "1e6"), ("--stop-residual", "-1", "inf", "0", "1"),
+    ("--stop-change", "-1", "inf", "0", "1"),
+):  # fmt: skip
+    plain = option[2:]
+    refuse(f"fit tiny {option} {{}} -o new", numbers, f"{plain} = '{{}}': choose a number from 0 to 1e+06")
+    refuse(f"fit tiny {option} {{}} -o new", f"{below} {above}", f"{plain} = ", "choose a number from 0 to 1e+06")
+    accept(f"plan tiny {option} {least}")
+    rows.append((f"fit tiny --iterations 3 {option} {most} -o new", None, 0, " 0 not finite"))
+for option in ("--clip-above", "--shadow-below"):
+    refuse(f"fit flat --model lafortune {option} {{}} -o new", "-0.1 1.01 nan ''", f"{option[2:]} = ", "choose a number from 0 to 1 (0 is off)")
+refuse("fit tiny --solver pca --refills {} -o new", "-1 1000001 x ''", "refills = ", "choose a whole number from 0 to 1000000")
+refuse("fit tiny --solver two-step --memory {} -o new", "0 64X M '' 1e30 nan 64MB", "memory '{}': give bytes, such as 64M or 2G")
+accept("fit tiny --solver two-step --memory 1 --iterations 1 -o new")
+refuse("plan tiny --engine {}", "foo", "engine '{}' does not exist; choose one of cpu, fragment")
+
+# Names, with those that there are.
+for option, names, answer in (
+    ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, als, varpro, mean"),
+    ("--optimizer", "gc ''", "choose one of cg, sd, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
+    ("--passes", "combine", "choose one of paper, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
+    ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
+    ("--source", "disc", "choose one of disk, disk-cold, memory, device"), ("--view", "linear", "choose one of bilinear, nearest"),
+    ("--space", "srgb", "choose one of stored, linear"), ("--record", "fat", "choose one of compact, full"),
+    ("--model", "lafortun", "choose one of lfm, "), ("--ceres", "dense", "choose one of "),
+):  # fmt: skip
+    refuse(f"fit tiny {option} {{}} -o new", names, "'{}' does not exist", answer)
+refuse("fit tiny --context {} -o new", "glx ''", "unknown context '{}': choose egl or osmesa")
+
+# What means nothing to the solver, engine or model.
+for solver, options in (
+    ("two-step", ("--engine fragment", "--source disk", "--refills 2", "--ceres cgnr")),
+    ("pca", ("--deflate", "--optimizer sd", "--mu 2", "--records r", "--seed 2")),
+    ("mean", ("--terms 3", "--view-side 9", "--lambda-surface 1")),
+    ("als", ("--optimizer sd", "--deflate", "--stop-change 1", "--ceres cgnr", "--memory 64M")),
+    ("varpro", ("--deflate", "--optimizer sd", "--record full", "--refills 1")),
+    ("ceres", ("--record full", "--optimizer sd", "--stop-change 1", "--engine fragment")),
+    ("stream", ("--memory 64M", "--ceres cgnr", "--passes paper", "--storage fp16", "--sums fp16", "--clip-above 0.9")),
+):  # fmt: skip
+    for option in options:
+        words = (f"{option.split()[0]} means nothing to ", "leave it out")
+        rows.append((f"fit tiny --solver {solver} {option} -o new", None, 2, *words))
+rows += [
+    ("fit tiny --engine fragment --distributor gl -o new", None, 2, "--distributor means nothing to engine fragment"),
+    ("plan tiny --engine fragment --distributor gl", None, 2, "--distributor means nothing to engine fragment"),
+    ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
+    ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),
+    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca fits light field maps only", "choose stream, two-step or ceres"),
+    ("fit flat --model lafortune --solver als -o new", None, 2, "solver als fits light field maps only"),
+    ("fit flat --model lafortune --solver varpro -o new", None, 2, "solver varpro fits light field maps only"),
+    ("fit flat --model lambert --solver mean -o new", None, 2, "solver mean fits light field maps only"),
+    ("fit flat --model lafortune --surface-side 9 -o new", None, 2, "--surface-side means nothing to model lafortune", "over a grid"),
+    ("fit flat --model lafortune --distributor gl -o new", None, 2, "--distributor means nothing to ", "over a grid"),
+    ("fit flat --model lafortune --terms 2 -o new", None, 2, "--terms means nothing to model lafortune"),
+    ("fit flat --model lafortune --space linear -o new", None, 2, "--space means nothing to model lafortune"),
+    ("fit flat --model lafortune --mu 2 -o new", None, 2, "--mu means nothing to model lafortune with optimizer lm"),
+    ("fit flat --model lafortune --lambda-view 1 -o new", None, 2, "--lambda-view means nothing to "),
+    ("fit flat --model lafortune --solver ceres --optimizer sd -o new", None, 2, "--optimizer means nothing to "),
+    ("fit orb --model lafortune --surface-side 7 -o new", None, 2, "its normals were made for surface side", "fit with --surface-side"),
+    ("fit tiny --model lafortune -o new", None, 2, "no image says what lit it", "--model lfm"),
+    ("plan tiny --model lafortune", None, 2, "no image says what lit it"),
+    ("fit flat -o new", None, 2, "flat: a grid of texels", "made for reflectance models"),
+    ("plan flat", None, 2, "flat: a grid of texels", "made for reflectance models"),
+    ("fit orb -o new", None, 2, "made for reflectance models"),
+    ("fit tiny --validation 3 -o new", None, 2, "validation = 3: tiny has 2 training views; choose fewer"),
+    ("fit flat --model lafortune --clip-above 1e-6 -o new", None, 2, "no sample is left to fit", "choose a larger --clip-above"),
+    ("fit tiny --engine fragment --context egl --device 99 -o new", None, 2, "--device", "out of range", "radiafit devices"),
+    ("fit tiny --engine fragment --context osmesa --device 99 -o new", None, 2, "--device", "out of range", "radiafit devices"),
+    # A driver that is too old.
+    *((f"MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 fit tiny {more} -o new", None, 2,
+       "offers OpenGL 3.3, but 4.5 core is needed", "update the driver, or choose another --context")
+      for more in ("--engine fragment", "--engine fragment --context osmesa", "--distributor gl")),
+    # Every solver accepts the same small dataset.
+    ("fit tiny --solver two-step --iterations 1 -o new", None, 0, "see new"),
+    ("fit tiny --solver pca -o new", None, 0, "see new"),
+    ("fit tiny --solver ceres --iterations 1 -o new", None, 0, "see new"),
+    ("fit tiny --solver als --iterations 1 -o new", None, 0, "see new"),
+    ("fit tiny --solver varpro --iterations 1 -o new", None, 0, "see new"),
+    ("fit tiny --solver mean -o new", None, 0, "see new"),
+    ("fit tiny --engine fragment --iterations 1 -o new", None, 0, "see new"),
+    ("fit flat --model lafortune -o new", None, 0, "see new"),
+    ("fit flat --model ptm --solver ceres --iterations 2 -o new", None, 0, "see new"),
+    ("fit flat --model lambert --engine fragment --optimizer cg --iterations 1 -o new", None, 0, "see new"),
+]
+
+# generate
+refuse("generate {} -o new", "cube ''", 'unknown shape "{}"; there are star, bust and ornament')
+refuse("generate star --scale {} -o new", "huge", 'unknown scale "{}"; there are smoke, standard and paper')
+refuse("generate star --seed {} -o new", "-1 ''", "seed = '{}': choose a whole number from 0")
+refuse("generate ornament --encoding {} -o new", "u8-linear", "encoding '{}' does not exist; choose one of u8-srgb, u16-linear, f32-linear")
+refuse("generate ornament --shading {} -o new", "phong", "shading '{}' does not exist; choose one of texel, pixel")
+refuse("generate ornament --light {} -o new", "far", "light '{}' does not exist; choose one of distant, near")
+for noise in ("read-noise", "shot-noise"):
+    refuse(f"generate ornament --{noise} {{}} -o new", "-0.1 nan", f"{noise} = ", "choose a number from 0 to 1 (white is 1)")
+    rows.append((f"generate star --{noise} 0.1 -o new", None, 2, "the ornament's to choose, not the star's", "leave these options out"))
+rows.append(("generate bust --shading pixel -o new", None, 2, "the ornament's to choose, not the bust's"))
+accept("generate star --seed 18446744073709551615 -o new", "star")
+
+# judge, render, info
+refuse("judge fit --split {}", "all", "split '{}' does not exist; choose one of train, test, validation")
+rows += [
+    ("judge fit --split validation", None, 2, "--split validation: the fit left no view out", "--validation N"),
+    ("judge fit --split train", None, 0, "PSNR"),
+    ("judge fit --json", None, 0, "psnr"),
+]
+refuse("render fit --view {} -o new", "-1 two ''", "view = ", "choose a whole number from 0")
+refuse("render fit --view {} -o new", "3", "--view {}: tiny has views 0 to 2")
+refuse("render fit --turntable {} -o new", "0 10001 x", "turntable = ", "choose a whole number from 1 to 10000")
+refuse("render flatfit --light {} -o new", "0,0,0 nan,0,1 inf,0,1 1e300,0,0", "--light", "a direction's length is finite and not 0")
+refuse("render flatfit --light {} -o new", "1,2 a,b,c 1,2,3,4", "--light")
+rows += [
+    ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
+    ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
+    ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),
+    ("render flatfit --turntable 3 -o new", None, 2, "--turntable: a grid is seen from where its camera stood"),
+    ("render flatfit --problems --light 0,0,1 -o new", None, 2, "--problems", "--light"),
+    ("render fit --view 2 -o new", None, 0, "new.png"),
+    ("render fit --turntable 1 -o new", None, 0, "turn000"),
+    ("render flatfit --light 0,3e30,4e30 -o new", None, 0, "new.png"),
+    ("info tiny --dataset tiny", None, 2, "--dataset tiny: tiny is no fit; leave it out"),
+    ("info fit --json", None, 0, '"kind": "fit"'),
+    ("info tiny --json", None, 0, '"kind": "dataset"'),
+    ("devices", None, 0, "cpu"),
+]
+
+# import
+refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --max-size {} -o new", "-1 65537 x", "max-size = ", "choose a whole number from 0 to 65536 (0 keeps the size)")
+refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --holdout {} -o new", "every:1 every:x every: every:-2 every:99999999999999999999", "--holdout {}: N is to be a whole number from 2 on")
+refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --holdout {} -o new", "nowhere.txt evry:3", "{}: no such list of held-out images")
+refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --gains {} -o new", "guess nowhere.txt", "{}: no such gain table")
+lights = "import lights --images lit/images --lights lit/lights.txt"
+refuse(f"{lights} --depth {{}} -o new", "7 x", "depth '{}' does not exist; choose one of 8, 16, 32")
+refuse(f"{lights} --depth {{}} -o new", "16 32", "lit/images/0.png: ", "--depth {} was declared")
+refuse(f"{lights} --transfer {{}} -o new", "gamma", "--transfer {}: choose auto, linear or srgb")
+refuse(f"{lights} --holdout {{}} -o new", "every:1", "--holdout {}: N is to be a whole number from 2 on")
+refuse("import lights --images lit/images --light-positions lit/places.txt --sample-width {} -o new", "0 nan 1e10", "sample-width = ", "choose a number from 1e-09 to 1e+09")
+rows += [
+    (f"{lights} --sample-width 3 -o new", None, 2, "--sample-width says nothing about directions"),
+    (f"{lights} --light-positions lit/places.txt -o new", None, 2, "either as directions (--lights) or as places (--light-positions)"),
+    ("import lights --images lit/images -o new", None, 2, "either as directions (--lights) or as places (--light-positions)"),
+    ("import lights --images lit/images --light-positions lit/places.txt -o new", None, 2, "give --sample-width"),
+    (f"{lights} --camera-positions lit/eyes.txt -o new", None, 2, "give --sample-width"),
+    ("import lights --images lit/images --lights lit/dome.lp --names lit/names.txt -o new", None, 2, "names its images itself: leave --names out"),
+    (f"{lights} -o new", None, 0, "6 x 5"),
+    ("import lights --images lit/images --lights lit/dome.lp -o new", None, 0, "6 x 5"),
+    ("import lights --images lit/images --light-positions lit/places.txt --camera-positions lit/eyes.txt --sample-width 6 -o new", None, 0, "6 x 5"),
+]
+
+# Empty names, for every option that takes one.
+colmap = "--model photos/text --images photos/images --mesh photos/mesh.obj"
+for command, name in (
+    ("generate star -o ''", "output"), ("fit tiny -o ''", "output"), (f"import colmap {colmap} -o ''", "output"),
+    (f"{lights} -o ''", "output"), ("render fit -o ''", "output"), ("render fit --turntable 1 -o ''", "output"),
+    ("fit '' -o new", "dataset"), ("plan ''", "dataset"), ("info ''", "folder"), ("judge ''", "fit"), ("render '' -o new", "fit"),
+    ("judge fit --dataset ''", "dataset"), ("render fit --dataset '' -o new", "dataset"), ("info fit --dataset ''", "dataset"),
+    ("fit tiny --solver two-step --records '' -o new", "records"),
+    (f"import colmap --model '' {colmap.split(' ', 2)[2]} -o new", "model"), (f"import colmap {colmap} --masks '' -o new", "masks"),
+    (f"import colmap {colmap} --gains '' -o new", "gains"), (f"import colmap {colmap} --holdout '' -o new", "held-out"),
+    (f"{lights} --mask '' -o new", "mask"), (f"{lights} --normals '' -o new", "normals"), (f"{lights} --names '' -o new", "names"),
+    (f"{lights} --intensities '' -o new", "intensities"), ("import lights --images '' --lights lit/lights.txt -o new", "images"),
+):  # fmt: skip
+    rows.append((command, None, 2, f"{name} = '': give a name"))
+
+# Command lines as a whole.
+rows += [
+    ("", None, 2, "subcommand", "see radiafit --help"),
+    ("gnerate star -o new", None, 2, "command 'gnerate' does not exist", "nearest: generate"),
+    ("fitt tiny -o new", None, 2, "command 'fitt' does not exist", "nearest: fit"),
+    ("tiny", None, 2, "command 'tiny' does not exist", "choose one of generate, "),
+    ("import", None, 2, "subcommand"),
+    ("import colmp --model photos/text -o new", None, 2, "command 'colmp' does not exist", "nearest: colmap"),
+    ("fit tiny --itterations 3 -o new", None, 2, "option '--itterations' does not exist", "nearest is --iterations", "see radiafit --help"),
+    ("fit tiny --itterations=3 -o new", None, 2, "option '--itterations=3' does not exist", "nearest is --iterations"),
+    ("fit tiny -q -o new", None, 2, "option '-q' does not exist"),
+    ("generate star --scal smoke -o new", None, 2, "nearest is --scale"),
+    ("judge fit --jsn", None, 2, "nearest is --json"),
+    ("--thread 2 devices", None, 2, "nearest is --threads"),
+    ("fit tiny", None, 2, "--output is required", "see radiafit --help"),
+    ("fit -o new", None, 2, "dataset is required"),
+    ("plan", None, 2, "dataset is required"),
+    ("judge", None, 2, "fit is required"),
+    ("render fit", None, 2, "--output is required"),
+    ("generate -o new", None, 2, "shape is required"),
+    ("generate star", None, 2, "--output is required"),
+    ("import colmap -o new", None, 2, "is required"),
+    ("import lights -o new", None, 2, "--images is required"),
+    ("info", None, 2, "folder is required"),
+    ("fit tiny fit -o new", None, 2, "'fit' is one argument too many"),
+    ("devices everything", None, 2, "'everything' "),
+    ("fit tiny --terms -o new", None, 2, "terms = '-o'"),
+    ("fit tiny -o", None, 2, "--output"),
+    ("fit tiny --terms 1 --terms 2 -o new", None, 2, "--terms"),
+    ("fit tiny -o new -o newer", None, 2, "--output"),
+    ("judge fit --json=maybe", None, 2, "--json"),
+    ("--version", None, 0, "radiafit "),
+    ("--help", None, 0, "generate"),
+    ("fit --help", None, 0, "--lambda-surface"),
+]
