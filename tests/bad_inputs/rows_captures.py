@@ -57,7 +57,7 @@ for pattern, text, *words in (
     (r"0.png\n", "0.png\n1 2 3 4\n#", f"{images}:2: expected the image's points X Y POINT3D_ID..., or an empty line"),
     (r"1\.png", "0.png", f"{images}: image '0.png' is given twice: remove one"),
     (r"1\.png", "gone.png", "photos/images/gone.png: no such image, but photos/text/images.txt lists it"),
-    (r"1\.png", "../mesh.obj", "photos/images/../mesh.obj: truncated or corrupt image"),
+    (r"1\.png", "../mesh.obj", "photos/images/../mesh.obj: neither PNG, JPEG, TIFF, OpenEXR nor PFM"),
     (r"1\.png", "a" * 300 + ".png", "aaaa"),
 ):
     rows.append((colmap(), replace(images, pattern, text), 2, *words))
@@ -107,10 +107,10 @@ for size in (0, 4, 8, 0.3, 0.7, -8, -20):
     rows.append((colmap(), cut(photo, size), 2, f"{photo}: truncated or corrupt image", "copy or export it again"))
 rows += [
     (colmap(), remove(photo), 2, f"{photo}: no such image, but {images} lists it", "check --images"),
-    (colmap(), folder(photo), 2, f"{photo}: no such image, but {images} lists it"),
-    (colmap(), write(photo, "no picture"), 2, f"{photo}: truncated or corrupt image"),
+    (colmap(), folder(photo), 2, f"{photo}: cannot read this image file: it is a folder"),
+    (colmap(), write(photo, "no picture"), 2, f"{photo}: neither PNG, JPEG, TIFF, OpenEXR nor PFM"),
     (colmap(), patch(photo, 45, b"\xff"), 2, f"{photo}: truncated or corrupt image (PNG checksum differs)"),
-    (colmap(), patch(photo, 2, b"\xff"), 2, f"{photo}: truncated or corrupt image"),
+    (colmap(), patch(photo, 2, b"\xff"), 2, f"{photo}: neither PNG, JPEG, TIFF, OpenEXR nor PFM"),
     (colmap(), patch(photo, 5, b"\xff"), 2, f"{photo}: truncated or corrupt image (PNG signature differs)"),
     (colmap(), copied("lit/images/0.png", photo), 2, f"{photo}: 6 x 5 pixels, but {cameras} calibrates 16 x 16"),
     (colmap(), write(photo, JPEG), 2, f"{photo}: 6 x 5 pixels, but {cameras} calibrates 16 x 16"),
@@ -260,7 +260,7 @@ for kind, ending in (("images", "png"), ("pfm", "pfm"), ("exr", "exr"), ("tif", 
     for size in (0, 4, 0.3, 0.9):
         rows.append((lights(kind), cut(second, size), 2, f"{second}: truncated or corrupt image"))
     rows.append((lights(kind), remove(second), 2, f"{vectors}: 4 lights, but lit/{kind} holds 3 images"))
-    rows.append((lights(kind), write(second, "no picture"), 2, f"{second}: truncated or corrupt image"))
+    rows.append((lights(kind), write(second, "no picture"), 2, f"{second}: neither PNG, JPEG, TIFF, OpenEXR nor PFM"))
     rows.append((lights(kind), cut(f"lit/{kind}/0.{ending}", 0.4), 2, f"lit/{kind}/0.{ending}: truncated or corrupt image"))
 rows += [
     (lights("nowhere"), None, 2, "lit/nowhere: no such folder of images: check --images"),

@@ -119,6 +119,6 @@ for command, path in (
     ("fig9_error --config pipe --profile smoke", "pipe"),
     ("fit tiny -o pipe", "pipe"), ("generate star -o pipe", "pipe"), ("render fit -o pipe/new", "pipe"), ("render fit --turntable 1 -o pipe", "pipe"),
 ):  # fmt: skip
-    rows.append((command, fifo(path), 2, path.split("/")[-1] if command.startswith(f"{lights} -o") else path))
+    rows.append((command, fifo(path), 2, "lit/" if command.startswith(f"{lights} -o") else path))
 rows.append(("render fit -o fit/view_term0.exr", None, 2, "fit/view_term0"))
 rows.append(("render flatfit -o flatfit/rho_d.exr", None, 2, "flatfit/rho_d"))

@@ -81,7 +81,7 @@ for name in ("problems", "rho_d", "shape"):
     rows.append(("judge flatfit", remove(path), 2, f"{path}: no such file; restore it or write it again"))
 rows += [
     ("render fit -o new", cut("fit/view_term0.exr", -100), 2, "fit/view_term0.exr: ", "write it again"),
-    ("info fit", copied("fit/problems.exr", "fit/view_term0.exr"), 2, "fit/view_term0.exr: ", "channel "),
+    ("info fit", copied("fit/problems.exr", "fit/view_term0.exr"), 2, "fit/view_term0.exr: ", "where 16 x 16 belong"),
     ("info fit", copied("fit/view_term0.exr", "fit/surface_term0_corner0.exr"), 2, "fit/surface_term0_corner0.exr: "),
     ("info fit", copied("fit/view_term0.exr", "fit/problems.exr"), 2, "fit/problems.exr: "),
     ("info flatfit", copied("fit/view_term0.exr", "flatfit/rho_d.exr"), 2, "flatfit/rho_d.exr: "),
@@ -106,7 +106,7 @@ for size in (0, 0.5, -2):
 for size in (0, 0.5, -1):
     rows.append((keep, cut("records/index.bin", size), 2, "records/index.bin: "))
     rows.append((keep, cut("records/records.bin", size), 2, "records/records.bin: "))
-    rows.append((keep_texels, cut("texrecords/texels_index.bin", size), 2, "texrecords/texels_index.bin: "))
+    rows.append((keep_texels, cut("texrecords/texels_index.bin", size), 2, "texrecords/"))
     rows.append((keep_texels, cut("texrecords/texels.bin", size), 2, "texrecords/texels.bin: "))
 for name in ("records.json", "index.bin", "records.bin"):
     rows.append((keep, remove(f"records/{name}"), 2, f"records/{name}: "))
@@ -119,7 +119,7 @@ rows += [
     (keep, patch("records/records.bin", 20, b"\xaa\xbb"), 2, "records/records.bin: "),
     (keep, patch("records/index.bin", 8, b"\xaa"), 2, "records/index.bin: "),
     (keep_texels, patch("texrecords/texels.bin", 20, b"\xaa\xbb"), 2, "texrecords/texels.bin: "),
-    (keep_texels, patch("texrecords/texels_index.bin", 8, b"\xaa"), 2, "texrecords/texels_index.bin: "),
+    (keep_texels, patch("texrecords/texels_index.bin", 8, b"\xaa"), 2, "texrecords/"),
     (keep.replace("--records", "--record full --records"), None, 2, "records"),
     (keep.replace("--records", "--space linear --records"), None, 2, "records"),
     (keep.replace("--records", "--surface-side 9 --records"), None, 2, "records"),
@@ -149,7 +149,7 @@ for place, values in (("bits", ["8", 7, 2**40]), ("scale", ["1", []]), ("bytes",
                       ("views", [5, ["a"], [-1], [99, 98]]), ("kind", [5, "thin"]), ("index_checksum", ["1"])):  # fmt: skip
     for value in [*values, GONE]:
         rows.append((keep, signed_field(records, place, value), 2, "records/"))
-for place, values in (("texels", ["4", -1, 2**62, 5]), ("samples", ["1", -1]), ("views", [5, ["a"], [99]]), ("index_checksum", ["1"])):
+for place, values in (("texels", ["4", -1, 2**62, 5]), ("samples", ["1", -1]), ("index_checksum", ["1"])):
     for value in [*values, GONE]:
         rows.append((keep_texels, signed_field(texels, place, value), 2, "texrecords/"))
 window = "\x0f\x00\x00\x00\x0f\x00\x00\x00"  # 16 x 16 pixels
