@@ -28,12 +28,10 @@ test: configure
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
 
-# What `make test` has no time for: all bad inputs, faults (kills, full disks, several writers, inputs that change), sanitizers.
+# What `make test` has no time for: faults (kills, full disks, several writers, inputs that change), sanitizers.
 check: configure
 	@tests/check_format
 	@python3 -B tests/check_layers.py
-	@cmake --build $(BUILD) --parallel $(JOBS)
-	@python3 -B tests/bad_inputs_test.py $(BUILD)/src/app/radiafit $(BUILD)/experiments .
 	@$(MAKE) --no-print-directory faults
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Every bad input that we know: the rows of bad_inputs/rows_*.py, each a command, what is wrong, and what must come.
 
-    bad_inputs_test.py PROGRAM EXPERIMENTS SOURCE [--every N] [TEXT...]
+    bad_inputs_test.py PROGRAM EXPERIMENTS SOURCE [TEXT...]
 
 PROGRAM is radiafit, EXPERIMENTS the folder of the experiments' programs, SOURCE the checkout. With TEXTs only the rows
-run that hold one of them, with --every only each N-th. A row is
+run that hold one of them. A row is
 
     ("fit tiny -o new", field("tiny/dataset.json", "views[0].gain", 0), 2, "views[0].gain", "must be above 0")
 
@@ -176,8 +176,7 @@ def main():
         if str(row) in seen:
             sys.exit(f"{row} stands in the table twice")
         seen.add(str(row))
-    every, texts = (int(sys.argv[5]), sys.argv[6:]) if sys.argv[4:5] == ["--every"] else (1, sys.argv[4:])
-    chosen = [row for row in rows if not texts or any(text in str(row) for text in texts)][::every]
+    chosen = [row for row in rows if not sys.argv[4:] or any(text in str(row) for text in sys.argv[4:])]
     with tempfile.TemporaryDirectory(prefix="radiafit-bad-inputs-") as root:
         os.chmod(root, 0o755)  # for rows that run as nobody
         runner = Runner(program, experiments, source, pathlib.Path(root))

@@ -218,7 +218,7 @@ TEST_F(GridTest, ReaderRefusesWhatDoesNotFit) {
     expect_in("only a grid", open_with("\"grid\":", "\"grit\":"));
     write();
     fs::resize_file(folder_ / "normals.f32", 12 * width * height - 12);
-    expect_in("5 x 3 texels need 180", open());
+    expect_in("has 168 bytes, but 5 x 3 texels need 12 each", open());
 }
 
 }  // namespace

@@ -176,7 +176,7 @@ class Names(Writing):
         for command in commands:
             for target in ("", "x" * 300, "star/mesh.ply/below", "/", "."):
                 with self.subTest(command=command, target=target):
-                    self.refused(*command, "-o", target, says=["choose "])
+                    self.refused(*command, "-o", target, says=["choose " if target else "output = '': give a name"])
 
 
 class Leftovers(Writing):

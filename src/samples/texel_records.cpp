@@ -151,12 +151,12 @@ public:
         index.read(blocks_.data(), 0, blocks_.size() * sizeof(BlockRecord));
         try {
             texels_ = description.at("texels").get<uint32_t>();
-            for (const BlockRecord& record : blocks_) samples_ += record.samples;
-            if (description.at("texels") != texels_ || description.at("samples") != samples_)
-                throw_damaged_records(description_path);
+            if (description.at("texels") != texels_) throw_damaged_records(description_path);
             if (index.size() % sizeof(BlockRecord) != 0 || blocks_.size() != texel_blocks(texels_) ||
                 description.at("index_checksum") != hash_bytes(blocks_.data(), index.size()))
                 throw_damaged_records(index_path);
+            for (const BlockRecord& record : blocks_) samples_ += record.samples;
+            if (description.at("samples") != samples_) throw_damaged_records(description_path);
             if (file_.size() != description.at("bytes")) throw_damaged_records(path_);
         } catch (const Json::exception&) {
             throw_damaged_records(description_path);

@@ -106,7 +106,7 @@ for size in (0, 0.5, -2):
 for size in (0, 0.5, -1):
     rows.append((keep, cut("records/index.bin", size), 2, "records/index.bin: "))
     rows.append((keep, cut("records/records.bin", size), 2, "records/records.bin: "))
-    rows.append((keep_texels, cut("texrecords/texels_index.bin", size), 2, "texrecords/"))
+    rows.append((keep_texels, cut("texrecords/texels_index.bin", size), 2, "texrecords/texels_index.bin: "))
     rows.append((keep_texels, cut("texrecords/texels.bin", size), 2, "texrecords/texels.bin: "))
 for name in ("records.json", "index.bin", "records.bin"):
     rows.append((keep, remove(f"records/{name}"), 2, f"records/{name}: "))
@@ -119,7 +119,7 @@ rows += [
     (keep, patch("records/records.bin", 20, b"\xaa\xbb"), 2, "records/records.bin: "),
     (keep, patch("records/index.bin", 8, b"\xaa"), 2, "records/index.bin: "),
     (keep_texels, patch("texrecords/texels.bin", 20, b"\xaa\xbb"), 2, "texrecords/texels.bin: "),
-    (keep_texels, patch("texrecords/texels_index.bin", 8, b"\xaa"), 2, "texrecords/"),
+    (keep_texels, patch("texrecords/texels_index.bin", 8, b"\xaa"), 2, "texrecords/texels_index.bin: "),
     (keep.replace("--records", "--record full --records"), None, 2, "records"),
     (keep.replace("--records", "--space linear --records"), None, 2, "records"),
     (keep.replace("--records", "--surface-side 9 --records"), None, 2, "records"),
