@@ -1,5 +1,11 @@
 // What is noticed of files that changed after they were written, and how datasets without checksums are read.
+#include <fcntl.h>
+
+#include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
 
 #include "dataset/checksums.h"
 #include "dataset/image_stream.h"
@@ -73,6 +79,27 @@ TEST_F(ChecksumTest, StreamsNoticeAChangedImageWhenTheyReadIt) {
         expect_in("view \"view \"1\"\"", complaint([&] { stream.load_values(1, values); }));
         expect_in("view \"view \"1\"\"", complaint([&] { another.load_mask(1, image); }));
     }
+}
+
+/// Each is opened as a whole, though its folder is exchanged for the other while it is read.
+TEST_F(ChecksumTest, DatasetsThatAreExchangedAreNotMixed) {
+    write(Encoding::u8_srgb);
+    const fs::path other = root_ / "other";
+    write_random(other, Encoding::u16_linear, {{11, 8, false, 1}});
+    std::jthread writer([&](std::stop_token stop) {
+        while (!stop.stop_requested()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            renameat2(AT_FDCWD, folder_.c_str(), AT_FDCWD, other.c_str(), RENAME_EXCHANGE);
+        }
+    });
+    std::set<Encoding> seen;
+    for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+         std::chrono::steady_clock::now() < end;) {
+        const Dataset dataset = open_dataset(folder_);
+        EXPECT_EQ(dataset.views.size(), dataset.encoding == Encoding::u8_srgb ? 2u : 1u);
+        seen.insert(dataset.encoding);
+    }
+    EXPECT_EQ(seen.size(), 2u);
 }
 
 TEST_F(ChecksumTest, OtherFilesAreCheckedToo) {

@@ -42,6 +42,25 @@ int plain_rename(const fs::path& from, const fs::path& to) {
 
 bool unsupported(int error) { return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP; }
 
+/// In one step: what stood at `to` comes to stand at `from`. `check` may refuse what stands there. 0 or errno.
+template <class Check>
+int rename_or_exchange(const fs::path& from, const fs::path& to, Check check) {
+    while (true) {
+        int error = rename_with(from, to, RENAME_NOREPLACE);
+        if (error != EEXIST) return error;
+        check();
+        error = rename_with(from, to, RENAME_EXCHANGE);
+        if (error != ENOENT) return error;  // else it went meanwhile
+    }
+}
+
+/// Undoes rename_or_exchange(from, to).
+void take_back(const fs::path& to, const fs::path& from) {
+    std::error_code ignored;
+    const bool replaced = fs::exists(fs::symlink_status(from, ignored));
+    rename_with(to, from, replaced ? RENAME_EXCHANGE : RENAME_NOREPLACE);
+}
+
 void remove_quietly(const fs::path& path) {
     std::error_code ignored;
     fs::remove_all(path, ignored);
@@ -154,9 +173,10 @@ void UnfinishedFolder::sync() const {
 }
 
 void UnfinishedFolder::release() {
-    released_ = true;
     sync_to_disk(or_here(path_.parent_path()));
     for (const fs::path& parent : made_parents_) sync_to_disk(or_here(parent.parent_path()));
+    remove_quietly(path_);
+    released_ = true;
 }
 
 AtomicFolder::AtomicFolder(fs::path target, Existing existing)
@@ -175,22 +195,14 @@ void AtomicFolder::refuse_existing(const char* what) const {
 void AtomicFolder::commit() {
     work_.sync();
     exchange();
-    work_.release();
-    remove_quietly(work_.path());  // the earlier one
+    work_.release();  // and the earlier one goes
 }
 
 void AtomicFolder::exchange() {
-    while (true) {
-        int error = rename_with(path(), target_, RENAME_NOREPLACE);
-        if (error == EEXIST) {
-            refuse_existing("appeared meanwhile; choose another name");
-            error = rename_with(path(), target_, RENAME_EXCHANGE);
-            if (error == ENOENT) continue;  // it went meanwhile
-        }
-        if (unsupported(error)) return rename_twice();
-        if (error) throw_unwritable(target_, error);
-        return;
-    }
+    const int error =
+        rename_or_exchange(path(), target_, [this] { refuse_existing("appeared meanwhile; choose another name"); });
+    if (unsupported(error)) return rename_twice();
+    if (error) throw_unwritable(target_, error);
 }
 
 void AtomicFolder::rename_twice() {
@@ -219,10 +231,19 @@ void AtomicFiles::commit() {
         file_name(folder_ / names.back());  // a folder in the way shows before the first file has its name
     }
     work_.sync();
-    for (const fs::path& name : names)
-        if (const int error = plain_rename(path() / name, folder_ / name)) throw_unwritable(folder_ / name, error);
+    place(names);
     work_.release();
-    remove_quietly(path());
+}
+
+void AtomicFiles::place(const std::vector<fs::path>& names) {
+    for (size_t i = 0; i < names.size(); ++i) {
+        const fs::path from = path() / names[i], to = folder_ / names[i];
+        int error = rename_or_exchange(from, to, [] {});
+        if (unsupported(error)) error = plain_rename(from, to);
+        if (!error) continue;
+        while (i-- > 0) take_back(folder_ / names[i], path() / names[i]);
+        throw_unwritable(to, error);
+    }
 }
 
 }  // namespace radiafit

@@ -48,7 +48,7 @@ public:
     const std::filesystem::path& path() const { return path_; }
     /// Waits until all that is in it is on the disk; left to the outer one if it lies in another.
     void sync() const;
-    /// It has another name now and stays; the parents that were made for it are on the disk.
+    /// What was in it has its names now, and they are on the disk; whatever path() still names goes.
     void release();
 
 private:
@@ -90,8 +90,9 @@ private:
     Existing existing_;
 };
 
-/// Files that take their names in one folder together, over earlier files of the same names: all or, if an error comes
-/// before commit() ends its checks, none.
+/// Files that take their names in one folder together, over earlier files of the same names: all or, after an error,
+/// none. (A process that is killed amid the renames leaves some whole new ones and some whole older ones; and after an
+/// error on a file system without renameat2's exchange, older ones that were replaced already don't come back.)
 class AtomicFiles {
 public:
     explicit AtomicFiles(std::filesystem::path folder);
@@ -101,6 +102,9 @@ public:
     void commit();
 
 private:
+    /// Earlier files come to stand in path(), from where an error brings them back.
+    void place(const std::vector<std::filesystem::path>& names);
+
     std::filesystem::path folder_;
     UnfinishedFolder work_;
 };

@@ -139,10 +139,13 @@ void require_lights(const Dataset& dataset) {
                     dataset.folder.string()));
 }
 
-Dataset open_dataset(const fs::path& folder) {
+namespace {
+
+/// `description`: the text of dataset.json.
+Dataset open_described(const fs::path& folder, const std::string& description) {
     const fs::path json_file = folder / dataset_json_name;
     DatasetSizes sizes;
-    Dataset dataset = dataset_from_json(read_dataset_file(json_file), json_file, sizes);
+    Dataset dataset = dataset_from_json(description, json_file, sizes);
 
     const fs::path images_file = folder / dataset_images_name;
     std::error_code error;
@@ -159,6 +162,21 @@ Dataset open_dataset(const fs::path& folder) {
         read_mesh(folder, sizes, dataset);
     for (const char* name : {dataset_mesh_name, dataset_normals_name}) check_file(dataset, name);
     return dataset;
+}
+
+}  // namespace
+
+Dataset open_dataset(const fs::path& folder) {
+    const fs::path json_file = folder / dataset_json_name;
+    for (int tries = 1;; ++tries) {
+        const std::string description = read_dataset_file(json_file);
+        try {
+            return open_described(folder, description);
+        } catch (const UserError&) {
+            // Files of two datasets, if another one took the folder's place in between.
+            if (tries == 10 || read_dataset_file(json_file) == description) throw;
+        }
+    }
 }
 
 }  // namespace radiafit

@@ -41,12 +41,13 @@ def size_of(folder):
     return sum(sizes)
 
 
-def judge_end(place, command, status, said):
+def judge_end(place, command, status, said, late=False):
+    """`late`: an error may come after the last rename, when all is new already, but perhaps not on the disk."""
     verdict = place.verdict(command)
     if status == 0:
         return verdict.after_success()
     wrong = [text for text in [complaint(status, said)] if text]
-    return verdict.after_failure(command.steps) + wrong
+    return verdict.after_failure(command.steps or (late and verdict.all_new())) + wrong
 
 
 class SmallDisks:
@@ -122,8 +123,9 @@ class FailingCalls:
             for call, n in sorted(self.random.sample(moments, min(self.count, len(moments)))):
                 place.fill(self.command, self.older)
                 status, said = place.run(self.command, wrapper=tracing(log, (call,), call, f"error={error}:when={n}"))
-                violations = judge_end(place, self.command, status, said)
-                self.tally.add(injected(log, place.folder), violations, f"{error} from {call}, the {n}th")
+                hit = injected(log, place.folder)
+                violations = judge_end(place, self.command, status, said, late=True) if hit else []
+                self.tally.add(hit, violations, f"{error} from {call}, the {n}th")
         return self.tally
 
 

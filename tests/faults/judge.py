@@ -149,6 +149,9 @@ class Verdict:
         late = [f"{key} is not the new one, with exit 0" for key in sorted(self.wanted - self.new) if key not in self.missing]
         return self.problems + late + [f"leftover {name}" for name in self.leftovers]
 
+    def all_new(self):
+        return self.new >= self.wanted
+
     def after_kill(self):
         """Violations after a kill: leftovers are for the next run to clean."""
         return self.problems

@@ -118,6 +118,7 @@ class Judge(unittest.TestCase):
         self.write_output("new")
         self.assert_named(self.verdict().after_failure(steps=False), "out is the new one, though the run failed")
         self.assertEqual(self.verdict().after_failure(steps=True), [])
+        self.assertTrue(self.verdict().all_new())
 
     def test_something_older_is_lost(self):
         shutil.rmtree(self.place / "out")

@@ -89,7 +89,7 @@ COMMANDS = (
     render("relit", "", "--light", ("0,0,1", "0.3,0.4,0.8", "0.6,0,0.8"), fitted="texels0"),
     renders_of_fits("problems", ("--problems",)),
     experiment("table1_datasets", "terms", (1, 2, 3)),
-    experiment("fig7_convergence", "iterations", (2, 3, 4)),
+    experiment("fig7_convergence", "cap", (40, 50, 60)),
 )
 
 

@@ -138,7 +138,9 @@ class Swapping:
             for prefix in ("", "other-"):
                 self.scene.make(f"{prefix}{name}")
                 shutil.copytree(self.scene.root / "inputs" / f"{prefix}{name}", self.inputs / f"{prefix}{name}")
-        if exchanged:
+        if exchanged and "replaced" in self.swap.ways:
+            self.swap.ways["replaced"](self.inputs, self.swap.changed)
+        elif exchanged:
             exchange(self.inputs, self.swap.inputs[-1])
         self.place.fill(self.command, older=False)
 
@@ -170,7 +172,7 @@ class Swapping:
             pass
         hit = process.poll() is None
         self.swap.ways[way](self.inputs, self.swap.changed)
-        self.tally.add(hit, self.judge(*self.place.finish(process)), f"{way} after {share:.3f} of {self.duration_s:.2f} s")
+        self.tally.add(hit, self.judge(*self.place.finish(process)), f"{way} after {share * self.duration_s:.3f} of {self.duration_s:.2f} s")
 
     def judge(self, status, said):
         verdict = Verdict(self.place.folder, self.place.before, [contents for contents, _ in self.references])
