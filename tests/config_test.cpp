@@ -169,6 +169,7 @@ TEST_F(ConfigTest, AMalformedFileProfileOrOverride) {
     EXPECT_TRUE(error("a = 1\nb = \n").starts_with("FILE:2: ")) << error("a = 1\nb = \n");
     EXPECT_TRUE(error("a = 1\na = 2\n").starts_with("FILE:2: "));
     EXPECT_TRUE(error("a = 1\n[" + std::string(2, '\0') + "]").starts_with("FILE:2: a character that is no"));
+    EXPECT_TRUE(error("[$").starts_with("FILE:1: "));
     EXPECT_TRUE(error("name = 3\u00fc").starts_with("FILE:1: a character that is no"));
     EXPECT_TRUE(error("name = '#' \u00fc").starts_with("FILE:1: a character that is no"));
     EXPECT_EQ(error("# \u00fc"), "no error");
