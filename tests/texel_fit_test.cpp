@@ -3,6 +3,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "cpu/texel_fit_impl.h"
@@ -145,6 +146,47 @@ TEST(TexelSums, AreThoseOfTheirDefinitions) {
                 ASSERT_NEAR(sums.error[lane], error, tolerance * (error + 1e-3));
             }
         }
+}
+
+/// Lafortune's lobe with other starts: `count` of them, of which runs of five differ in their last value only.
+template <size_t count>
+struct OtherStarts : LafortuneText<Pack> {
+    static constexpr int start_count = int(count);
+    static constexpr auto starts = [] {
+        std::array<std::array<double, 3>, count> out{};
+        for (size_t i = 0; i < count; ++i) out[i] = {-1 + 0.1 * double(i / 5), 1, 1 + 0.5 * double(i % 5)};
+        return out;
+    }();
+};
+
+template <class Other>
+void expect_sums_of_each_start(size_t group) {
+    EXPECT_EQ(start_group<Other>(), group);
+    Rng rng(4);
+    const LafortuneTexel texel = sample_texel(rng, random_lobe(rng, 3, 30), 100, 0.01);
+    Fit::Batch batch;
+    for (const LafortuneSample& s : texel) batch.push(2, s);
+    const auto sums = start_sums<Other>(batch.rows());
+    for (size_t i = 0; i < size_t(Other::start_count); ++i) {
+        double lobe[2] = {}, target[3] = {};
+        for (const LafortuneSample& s : texel) {
+            const auto b = Text::basis({{Other::starts[i][0], Other::starts[i][1], Other::starts[i][2]}},
+                                       {{double(s.term[0]), double(s.term[1]), double(s.term[2])}});
+            for (size_t k = 0; k < 2; ++k) lobe[k] += double(s.weight) * b.x[k] * b.x[1];
+            for (size_t c = 0; c < 3; ++c) target[c] += double(s.weight) * b.x[1] * double(s.target[c]);
+        }
+        for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(sums.lobe[i][k][2], lobe[k], 1e-5 * lobe[k]) << "start " << i;
+        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sums.lobe_target[i][c][2], target[c], 1e-5 * target[c]);
+    }
+}
+
+TEST(TexelFit, AnyNumberOfStartsIsSummed) {
+    EXPECT_EQ(start_group<LafortuneText<Pack>>(), 5u);
+    expect_sums_of_each_start<OtherStarts<1>>(1);
+    expect_sums_of_each_start<OtherStarts<4>>(4);
+    expect_sums_of_each_start<OtherStarts<6>>(1);
+    expect_sums_of_each_start<OtherStarts<7>>(1);
+    expect_sums_of_each_start<OtherStarts<10>>(5);
 }
 
 TEST(TexelFit, StartsWhereTheBestOfAllStartsIs) {

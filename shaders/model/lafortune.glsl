@@ -83,7 +83,6 @@ static Shape gauge_tangent(const Shape& s) { return Shape{{s.x[0], s.x[1], real(
 #define STARTS_OF(Cx, Cz) \
     {Cx, Cz, 1.386294361}, {Cx, Cz, 2.302585093}, {Cx, Cz, 3.218875825}, {Cx, Cz, 4.094344562}, {Cx, Cz, 4.787491743}
 static constexpr int start_count = 15;
-static constexpr int start_group = 5;  // so many at a time differ in their last value only
 static constexpr double starts[start_count][SHAPE_COUNT] = {
     STARTS_OF(-0.85, 1), STARTS_OF(-1, 1), STARTS_OF(-1, 1 / 1.15)};
 #undef STARTS_OF

@@ -100,6 +100,27 @@ WidePack texel_error(std::span<const typename TexelBatch<Text::term_count>::Row>
     return error;
 }
 
+/// How many of `Text::starts` are taken together: every group of so many differs in its last value only, so that what
+/// depends on the others is computed once. From 1 to 8.
+template <class Text>
+consteval size_t start_group() {
+    constexpr size_t count = size_t(Text::start_count), last = size_t(Text::shape_count) - 1;
+    const auto alike = [](size_t i, size_t j) {
+        for (size_t k = 0; k < last; ++k)
+            if (Text::starts[i][k] != Text::starts[j][k]) return false;
+        return true;
+    };
+    const auto divides = [&](size_t group) {
+        if (count % group != 0) return false;
+        for (size_t i = 0; i < count; ++i)
+            if (!alike(i, i - i % group)) return false;
+        return true;
+    };
+    size_t group = 8;
+    while (!divides(group)) --group;
+    return group;
+}
+
 /// What a linear fit of the coefficients needs at each of `Text::starts`: those basis functions that don't depend on
 /// the shape are summed once.
 template <class Text>
@@ -113,7 +134,7 @@ struct StartSums {
 
 template <class Text>
 StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>::Row> rows) {
-    constexpr size_t B = StartSums<Text>::B, last = B - 1, group = size_t(Text::start_group);
+    constexpr size_t B = StartSums<Text>::B, last = B - 1, group = start_group<Text>();
     StartSums<Text> out{};
     const auto shape_at = [](size_t i) {
         typename Text::Shape s;
@@ -140,7 +161,7 @@ StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>
             for (size_t c = 0; c < 3; ++c) out.target[i][c] += widen(target[i][c]);
         }
         for (size_t first = 0; first < size_t(Text::start_count); first += group) {
-            // all values of a group but the last are one variable, so that what depends on them alone is computed once
+            // one variable for all values of a group but the last
             typename Text::Shape shape = shape_at(first);
             Pack varied[group];
             for (size_t g = 0; g < group; ++g) varied[g] = shape_at(first + g).x[Text::shape_count - 1];
