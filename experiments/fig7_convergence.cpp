@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "experiment.h"
 #include "report/csv.h"
 
@@ -65,15 +66,6 @@ Run run(Record& record, const Dataset& dataset, const Options& o, const SharedSa
     Run out;
     out.status = solve_noting_errors(dataset, request, samples, out.errors, record).fit.status;
     return out;
-}
-
-double quantile(std::vector<double> sorted_values, double q) {
-    if (sorted_values.empty()) return std::nan("");
-    std::sort(sorted_values.begin(), sorted_values.end());
-    const double at = q * double(sorted_values.size() - 1);
-    const auto below = size_t(at);
-    const size_t above = std::min(below + 1, sorted_values.size() - 1);
-    return sorted_values[below] + (at - double(below)) * (sorted_values[above] - sorted_values[below]);
 }
 
 struct Comparison {

@@ -8,6 +8,7 @@
 #include "app/limits.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "dataset/truth.h"
 #include "eval/truth_errors.h"
 #include "experiment.h"
@@ -88,13 +89,6 @@ std::vector<Group> groups_of(const ReflectanceTruth& truth, const Options& o) {
         out[exponent(truth, t) < o.sharp ? 2 : 3].texels.push_back(t);
     }
     return out;
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return NAN;
-    const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 /// Of samples in [0, 1]: errors below are rounding.

@@ -8,6 +8,7 @@
 #include "app/choices.h"
 #include "app/limits.h"
 #include "base/log.h"
+#include "base/statistics.h"
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
@@ -87,11 +88,9 @@ Course course_of(const Run& run, const std::vector<double>& best, double toleran
         ratios.clear();
         for (size_t i = 0; i < best.size(); ++i)
             if (run.samples[i] && best[i] > 0) ratios.push_back(double(run.errors[k][i]) / best[i]);
-        const auto middle = ratios.begin() + std::ptrdiff_t(ratios.size() / 2);
-        std::nth_element(ratios.begin(), middle, ratios.end());
-        course.median.push_back(*middle);
+        course.median.push_back(median(ratios));
         if (course.first_below_half < 0 && course.active[k] < 0.5) course.first_below_half = int(k);
-        if (course.median_reached < 0 && *middle <= tolerance) course.median_reached = int(k);
+        if (course.median_reached < 0 && course.median.back() <= tolerance) course.median_reached = int(k);
     }
     const auto short_of_it =
         double(std::count_if(ratios.begin(), ratios.end(), [&](double ratio) { return ratio > tolerance; }));

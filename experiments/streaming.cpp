@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/statistics.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
 #include "model/lfm_start.h"
@@ -123,12 +124,6 @@ Contest contest(const Dataset& dataset, const Options& o, const char* problem, c
             if (i == cold) c.cached_share = std::max({c.cached_share, before, cached_share(images)});
         }
     return c;
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const size_t middle = values.size() / 2;
-    return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 void write_rows(const ResultFolder& results, const std::vector<Contest>& contests, const std::string& renderer) {

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
+#include "base/statistics.h"
 #include "capture/image_scale.h"
 #include "capture/text_file.h"
 
@@ -22,13 +23,6 @@ constexpr double clipped = 250.0 / 255.0;  // stored value; above, the sensor's 
 constexpr float dark = 0.005f;             // linear mean; below, an 8-bit step is more than 5 % of the value
 constexpr size_t least_shared = 20;        // samples on points that other views see too
 constexpr int rounds = 20;                 // of reweighting; the scale settles after about ten
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// Samples of the training views that take part, grouped by point.
 struct Observation {
@@ -101,6 +95,7 @@ private:
             if (groups_[p].size() > 1)
                 for (const Observation& o : groups_[p]) sizes.push_back(std::abs(residual(p, o)));
         }
+        if (sizes.empty()) return;  // no point is seen twice
         const double scale = std::max(2 * 1.4826 * median(std::move(sizes)), 1e-3);
         for (size_t p = 0; p < groups_.size(); ++p)
             for (Observation& o : groups_[p]) {

@@ -6,19 +6,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/statistics.h"
 
 namespace radiafit {
-namespace {
-
-double quantile(std::vector<double>& values, double q) {
-    if (values.empty()) return 0;
-    const auto at = values.begin() + ptrdiff_t(q * double(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
-}  // namespace
-
 TruthComparison::TruthComparison(const TexelModel& model, const TruthMaterial& material)
     : possible_(material.model == model.name) {
     for (int i = 0; possible_ && i < model.parameters; ++i) {
@@ -71,11 +61,13 @@ std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const Reflec
             worst.push_back(comparison.worst(p, truth.parameters[t]));
         }
         errors.rmse = samples > 0 ? std::sqrt(squared / samples) : 0;
-        errors.worst_median = quantile(worst, 0.5);
-        errors.worst_90 = quantile(worst, 0.9);
+        if (!worst.empty()) {
+            errors.worst_median = median(worst);
+            errors.worst_90 = quantile(worst, 0.9);
+        }
         for (size_t i = 0; errors.comparable && i < n; ++i) {
             errors.parameters.push_back(comparison.name(i));
-            errors.median.push_back(quantile(each[i], 0.5));
+            errors.median.push_back(each[i].empty() ? 0 : median(each[i]));
         }
         out.push_back(std::move(errors));
     }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "samples/image_samples.h"
 
 namespace radiafit {
@@ -24,16 +25,13 @@ void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vect
         for (uint32_t s = begin; s < end; ++s) ++counts[list.samples[s].local];
     }
 
-    std::vector<uint32_t> usable;
+    std::vector<double> usable;
     usable.reserve(atlas.texel_count());
     for (uint32_t t = 0; t < atlas.texel_count(); ++t)
         if (atlas.usable(t)) usable.push_back(statistics.samples_per_texel[t]);
     statistics.texels = usable.size();
     if (usable.empty()) return;
-    const auto upper = usable.begin() + usable.size() / 2;
-    std::nth_element(usable.begin(), upper, usable.end());
-    const double lower = usable.size() % 2 ? *upper : *std::max_element(usable.begin(), upper);
-    statistics.median_samples_per_texel = 0.5 * (lower + *upper);
+    statistics.median_samples_per_texel = median(std::move(usable));
 }
 
 }  // namespace
