@@ -99,7 +99,7 @@ public:
     }
 
     void solve(size_t vertex, const OptimizerOptions& options, std::span<V> p, VertexRun& run) {
-        LfmEngine<VertexProblem>& engine = engines_[vertex];
+        LaneEngine<VertexProblem>& engine = engines_[vertex];
         std::vector<float> block(4 * p.size());
         for (size_t i = 0; i < block.size(); ++i) block[i] = float(p[i / 4][long(i % 4)]);
         run.joint = true;
@@ -129,7 +129,7 @@ public:
 private:
     VertexProblem fresh_;
     std::vector<std::unique_ptr<VertexProblem>> problems_;
-    std::vector<LfmEngine<VertexProblem>> engines_;
+    std::vector<LaneEngine<VertexProblem>> engines_;
 };
 
 std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, const std::vector<Vertex>& vertices,

@@ -66,7 +66,7 @@ void against_oracle(const LfmOptions& options, double tolerance) {
         problem.direction(v, &p[begin], g.data(), diagonal.data(), error);
         LineLanes line;
         problem.line(v, &p[begin], &d[begin], line);
-        const double density = truth.samples[v] ? double(truth.samples[v]) / double(problem.ring_texels(v)) : 1;
+        const double density = truth.samples[v] ? double(truth.samples[v]) / double(problem.texels(v)) : 1;
         const auto expect = [&](const Sum& sum, double value, const char* what) {
             ASSERT_TRUE(std::isfinite(value)) << what;
             ASSERT_NEAR(value * density, sum.value, tolerance * sum.magnitude + 1e-30) << what << " of vertex " << v;

@@ -29,11 +29,11 @@ namespace fs = std::filesystem;
 
 template <template <class> class Text>
 void check_engine(Mode mode, uint64_t seed) {
-    using Engine = TexelEngine<Text<Pack>>;
+    using Texels = TexelBatches<Text<Pack>>;
     using Model = TexelLocal<Text<double>>;
-    constexpr size_t N = Engine::N, texels = 21;
+    constexpr size_t N = Texels::N, texels = 21;
     Rng rng(seed);
-    std::vector<typename Engine::Batch> batches((texels + 7) / 8);
+    std::vector<typename Texels::Batch> batches((texels + 7) / 8);
     std::vector<std::vector<TexelSample<Text<double>::term_count>>> samples(texels);
     std::vector<float> p, d;
     for (size_t t = 0; t < texels; ++t) {
@@ -59,12 +59,21 @@ void check_engine(Mode mode, uint64_t seed) {
     TexelOptions options;
     options.mode = mode;
     options.mu = 0.3f;
-    Engine engine(batches, texels, options);
-    const ProblemStatistics statistics = engine.count();
-    engine.reset(p);
-    engine.direction_pass(true);
-    engine.set_line(p, d);
-    engine.line_pass();
+    Texels problem(batches, texels, options);
+    const ProblemStatistics statistics = problem.count();
+    std::vector<Pack> x(problem.begin(batches.size()), Pack{}), along = x, g = x, preconditioner = x;
+    problem.set(p, x.data());
+    problem.set(d, along.data());
+    std::vector<std::array<double, Texels::lanes>> errors(batches.size());
+    std::vector<typename Texels::Sums> lines(batches.size());
+    for (size_t b = 0; b < batches.size(); ++b) {
+        const size_t at = problem.begin(b);
+        problem.direction(b, &x[at], &g[at], &preconditioner[at], errors[b].data());
+        problem.line(b, &x[at], &along[at], lines[b]);
+    }
+    std::vector<float> gradients(texels * N), diagonals(texels * N);
+    problem.get(g.data(), gradients);
+    problem.get(preconditioner.data(), diagonals);
     for (size_t t = 0; t < texels; ++t) {
         ASSERT_EQ(statistics.samples[t], samples[t].size());
         if (samples[t].empty()) continue;
@@ -111,20 +120,20 @@ void check_engine(Mode mode, uint64_t seed) {
         }
         // a lobe multiplies the rounding of its cosine by n, up to 200
         const double tolerance = 1e-5;
-        const auto found = engine.evaluation(t);
-        EXPECT_NEAR(double(found.error), error, tolerance * (error_size + error)) << "texel " << t;
+        EXPECT_NEAR(errors[t / 8][t % 8], error, tolerance * (error_size + error)) << "texel " << t;
         for (size_t i = 0; i < N; ++i) {
-            EXPECT_NEAR(double(found.gradient[i]), gradient[i],
+            EXPECT_NEAR(double(gradients[t * N + i]), gradient[i],
                         tolerance * (gradient_size[i] + std::abs(gradient[i]) + 1e-6))
                 << "texel " << t << ", parameter " << i;
             const double floored = std::max(diagonal[i], 1e-4 * largest);
-            EXPECT_NEAR(double(found.diagonal[i]), floored, 3 * tolerance * (floored + 1e-4 * largest)) << i;
+            EXPECT_NEAR(double(diagonals[t * N + i]), floored, 3 * tolerance * (floored + 1e-4 * largest)) << i;
         }
-        const auto line = engine.line(t);
-        EXPECT_NEAR(double(line.gauss_newton), first, tolerance * (first + whole_size)) << "texel " << t;
-        EXPECT_NEAR(double(line.curvature), whole, tolerance * (first + whole_size)) << "texel " << t;
-        EXPECT_EQ(line.third, 0);
-        EXPECT_EQ(line.fourth, 0);
+        const auto& line = lines[t / 8];
+        const int lane = int(t % 8);
+        EXPECT_NEAR(double(line.gauss_newton[lane]), first, tolerance * (first + whole_size)) << "texel " << t;
+        EXPECT_NEAR(double(line.curvature[lane]), whole, tolerance * (first + whole_size)) << "texel " << t;
+        EXPECT_EQ(line.third[lane], 0);
+        EXPECT_EQ(line.fourth[lane], 0);
     }
 }
 

@@ -86,7 +86,7 @@ struct Loaded {
         scene->records->read(scene->vertex, scene->vertex + 1, block);
         problem.load(scene->vertex, block.data());
         samples = scene->records->vertex(scene->vertex).samples;
-        p.assign(problem.layout().size() / 4, Lanes<float>{0.7f, 0.6f, 0.5f, 0});
+        p.assign(problem.begin(1), Lanes<float>{0.7f, 0.6f, 0.5f, 0});
         d = g = p;
     }
 };

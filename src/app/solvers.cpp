@@ -86,7 +86,7 @@ void fill_problems(FitTask& task, std::vector<float> parameters, Status status, 
             fit.status[3 * v + c] = status;
             fit.iterations[3 * v + c] = iterations;
             fit.samples[3 * v + c] = statistics.samples[v];
-            fit.error[3 * v + c] = float(error[c] * statistics.samples[v] / double(problem.ring_texels(v)));
+            fit.error[3 * v + c] = float(error[c] * statistics.samples[v] / double(problem.texels(v)));
         }
     }
     fit.parameters = std::move(parameters);

@@ -47,6 +47,16 @@ inline Lanes<real> broadcast3(real x) {
     return Lanes<real>{x, x, x, real(0)};
 }
 
+inline void set_lane(Lanes<float>& to, int lane, float x) { to[lane] = x; }
+inline void set_lane(Lanes<double>& to, int lane, double x) { to[lane] = x; }
+/// Lane by lane a where `condition` is not zero, b elsewhere.
+inline Lanes<float> select_nonzero(const Lanes<float>& condition, const Lanes<float>& a, const Lanes<float>& b) {
+    return condition != 0 ? a : b;
+}
+inline Lanes<double> select_nonzero(const Lanes<double>& condition, const Lanes<double>& a, const Lanes<double>& b) {
+    return condition != 0 ? a : b;
+}
+
 template <class real>
 inline Lanes<double> widen(const Lanes<real>& x) {
     return Lanes<double>{double(x[0]), double(x[1]), double(x[2]), double(x[3])};

@@ -49,6 +49,11 @@ void LfmObjective<real>::finish_direction(const Scale& scale, size_t maps, const
     add_smoothness<real>(view_neighbours_, options_.terms, scale.lambda_view, x + at, gradient + at, error, smooth);
     add_bounds<real>(options_, size / size_t(options_.terms), x, gradient, error);
     if (diagonal) precondition(scale, maps, diagonal);
+    if (first_term_ <= 0 && last_term_ >= options_.terms) return;
+    for (size_t i = 0; i < size; ++i) {
+        const int term = int(i % size_t(options_.terms));
+        if (term < first_term_ || term >= last_term_) gradient[i] = V{};
+    }
 }
 
 template <class real>

@@ -74,8 +74,9 @@ ProblemStatistics LfmProblem<real>::count() {
         }
         statistics.samples[v] = count;
         for (int c = 0; c < 3 && count; ++c) statistics.mean[3 * v + size_t(c)] = float(sum[c] / count);
-        scales_[v] = objective_.scale(ring_texels(v), count, &statistics.mean[3 * v]);
+        scales_[v] = objective_.scale(texels(v), count, &statistics.mean[3 * v]);
     });
+    counts_ = statistics.samples;
     return statistics;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cpu/lfm_kernels.h"
+#include "cpu/lfm_objective.h"
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
 #include "optim/engine.h"
@@ -19,14 +20,25 @@ class LfmProblem {
 public:
     using Real = real;
     using V = Lanes<real>;
+    using Sums = LineLanes;
+    static constexpr int lanes = 3;
     /// All arguments but options must outlive the problem.
     LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const SampleList& samples,
                const LfmOptions& options);
 
     size_t vertex_count() const { return rings_->vertex_count(); }
+    // What LaneEngine asks for; a block is a vertex.
+    size_t problem_count() const { return 3 * vertex_count(); }
+    size_t block_count() const { return vertex_count(); }
+    size_t begin(size_t v) const { return layout_.offset(v) / 4; }
+    Status first_status(size_t problem) const { return counts_[problem / 3] ? Status::active : Status::no_samples; }
+    void set(std::span<const float> values, V* vector) const { set_lanes<real>(values, vector); }
+    void get(const V* vector, std::span<float> values) const { get_lanes<real>(vector, values); }
+    void fit_terms(int first, int last) { objective_.fit_terms(first, last); }
+
     const LfmLayout& layout() const { return layout_; }
     const LfmOptions& options() const { return options_; }
-    size_t ring_texels(size_t v) const { return rings_->ring(v).size() * size_t(layout_.tile_texels()); }
+    size_t texels(size_t v) const { return rings_->ring(v).size() * size_t(layout_.tile_texels()); }
 
     /// Samples and mean target per vertex; fixes S-bar and lambda_view. Call before the passes.
     ProblemStatistics count();
@@ -49,6 +61,7 @@ private:
     LfmObjective<real> objective_;
     std::vector<V> target_weight_[3];          ///< per corner [tile texels]: Lambda at the centre, times the scale
     std::vector<Footprint<real>> footprints_;  ///< [vertices][images]
+    std::vector<uint32_t> counts_;             ///< [vertices] samples
     std::vector<typename LfmObjective<real>::Scale> scales_;  ///< [vertices]
 };
 

@@ -15,9 +15,10 @@ template <class Text>
 class SolversOf final : public TexelSolvers {
     using Fit = TexelFit<Text>;
     using Batch = typename Fit::Batch;
-    using Engine = TexelEngine<Text>;
+    using Texels = TexelBatches<Text>;
+    using Engine = LaneEngine<Texels>;
     static_assert(radiafit::Engine<Engine>);
-    static constexpr size_t N = Engine::N, lanes = Pack::size;
+    static constexpr size_t N = Texels::N, lanes = Pack::size;
 
     static void push(Batch& batch, int lane, std::span<const ShadedSample> samples) {
         for (const ShadedSample& s : samples) {
@@ -149,7 +150,8 @@ public:
                 put_start(w.batches[b], start, begin + lanes * b);
             }
         });
-        Engine engine(batches, texels, problem.options);
+        Texels all(batches, texels, problem.options);
+        Engine engine(all);
         engine.count();
         TexelResult out = empty_result(texels);
         for (const auto& w : workers) out.load_s += w ? w->load_s / thread_count() : 0;
@@ -176,7 +178,8 @@ public:
                           [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
                               for (size_t b = 0; b < batches; ++b) {
                                   const std::span<const Batch> one(&w.batches[b], 1);
-                                  Engine engine(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
+                                  Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
+                                  Engine engine(texels);
                                   engine.count();
                                   std::vector<float> start(engine.problem_count() * N);
                                   put_start(w.batches[b], start, 0);
@@ -240,7 +243,8 @@ public:
     }
 
     uint64_t stream_bytes(uint64_t texels, uint64_t samples) const override {
-        return Engine::bytes(texels) + samples * sizeof(typename Batch::Row) / lanes;
+        const uint64_t blocks = (texels + lanes - 1) / lanes;
+        return Engine::bytes(blocks * N, blocks) + samples * sizeof(typename Batch::Row) / lanes;
     }
 
 private:

@@ -14,7 +14,7 @@ constexpr size_t chunk = 16;  ///< vertices read in one piece
 
 struct Worker {
     VertexProblem problem;
-    LfmEngine<VertexProblem> engine{problem};
+    LaneEngine<VertexProblem> engine{problem};
     std::vector<uint8_t> blocks;
     double read_s = 0;
     uint64_t bytes_read = 0, sample_iterations = 0, largest_working_set = 0;

@@ -15,7 +15,6 @@ VertexProblem::VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas,
       objective_(options, int(atlas.texels_per_tile())),
       frames_(vertex_frames(atlas.mesh())),
       tile_texels_(atlas.texels_per_tile()) {
-    layout_.terms_ = options.terms;
     for (uint32_t view : records.views()) centers_.push_back(dataset.views[view].camera.center());
 }
 
@@ -24,10 +23,9 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
     vertex_ = v;
     samples_ = record.samples;
     maps_ = rings_->ring(v).size();
-    layout_.ends[1] =
-        4 * size_t(options_.terms) * (maps_ * tile_texels_ + size_t(options_.view_side) * size_t(options_.view_side));
+    size_ = size_t(options_.terms) * (maps_ * tile_texels_ + size_t(options_.view_side) * size_t(options_.view_side));
     std::copy_n(record.mean, 3, mean_);
-    scale_ = objective_.scale(ring_texels(0), samples_, mean_);
+    scale_ = objective_.scale(texels(0), samples_, mean_);
 
     weights_.clear();
     for (const Corner& corner : rings_->ring(v))
@@ -88,7 +86,7 @@ void VertexProblem::take_full(const uint8_t* from) {
 }
 
 void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, double error[3]) const {
-    const size_t size = layout_.size() / 4, view = maps_ * tile_texels_ * size_t(options_.terms);
+    const size_t size = size_, view = maps_ * tile_texels_ * size_t(options_.terms);
     std::fill(gradient, gradient + size, V{});
     if (diagonal) std::fill(diagonal, diagonal + size, V{});
     Lanes<double> data{};
@@ -124,8 +122,7 @@ void VertexProblem::line(size_t, const V* x, const V* d, LineLanes& sums) const 
 }
 
 uint64_t VertexProblem::working_set_bytes() const {
-    return targets_.size() * (sizeof(V) + sizeof(uint32_t)) + groups_.size() * sizeof(Group) +
-           7 * layout_.size() * sizeof(float);
+    return targets_.size() * (sizeof(V) + sizeof(uint32_t)) + groups_.size() * sizeof(Group) + 7 * size_ * sizeof(V);
 }
 
 }  // namespace radiafit

@@ -7,13 +7,15 @@
 
 namespace radiafit {
 
-/// One vertex's problem, loaded from its record: what stays in the L2 cache while LfmEngine solves it. Samples stand by
-/// (image, ring position, texel), targets weighted and widened once, so a view look-up serves all of an image's
-/// samples. As LfmEngine's Problem it has one vertex, number 0.
+/// One vertex's problem, loaded from its record: what stays in the L2 cache while LaneEngine solves it. Samples stand
+/// by (image, ring position, texel), targets weighted and widened once, so a view look-up serves all of an image's
+/// samples. As LaneEngine's Problem it has one block, number 0.
 class VertexProblem {
 public:
     using Real = float;
     using V = Lanes<float>;
+    using Sums = LineLanes;
+    static constexpr int lanes = 3;
     /// All arguments but options must outlive the problem.
     VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                   const DiskRecords& records, const LfmOptions& options);
@@ -21,16 +23,15 @@ public:
     /// Takes vertex v from its block. Keeps storage.
     void load(size_t v, const uint8_t* block);
 
-    struct Layout {
-        size_t ends[2] = {0, 0};  ///< floats
-        int terms_;
-        size_t offset(size_t v) const { return ends[v]; }
-        size_t size() const { return ends[1]; }
-        int terms() const { return terms_; }
-    };
-    const Layout& layout() const { return layout_; }
-    size_t vertex_count() const { return 1; }
-    size_t ring_texels(size_t) const { return maps_ * tile_texels_; }
+    // What LaneEngine asks for.
+    size_t problem_count() const { return 3; }
+    size_t block_count() const { return 1; }
+    size_t begin(size_t block) const { return block == 0 ? 0 : size_; }
+    Status first_status(size_t) const { return samples_ ? Status::active : Status::no_samples; }
+    void set(std::span<const float> values, V* vector) const { set_lanes<float>(values, vector); }
+    void get(const V* vector, std::span<float> values) const { get_lanes<float>(vector, values); }
+    void fit_terms(int first, int last) { objective_.fit_terms(first, last); }
+    size_t texels(size_t) const { return maps_ * tile_texels_; }
     ProblemStatistics count() const { return {{samples_}, {mean_[0], mean_[1], mean_[2]}}; }
     void direction(size_t, const V* x, V* gradient, V* fresh_p, double error[3]) const;
     void line(size_t, const V* x, const V* d, LineLanes& sums) const;
@@ -67,8 +68,7 @@ private:
     std::vector<Vec3d> centers_;  ///< of the images' cameras
     size_t tile_texels_;
 
-    Layout layout_;
-    size_t vertex_ = 0, maps_ = 0;
+    size_t vertex_ = 0, maps_ = 0, size_ = 0;  ///< size_: of the vertex's block, in V
     uint32_t samples_ = 0;
     float mean_[3] = {};
     LfmObjective<float>::Scale scale_;
