@@ -170,6 +170,37 @@ class Render(Writing):
 
 
 class Names(Writing):
+    def test_behind_a_link_the_parent_is_that_of_its_target(self):
+        for command in (["generate", "star"], ["fit", "star", "--iterations", "1"]):
+            name = f"links-{command[0]}"
+            place = self.folder(name)
+            (place / "deep/inner").mkdir(parents=True)
+            (place / "link").symlink_to("deep/inner")
+            (place / "new").mkdir()
+            (place / "new/thesis.txt").write_text("years")
+            self.good(*command, "-o", f"{name}/link/../new")
+            self.assertEqual((place / "new/thesis.txt").read_text(), "years")
+            self.assertEqual([path.name for path in (place / "new").iterdir()], ["thesis.txt"])
+            self.good("info", f"{name}/deep/new")
+
+    def test_pictures_of_others_stay(self):
+        place = self.folder("pictures")
+        self.good("render", "fit", "-o", "pictures/q")
+        self.good("render", "fit", "-o", "pictures/q")
+        for name in ("q.png", "q.exr", "q_sheet.png"):
+            mine = (place / name).read_bytes()
+            (place / name).write_text("my own")
+            self.refused("render", "fit", "-o", "pictures/q", says=[name, "no picture of radiafit render"])
+            self.assertEqual((place / name).read_text(), "my own")
+            (place / name).write_bytes(mine)
+        os.mkfifo(place / "pipe.exr")
+        self.refused("render", "fit", "-o", "pictures/pipe", says=["pipe.exr", "no picture"])
+
+    def test_names_that_are_no_utf8(self):
+        shutil.copytree(self.root / "star", os.path.join(os.fsencode(self.root), b"\xe9t\xe9").decode(errors="surrogateescape"))
+        self.good("fit", b"\xe9t\xe9".decode(errors="surrogateescape"), "--iterations", "1", "-o", "latin")
+        self.good("info", "latin")
+
     def test_outputs_that_cannot_be(self):
         commands = (["generate", "star"], ["fit", "star", "--iterations", "1"],
                     ["import", "colmap", "--model", "capture/sparse", "--images", "capture/images", "--mesh", "capture/mesh.ply"])  # fmt: skip

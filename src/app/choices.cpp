@@ -209,7 +209,7 @@ std::string FitRequest::json() const {
         {"refills", refills},
         {"ceres", ceres},
     };
-    return object.dump();
+    return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // names may be no UTF-8
 }
 
 }  // namespace radiafit

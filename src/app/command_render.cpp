@@ -33,8 +33,10 @@ struct RenderOptions {
     bool problems = false;
 };
 
-/// Whether render made it: its EXR and SVG files say so in their first bytes.
+/// Whether render made it: its files say so in their first bytes, but for the PNG that gnuplot draws beside an SVG.
 bool carries_mark(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) return false;
     std::ifstream stream(file, std::ios::binary);
     std::string head(1 << 14, '\0');
     stream.read(head.data(), std::streamsize(head.size()));
@@ -48,15 +50,11 @@ public:
     explicit Pictures(const fs::path& folder) : folder_(folder), files_(folder) {}
 
     /// Refuses a name at which one of `endings` stands and is not render's: a fit's own map, a photograph.
-    void check(const std::string& name, std::initializer_list<const char*> endings) const {
-        const fs::path stem = folder_ / name;
-        if (carries_mark(stem.string() + ".exr") || carries_mark(stem.string() + ".svg")) return;
-        for (const char* ending : endings)
-            if (std::error_code error; fs::exists(fs::symlink_status(stem.string() + ending, error)))
-                throw UserError(
-                    fmt::format("{}{}: stands there and is no picture of radiafit render; choose another "
-                                "name or remove it",
-                                stem.string(), ending));
+    void check(const std::string& name, std::initializer_list<const char*> endings) {
+        for (const char* ending : endings) {
+            checked_.push_back({folder_ / (name + ending), folder_ / (name + ".svg")});
+            check(checked_.back());
+        }
     }
     void add(const std::string& name, const LightImage& image) {
         write_light_exr(files_.path() / (name + ".exr"), image);
@@ -72,17 +70,30 @@ public:
         messages_.push_back(fmt::format("{0}.png, {0}.svg", (folder_ / name).string()));
     }
     void commit() {
+        for (const Place& place : checked_) check(place);  // again: something may stand there by now
         files_.commit();
         for (const std::string& message : messages_) log_info(message);
     }
 
 private:
+    struct Place {
+        fs::path file, drawing;  ///< drawing: an SVG of the same name
+    };
+    static void check(const Place& place) {
+        std::error_code error;
+        if (!fs::exists(fs::symlink_status(place.file, error)) || carries_mark(place.file)) return;
+        if (place.file.extension() == ".png" && carries_mark(place.drawing)) return;
+        throw UserError(
+            fmt::format("{}: stands there and is no picture of radiafit render; choose another name or remove it",
+                        place.file.string()));
+    }
     void add(const std::string& name, const ByteImage& bytes) const {
-        write_png(files_.path() / (name + ".png"), bytes.width, bytes.height, bytes.rgb);
+        write_png(files_.path() / (name + ".png"), bytes.width, bytes.height, bytes.rgb, picture_mark);
     }
 
     fs::path folder_;
     AtomicFiles files_;
+    std::vector<Place> checked_;
     std::vector<std::string> messages_;
 };
 

@@ -1,5 +1,6 @@
 #include "base/parallel.h"
 
+#include <fmt/format.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -9,8 +10,11 @@
 #include <memory>
 #include <mutex>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include "base/error.h"
 
 namespace radiafit {
 namespace {
@@ -50,17 +54,14 @@ struct Loop {
 class Pool {
 public:
     explicit Pool(int threads) {
-        for (int worker = 1; worker < threads; worker++) threads_.emplace_back([this, worker] { serve(worker); });
-    }
-
-    ~Pool() {
-        {
-            std::scoped_lock lock(mutex_);
-            stopping_ = true;
+        try {
+            for (int worker = 1; worker < threads; worker++) threads_.emplace_back([this, worker] { serve(worker); });
+        } catch (const std::system_error& error) {
+            stop();
+            throw UserError(fmt::format("{} threads cannot be started ({}); choose fewer", threads, error.what()));
         }
-        wake_.notify_all();
-        for (std::thread& thread : threads_) thread.join();
     }
+    ~Pool() { stop(); }
 
     void run(Loop& loop) {
         {
@@ -77,6 +78,14 @@ public:
     }
 
 private:
+    void stop() {
+        {
+            std::scoped_lock lock(mutex_);
+            stopping_ = true;
+        }
+        wake_.notify_all();
+        for (std::thread& thread : threads_) thread.join();
+    }
     void serve(int worker) {
         size_t seen = 0;
         std::unique_lock lock(mutex_);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <png.h>
+#include <zlib.h>
 
 #include <string>
 
@@ -9,8 +10,21 @@
 #include "base/error.h"
 
 namespace radiafit {
+namespace {
 
-void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& rgb8) {
+std::string big_endian(uint32_t x) { return {char(x >> 24), char(x >> 16), char(x >> 8), char(x)}; }
+
+/// PNG specification, Section 11.3.4.3.
+std::string text_chunk(std::string_view keyword, std::string_view text) {
+    const std::string content = fmt::format("tEXt{}{}{}", keyword, '\0', text);
+    const uLong checksum = crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size());
+    return big_endian(uint32_t(content.size() - 4)) + content + big_endian(uint32_t(checksum));
+}
+
+}  // namespace
+
+void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& rgb8,
+               std::string_view software) {
     if (width < 1 || height < 1 || rgb8.size() != size_t(width) * size_t(height) * 3)
         throw SystemError(
             fmt::format("write_png({}): {} bytes for {} x {} pixels", file.string(), rgb8.size(), width, height));
@@ -23,7 +37,10 @@ void write_png(const std::filesystem::path& file, int width, int height, const s
     png_alloc_size_t size = bytes.size();
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb8.data(), 0, nullptr))
         throw SystemError(fmt::format("libpng cannot make {}: {}", file.string(), image.message));
-    write_file(file, {bytes.data(), size});
+    bytes.resize(size);
+    constexpr size_t header_end = 33;  // signature and IHDR
+    if (!software.empty()) bytes.insert(header_end, text_chunk("Software", software));
+    write_file(file, bytes);
 }
 
 }  // namespace radiafit

@@ -53,7 +53,6 @@ void check_replaceable(const fs::path& folder) {
 
 /// A link to a dataset: replace what it points at, keep the link.
 fs::path resolved(fs::path folder) {
-    folder = folder.lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();  // "star/" is "star"
     std::error_code error;
     if (!fs::is_symlink(folder, error)) return folder;
@@ -189,6 +188,7 @@ void DatasetWriter::finish(const Dataset& header) {
     write_file(s.output.path() / dataset_json_name,
                dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.images.bytes(),
                                          has_grid && !normals.empty()}));
+    check_replaceable(s.folder);  // again: something may have been put there meanwhile
     s.output.commit();
 }
 

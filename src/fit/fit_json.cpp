@@ -12,6 +12,11 @@
 namespace radiafit {
 namespace {
 
+/// Names that are no UTF-8 lose what is not.
+std::string to_text(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 using Json = nlohmann::ordered_json;
 
 // The double nearest to the shortest decimal that names this float: 0.001 stays 0.001 and still reads back exactly.
@@ -143,7 +148,7 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
         {"width", atlas.width()}, {"height", atlas.height()}, {"rectangles_per_row", atlas.rectangles_per_row()}};
     json["view_maps"] = {{"columns", table_columns(vertices)}, {"rows", table_rows(vertices)}};
     add_tail(json, fit, dataset_path, files);
-    return json.dump(2) + "\n";
+    return to_text(json);
 }
 
 std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std::string& dataset_path,
@@ -157,7 +162,7 @@ std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std
                            {"clip_above", plain(o.clip_above)}, {"shadow_below", plain(o.shadow_below)}};
     json["maps"] = {{"width", atlas.width()}, {"height", atlas.height()}};
     add_tail(json, fit, dataset_path, files);
-    return json.dump(2) + "\n";
+    return to_text(json);
 }
 
 std::vector<std::string> files_in_json(const std::string& text) {

@@ -307,17 +307,17 @@ DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
     const Json json = Json::parse(read_description(description, format, key));
     bytes_ = file_.size();
     const InputFile index = open_records_file(index_path);
-    vertices_.resize(index.size() / sizeof(VertexRecord));  // what stands there, not what the description claims
-    index.read(vertices_.data(), 0, vertices_.size() * sizeof(VertexRecord));
     try {
+        if (index.size() % sizeof(VertexRecord) != 0 || json.at("vertices") != index.size() / sizeof(VertexRecord))
+            throw_damaged_records(index_path);
+        vertices_.resize(index.size() / sizeof(VertexRecord));
+        index.read(vertices_.data(), 0, index.size());
         kind_ = kind_of(json.at("kind"));
         bits_ = bits_of(json.at("bits"));
         scale_ = json.at("scale").get<float>();
         views_ = json.at("views").get<std::vector<uint32_t>>();
         if (json.at("bytes") != bytes_) throw_damaged_records(path_);
-        if (index.size() % sizeof(VertexRecord) != 0 || json.at("vertices") != vertices_.size() ||
-            json.at("index_checksum") != index_checksum(vertices_))
-            throw_damaged_records(index_path);
+        if (json.at("index_checksum") != index_checksum(vertices_)) throw_damaged_records(index_path);
     } catch (const Json::exception&) {
         throw_damaged_records(description);
     }

@@ -147,13 +147,13 @@ public:
         const fs::path description_path = folder / description_name, index_path = folder / index_name;
         const Json description = Json::parse(read_description(description_path, format, key));
         const InputFile index = open_records_file(index_path);
-        blocks_.resize(index.size() / sizeof(BlockRecord));  // what stands there, not what the description claims
-        index.read(blocks_.data(), 0, blocks_.size() * sizeof(BlockRecord));
         try {
             texels_ = description.at("texels").get<uint32_t>();
             if (description.at("texels") != texels_) throw_damaged_records(description_path);
-            if (index.size() % sizeof(BlockRecord) != 0 || blocks_.size() != texel_blocks(texels_) ||
-                description.at("index_checksum") != hash_bytes(blocks_.data(), index.size()))
+            if (index.size() != texel_blocks(texels_) * sizeof(BlockRecord)) throw_damaged_records(index_path);
+            blocks_.resize(texel_blocks(texels_));
+            index.read(blocks_.data(), 0, index.size());
+            if (description.at("index_checksum") != hash_bytes(blocks_.data(), index.size()))
                 throw_damaged_records(index_path);
             for (const BlockRecord& record : blocks_) samples_ += record.samples;
             if (description.at("samples") != samples_) throw_damaged_records(description_path);
