@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 
@@ -111,16 +112,30 @@ Intrinsics read_cameras_text(const std::filesystem::path& file) {
                 fmt::format("{} takes {} parameters, the line has {}: mend the line", name, count, tokens.size() - 4));
         std::vector<double> parameters;
         for (size_t i = 4; i < tokens.size(); ++i) parameters.push_back(text.to_double(tokens[i], "a parameter"));
+        text.require_ended_line();
         add_camera(cameras, text.where(), text.to_unsigned(tokens[0], "CAMERA_ID"),
                    text.to_unsigned(tokens[2], "WIDTH"), text.to_unsigned(tokens[3], "HEIGHT"), parameters);
     }
     return cameras;
 }
 
+/// Of COLMAP's own comment "# Number of images: 24, mean observations per image: ..."; nothing of other lines.
+std::optional<uint64_t> announced_images(const TextFile& text, std::string_view line) {
+    constexpr std::string_view words = "Number of images:";
+    const size_t at = line.find(words);
+    if (!line.starts_with('#') || at == std::string_view::npos) return {};
+    const auto tokens = split_tokens(line.substr(at + words.size()));
+    if (tokens.empty()) return {};
+    return text.to_unsigned(tokens[0].substr(0, tokens[0].find(',')), "the number of images");
+}
+
 // Two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then its points X Y POINT3D_ID..., often empty.
 void read_images_text(ColmapModel& model, const Intrinsics& cameras) {
     TextFile text(model.images_file, "list of images");
-    for (std::string_view line; text.next_entry(line);) {
+    std::optional<uint64_t> announced;
+    for (std::string_view line; text.next_line(line);) {
+        if (const auto count = announced_images(text, line)) announced = count;
+        if (line.empty() || line.starts_with('#')) continue;
         const auto tokens = split_tokens(line);
         if (tokens.size() < 10) text.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME: mend the line");
         text.to_unsigned(tokens[0], "IMAGE_ID");
@@ -129,10 +144,16 @@ void read_images_text(ColmapModel& model, const Intrinsics& cameras) {
         for (size_t i = 0; i < 7; ++i) pose[i] = text.to_double(tokens[1 + i], names[i]);
         // A name may hold blanks: it is the rest of the line.
         std::string name(tokens[9].data(), line.data() + line.size());
+        text.require_ended_line();
         add_image(model, cameras, text.where(), std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
-        if (text.next_line(line) && split_tokens(line).size() % 3 != 0)
+        if (!text.next_line(line)) break;
+        if (split_tokens(line).size() % 3 != 0)
             text.fail("expected the image's points X Y POINT3D_ID..., or an empty line, after each image line");
+        text.require_ended_line();
     }
+    if (announced && *announced != model.images.size())
+        throw UserError(fmt::format("{}: says that it holds {} images, but there are {}: copy or write the model again",
+                                    model.images_file.string(), *announced, model.images.size()));
 }
 
 /// The bytes of a binary model file; little-endian, as COLMAP writes them.

@@ -21,6 +21,10 @@ public:
     bool next_entry(std::string_view& line);
     /// Whether a line break ends the line last read; where one is missing, the line may have been cut.
     bool line_is_ended() const { return ended_; }
+    /// Throws UserError where it is missing: of files that programs write, which end every line.
+    void require_ended_line() const {
+        if (!ended_) fail("the file ends within this line: copy or write it again, or end the line");
+    }
 
     size_t line_number() const { return number_; }
     std::string where() const;  ///< "file:line" of the line last read

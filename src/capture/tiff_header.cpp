@@ -120,15 +120,16 @@ uint64_t check_kind(const Directory& directory) {
     return bits;
 }
 
-/// OpenImageIO hands out garbage, and says nothing, where deflated bytes are damaged or fewer than `expected`.
-void check_deflated(const ByteReader& reader, std::string_view packed, uint64_t expected) {
+/// OpenImageIO hands out garbage, and says nothing, where deflated bytes are damaged or fewer than `expected`. `most`:
+/// of a whole strip or tile.
+void check_deflated(const ByteReader& reader, std::string_view packed, uint64_t expected, uint64_t most) {
     z_stream stream = {};
     if (inflateInit(&stream) != Z_OK) throw SystemError("inflateInit failed");
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));  // zlib reads only
     stream.avail_in = static_cast<uInt>(packed.size());
     std::array<Bytef, 1 << 14> piece;
     int code = Z_OK;
-    while (code == Z_OK) {
+    while (code == Z_OK && stream.total_out <= most) {
         stream.next_out = piece.data();
         stream.avail_out = static_cast<uInt>(piece.size());
         code = inflate(&stream, Z_NO_FLUSH);
@@ -165,7 +166,8 @@ void check_pieces(const Directory& directory, const ImageHeader& header) {
         const uint64_t rows = !tiled && i / across % down == down - 1 ? last : high;
         if (deflated)
             check_deflated(directory.reader(), directory.reader().text(offsets[i], sizes[i]),
-                           rows * wide * header.bits_per_pixel / planes / 8);
+                           rows * wide * header.bits_per_pixel / planes / 8,
+                           high * wide * header.bits_per_pixel / planes / 8);
     }
 }
 
