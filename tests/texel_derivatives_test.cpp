@@ -26,11 +26,19 @@ protected:
         const double from = std::max(lowest, -2.0), to = std::min(highest, 2.0 + std::max(lowest, 0.0));
         return from + (std::max(to, std::min(highest, 6.0)) - from) * rng_.uniform();
     }
-    /// In the canonical gauge, where values are no larger than those that fits meet.
-    Parameters parameters() {
+    Parameters parameters_in_any_gauge() {
         Parameters p;
         for (int i = 0; i < count; ++i) p[size_t(i)] = parameter(i);
-        return Model::canonical(p);
+        return p;
+    }
+    /// In the canonical gauge, where values are no larger than those that fits meet.
+    Parameters parameters() { return Model::canonical(parameters_in_any_gauge()); }
+    /// Whether the last basis function ends before these terms: no derivative by the shape is left.
+    static bool cut(const Parameters& p, const typename Model::Terms& terms) {
+        const auto columns = Model::columns(Model::shape_of(p), terms);
+        bool out = Model::shape > 0;
+        for (size_t i = size_t(Model::basis); i < columns.size(); ++i) out = out && columns[i] == 0;
+        return out;
     }
     Parameters direction() {
         Parameters d;
@@ -133,25 +141,21 @@ TYPED_TEST(TexelDerivatives, BendIsFirstAndSecondDerivativeAlongADirection) {
     EXPECT_GT(judged, 0.8 * wanted) << "of " << wanted;
 }
 
-/// The gauge changes no value, and moving along its tangent changes none in the first order.
+/// A cut may lie elsewhere in another gauge: what one of the two cuts is not compared.
 TYPED_TEST(TexelDerivatives, TheGaugeChangesNoValue) {
     using Model = typename TestFixture::Model;
+    int judged = 0;
     for (int trial = 0; trial < trials && !this->HasFailure(); ++trial) {
-        const auto p = this->parameters();
-        const auto canonical = Model::canonical(p);
+        const auto p = this->parameters_in_any_gauge(), canonical = Model::canonical(p);
         const auto terms = this->terms();
-        const auto columns = Model::columns(Model::shape_of(p), terms);
-        const auto before = Model::value(p, terms), after = Model::value(canonical, terms);
-        if constexpr (Model::shape > 0) {
-            // Beyond the cut of one gauge, and not of the other, values differ by what the lobe was there.
-            bool cut = true;
-            for (size_t i = size_t(Model::basis); i < columns.size(); ++i) cut = cut && columns[i] == 0;
-            if (cut) continue;
-        }
-        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(before[c], after[c], 1e-9 * (1e-3 + std::abs(before[c])));
         const auto again = Model::canonical(canonical);
         for (size_t i = 0; i < again.size(); ++i) EXPECT_NEAR(again[i], canonical[i], 1e-12 * (1 + std::abs(again[i])));
+        if (this->cut(p, terms) || this->cut(canonical, terms)) continue;
+        const auto before = Model::value(p, terms), after = Model::value(canonical, terms);
+        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(before[c], after[c], 1e-9 * (1e-3 + std::abs(before[c])));
+        ++judged;
     }
+    EXPECT_GT(judged, trials / 2);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "cpu/two_step_solver.h"
+#include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 
 namespace radiafit {
@@ -16,14 +17,7 @@ namespace fs = std::filesystem;
 
 /// Of the pixels, and of what says which of them count.
 uint64_t image_checksum(const Dataset& dataset) {
-    const InputFile file(dataset.folder / dataset_images_name);
-    std::vector<uint8_t> part(size_t(1) << 20);
-    uint64_t hash = hash_bytes(nullptr, 0);
-    for (uint64_t at = 0, size = file.size(); at < size; at += part.size()) {
-        part.resize(std::min<uint64_t>(part.size(), size - at));
-        file.read(part.data(), at, part.size());
-        hash = hash_bytes(part.data(), part.size(), hash);
-    }
+    uint64_t hash = file_checksum(dataset.folder / dataset_images_name);
     for (const View& view : dataset.views) {
         const double meaning[] = {double(view.pixel_offset), view.mask_offset ? double(*view.mask_offset) : -1.0,
                                   view.peak};

@@ -57,8 +57,4 @@ private:
     std::vector<Pack> inverse_samples_;  ///< 1 / S-bar
 };
 
-/// The CPU's Engine for a texel-local model.
-template <class Text>
-using TexelEngine = LaneEngine<TexelBatches<Text>>;
-
 }  // namespace radiafit

@@ -6,7 +6,7 @@
 #include "capture/image_header.h"
 #include "capture/raw_image.h"
 
-/// The one function of the module radiafit_oiio, which links OpenImageIO. That library brings 260 others along; so the
+/// The one function of the module radiafit_oiio, which links OpenImageIO. That library brings 240 others along; so the
 /// module is loaded when the first JPEG, TIFF or OpenEXR picture is read (oiio_image.cpp), not with every program.
 namespace radiafit {
 
