@@ -13,6 +13,7 @@
 #include "base/failure.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/read_file.h"
 #include "base/standard_streams.h"
 #include "dataset/synthetic/synthetic.h"
 #include "gl/context.h"
@@ -46,9 +47,18 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
     AtomicFolder(root_ / "results" / name_ / "probe");  // a folder that can't be written shows before any work
 }
 
+void Experiment::require_figures() const {
+    if (!folder_stands(figures()))
+        throw UserError(
+            fmt::format("{}: no such folder, so no figure can be drawn; give a config file in a checkout's "
+                        "experiments/",
+                        figures().string()));
+}
+
 Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament,
                             const std::string& variant) const {
     SyntheticOptions options{.shape = shape, .scale = profile_, .ornament = ornament};
+    require_figures();
     synthetic_size(options);  // an unknown name shows before any work
     const std::filesystem::path folder =
         root_ / "datasets" / "packed" / fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
@@ -62,6 +72,7 @@ Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& orn
 }
 
 ResultFolder Experiment::open_results(const std::string& device) const {
+    require_figures();
     Record record = record_;
     record.config = config_->resolved();
     record.more.emplace_back("profile", json_string(profile_));

@@ -45,6 +45,9 @@ public:
     const std::string& cpu_model() const { return record_.cpu; }
 
 private:
+    /// Throws UserError if their folder is missing: that shows before any work.
+    void require_figures() const;
+
     std::string name_, profile_ = "standard";
     std::filesystem::path root_;
     std::unique_ptr<Config> config_;

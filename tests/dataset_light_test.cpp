@@ -91,7 +91,10 @@ TEST_F(LitTest, WriterRefusesLightsThatAreNone) {
         return complaint([&] { writer.add(view(light), pixels.data(), {}); });
     };
     expect_in("unit vector", refused({Light::Kind::distant, Vec3d::Zero(), Vec3d::Ones()}));
-    expect_in("not finite", refused({Light::Kind::near, Vec3d(NAN, 0, 0), Vec3d::Ones()}));
+    expect_in("has length nan", refused({Light::Kind::near, Vec3d(NAN, 0, 0), Vec3d::Ones()}));
+    expect_in("has length 1e+13", refused({Light::Kind::near, Vec3d(0, 1e13, 0), Vec3d::Ones()}));
+    expect_in("intensity is nan", refused({Light::Kind::near, Vec3d::Zero(), Vec3d(1, NAN, 1)}));
+    expect_in("intensity is 1e+13", refused({Light::Kind::near, Vec3d::Zero(), Vec3d(1, 1e13, 1)}));
     expect_in("intensity", refused({Light::Kind::near, Vec3d::Zero(), Vec3d(1, -1, 1)}));
     expect_in("intensity", refused({Light::Kind::near, Vec3d::Zero(), Vec3d::Zero()}));
     writer.add(view(lights_[0]), pixels.data(), {});

@@ -386,6 +386,15 @@ TEST_F(Images, OtherFormatsAreRefused) {
     expect_in("too long", complaint([&] { read_image(root_ / std::string(300, 'x')); }));
 }
 
+// A small file may hold image data for hours behind its last row.
+TEST_F(Images, PngDataBehindTheLastRow) {
+    const fs::path file = root_ / "x.png";
+    write_bytes(file, plain_png(2, 1, 8, 0, stored_zlib(std::string("\0\x40\x80", 3) + std::string(1000, '\1'))));
+    EXPECT_EQ(read_image(file).rgb8, (std::vector<uint8_t>{64, 64, 64, 128, 128, 128}));
+    write_bytes(file, plain_png(2, 1, 8, 0, stored_zlib(std::string(300000, '\0'))));
+    expect_in("more image data than the picture has room for", complaint([&] { read_image(file); }));
+}
+
 TEST_F(Images, LibrariesPrintNothing) {
     auto tiff = tiff_entries(8, 8, 1, 8);
     std::erase_if(tiff, [](const TiffEntry& e) { return e.tag == 338; });

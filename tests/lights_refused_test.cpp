@@ -28,13 +28,13 @@ TEST_F(LightsTest, LightsMustPointSomewhere) {
     write_sphere();
     const std::string lights = read_bytes(options_.lights);
     write_bytes(options_.lights, "0 0 0\n" + lights);
-    expect_in("lights.txt:1: the light's vector is 0 0 0", refused());
+    expect_in("lights.txt:1: the light's vector (0, 0, 0) has length 0", refused());
     write_bytes(options_.lights, "1 2\n" + lights);
     expect_in("lights.txt:1: a light takes three numbers, here are 2", refused());
     write_bytes(options_.lights, lights);
     for (const char* bad : {"0 0 0\n", "0\n", "1 -1 1\n"}) {
         write_bytes(options_.intensities, bad);
-        expect_in("intensities.txt:1: a light's intensity", refused());
+        expect_in("intensities.txt:1: the light's intensity is ", refused());
     }
     options_.lights.clear();
     expect_in("--light-positions", refused());

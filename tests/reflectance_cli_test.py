@@ -5,9 +5,11 @@ Arguments: the program.
 """
 import json
 import math
+import os
 import shutil
 import unittest
 
+from bad_inputs.fixtures import write_lit, write_pfm
 from cli_fixture import ProgramTest, read_png, snapshot, take_arguments, write_png
 
 
@@ -46,6 +48,22 @@ class Reflectance(ProgramTest):
             truth = {material["name"]: material for material in self.judged("other")["truth"]}
             for name in ("gold", "green"):
                 self.assertLess(truth[name]["worst_median"], 1e-3, options)
+
+    def test_a_fit_without_a_finite_problem_is_none(self):
+        write_lit(self.root / "lit")
+        for i in range(4):
+            write_pfm(self.root / f"lit/pfm/{i}.pfm", 6, 5, [1e38 * (1 + (7 * i + j) % 11 / 10) for j in range(90)])
+        self.good("import", "lights", "--images", "lit/pfm", "--lights", "lit/lights.txt", "-o", "glaring")
+        for optimizer in ("lm", "cg"):
+            self.refused("fit", "glaring", "--model", "lambert", "--optimizer", optimizer, "-o", "nothing",
+                         says=["glaring: none of 30 problems came to a finite result", "gains and lights"])  # fmt: skip
+
+    def test_one_image_far_brighter_than_all_others_is_told(self):
+        write_lit(self.root / "warm")
+        write_pfm(self.root / "warm/pfm/2.pfm", 6, 5, [1e5] + [0.5] * 89)
+        self.good("import", "lights", "--images", "warm/pfm", "--lights", "warm/lights.txt", "-o", "hot")
+        told = self.good("fit", "hot", "--model", "lambert", "-o", "hot-fit").stderr
+        self.assertRegex(told, r"warning: hot: image '2.pfm' reaches 1e\+05, the median image 0?\.\d+: ")
 
     def test_two_step_gives_the_same_bits(self):
         self.good("fit", "ornament", "--model", "lafortune", "--solver", "two-step", "-o", "steps")
@@ -157,6 +175,25 @@ class Reflectance(ProgramTest):
         for name, size in (("truth_parameters.f32", 36), ("truth_material.u8", 1)):
             (folder / name).write_bytes((folder / name).read_bytes()[:-size])
         self.refused("judge", "lm", "--dataset", "cut", says=["cut: the truth has 6719 texels where the dataset has 6720"])
+
+    def test_a_truth_that_went_is_missed(self):
+        folder = self.root / "gone-truth"
+        shutil.copytree(self.root / "ornament", folder)
+        (folder / "truth.json").unlink()
+        (folder / "truth.json").symlink_to("nowhere")
+        for command in (("judge", "lm", "--dataset", "gone-truth"), ("info", "gone-truth")):
+            self.refused(*command, says=["gone-truth/truth.json: no such truth"])
+
+    def test_a_truth_larger_than_it_says_is_not_read_whole(self):
+        folder = self.root / "large-truth"
+        shutil.copytree(self.root / "ornament", folder)
+        for name in ("truth_parameters.f32", "truth_material.u8"):
+            size = (folder / name).stat().st_size
+            os.truncate(folder / name, 10**12)
+            result = self.run_program("info", "large-truth")
+            self.assertEqual(result.returncode, 2)
+            self.assertRegex(result.stderr, f"^radiafit: large-truth/{name}: .*bytes")
+            os.truncate(folder / name, size)
 
     def grid(self, name, count=12, size=8):
         """A flat Lambertian sample: pixel (x, y) has albedo (x + 1) / 10 in red."""

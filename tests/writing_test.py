@@ -163,10 +163,18 @@ class Render(Writing):
         for ending in ("svg", "png"):
             self.assertEqual((place / f"a.{ending}").read_bytes(), (place / f"b.{ending}").read_bytes())
 
+    def test_users_own_settings_of_gnuplot_change_nothing(self):
+        place = self.folder("own")
+        (place / ".gnuplot").write_text("this is no command of gnuplot\n")
+        self.good("render", "lambert", "--problems", "-o", "own/plain")
+        self.good("render", "lambert", "--problems", "-o", "own/set", environment={"GNUTERM": "qt", "HOME": str(place)})
+        self.assertEqual((place / "plain.svg").read_bytes(), (place / "set.svg").read_bytes())
+
     def test_outputs_without_a_name(self):
         for more in ([], ["--turntable", "1"]):
             self.refused("render", "fit", *more, "-o", "", says=["output"])
-        self.refused("render", "fit", "-o", "fit/", says=["--output fit/", "name a file"])
+        for folder in ("fit/", ".", ".."):
+            self.refused("render", "fit", "-o", folder, says=[f"--output {folder}: names a folder; name a file"])
 
 
 class Names(Writing):
@@ -182,6 +190,17 @@ class Names(Writing):
             self.assertEqual((place / "new/thesis.txt").read_text(), "years")
             self.assertEqual([path.name for path in (place / "new").iterdir()], ["thesis.txt"])
             self.good("info", f"{name}/deep/new")
+
+    def test_a_link_stays_and_what_it_leads_to_is_replaced(self):
+        place = self.folder("linked")
+        for name, *command in (("set", "generate", "star"), ("map", "fit", "star", "--iterations", "1")):
+            self.good(*command, "-o", f"linked/{name}")
+            (place / f"link-{name}").symlink_to(name)
+            before = (place / name).stat().st_ino
+            self.good(*command, "-o", f"linked/link-{name}")
+            self.assertEqual(os.readlink(place / f"link-{name}"), name)
+            self.assertNotEqual((place / name).stat().st_ino, before)
+            self.good("info", f"linked/{name}")
 
     def test_pictures_of_others_stay(self):
         place = self.folder("pictures")

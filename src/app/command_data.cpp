@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/leftovers.h"
 #include "base/printable.h"
+#include "base/read_file.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
 #include "dataset/synthetic/synthetic.h"
@@ -75,7 +76,7 @@ void print_dataset(const Dataset& d, bool json) {
     for (const View& v : d.views) least = std::min(least, v.gain), most = std::max(most, v.gain);
     const MeshDefects defects = find_defects(d.mesh);
     const char* light = !d.light_moves() ? "fixed" : d.views[0].light->kind == Light::Kind::near ? "near" : "distant";
-    const bool truth = has_truth(d.folder);
+    const bool truth = has_truth(d);
     const Grid& grid = d.grid;
     const size_t usable =
         grid.texel_count() - size_t(std::count(grid.texel_normals.begin(), grid.texel_normals.end(), Vec3f::Zero()));
@@ -163,10 +164,8 @@ void add_info(CLI::App& app) {
     command->callback([=] {
         const std::filesystem::path path(*folder);
         restore_interrupted(path);
-        std::error_code ignored;
-        const bool fit = std::filesystem::exists(path / "fit.json", ignored);
-        if (std::filesystem::is_directory(path, ignored) && !fit &&
-            !std::filesystem::exists(path / "dataset.json", ignored))
+        const bool folder = folder_stands(path), fit = folder && stands(path / "fit.json");
+        if (folder && !fit && !stands(path / "dataset.json"))
             throw UserError(
                 fmt::format("{}: neither a dataset nor a fit: it holds no dataset.json and no fit.json; give a folder "
                             "that radiafit generate, import or fit wrote",

@@ -1,6 +1,7 @@
 // fit: its options, what it runs, what it leaves.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 #include "base/log.h"
 #include "base/record.h"
 #include "base/resources.h"
+#include "base/statistics.h"
 #include "cpu/texel_fit.h"
 
 namespace radiafit {
@@ -131,6 +133,31 @@ std::string trace_of(const FitRun& run, const FitRecord& fit, const FitRequest& 
     return trace_csv(run.trace, request.label(), fit.engine);
 }
 
+/// Throws UserError for a fit that means nothing.
+void require_result(const FitRecord& fit, const Dataset& dataset) {
+    const auto counts = fit.status_counts();
+    const uint64_t broken = counts[size_t(Status::not_finite)], empty = counts[size_t(Status::no_samples)];
+    if (broken > 0 && broken + empty == fit.status.size())
+        throw UserError(
+            fmt::format("{}: none of {} problems came to a finite result ({} have no samples): check the "
+                        "images' values, gains and lights",
+                        dataset.folder.string(), fit.status.size(), empty));
+}
+
+/// Images are streamed with 16 bits up to the largest value of all: one hot pixel, or one gain, leaves the others few.
+void warn_about_range(const Dataset& dataset) {
+    constexpr double uneven = 256;  // 8 bits are left
+    std::vector<double> peaks;
+    for (const View& view : dataset.views) peaks.push_back(double(view.peak) * view.gain);
+    const size_t brightest = size_t(std::ranges::max_element(peaks) - peaks.begin());
+    const double largest = peaks[brightest], middle = median(std::move(peaks));
+    if (largest > uneven * middle)
+        log_warning(
+            fmt::format("{}: image '{}' reaches {:.3g}, the median image {:.3g}: values are streamed with 16 "
+                        "bits up to the largest, and the others lose theirs; mend its pixels or its gain",
+                        dataset.folder.string(), dataset.views[brightest].name, largest, middle));
+}
+
 /// Everything a fit leaves, in one folder.
 void save(const std::string& folder, const Dataset& dataset, const FitRequest& request, FitOutcome& outcome,
           const Invocation& invocation) {
@@ -184,6 +211,7 @@ void fit_light_field(const std::string& out, const Dataset& dataset, const FitRe
     Progress progress("fit", size_t(request.iterations) + 1);
     FitOutcome outcome = solve(dataset, request, nullptr, [&](int, const auto&) { progress.advance(); });
     progress.finish();
+    require_result(outcome.fit, dataset);
     save(out, dataset, request, outcome, invocation);
     std::string line = summary_of(outcome, request);
     if (const ResamplingCounts& r = outcome.resampling; r.entries)
@@ -195,6 +223,7 @@ void fit_light_field(const std::string& out, const Dataset& dataset, const FitRe
 void fit_reflectance(const std::string& out, const Dataset& dataset, const FitRequest& request,
                      const Invocation& invocation) {
     ReflectanceOutcome outcome = solve_reflectance(dataset, request);
+    require_result(outcome.fit, dataset);
     save(out, request, outcome, invocation);
     const auto counts = outcome.fit.status_counts();
     log_info(fmt::format("{} {}{} texels, {} underdetermined, {}; see {}", request.kind, summary_of(outcome, request),
@@ -223,6 +252,7 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
         request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         if (!request->texel_local()) reject_idle_options(*request, false);
         const Dataset dataset = open_dataset(*folder);
+        warn_about_range(dataset);
         settle_options(*command, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         announce_plan(*out, dataset, *request, *force);

@@ -78,7 +78,7 @@ Judgement judge_reflectance(const std::string& folder, const std::string& moved_
     std::vector<MaterialErrors> errors;
     SurfaceParts parts;
     const ReflectanceRenderer renderer(atlas, stored.fit);
-    const bool known = has_truth(dataset.folder);
+    const bool known = has_truth(dataset);
     if (known) {
         truth = read_truth(dataset.folder);
         errors = truth_errors(stored.fit, truth);
@@ -91,12 +91,18 @@ Judgement judge_reflectance(const std::string& folder, const std::string& moved_
             reflectance_baseline, std::move(errors)};
 }
 
+std::string text_of(const ErrorSums& errors) {
+    if (errors.values == 0) return "no pixel";
+    if (errors.not_finite == 0) return fmt::format("PSNR {:.2f} dB, APE {:.2f}", errors.psnr(), errors.ape());
+    return fmt::format("no PSNR, since {} of {} rendered values are not finite", errors.not_finite, errors.values);
+}
+
 void print_judgement(const Judgement& j) {
-    fmt::print("{} views ({}): PSNR {:.2f} dB, APE {:.2f}; {}: PSNR {:.2f} dB, APE {:.2f}\n", j.fit.images.size(),
-               to_string(j.fit.split), j.fit.psnr(), j.fit.ape(), j.baseline_name, j.baseline.psnr(), j.baseline.ape());
+    fmt::print("{} views ({}): {}; {}: {}\n", j.fit.images.size(), to_string(j.fit.split), text_of(j.fit.stored),
+               j.baseline_name, text_of(j.baseline.stored));
     for (size_t k = 0; k < j.fit.parts.size(); ++k)
-        fmt::print("  {}: PSNR {:.2f} dB; {}: {:.2f} dB\n", j.fit.parts[k].name, j.fit.parts[k].stored.psnr(),
-                   j.baseline_name, j.baseline.parts[k].stored.psnr());
+        fmt::print("  {}: {}; {}: {}\n", j.fit.parts[k].name, text_of(j.fit.parts[k].stored), j.baseline_name,
+                   text_of(j.baseline.parts[k].stored));
     for (const MaterialErrors& m : j.truth) {
         fmt::print("  {}: {} texels, RMSE of training samples {:.3g}", m.name, m.texels, m.rmse);
         if (m.comparable) {

@@ -256,7 +256,8 @@ void render_reflectance(const RenderOptions& o) {
 
 void check_output(const RenderOptions& o) {
     if (o.output.empty()) throw UserError("--output is empty; name a file, or a folder for --turntable");
-    if (o.turntable == 0 && !stem_of(o.output).has_filename())
+    const fs::path name = stem_of(o.output).filename();
+    if (o.turntable == 0 && (name.empty() || name == "." || name == ".."))
         throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));
 }
 

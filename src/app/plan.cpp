@@ -11,6 +11,7 @@
 #include "geometry/vertex_rings.h"
 #include "gl/fragment_plan.h"
 #include "gl/texel_plan.h"
+#include "reference/solver_memory.h"
 
 namespace radiafit {
 
@@ -36,15 +37,19 @@ uint64_t pixels_of(const Dataset& dataset, const std::vector<uint32_t>& views) {
     return pixels;
 }
 
-/// Pixels in texels over all fitted views, from every eighth of them, or from `most_views` at most.
-uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request, size_t most_views) {
+/// Pixels in texels over all fitted views, from every eighth of them, or from `most_views` at most. `tiles`, if given,
+/// takes them apart: counts of `tiles->size()` equal parts of the atlas's texels.
+uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request, size_t most_views,
+                          std::vector<uint64_t>* tiles = nullptr) {
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     FitRequest on_cpu = request;
     on_cpu.distributor = "cpu";
     const Distributors distributors = make_distributors(atlas, on_cpu);
     const size_t step = std::max<size_t>(8, (views.size() + most_views - 1) / most_views);
     const size_t looked_at = (views.size() + step - 1) / step;
+    const auto scaled = [&](uint64_t seen) { return looked_at ? seen * views.size() / looked_at : 0; };
     std::vector<uint64_t> kept(looked_at, 0);
+    std::vector<std::vector<uint64_t>> parts(size_t(thread_count()), std::vector<uint64_t>(tiles ? tiles->size() : 0));
     std::vector<std::unique_ptr<ImageStream>> streams{size_t(thread_count())};
     parallel_for(looked_at, 1, [&](size_t i, int worker) {
         auto& stream = streams[size_t(worker)];
@@ -55,10 +60,18 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
         stream->load_mask(view, image);
         distributors.owned[size_t(worker)]->distribute(dataset.views[view].camera, image, distribution);
         kept[i] = distribution.kept_pixels;
+        for (size_t t = 0; tiles && t < distribution.texel_pixel.size(); ++t)
+            parts[size_t(worker)][t * tiles->size() / distribution.texel_pixel.size()] +=
+                distribution.texel_pixel[t] != no_pixel;
     });
+    for (size_t t = 0; tiles && t < tiles->size(); ++t) {
+        uint64_t seen = 0;
+        for (const auto& part : parts) seen += part[t];
+        (*tiles)[t] = scaled(seen);
+    }
     uint64_t sum = 0;
     for (const uint64_t k : kept) sum += k;
-    return looked_at ? sum * views.size() / looked_at : 0;
+    return scaled(sum);
 }
 
 /// What a fragment engine's images take of the host.
@@ -119,6 +132,30 @@ uint64_t record_bytes(const FitRequest& request) {
     return 3 * (request.record == "full" ? full : longest_compact) + waiting;
 }
 
+/// What the threads of a solver of one vertex after another hold, each at the largest vertex.
+void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptions& model,
+                     const VertexRings& rings, const FitRequest& request, size_t most_views,
+                     std::vector<PlanRow>& rows) {
+    std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
+    if (request.solver == "ceres") estimate_samples(dataset, atlas, request, most_views, &tiles);
+    VertexShape largest;
+    for (size_t v = 0; v < rings.vertex_count(); ++v) {
+        size_t samples = 0;
+        for (const Corner& corner : rings.ring(v)) samples += tiles[corner.triangle];
+        largest = {std::max(largest.maps, rings.ring(v).size()), std::max(largest.samples, samples)};
+    }
+    uint64_t bytes = 0;
+    if (request.solver == "als") bytes = als_bytes(model, largest);
+    if (request.solver == "varpro") bytes = varpro_bytes(model, largest);
+    if (request.solver == "ceres") bytes = ceres_bytes(model, largest, request.ceres);
+    if (request.solver == "pca") bytes = pca_bytes(model, largest);
+    if (bytes == 0) return;
+    const auto threads = uint64_t(thread_count());
+    rows.push_back({"largest vertex, per thread",
+                    fmt::format("{} surface maps, {} threads x {} bytes", largest.maps, threads, bytes), threads,
+                    threads * bytes});
+}
+
 void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptions& options, const VertexRings& rings,
               Plan& plan) {
     const uint64_t vertices = rings.vertex_count(), terms = uint64_t(options.terms);
@@ -170,6 +207,7 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
         rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * 20);
     add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
+    add_vertex_work(dataset, atlas, options, rings, request, most_views, plan.memory);
     return plan;
 }
 

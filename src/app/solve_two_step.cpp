@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "base/read_file.h"
 #include "cpu/two_step_solver.h"
 #include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
@@ -80,7 +81,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
     const bool keep = !request.records.empty();
     const fs::path scratch = request.scratch.empty() ? fs::temp_directory_path() : request.scratch;
     const fs::path folder = keep ? fs::path(request.records) : scratch / "radiafit-records";
-    if (keep && fs::exists(folder)) {
+    if (keep && stands(folder)) {
         read(folder);
         return log_info(fmt::format("records of an earlier run: {}", folder.string()));
     }
@@ -93,7 +94,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
     AtomicFolder records(folder, AtomicFolder::Existing::replace);  // goes again, unless it is to stay
     write(records.path());
     times.distribution = clock.wall_s();
-    if (!keep || fs::exists(folder)) return read(records.path());  // another run was faster
+    if (!keep || stands(folder)) return read(records.path());  // another run was faster
     records.commit();
     read(folder);
 }

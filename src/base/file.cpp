@@ -32,7 +32,8 @@ const char* cure_of(int error) {
 }  // namespace
 
 void throw_unwritable(const std::filesystem::path& path, int error) {
-    throw UserError(fmt::format("cannot write {}: {}; {}", final_path(path).string(),
+    const std::filesystem::path name = final_path(path);
+    throw UserError(fmt::format("cannot write {}: {}; {}", name.empty() ? "into this folder" : name.string(),
                                 std::generic_category().message(error), cure_of(error)));
 }
 
@@ -55,9 +56,14 @@ void InputFile::read(void* to, uint64_t offset, uint64_t bytes) const {
     while (bytes > 0) {
         const ssize_t got = pread(file_, at, bytes, off_t(offset));
         if (got < 0 && errno == EINTR) continue;
-        if (got <= 0)
-            throw SystemError(fmt::format("pread({}, {} bytes at {}): {}", path_.string(), bytes, offset,
-                                          got == 0 ? "end of file" : last_error()));
+        if (got < 0)
+            throw SystemError(
+                fmt::format("pread({}, {} bytes at {}): {}", path_.string(), bytes, offset, last_error()));
+        if (got == 0)
+            throw UserError(
+                fmt::format("{}: ends at byte {}, before what it is said to hold: if it was replaced "
+                            "meanwhile, run again, else make it anew",
+                            final_path(path_).string(), offset));
         at += got;
         offset += uint64_t(got);
         bytes -= uint64_t(got);

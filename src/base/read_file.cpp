@@ -49,7 +49,24 @@ uint64_t check_status(const Descriptor& opened, const std::filesystem::path& fil
     return uint64_t(status.st_size);
 }
 
+std::filesystem::file_status look_at(const std::filesystem::path& path) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(path, error);
+    // A name too long for any file is one of none.
+    if (status.type() == std::filesystem::file_type::none && error != std::errc::filename_too_long)
+        throw UserError(
+            fmt::format("{}: cannot look there: {}: check its permissions", path.string(), error.message()));
+    return status;
+}
+
 }  // namespace
+
+bool stands(const std::filesystem::path& path) {
+    const std::filesystem::file_status status = look_at(path);
+    return std::filesystem::status_known(status) && std::filesystem::exists(status);
+}
+
+bool folder_stands(const std::filesystem::path& path) { return std::filesystem::is_directory(look_at(path)); }
 
 std::string read_file(const std::filesystem::path& file, const std::string& what) {
     const Descriptor opened(file);

@@ -11,4 +11,9 @@ std::string read_file(const std::filesystem::path& file, const std::string& what
 /// Throws likewise where read_file would not even open the file.
 void check_readable(const std::filesystem::path& file, const std::string& what);
 
+/// Whether something, or a folder, stands at a path or where its links lead. Throw UserError where the system does not
+/// tell: no permission to look into its folder, links in a circle.
+bool stands(const std::filesystem::path& path);
+bool folder_stands(const std::filesystem::path& path);
+
 }  // namespace radiafit

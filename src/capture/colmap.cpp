@@ -112,7 +112,6 @@ Intrinsics read_cameras_text(const std::filesystem::path& file) {
                 fmt::format("{} takes {} parameters, the line has {}: mend the line", name, count, tokens.size() - 4));
         std::vector<double> parameters;
         for (size_t i = 4; i < tokens.size(); ++i) parameters.push_back(text.to_double(tokens[i], "a parameter"));
-        text.require_ended_line();
         add_camera(cameras, text.where(), text.to_unsigned(tokens[0], "CAMERA_ID"),
                    text.to_unsigned(tokens[2], "WIDTH"), text.to_unsigned(tokens[3], "HEIGHT"), parameters);
     }
@@ -144,12 +143,10 @@ void read_images_text(ColmapModel& model, const Intrinsics& cameras) {
         for (size_t i = 0; i < 7; ++i) pose[i] = text.to_double(tokens[1 + i], names[i]);
         // A name may hold blanks: it is the rest of the line.
         std::string name(tokens[9].data(), line.data() + line.size());
-        text.require_ended_line();
         add_image(model, cameras, text.where(), std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
         if (!text.next_line(line)) break;
         if (split_tokens(line).size() % 3 != 0)
             text.fail("expected the image's points X Y POINT3D_ID..., or an empty line, after each image line");
-        text.require_ended_line();
     }
     if (announced && *announced != model.images.size())
         throw UserError(fmt::format("{}: says that it holds {} images, but there are {}: copy or write the model again",
@@ -241,16 +238,13 @@ void read_images_binary(ColmapModel& model, const Intrinsics& cameras) {
 }  // namespace
 
 ColmapModel read_colmap(const std::filesystem::path& folder) {
-    const auto stands = [&](const char* name) {
-        std::error_code ignored;
-        return std::filesystem::exists(folder / name, ignored);
-    };
+    const auto holds = [&](const char* name) { return stands(folder / name); };
     ColmapModel model;
-    if (stands("cameras.bin") && stands("images.bin")) {
+    if (holds("cameras.bin") && holds("images.bin")) {
         model.cameras_file = folder / "cameras.bin";
         model.images_file = folder / "images.bin";
         read_images_binary(model, read_cameras_binary(model.cameras_file));
-    } else if (stands("cameras.txt") && stands("images.txt")) {
+    } else if (holds("cameras.txt") && holds("images.txt")) {
         model.cameras_file = folder / "cameras.txt";
         model.images_file = folder / "images.txt";
         read_images_text(model, read_cameras_text(model.cameras_file));

@@ -22,7 +22,8 @@ constexpr double depth_tolerance = 5e-3;   // relative; a 3 x 3 window at that a
 constexpr double clipped = 250.0 / 255.0;  // stored value; above, the sensor's answer is no longer linear
 constexpr float dark = 0.005f;             // linear mean; below, an 8-bit step is more than 5 % of the value
 constexpr size_t least_shared = 20;        // samples on points that other views see too
-constexpr int rounds = 20;                 // of reweighting; the scale settles after about ten
+constexpr double least_gain = 1e-6, largest_gain = 1e6;  // of a table
+constexpr int rounds = 20;                               // of reweighting; the scale settles after about ten
 
 /// Samples of the training views that take part, grouped by point.
 struct Observation {
@@ -122,7 +123,8 @@ std::vector<double> read_gains(const std::filesystem::path& file, const std::vec
         const auto tokens = split_tokens(line);
         if (tokens.size() < 2) text.fail("expected an image name and, in the last column, its linear gain");
         const double gain = text.to_double(tokens.back(), "the gain in the last column");
-        if (!(gain > 0)) text.fail(fmt::format("the gain {} is not positive: mend the line", gain));
+        if (!(gain >= least_gain && gain <= largest_gain))
+            text.fail(fmt::format("the gain {} is not from {:g} to {:g}: mend the line", gain, least_gain, largest_gain));
         if (!table.emplace(tokens.front(), gain).second)
             text.fail(fmt::format("image '{}' is given twice: remove one line", tokens.front()));
     }

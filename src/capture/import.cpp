@@ -53,9 +53,8 @@ struct Loaded {
 
 fs::path find_mask(const fs::path& folder, const std::string& name) {
     const fs::path stem = folder / fs::path(name).replace_extension(".png"), appended = folder / (name + ".png");
-    std::error_code ignored;  // a name too long, say: no mask
-    if (fs::exists(stem, ignored)) return stem;
-    if (fs::exists(appended, ignored)) return appended;
+    if (stands(stem)) return stem;
+    if (stands(appended)) return appended;
     throw UserError(fmt::format("{}: no mask for image '{}': expected {} or {}", folder.string(), name,
                                 stem.filename().string(), appended.filename().string()));
 }
@@ -75,10 +74,9 @@ Camera scaled_camera(Camera camera, int max_size) {
 
 std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel& model,
                                  const std::vector<uint8_t>& held_out) {
-    std::error_code ignored;
-    if (!fs::is_directory(options.images, ignored))
+    if (!folder_stands(options.images))
         throw UserError(fmt::format("{}: no such folder of photographs: check --images", options.images.string()));
-    if (!options.masks.empty() && !fs::is_directory(options.masks, ignored))
+    if (!options.masks.empty() && !folder_stands(options.masks))
         throw UserError(fmt::format("{}: no such folder of masks: check --masks", options.masks.string()));
     std::vector<Source> sources(model.images.size());
     for (size_t i = 0; i < sources.size(); ++i) {
@@ -88,7 +86,7 @@ std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel
         source.calibrated = model.images[i].camera;
         source.camera = scaled_camera(source.calibrated, options.max_size);
         source.held_out = held_out[i] != 0;
-        if (!fs::exists(source.image, ignored))
+        if (!stands(source.image))
             throw UserError(fmt::format("{}: no such image, but {} lists it: check --images", source.image.string(),
                                         model.images_file.string()));
         check_readable(source.image, "image file");

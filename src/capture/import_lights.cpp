@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/read_file.h"
 #include "base/resources.h"
 #include "capture/file_names.h"
 #include "capture/image_file.h"
@@ -44,8 +45,7 @@ void check_options(const LightImportOptions& o) {
         throw UserError(fmt::format("--transfer {}: choose auto, linear or srgb", o.transfer));
     if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
         throw UserError(fmt::format("--depth {}: choose 8, 16 or 32 (floats)", o.depth));
-    std::error_code ignored;
-    if (!fs::is_directory(o.images, ignored))
+    if (!folder_stands(o.images))
         throw UserError(fmt::format("{}: no such folder of images: check --images", o.images.string()));
 }
 
@@ -72,9 +72,8 @@ std::vector<std::string> list_images(const fs::path& folder) {
 /// Light files often name images by where they once were, on another system.
 fs::path find_image(const fs::path& folder, const std::string& name, const fs::path& list) {
     const std::string base = name.substr(name.find_last_of("/\\") + 1);
-    std::error_code ignored;  // a name too long, say: no image
     for (const fs::path& file : {folder / name, folder / base})
-        if (fs::exists(file, ignored)) return file;
+        if (stands(file)) return file;
     throw UserError(fmt::format("{}: no such image, but {} names it: check --images, or take its line out",
                                 (folder / base).string(), list.string()));
 }
@@ -82,7 +81,9 @@ fs::path find_image(const fs::path& folder, const std::string& name, const fs::p
 /// Entry i of a list that has one entry per image or one for all.
 const Vec3d& entry_for(const std::vector<Vec3d>& list, size_t i) { return list.size() == 1 ? list[0] : list[i]; }
 
-void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images) {
+void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images, LightImportReport& report) {
+    if (entries == 1 && images > 1)
+        report.notes.push_back(fmt::format("{}: one line, taken for all {} images", file.string(), images));
     if (entries != 1 && entries != images)
         throw UserError(fmt::format("{}: {} {}, but there are {} images: write one line per image, or one for all",
                                     file.string(), entries, what, images));
@@ -114,7 +115,7 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
     std::vector<Vec3d> intensities = {Vec3d::Ones()};
     if (!o.intensities.empty()) {
         intensities = read_intensities(o.intensities);
-        expect_entries(o.intensities, "intensities", intensities.size(), names.size());
+        expect_entries(o.intensities, "intensities", intensities.size(), names.size(), report);
     }
     std::vector<Source> sources(names.size());
     std::set<fs::path> files;
@@ -142,11 +143,12 @@ void pack(const std::vector<Source>& sources, const std::vector<uint8_t>& mask, 
 }
 
 /// Each view's camera, near or far away along +z.
-void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<Source>& sources) {
+void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<Source>& sources,
+                   LightImportReport& report) {
     std::vector<Vec3d> places;
     if (!o.camera_positions.empty()) {
         places = read_vectors(o.camera_positions, "camera position");
-        expect_entries(o.camera_positions, "camera positions", places.size(), sources.size());
+        expect_entries(o.camera_positions, "camera positions", places.size(), sources.size(), report);
     }
     for (size_t i = 0; i < sources.size(); ++i) {
         View& view = sources[i].view;
@@ -254,7 +256,7 @@ LightImportReport import_lights(const LightImportOptions& options, const fs::pat
     header.grid =
         Grid::centered(format.width, format.height, options.sample_width > 0 ? options.sample_width / format.width : 1);
     header.grid.texel_normals = choose_normals(options, format, mask, report);
-    place_cameras(options, header.grid, sources);
+    place_cameras(options, header.grid, sources, report);
 
     DatasetWriter writer(out);
     announce_needs("import", needs_of(sources.size(), format, header.grid), out, options.force);

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "capture/file_names.h"
 #include "capture/text_file.h"
+#include "geometry/light_rules.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -33,11 +34,6 @@ void add_name(const TextFile& text, std::string name, std::vector<std::string>& 
     names.push_back(std::move(name));
 }
 
-void check_light_vector(const TextFile& text, const Vec3d& v) {
-    if (v.isZero(0))
-        text.fail("the light's vector is 0 0 0, which points nowhere: calibrate it, or take the image out");
-}
-
 LightFile read_lp(const fs::path& file) {
     TextFile text(file, "RTI light file");
     std::string_view line;
@@ -49,7 +45,7 @@ LightFile read_lp(const fs::path& file) {
         if (tokens.size() < 4) text.fail("an .lp file's line takes an image's name and three numbers: mend the line");
         const auto vector = std::span(tokens).last(3);
         lights.vectors.push_back(to_vector(text, vector, "light direction"));
-        check_light_vector(text, lights.vectors.back());
+        check_light_vector(lights.vectors.back(), text.where());
         const auto name_end = tokens[tokens.size() - 4].end();
         add_name(text, std::string(line.begin(), name_end), lights.names);
     }
@@ -68,7 +64,7 @@ LightFile read_lights(const fs::path& file) {
     for (std::string_view line; text.next_entry(line);) {
         std::string numbers(line);
         lights.vectors.push_back(to_vector(text, split_numbers(numbers), "light"));
-        check_light_vector(text, lights.vectors.back());
+        check_light_vector(lights.vectors.back(), text.where());
     }
     return lights;
 }
@@ -91,10 +87,7 @@ std::vector<Vec3d> read_intensities(const fs::path& file) {
         const std::vector<std::string_view> tokens = split_numbers(numbers);
         intensities.push_back(tokens.size() == 1 ? Vec3d::Constant(text.to_double(tokens[0], "the intensity"))
                                                  : to_vector(text, tokens, "light intensity"));
-        const Vec3d& rgb = intensities.back();
-        if (rgb.minCoeff() < 0 || rgb.maxCoeff() <= 0)
-            text.fail(
-                "a light's intensity is to be above 0 in one channel at least, and below 0 in none: mend the line");
+        check_intensity(intensities.back(), text.where());
     }
     return intensities;
 }

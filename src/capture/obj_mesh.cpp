@@ -24,8 +24,6 @@ public:
             if (words[0] == "f") add_face(words);
             if (words[0] == "l" || words[0] == "p") ++raw_.no_polygons;
         }
-        if (!text_.line_is_ended())
-            text_.fail("the file ends within this line: copy or export the mesh again, or end the line");
         if (largest_ > positions().size())
             throw UserError(fmt::format("{}:{}: refers to vertex {}, but the file has only {}: export the mesh again",
                                         file_.string(), largest_line_, largest_, positions().size()));

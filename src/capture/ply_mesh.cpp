@@ -41,8 +41,6 @@ public:
     void skip(PlyType) { next_word(); }
     void end_entry() {
         if (at_ != words_.size()) fail("more numbers than the header has properties: export the mesh again");
-        if (!text_.line_is_ended())
-            fail("the file ends within this line: copy or export the mesh again, or end the line");
     }
     void expect_end() {
         for (std::string_view line; text_.next_line(line);)

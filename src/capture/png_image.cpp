@@ -16,12 +16,18 @@ namespace {
 struct Source {
     const char* at;
     size_t left;
+    size_t last_row_left;  ///< bytes that libpng may take from where it begins the last row
+    bool last_row;
     char error[128];
 };
 
 void read_bytes(png_structp png, png_bytep to, size_t count) {
     auto* source = static_cast<Source*>(png_get_io_ptr(png));
     if (count > source->left) png_error(png, "the file ends within the picture");
+    if (source->last_row) {
+        if (count > source->last_row_left) png_error(png, "more image data than the picture has room for");
+        source->last_row_left -= count;
+    }
     std::memcpy(to, source->at, count);
     source->at += count;
     source->left -= count;
@@ -39,7 +45,7 @@ void ignore_warning(png_structp, png_const_charp) {}
 class PngReader {
 public:
     explicit PngReader(std::string_view bytes)
-        : source_{bytes.data(), bytes.size(), {}},
+        : source_{bytes.data(), bytes.size(), 0, false, {}},
           png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &source_, keep_error, ignore_warning)),
           info_(png_create_info_struct(png_)) {
         png_set_read_fn(png_, &source_, read_bytes);
@@ -56,6 +62,12 @@ public:
         return true;
     }
     const char* error() const { return source_.error; }
+    /// libpng unpacks all image data that follows the last row's, of which a small file can hold gigabytes.
+    void begin_last_row(size_t row_bytes) {
+        constexpr size_t slack = 1 << 16;
+        source_.last_row_left = 2 * row_bytes + slack;
+        source_.last_row = true;
+    }
     bool is_linear() const;
 
 private:
@@ -72,16 +84,18 @@ bool PngReader::is_linear() const {
 }
 
 /// Whole 8 or 16 bits per channel, in this machine's order; comments, profiles and the like are passed over unread.
-void begin(png_structp png, png_infop info) {
+/// Returns how often its rows are read: 7 times if it is interlaced.
+int begin(png_structp png, png_infop info) {
     constexpr png_byte kept[] = "gAMA\0sRGB";
     png_set_user_limits(png, largest_image_side, largest_image_side);
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_AS_DEFAULT, kept, 2);
     png_read_info(png, info);
     png_set_expand(png);
-    png_set_interlace_handling(png);
     if (png_get_bit_depth(png, info) == 16) png_set_swap(png);
+    const int passes = png_set_interlace_handling(png);
     png_read_update_info(png, info);
+    return passes;
 }
 
 }  // namespace
@@ -110,9 +124,10 @@ RawImage read_png_pixels(const std::filesystem::path& file, std::string_view byt
     RawImage image;
     png_uint_32 width = 0, height = 0;
     size_t row_bytes = 0;
+    int passes = 1;
     bool deep = false;
     const bool begun = reader.run([&](png_structp png, png_infop info) {
-        begin(png, info);
+        passes = begin(png, info);
         width = png_get_image_width(png, info);
         height = png_get_image_height(png, info);
         image.channels = png_get_channels(png, info);
@@ -135,11 +150,12 @@ RawImage read_png_pixels(const std::filesystem::path& file, std::string_view byt
         values8.resize(row_bytes * height);
         pixels = values8.data();
     }
-    std::vector<png_bytep> rows(height);
-    for (size_t y = 0; y < height; ++y) rows[y] = pixels + y * row_bytes;
     const bool read = reader.run([&](png_structp png, png_infop) {
-        png_read_image(png, rows.data());
-        png_read_end(png, nullptr);
+        for (int pass = 0; pass < passes; ++pass)
+            for (size_t y = 0; y < height; ++y) {
+                if (pass + 1 == passes && y + 1 == height) reader.begin_last_row(row_bytes);
+                png_read_row(png, pixels + y * row_bytes, nullptr);
+            }
     });
     if (!read) fail_damaged_image(file, reader.error());
     if (deep)

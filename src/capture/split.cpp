@@ -23,13 +23,15 @@ std::vector<uint8_t> choose_held_out(const std::vector<std::string>& names, cons
         for (size_t i = 0; i < names.size(); i += step) held_out[i] = 1;
     } else {
         TextFile text(rule, "list of held-out images (--holdout takes every:N, none or such a file)");
-        for (std::string_view line; text.next_entry(line);) {
+        bool any = false;
+        for (std::string_view line; text.next_entry(line); any = true) {
             const auto at = std::find(names.begin(), names.end(), line);
             if (at == names.end())
                 text.fail(
                     fmt::format("no image is named '{}': write one name per line, as the images have them", line));
             held_out[size_t(at - names.begin())] = 1;
         }
+        if (!any) throw UserError(fmt::format("{}: names no image: write one per line, or --holdout none", rule));
     }
     if (std::find(held_out.begin(), held_out.end(), 0) == held_out.end())
         throw UserError(fmt::format("--holdout {}: holds out all {} images and leaves none to fit: hold out fewer",

@@ -41,10 +41,11 @@ TextFile::TextFile(std::filesystem::path file, std::string text, size_t lines_be
 bool TextFile::next_line(std::string_view& line) {
     if (at_ == text_.size()) return false;
     const size_t end = std::min(text_.find('\n', at_), text_.size());
-    ended_ = end < text_.size();
+    const bool ended = end < text_.size();
     line = trimmed(std::string_view(text_).substr(at_, end - at_));
-    at_ = end + (ended_ ? 1 : 0);
+    at_ = end + (ended ? 1 : 0);
     ++number_;
+    if (!ended && !line.empty()) fail("the file ends within this line: copy or write it again, or end the line");
     return true;
 }
 

@@ -15,16 +15,11 @@ public:
     /// A text already read, which begins after `lines_before` lines of the file.
     TextFile(std::filesystem::path file, std::string text, size_t lines_before);
 
-    /// The next line, trimmed of blanks at both ends; false at the end of the file. Stays valid as long as this.
+    /// The next line, trimmed of blanks at both ends; false at the end of the file. Stays valid as long as this. A last
+    /// line that no line break ends may have been cut, a number to a shorter one, and is a UserError.
     bool next_line(std::string_view& line);
     /// The next line that is neither blank nor a comment (#).
     bool next_entry(std::string_view& line);
-    /// Whether a line break ends the line last read; where one is missing, the line may have been cut.
-    bool line_is_ended() const { return ended_; }
-    /// Throws UserError where it is missing: of files that programs write, which end every line.
-    void require_ended_line() const {
-        if (!ended_) fail("the file ends within this line: copy or write it again, or end the line");
-    }
 
     size_t line_number() const { return number_; }
     std::string where() const;  ///< "file:line" of the line last read
@@ -41,7 +36,6 @@ private:
     std::filesystem::path file_;
     std::string text_;
     size_t at_ = 0, number_ = 0;
-    bool ended_ = true;
 };
 
 /// Tokens of a line between blanks and tabs.

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "dataset/dataset_json.h"
+#include "dataset/truth.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -90,6 +91,7 @@ void check_pixels(const Dataset& dataset) {
         file.read(block.data(), view.pixel_offset, block.size());
         check_image_bytes(view, dataset.encoding, block, images_file);
     });
+    if (has_truth(dataset)) read_truth(dataset.folder);  // sizes are compared before whole files are read
     for (const auto& [name, checksum] : dataset.checksums) check_file(dataset, name);
 }
 

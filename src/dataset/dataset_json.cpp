@@ -185,7 +185,7 @@ View view_from_json(const Fields& fields, const fs::path& file, Encoding encodin
     }
     check_view(view, fmt::format("{}: view \"{}\"", file.string(), view.name));
     view.gain = fields.number("gain");
-    if (!(view.gain > 0)) fields.fail("gain", "must be above 0");
+    if (!is_gain(view.gain)) fields.fail("gain", "must be above 0, from 1e-12 to 1e12");
     view.pixel_offset = fields.count("pixel_offset");
     view.mask_offset = fields.optional_count("mask_offset");
     view.peak = static_cast<float>(fields.number("peak"));
@@ -216,6 +216,8 @@ void throw_damaged(const fs::path& file, const std::string& what) {
     throw UserError(fmt::format("{}: {}; run radiafit generate or import again", file.string(), what));
 }
 
+bool is_gain(double value) { return value >= 1e-12 && value <= 1e12; }
+
 void check_view(const View& view, const std::string& name) {
     if (!view.camera_direction) return check_camera(view.camera, name);
     if (const double length = view.camera_direction->norm(); !(std::abs(length - 1) <= 1e-4))  // not a number either
@@ -224,15 +226,14 @@ void check_view(const View& view, const std::string& name) {
 }
 
 std::string read_dataset_file(const fs::path& file) {
-    std::error_code ignored;
     const fs::path folder = file.parent_path();
     restore_interrupted(folder);
-    if (!fs::exists(folder, ignored))
+    if (!stands(folder))
         throw UserError(
             fmt::format("{}: no such folder; radiafit generate or import makes a dataset", folder.string()));
-    if (!fs::is_directory(folder, ignored))
+    if (!folder_stands(folder))
         throw UserError(fmt::format("{}: a dataset is a folder, this is a file; give the folder", folder.string()));
-    if (!fs::exists(file, ignored))
+    if (!stands(file))
         throw UserError(fmt::format("{}: not a packed dataset, it has no {}; radiafit generate or import makes one",
                                     folder.string(), dataset_json_name));
     std::string text = read_file(file, "dataset's description");

@@ -25,6 +25,10 @@ std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes);
 /// any. `file` names the text in errors (UserError); cameras and values are checked, offsets not.
 Dataset dataset_from_json(const std::string& text, const std::filesystem::path& file, DatasetSizes& sizes);
 
+/// Whether it can be a view's gain: from 1e-12 to 1e12. A table's lie between 1e-6 and 1e6 before their mean is taken
+/// out.
+bool is_gain(double value);
+
 /// Throws UserError, prefixed by `name`, for a camera or a camera's direction that is none.
 void check_view(const View& view, const std::string& name);
 

@@ -51,15 +51,6 @@ void check_replaceable(const fs::path& folder) {
                                     folder.string(), dataset_json_name));
 }
 
-/// A link to a dataset: replace what it points at, keep the link.
-fs::path resolved(fs::path folder) {
-    if (!folder.has_filename()) folder = folder.parent_path();  // "star/" is "star"
-    std::error_code error;
-    if (!fs::is_symlink(folder, error)) return folder;
-    fs::path target = fs::weakly_canonical(folder, error);
-    return error ? folder : target;
-}
-
 std::vector<uint8_t> pack_mask(const std::vector<uint8_t>& mask, const Camera& camera) {
     const size_t row_bytes = (size_t(camera.width) + 7) / 8;
     std::vector<uint8_t> bits(mask_bytes(camera), 0);
@@ -95,9 +86,7 @@ struct DatasetWriter::State {
     std::vector<View> views;
 
     explicit State(const fs::path& f)
-        : folder(f),
-          output(resolved(f), AtomicFolder::Existing::replace),
-          images(output.path() / dataset_images_name) {}
+        : folder(f), output(f, AtomicFolder::Existing::replace), images(output.path() / dataset_images_name) {}
 };
 
 DatasetWriter::DatasetWriter(fs::path folder) {
@@ -115,8 +104,9 @@ void DatasetWriter::set_encoding(Encoding encoding) {
 void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t>& mask) {
     State& s = *state_;
     check_view(view, view.name);
-    if (!(view.gain > 0 && std::isfinite(view.gain)))
-        throw UserError(fmt::format("{}: the gain {} must be positive and finite", view.name, view.gain));
+    if (!is_gain(view.gain))
+        throw UserError(
+            fmt::format("{}: the gain {} is not from 1e-12 to 1e12; give other gains", view.name, view.gain));
     const size_t pixel_count = size_t(view.camera.width) * size_t(view.camera.height);
     if (!mask.empty() && mask.size() != pixel_count)
         throw std::logic_error("DatasetWriter::add takes one mask value per pixel, or none");

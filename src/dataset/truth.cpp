@@ -55,16 +55,12 @@ void write_truth(const ReflectanceTruth& truth, const fs::path& folder) {
     write_file(folder / truth_json_name, json.dump(2) + "\n");
 }
 
-bool has_truth(const fs::path& folder) {
-    std::error_code ignored;
-    return fs::exists(folder / truth_json_name, ignored);
+bool has_truth(const Dataset& dataset) {
+    return dataset.checksums.contains(std::string(truth_json_name)) || stands(dataset.folder / truth_json_name);
 }
 
 ReflectanceTruth read_truth(const fs::path& folder) {
     const fs::path file = folder / truth_json_name;
-    if (!has_truth(folder))
-        throw UserError(
-            fmt::format("{}: no such file; only a dataset of radiafit generate ornament has one", file.string()));
     ReflectanceTruth truth;
     size_t texels = 0;
     try {

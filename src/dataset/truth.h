@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "dataset/dataset.h"
+
 /// What a synthetic dataset was made of, beside it: the reflectance of every texel. Three files in the dataset's
 /// folder, field by field in docs/formats.md.
 namespace radiafit {
@@ -31,7 +33,8 @@ struct ReflectanceTruth {
 
 /// `folder`: the dataset's, or its writer's temporary one. Throws UserError where it cannot write.
 void write_truth(const ReflectanceTruth& truth, const std::filesystem::path& folder);
-bool has_truth(const std::filesystem::path& folder);
+/// Whether a truth belongs to the dataset, even one that is missing by now.
+bool has_truth(const Dataset& dataset);
 /// Throws UserError that names file and cure: missing, of another size, damaged.
 ReflectanceTruth read_truth(const std::filesystem::path& folder);
 

@@ -51,7 +51,7 @@ void require_problems(const FitRecord& fit, size_t problems) {
 
 void require_folder(const fs::path& folder) {
     restore_interrupted(folder);
-    if (!fs::is_directory(folder))
+    if (!folder_stands(folder))
         throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
 }
 
@@ -222,7 +222,7 @@ StoredFit read_fit(const fs::path& folder) {
 
 Dataset open_fitted_dataset(const FitRecord& fit, const fs::path& moved_to) {
     const fs::path path = moved_to.empty() ? fit.dataset_path : moved_to;
-    if (!fs::exists(path))
+    if (!stands(path))
         throw UserError(
             fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its folder by "
                         "--dataset",

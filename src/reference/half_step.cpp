@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "model/with_terms.h"
 
@@ -14,24 +15,29 @@ using V = Lanes<double>;
 
 Smoothness::Smoothness(const MapNeighbours& map) {
     const size_t n = map.texel_count();
-    std::vector<double> dense(n * n, 0.0);
-    for (size_t r = 0; r < n; ++r) {  // one row of L: the number kept at the centre, -1 at each neighbour
-        std::vector<std::pair<size_t, double>> row = {{r, double(map.of(r).size())}};
+    std::vector<std::map<uint32_t, double>> rows(n);  // of the lower triangle
+    for (uint32_t r = 0; r < n; ++r) {  // one row of L: the number kept at the centre, -1 at each neighbour
+        std::vector<std::pair<uint32_t, double>> row = {{r, double(map.of(r).size())}};
         for (uint16_t j : map.of(r)) row.emplace_back(j, -1.0);
         for (const auto& [i, a] : row)
-            for (const auto& [j, b] : row) dense[i * n + j] += a * b;
+            for (const auto& [j, b] : row)
+                if (j <= i) rows[i][j] += a * b;
     }
     for (uint32_t i = 0; i < n; ++i)
-        for (uint32_t j = 0; j <= i; ++j)
-            if (dense[i * n + j] != 0) {
-                entries.push_back({i, j, dense[i * n + j]});
+        for (const auto& [j, value] : rows[i])
+            if (value != 0) {
+                entries.push_back({i, j, value});
                 band = std::max(band, size_t(i - j));
             }
 }
 
-size_t view_band(const LfmVertex& vertex, const Smoothness& view) {
-    const size_t texels = std::max(view.band, size_t(vertex.options.view_side) + 1);
-    return (texels + 1) * vertex.terms() - 1;
+size_t surface_band(const LfmOptions& model, const Smoothness& tile) {
+    return (tile.band + 1) * size_t(model.terms) - 1;
+}
+
+size_t view_band(const LfmOptions& model, const Smoothness& view) {
+    const size_t texels = std::max(view.band, size_t(model.view_side) + 1);
+    return (texels + 1) * size_t(model.terms) - 1;
 }
 
 HalfStep::HalfStep(size_t texels, size_t band, size_t terms)
@@ -97,7 +103,9 @@ void HalfStep::beyond_bounds(const LfmOptions& o, const V* x, std::vector<V>& ou
 SurfaceStep::SurfaceStep(const LfmVertex& vertex, const Smoothness& tile)
     : vertex_(vertex), tile_(tile), first_group_(vertex.first_groups()) {
     const size_t terms = vertex.terms(), texels = vertex.tile->texel_count();
-    steps_.assign(vertex.maps, HalfStep(texels, tile.band * terms + terms - 1, terms));
+    steps_.reserve(vertex.maps);
+    for (size_t map = 0; map < vertex.maps; ++map)
+        steps_.emplace_back(texels, surface_band(vertex.options, tile), terms);
     sums_.resize(texels * (terms * (terms + 1) / 2 + terms));
 }
 
@@ -147,7 +155,7 @@ bool SurfaceStep::operator()(V* p) {
 ViewStep::ViewStep(const LfmVertex& vertex, const Smoothness& view)
     : vertex_(vertex),
       view_(view),
-      step_(vertex.view->texel_count(), view_band(vertex, view), vertex.terms()),
+      step_(vertex.view->texel_count(), view_band(vertex.options, view), vertex.terms()),
       products_(vertex.terms() * (vertex.terms() + 1) / 2),
       sums_(vertex.terms()) {}
 

@@ -19,9 +19,10 @@ struct Smoothness {
     explicit Smoothness(const MapNeighbours& map);
 };
 
-/// Band of E_t's second derivative in the view map, in parameters: of texels that L'L couples, or that are corners of
-/// one look-up, all terms with all.
-size_t view_band(const LfmVertex& vertex, const Smoothness& view);
+/// Band of E_t's second derivative in a surface map, in parameters, and in the view map: of texels that L'L couples, or
+/// that are corners of one look-up, all terms with all.
+size_t surface_band(const LfmOptions& model, const Smoothness& tile);
+size_t view_band(const LfmOptions& model, const Smoothness& view);
 
 /// Minimizes 1/2 x'Ax - b'x + mu E_b(x) over one map's x [texel][term] (first terms bounded).
 class HalfStep {

@@ -17,7 +17,7 @@ ProjectedEnergy::ProjectedEnergy(const LfmVertex& vertex, const Smoothness& tile
       solve_surface_(vertex, tile),
       first_group_(vertex.first_groups()),
       gradient_(vertex.view->texel_count() * vertex.terms()),
-      own_(gradient_.size(), view_band(vertex, view)) {
+      own_(gradient_.size(), view_band(vertex.options, view)) {
     const size_t terms = vertex.terms();
     std::vector<bool> reached(vertex.view->texel_count(), false);
     for (size_t i = 0; i + 1 < vertex.groups.size(); ++i)

@@ -24,10 +24,8 @@ uint64_t checksum_of(nlohmann::ordered_json description) {
 }  // namespace
 
 void throw_damaged_records(const std::filesystem::path& file) {
-    std::error_code ignored;
     throw UserError(fmt::format("{}: {}; delete the folder {}, it is made anew", file.string(),
-                                std::filesystem::exists(file, ignored) ? "damaged" : "missing",
-                                file.parent_path().string()));
+                                stands(file) ? "damaged" : "missing", file.parent_path().string()));
 }
 
 InputFile open_records_file(const std::filesystem::path& file) {
@@ -43,9 +41,8 @@ void write_description(const std::filesystem::path& file, const std::string& obj
 }
 
 std::string read_description(const std::filesystem::path& file, const std::string& format, const std::string& key) {
-    std::error_code ignored;
     std::string text;
-    if (std::filesystem::exists(file, ignored)) text = read_file(file, "description of records");
+    if (stands(file)) text = read_file(file, "description of records");
     if (nested_deeper(text, 100)) throw_damaged_records(file);
     const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
     const auto is = [&](const char* name, const nlohmann::ordered_json& value) {

@@ -133,8 +133,12 @@ for damage, *words in (
     (write(gains, ""), f"{gains}: no gain for image '0.png': add a line NAME GAIN for it"),
     (write(gains, "0.png 1\n1.png 1\n"), f"{gains}: no gain for image '2.png'"),
     (write(gains, "0.png\n"), f"{gains}:1: expected an image name and, in the last column, its linear gain"),
-    (replace(gains, "0.png 1", "0.png 0"), f"{gains}:1: the gain 0 is not positive"),
-    (replace(gains, "0.png 1", "0.png -1"), f"{gains}:1: the gain -1 is not positive"),
+    (replace(gains, "0.png 1", "0.png 0"), f"{gains}:1: the gain 0 is not from 1e-06 to 1e+06: mend the line"),
+    (replace(gains, "0.png 1", "0.png -1"), f"{gains}:1: the gain -1 is not from 1e-06 to 1e+06"),
+    (replace(gains, "0.png 1", "0.png 1e30"), f"{gains}:1: the gain 1e+30 is not from"),
+    (replace(gains, "0.png 1", "0.png 1e-7"), f"{gains}:1: the gain 1e-07 is not from"),
+    (cut(gains, -1), f"{gains}:3: the file ends within this line: copy or write it again, or end the line"),
+    (cut(gains, -2), f"{gains}:3: the file ends within this line"),
     (replace(gains, "0.png 1", "0.png nan"), f"{gains}:1: the gain in the last column is 'nan', which is not finite"),
     (replace(gains, "0.png 1", "0.png one"), f"{gains}:1: the gain in the last column is 'one', which is no number"),
     (replace(gains, "1.png", "0.png"), f"{gains}:2: image '0.png' is given twice: remove one line"),
@@ -148,6 +152,9 @@ rows += [
     (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "9.png\n"), 2, "photos/held.txt:1: no image is named '9.png': write one name per line"),
     (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "0.png\n1.png\n2.png\n"), 2, "--holdout photos/held.txt: holds out all 3 images"),
     (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "1.png\n"), 0, "1 of them held out"),
+    (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "1.png"), 2, "photos/held.txt:1: the file ends within this line"),
+    (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", ""), 2, "photos/held.txt: names no image: write one per line, or --holdout none"),
+    (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "# none\n\n"), 2, "photos/held.txt: names no image"),
     (colmap(more="--holdout none"), None, 0, "0 of them held out"),
 ]
 
@@ -204,7 +211,10 @@ for damage, *words in (
     (replace(vectors, "0 0 1", "0 0 1 1"), f"{vectors}:1: a light takes three numbers, here are 4"),
     (replace(vectors, "0 0 1", "0 0 up"), f"{vectors}:1: light is 'up', which is no number"),
     (replace(vectors, "0 0 1", "0 0 nan"), f"{vectors}:1: light is 'nan', which is not finite"),
-    (replace(vectors, "0 0 1", "0 0 0"), f"{vectors}:1: the light's vector is 0 0 0", "calibrate it"),
+    (replace(vectors, "0 0 1", "0 0 0"), f"{vectors}:1: the light's vector (0, 0, 0) has length 0", "calibrate it"),
+    (replace(vectors, "0 0 1", "1e308 1e308 1e308"), f"{vectors}:1: the light's vector (1e+308, 1e+308, 1e+308) has length 1.73205e+308"),
+    (replace(vectors, "0 0 1", "1e-308 0 1e-308"), f"{vectors}:1: the light's vector (1e-308, 0, 1e-308) has length "),
+    (cut(vectors, -1), f"{vectors}:4: the file ends within this line"),
 ):
     rows.append((lights(), damage, 2, *words))
 for damage, *words in (
@@ -216,7 +226,9 @@ for damage, *words in (
     (replace(lp, "^4", "four"), f"{lp}:1: the number of images is 'four', which is no whole number"),
     (replace(lp, "0.png 0 0 1", "0.png 0 0"), f"{lp}:2: an .lp file's line takes an image's name and three numbers"),
     (replace(lp, "0.png 0 0 1", "0.png 0 0 z"), f"{lp}:2: light direction is 'z', which is no number"),
-    (replace(lp, "0.png 0 0 1", "0.png 0 0 0"), f"{lp}:2: the light's vector is 0 0 0"),
+    (replace(lp, "0.png 0 0 1", "0.png 0 0 0"), f"{lp}:2: the light's vector (0, 0, 0) has length 0"),
+    (cut(lp, -1), f"{lp}:5: the file ends within this line"),
+    (cut(lp, -2), f"{lp}:5: the file ends within this line"),
     (replace(lp, "1.png", "0.png"), f"{lp}:3: image '0.png' stands here a second time"),
     (replace(lp, "1.png", "9.png"), "lit/images/9.png: no such image, but lit/dome.lp names it"),
     (cut(lp, 0.5), f"{lp}"),
@@ -230,7 +242,15 @@ for command, damage, *words in (
     (places, append("lit/eyes.txt", "0 0 12\n"), "lit/eyes.txt: 2 camera positions, but there are 4 images"),
     (places, write("lit/eyes.txt", ""), "lit/eyes.txt: 0 camera positions, but there are 4 images"),
     (places, replace("lit/eyes.txt", "12", "far"), "lit/eyes.txt:1: camera position is 'far', which is no number"),
-    (places, replace("lit/places.txt", "0 0 10", "0 0 0"), "lit/places.txt:1: the light's vector is 0 0 0"),
+    (places, replace("lit/places.txt", "0 0 10", "0 0 0"), "lit/places.txt:1: the light's vector (0, 0, 0) has length 0"),
+    (places, replace("lit/places.txt", "0 0 10", "0 0 1e13"), "lit/places.txt:1: the light's vector (0, 0, 10000000000000) has length 1e+13"),
+    (places, cut("lit/places.txt", -1), "lit/places.txt:4: the file ends within this line"),
+    (places, cut("lit/eyes.txt", -1), "lit/eyes.txt:1: the file ends within this line"),
+    (places, cut("lit/eyes.txt", -2), "lit/eyes.txt:1: the file ends within this line"),
+    (lights(more="--names lit/names.txt"), cut("lit/names.txt", -1), "lit/names.txt:4: the file ends within this line"),
+    (lights(more="--intensities lit/intensities.txt"), cut("lit/intensities.txt", -1), "lit/intensities.txt:1: the file ends within this line"),
+    (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "1e308\n"), "lit/intensities.txt:1: the light's intensity is 1e+308 in a channel; give 0, or 1e-12 to 1e+12"),
+    (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "1 1e-30 1\n"), "lit/intensities.txt:1: the light's intensity is 1e-30 in a channel"),
     (places, remove("lit/places.txt"), "lit/places.txt: no such list of lights"),
     (places, remove("lit/eyes.txt"), "lit/eyes.txt: no such list, one camera position per line"),
     (lights(more="--names lit/names.txt"), replace("lit/names.txt", "1.png", "0.png"), "lit/names.txt:2: image '0.png' stands here a second time"),
@@ -240,8 +260,8 @@ for command, damage, *words in (
     (lights(more="--names lit/names.txt"), remove("lit/names.txt"), "lit/names.txt: no such list of image names"),
     (lights(more="--intensities lit/intensities.txt"), append("lit/intensities.txt", "1\n"), "lit/intensities.txt: 2 intensities, but there are 4 images"),
     (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", ""), "lit/intensities.txt: 0 intensities"),
-    (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "0 0 0\n"), "lit/intensities.txt:1: a light's intensity is to be above 0 in one channel"),
-    (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "1 -1 1\n"), "lit/intensities.txt:1: a light's intensity is to be above 0"),
+    (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "0 0 0\n"), "lit/intensities.txt:1: the light's intensity is 0 in every channel; leave the image out"),
+    (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "1 -1 1\n"), "lit/intensities.txt:1: the light's intensity is -1 in a channel"),
     (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "1 1\n"), "lit/intensities.txt:1: a light intensity takes three numbers, here are 2"),
     (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "inf\n"), "lit/intensities.txt:1: the intensity is 'inf', which is not finite"),
     (lights(more="--mask lit/mask.png"), remove("lit/mask.png"), "lit/mask.png: no such image file"),
@@ -255,7 +275,7 @@ for command, damage, *words in (
 ):
     rows.append((command, damage, 2, *words))
 rows.append((lights(more="--mask lit/mask.png --normals lit/normals.pfm --intensities lit/intensities.txt --names lit/names.txt"), None, 0, "6 x 5"))
-rows.append((places, None, 0, "6 x 5"))
+rows.append((places, None, 0, "6 x 5", "warning: lit/eyes.txt: one line, taken for all 4 images"))
 
 # Images under lamps, in every format
 for kind, ending in (("images", "png"), ("pfm", "pfm"), ("exr", "exr"), ("tif", "tif"), ("jpg", "jpg")):

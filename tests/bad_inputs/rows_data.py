@@ -64,7 +64,8 @@ bad_field(grid, "views[1].light", [GONE], "has no light, unlike view", "all must
 bad_field(grid, "views[0].light.direction", [[0, 0, 2], [0, 0, 0]], "the direction to the light has length ")
 bad_field(grid, "views[0].light.direction", [GONE], "must have either a direction or a position")
 bad_field(grid, "views[0].light.position", [[0, 0, 9]], "must have either a direction or a position")
-bad_field(grid, "views[0].light.intensity", [[0, 0, 0], [-1, 1, 1]], "the light's intensity ", "must not be below 0, nor all 0")
+bad_field(grid, "views[0].light.intensity", [[0, 0, 0]], "the light's intensity is 0 in every channel")
+bad_field(grid, "views[0].light.intensity", [[-1, 1, 1], [1, 1e13, 1], [1e-13, 1, 1]], "the light's intensity is ", "in a channel; give 0, or 1e-12 to 1e+12")
 bad_field(grid, "views[0].light.intensity", [1, [1, 1]], '"views[0].light.intensity" must be 3 numbers')
 bad_field(lamps, "normals.side", [1, 0, 65537], '"normals.side" is ', "outside [2, 65536]")
 
