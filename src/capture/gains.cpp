@@ -124,7 +124,8 @@ std::vector<double> read_gains(const std::filesystem::path& file, const std::vec
         if (tokens.size() < 2) text.fail("expected an image name and, in the last column, its linear gain");
         const double gain = text.to_double(tokens.back(), "the gain in the last column");
         if (!(gain >= least_gain && gain <= largest_gain))
-            text.fail(fmt::format("the gain {} is not from {:g} to {:g}: mend the line", gain, least_gain, largest_gain));
+            text.fail(
+                fmt::format("the gain {} is not from {:g} to {:g}: mend the line", gain, least_gain, largest_gain));
         if (!table.emplace(tokens.front(), gain).second)
             text.fail(fmt::format("image '{}' is given twice: remove one line", tokens.front()));
     }
