@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "app/command_line.h"
 #include "app/limits.h"
-#include "app/options.h"
-#include "app/parse_error.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/failure.h"
@@ -22,23 +20,17 @@
 namespace radiafit {
 
 Experiment::Experiment(std::string name, int argc, const char* const* argv) : name_(std::move(name)) {
-    CLI::App app("Runs one experiment and draws its figure.", name_);
+    CommandLine program(name_, "Runs one experiment and draws its figure.");
     std::string config;
     std::vector<std::string> overrides;
     int threads = 0;
-    add_text(app, "--config", config, "experiments/" + name_ + ".toml")->required();
-    app.add_option("--profile", profile_, "smoke, standard or paper")->capture_default_str();
-    app.add_option("--set", overrides, "key=value, over the config file")->allow_extra_args(false);
-    add_number(app, "--threads", threads, limits::threads, "0 is all cores");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0) {
-            app.exit(e);  // --help
-            finish_standard_output();
-            std::exit(0);
-        }
-        throw UserError(explain(app, e));
+    program.add_text("--config", config, "experiments/" + name_ + ".toml").required();
+    program.add_word("--profile", profile_, "smoke, standard or paper");
+    program.add_words("--set", overrides, "key=value, over the config file");
+    program.add_number("--threads", threads, limits::threads, "0 is all cores");
+    if (!program.parse(argc, argv)) {
+        finish_standard_output();
+        std::exit(0);
     }
     set_thread_count(threads);
     root_ = std::filesystem::absolute(config).parent_path().parent_path();

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/choose.h"
 #include "app/limits.h"
-#include "app/options.h"
 #include "app/solver.h"
 #include "base/error.h"
 

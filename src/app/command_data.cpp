@@ -7,7 +7,6 @@
 
 #include "app/commands.h"
 #include "app/limits.h"
-#include "app/options.h"
 #include "app/solver.h"
 #include "base/error.h"
 #include "base/leftovers.h"
@@ -66,7 +65,7 @@ void print_reflectance(const std::filesystem::path& path, const std::string& mov
 
 }  // namespace
 
-void add_force(CLI::App& command, bool& force) {
+void add_force(CommandLine& command, bool& force) {
     command.add_flag("--force", force, "go on though memory or disk will not suffice");
 }
 
@@ -117,51 +116,51 @@ void print_dataset(const Dataset& d, bool json) {
                    truth ? "yes" : "no");
 }
 
-void add_generate(CLI::App& app) {
+void add_generate(CommandLine& program) {
     auto options = std::make_shared<SyntheticOptions>();
     auto out = std::make_shared<std::string>();
     auto force = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
-    command->add_option("shape", options->shape, "star, bust or ornament")->required();
-    command->add_option("--scale", options->scale, "smoke, standard or paper")->capture_default_str();
-    add_number(*command, "--seed", options->seed, limits::seed, "of everything random");
+    CommandLine& command =
+        program.add_command("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
+    command.add_word("shape", options->shape, "star, bust or ornament").hide_default().required();
+    command.add_word("--scale", options->scale, "smoke, standard or paper");
+    command.add_number("--seed", options->seed, limits::seed, "of everything random");
     OrnamentOptions& ornament = options->ornament;
-    const std::vector<CLI::Option*> of_ornament = {
-        add_choice<Encoding>(*command, "--encoding", ornament.sensor.encoding,
-                             {{"u8-srgb", Encoding::u8_srgb},
-                              {"u16-linear", Encoding::u16_linear},
-                              {"f32-linear", Encoding::f32_linear}},
-                             "how pixels are stored (u16-linear unless given)"),
-        add_number(*command, "--read-noise", ornament.sensor.read_noise, limits::noise,
-                   "standard deviation of darkness; white is 1"),
-        add_number(*command, "--shot-noise", ornament.sensor.shot_noise, limits::noise,
-                   "standard deviation that white adds"),
-        add_choice<Shading>(
-            *command, "--shading", ornament.shading, {{"texel", Shading::texel}, {"pixel", Shading::pixel}},
+    std::vector<CommandOption> of_ornament = {
+        command.add_choice("--encoding", ornament.sensor.encoding,
+                           {{"u8-srgb", Encoding::u8_srgb},
+                            {"u16-linear", Encoding::u16_linear},
+                            {"f32-linear", Encoding::f32_linear}},
+                           "how pixels are stored (u16-linear unless given)"),
+        command.add_number("--read-noise", ornament.sensor.read_noise, limits::noise,
+                           "standard deviation of darkness; white is 1"),
+        command.add_number("--shot-noise", ornament.sensor.shot_noise, limits::noise,
+                           "standard deviation that white adds"),
+        command.add_choice(
+            "--shading", ornament.shading, {{"texel", Shading::texel}, {"pixel", Shading::pixel}},
             "texel: samples hold their texel's exact value (unless given); pixel: pixels average over their area"),
-        add_choice<Light::Kind>(*command, "--light", ornament.light,
-                                {{"distant", Light::Kind::distant}, {"near", Light::Kind::near}},
-                                "the lamp's kind (distant unless given); near: falls off with the distance squared"),
+        command.add_choice("--light", ornament.light, {{"distant", Light::Kind::distant}, {"near", Light::Kind::near}},
+                           "the lamp's kind (distant unless given); near: falls off with the distance squared"),
     };
-    for (CLI::Option* option : of_ornament) option->group("ornament");
-    add_text(*command, "-o,--output", *out, "folder of the packed dataset")->required();
-    add_force(*command, *force);
-    command->callback([=] {
+    for (CommandOption& option : of_ornament) option.group("ornament");
+    command.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    add_force(command, *force);
+    command.on_run([=] {
         announce_needs("generate", synthetic_needs(*options), *out, *force);
         generate_synthetic(*options, *out);
         print_dataset(open_dataset(*out), false);
     });
 }
 
-void add_info(CLI::App& app) {
+void add_info(CommandLine& program) {
     auto folder = std::make_shared<std::string>();
     auto moved_to = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("info", "what a dataset or fit is, checked whole");
-    add_text(*command, "folder", *folder, "DATASET or FIT")->required();
-    add_text(*command, "--dataset", *moved_to, "where a fit's dataset is now, if it moved");
-    command->add_flag("--json", *json, "one JSON object on standard output");
-    command->callback([=] {
+    CommandLine& command = program.add_command("info", "what a dataset or fit is, checked whole");
+    command.add_text("folder", *folder, "DATASET or FIT").required();
+    command.add_text("--dataset", *moved_to, "where a fit's dataset is now, if it moved");
+    command.add_flag("--json", *json, "one JSON object on standard output");
+    command.on_run([=] {
         const std::filesystem::path path(*folder);
         restore_interrupted(path);
         const bool folder = folder_stands(path), fit = folder && stands(path / "fit.json");
@@ -184,16 +183,16 @@ void add_info(CLI::App& app) {
     });
 }
 
-void add_plan(CLI::App& app) {
+void add_plan(CommandLine& program) {
     auto request = std::make_shared<FitRequest>();
     auto folder = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("plan", "bytes of each array before anything is allocated");
-    add_text(*command, "dataset", *folder, "packed dataset")->required();
-    add_fit_options(*command, *request);
-    command->callback([=] {
+    CommandLine& command = program.add_command("plan", "bytes of each array before anything is allocated");
+    command.add_text("dataset", *folder, "packed dataset").required();
+    add_fit_options(command, *request);
+    command.on_run([=, &command] {
         request->check();
         const Dataset dataset = open_dataset(*folder);
-        settle_options(*command, dataset, *request);
+        settle_options(command, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
             Table table({"array", "shape", "count", "MB"});

@@ -6,9 +6,9 @@
 
 namespace radiafit {
 
-void add_devices(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("devices", "contexts, renderers and limits: what can run here");
-    command->callback([] {
+void add_devices(CommandLine& program) {
+    CommandLine& command = program.add_command("devices", "contexts, renderers and limits: what can run here");
+    command.on_run([] {
         fmt::print("cpu: {} threads\n", thread_count());
         for (const DeviceInfo& d : list_devices()) {
             const std::string name =

@@ -8,7 +8,6 @@
 #include "app/choices.h"
 #include "app/commands.h"
 #include "app/limits.h"
-#include "app/options.h"
 #include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -20,70 +19,64 @@
 
 namespace radiafit {
 
-void add_fit_options(CLI::App& c, FitRequest& r) {
+void add_fit_options(CommandLine& c, FitRequest& r) {
     std::string known;
     for (const Solver& s : solvers()) known += fmt::format("{}{}: {}", known.empty() ? "" : "; ", s.name, s.help);
     std::string models = "lfm: light field map; of datasets with lamps, a texel-local model:";
     for (const TexelModel* model : texel_models()) models += fmt::format(" {}", model->name);
-    c.add_option("--model", r.kind, models)->capture_default_str();
-    c.add_option("--solver", r.solver, known)->capture_default_str();
-    c.add_option("--engine", r.engine, "cpu or fragment")->capture_default_str();
-    c.add_option("--optimizer", r.optimizer, "cg or sd; of texel-local models on the CPU also lm, and that by default")
-        ->capture_default_str();
-    c.add_option("--mode", r.mode, "paper or modern")->capture_default_str();
-    c.add_option("--passes", r.passes, "paper or combined, of the fragment engine")->capture_default_str();
-    c.add_option("--storage", r.storage, "fp32, fp16 or fp16-truncate, of the fragment engine")->capture_default_str();
-    c.add_option("--sums", r.sums, "fp32 or fp16: sums over samples, of the fragment engine")->capture_default_str();
-    c.add_option("--distributor", r.distributor, "gl or cpu, for engines that read a sample list")
-        ->capture_default_str();
-    c.add_option("--source", r.source,
-                 "disk, disk-cold (past the page cache), memory, or device (kept there), of engines that stream images")
-        ->capture_default_str();
-    c.add_option("--view", r.view, "nearest or bilinear look-up in view maps")->capture_default_str();
-    c.add_option("--space", r.space, "stored or linear: what residuals are formed in")->capture_default_str();
-    add_number(c, "--terms", r.model.terms, limits::terms, "K");
+    c.add_word("--model", r.kind, models);
+    c.add_word("--solver", r.solver, known);
+    c.add_word("--engine", r.engine, "cpu or fragment");
+    c.add_word("--optimizer", r.optimizer, "cg or sd; of texel-local models on the CPU also lm, and that by default");
+    c.add_word("--mode", r.mode, "paper or modern");
+    c.add_word("--passes", r.passes, "paper or combined, of the fragment engine");
+    c.add_word("--storage", r.storage, "fp32, fp16 or fp16-truncate, of the fragment engine");
+    c.add_word("--sums", r.sums, "fp32 or fp16: sums over samples, of the fragment engine");
+    c.add_word("--distributor", r.distributor, "gl or cpu, for engines that read a sample list");
+    c.add_word("--source", r.source,
+               "disk, disk-cold (past the page cache), memory, or device (kept there), of engines that stream images");
+    c.add_word("--view", r.view, "nearest or bilinear look-up in view maps");
+    c.add_word("--space", r.space, "stored or linear: what residuals are formed in");
+    c.add_number("--terms", r.model.terms, limits::terms, "K");
     c.add_flag("--deflate,!--joint", r.deflate, "fit terms one after another, or together (default)");
-    add_number(c, "--surface-side", r.model.surface_side, limits::map_side, "n: n(n+1)/2 texels per surface map");
-    add_number(c, "--view-side", r.model.view_side, limits::map_side, "m: m x m texels per view map");
-    add_number(c, "--lambda-surface", r.model.lambda_surface, limits::weight, "smoothness of surface maps");
-    add_number(c, "--lambda-view", r.model.lambda_view, limits::weight, "smoothness of view maps");
-    add_number(
-        c, "--clip-above", r.clip_above, limits::share,
+    c.add_number("--surface-side", r.model.surface_side, limits::map_side, "n: n(n+1)/2 texels per surface map");
+    c.add_number("--view-side", r.model.view_side, limits::map_side, "m: m x m texels per view map");
+    c.add_number("--lambda-surface", r.model.lambda_surface, limits::weight, "smoothness of surface maps");
+    c.add_number("--lambda-view", r.model.lambda_view, limits::weight, "smoothness of view maps");
+    c.add_number(
+        "--clip-above", r.clip_above, limits::share,
         "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 is off");
-    add_number(c, "--shadow-below", r.shadow_below, limits::share,
-               "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off");
-    add_number(c, "--mu", r.mu, limits::weight, "weight of the bounds; default: 1, in paper mode 1e-4")
-        ->default_str("");
-    add_number(c, "--iterations", r.iterations, limits::iterations, "at most");
-    add_number(c, "--validation", r.validation, limits::validation,
-               "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
-    add_number(c, "--stop-residual", r.stop_residual, limits::threshold,
-               "stop a problem at this root mean square residual; 0 is off");
-    add_number(c, "--stop-change", r.stop_output_change, limits::threshold,
-               "stop a problem when its output changes less; 0 is off");
-    add_number(c, "--seed", r.seed, limits::seed, "of the start values of further terms");
-    c.add_option("--record", r.record, "compact or full (the paper's): what two-step writes of a sample")
-        ->capture_default_str();
-    c.add_option("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M")
-        ->capture_default_str();
-    add_text(c, "--records", r.records, "folder to keep two-step's records in, or to find them");
-    add_number(c, "--refills", r.refills, limits::refills,
-               "how often pca replaces entries that it had to invent by what its terms say, and refines the terms");
+    c.add_number("--shadow-below", r.shadow_below, limits::share,
+                 "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off");
+    c.add_number("--mu", r.mu, limits::weight, "weight of the bounds; default: 1, in paper mode 1e-4").hide_default();
+    c.add_number("--iterations", r.iterations, limits::iterations, "at most");
+    c.add_number("--validation", r.validation, limits::validation,
+                 "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
+    c.add_number("--stop-residual", r.stop_residual, limits::threshold,
+                 "stop a problem at this root mean square residual; 0 is off");
+    c.add_number("--stop-change", r.stop_output_change, limits::threshold,
+                 "stop a problem when its output changes less; 0 is off");
+    c.add_number("--seed", r.seed, limits::seed, "of the start values of further terms");
+    c.add_word("--record", r.record, "compact or full (the paper's): what two-step writes of a sample");
+    c.add_word("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M");
+    c.add_text("--records", r.records, "folder to keep two-step's records in, or to find them");
+    c.add_number("--refills", r.refills, limits::refills,
+                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms");
     std::string settings;
     for (const CeresSetting& s : ceres_settings())
         settings += fmt::format("{}{}: {}", settings.empty() ? "" : "; ", s.name, s.help);
-    c.add_option("--ceres", r.ceres, settings)->capture_default_str();
-    c.add_option("--context", r.context, "egl or osmesa")->capture_default_str();
-    add_number(c, "--device", r.device, limits::device, "EGL device index, see radiafit devices; -1 chooses");
+    c.add_word("--ceres", r.ceres, settings);
+    c.add_word("--context", r.context, "egl or osmesa");
+    c.add_number("--device", r.device, limits::device, "EGL device index, see radiafit devices; -1 chooses");
 }
 
-void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest& request) {
+void settle_options(const CommandLine& command, const Dataset& dataset, FitRequest& request) {
     if (!request.texel_local()) return;
     const bool on_cpu = request.solver == "two-step" || (request.solver == "stream" && request.engine == "cpu");
-    if (on_cpu && command.count("--optimizer") == 0) request.optimizer = "lm";
-    if (request.levenberg_marquardt() && command.count("--iterations") == 0)
+    if (on_cpu && !command.given("--optimizer")) request.optimizer = "lm";
+    if (request.levenberg_marquardt() && !command.given("--iterations"))
         request.iterations = TexelFitOptions().iterations;
-    if (command.count("--surface-side") == 0 && !dataset.has_grid())
+    if (!command.given("--surface-side") && !dataset.has_grid())
         request.model.surface_side =
             dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;
 }
@@ -233,17 +226,17 @@ void fit_reflectance(const std::string& out, const Dataset& dataset, const FitRe
 
 }  // namespace
 
-void add_fit(CLI::App& app, const Invocation& invocation) {
+void add_fit(CommandLine& program, const Invocation& invocation) {
     auto request = std::make_shared<FitRequest>();
     auto folder = std::make_shared<std::string>();
     auto out = std::make_shared<std::string>();
     auto force = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("fit", "fit a model to a packed dataset");
-    add_text(*command, "dataset", *folder, "packed dataset")->required();
-    add_fit_options(*command, *request);
-    add_text(*command, "-o,--output", *out, "folder of the fit")->required();
-    add_force(*command, *force);
-    command->callback([=] {
+    CommandLine& command = program.add_command("fit", "fit a model to a packed dataset");
+    command.add_text("dataset", *folder, "packed dataset").required();
+    add_fit_options(command, *request);
+    command.add_text("-o,--output", *out, "folder of the fit").required();
+    add_force(command, *force);
+    command.on_run([=, &command] {
         request->check();
         check_fit_target(*out);
         AtomicFolder(*out,
@@ -253,7 +246,7 @@ void add_fit(CLI::App& app, const Invocation& invocation) {
         if (!request->texel_local()) reject_idle_options(*request, false);
         const Dataset dataset = open_dataset(*folder);
         warn_about_range(dataset);
-        settle_options(*command, dataset, *request);
+        settle_options(command, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         announce_plan(*out, dataset, *request, *force);
         (request->texel_local() ? fit_reflectance : fit_light_field)(*out, dataset, *request, invocation);

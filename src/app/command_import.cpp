@@ -3,7 +3,6 @@
 
 #include "app/commands.h"
 #include "app/limits.h"
-#include "app/options.h"
 #include "base/log.h"
 #include "capture/import.h"
 #include "capture/import_lights.h"
@@ -13,55 +12,55 @@ namespace {
 
 constexpr const char* holdout_help = "every:N, none, or a file of image names";
 
-void add_colmap(CLI::App& command) {
+void add_colmap(CommandLine& command) {
     auto options = std::make_shared<ImportOptions>();
     auto out = std::make_shared<std::string>();
-    CLI::App* colmap = command.add_subcommand("colmap", "photographs with a COLMAP calibration and a mesh");
-    add_text(*colmap, "--model", options->model, "folder with cameras and images, .txt or .bin")->required();
-    add_text(*colmap, "--images", options->images, "folder of the undistorted photographs")->required();
-    add_text(*colmap, "--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ")->required();
-    add_text(*colmap, "--masks", options->masks, "folder of NAME.png, white = object");
-    add_text(*colmap, "--holdout,--held-out", options->holdout, holdout_help);
-    add_number(*colmap, "--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    add_text(*colmap, "--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
-    add_text(*colmap, "--name", options->name, "of the dataset");
-    add_text(*colmap, "-o,--output", *out, "folder of the packed dataset")->required();
-    add_force(*colmap, options->force);
-    colmap->callback([=] {
+    CommandLine& colmap = command.add_command("colmap", "photographs with a COLMAP calibration and a mesh");
+    colmap.add_text("--model", options->model, "folder with cameras and images, .txt or .bin").required();
+    colmap.add_text("--images", options->images, "folder of the undistorted photographs").required();
+    colmap.add_text("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ").required();
+    colmap.add_text("--masks", options->masks, "folder of NAME.png, white = object");
+    colmap.add_text("--holdout,--held-out", options->holdout, holdout_help);
+    colmap.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
+    colmap.add_text("--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
+    colmap.add_text("--name", options->name, "of the dataset");
+    colmap.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    add_force(colmap, options->force);
+    colmap.on_run([=] {
         const ImportReport report = import_colmap(*options, *out);
         for (const std::string& note : report.notes) log_warning(note);
         print_dataset(open_dataset(*out), false);
     });
 }
 
-void add_lights(CLI::App& command) {
+void add_lights(CommandLine& command) {
     auto options = std::make_shared<LightImportOptions>();
     auto out = std::make_shared<std::string>();
-    CLI::App* lights = command.add_subcommand(
+    CommandLine& lights = command.add_command(
         "lights", "images that show one surface pixel on pixel, under a lamp each: a fixed camera, or a flat sample");
-    add_text(*lights, "--images", options->images, "folder of the images")->required();
-    add_text(*lights, "--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
-    add_text(*lights, "--light-positions", options->light_positions, "in their place: where near lamps stand");
-    add_text(*lights, "--names", options->names, "image names in the order of the lights; default: the folder, sorted");
-    add_text(*lights, "--intensities", options->intensities,
-             "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
-             "that faces the lamp, near lamps at distance 1; default: 1");
-    add_text(*lights, "--camera-positions", options->camera_positions,
-             "x y z per line, one per image or one for all; default: far away along +z");
-    add_number(*lights, "--sample-width", options->sample_width, limits::sample_width,
-               "what an image's width covers, in the unit of the positions")
-        ->default_str("");
-    add_text(*lights, "--mask", options->mask, "image, white = object");
-    add_text(*lights, "--normals", options->normals, "picture of normals: x right, y up, z towards the camera");
-    lights->add_option("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear")
-        ->capture_default_str();
-    add_choice<int>(*lights, "--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
-                    "bits per channel that the images must have: 8, 16, 32 (floats)");
-    add_text(*lights, "--holdout,--held-out", options->holdout, holdout_help);
-    add_text(*lights, "--name", options->name, "of the dataset");
-    add_text(*lights, "-o,--output", *out, "folder of the packed dataset")->required();
-    add_force(*lights, options->force);
-    lights->callback([=] {
+    lights.add_text("--images", options->images, "folder of the images").required();
+    lights.add_text("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
+    lights.add_text("--light-positions", options->light_positions, "in their place: where near lamps stand");
+    lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted");
+    lights.add_text("--intensities", options->intensities,
+                    "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
+                    "that faces the lamp, near lamps at distance 1; default: 1");
+    lights.add_text("--camera-positions", options->camera_positions,
+                    "x y z per line, one per image or one for all; default: far away along +z");
+    lights
+        .add_number("--sample-width", options->sample_width, limits::sample_width,
+                    "what an image's width covers, in the unit of the positions")
+        .hide_default();
+    lights.add_text("--mask", options->mask, "image, white = object");
+    lights.add_text("--normals", options->normals, "picture of normals: x right, y up, z towards the camera");
+    lights.add_word("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear");
+    lights.add_choice("--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
+                      "bits per channel that the images must have: 8, 16, 32 (floats)");
+    lights.add_text("--holdout,--held-out", options->holdout, holdout_help);
+    lights.add_text("--name", options->name, "of the dataset");
+    lights.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    add_force(lights, options->force);
+    lights.on_run([=] {
         const LightImportReport report = import_lights(*options, *out);
         for (const std::string& note : report.notes) log_warning(note);
         print_dataset(open_dataset(*out), false);
@@ -70,11 +69,10 @@ void add_lights(CLI::App& command) {
 
 }  // namespace
 
-void add_import(CLI::App& app, const Invocation&) {
-    CLI::App* command = app.add_subcommand("import", "pack a real capture");
-    command->require_subcommand(1);
-    add_colmap(*command);
-    add_lights(*command);
+void add_import(CommandLine& program, const Invocation&) {
+    CommandLine& command = program.add_command("import", "pack a real capture");
+    add_colmap(command);
+    add_lights(command);
 }
 
 }  // namespace radiafit

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
-#include "app/options.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "dataset/truth.h"
@@ -122,18 +121,18 @@ Split choose_split(const std::string& name) {
 
 }  // namespace
 
-void add_judge(CLI::App& app) {
+void add_judge(CommandLine& program) {
     struct Options {
         std::string fit, split = "test", dataset;
         bool json = false;
     };
     auto o = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
-    add_text(*command, "fit", o->fit, "folder of the fit")->required();
-    command->add_option("--split", o->split, "train, test or validation")->capture_default_str();
-    add_text(*command, "--dataset", o->dataset, "where the dataset is now, if it moved");
-    command->add_flag("--json", o->json, "one JSON object on standard output");
-    command->callback([=] {
+    CommandLine& command = program.add_command("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
+    command.add_text("fit", o->fit, "folder of the fit").required();
+    command.add_word("--split", o->split, "train, test or validation");
+    command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
+    command.add_flag("--json", o->json, "one JSON object on standard output");
+    command.on_run([=] {
         const Split split = choose_split(o->split);
         if (o->json) set_quiet(true);
         const Judgement j = fitted_model(o->fit) == "lfm" ? judge_light_field(o->fit, o->dataset, split)

@@ -10,7 +10,6 @@
 
 #include "app/commands.h"
 #include "app/limits.h"
-#include "app/options.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -268,27 +267,26 @@ void render(const RenderOptions& o) {
 
 }  // namespace
 
-void add_render(CLI::App& app) {
+void add_render(CommandLine& program) {
     auto o = std::make_shared<RenderOptions>();
-    CLI::App* command = app.add_subcommand("render", "a view of a fit as EXR and PNG, beside the photograph");
-    add_text(*command, "fit", o->fit, "folder of the fit")->required();
-    auto* view = add_number(*command, "--view", o->view, limits::view, "view index; default: a held-out one");
-    add_number(*command, "--turntable", o->turntable, limits::turntable, "this many views around the object instead")
-        ->default_str("")
-        ->excludes(view);
-    command->add_option("--light", o->light, "x y z: direction to a distant lamp of intensity 1, of a reflectance fit")
-        ->expected(3)
-        ->delimiter(',');
+    CommandLine& command = program.add_command("render", "a view of a fit as EXR and PNG, beside the photograph");
+    command.add_text("fit", o->fit, "folder of the fit").required();
+    command.add_number("--view", o->view, limits::view, "view index; default: a held-out one");
+    command.add_number("--turntable", o->turntable, limits::turntable, "this many views around the object instead")
+        .hide_default()
+        .excludes("--view");
+    command.add_numbers("--light", o->light, 3,
+                        "x y z: direction to a distant lamp of intensity 1, of a reflectance fit");
     command
-        ->add_flag("--problems", o->problems,
-                   "how each texel's fit ended, its iterations, samples and error, in the atlas, of a reflectance fit")
-        ->excludes(view)
-        ->excludes("--light")
-        ->excludes("--turntable");
-    add_text(*command, "--dataset", o->dataset, "where the dataset is now, if it moved");
-    add_text(*command, "-o,--output", o->output, "file name without or with extension; a folder for --turntable")
-        ->required();
-    command->callback([=] { render(*o); });
+        .add_flag("--problems", o->problems,
+                  "how each texel's fit ended, its iterations, samples and error, in the atlas, of a reflectance fit")
+        .excludes("--view")
+        .excludes("--light")
+        .excludes("--turntable");
+    command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
+    command.add_text("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
+        .required();
+    command.on_run([=] { render(*o); });
 }
 
 }  // namespace radiafit

@@ -1,6 +1,5 @@
 #pragma once
-#include <CLI/CLI.hpp>
-
+#include "app/command_line.h"
 #include "app/solve.h"
 
 /// The subcommands of `radiafit`. Each add_ function declares one: its options, and what runs when it is chosen.
@@ -12,27 +11,27 @@ struct Invocation {
     const char* const* argv;
 };
 
-void add_generate(CLI::App& app);
-void add_import(CLI::App& app, const Invocation& invocation);
-void add_info(CLI::App& app);
-void add_plan(CLI::App& app);
-void add_fit(CLI::App& app, const Invocation& invocation);
-void add_judge(CLI::App& app);
-void add_render(CLI::App& app);
-void add_devices(CLI::App& app);
+void add_generate(CommandLine& app);
+void add_import(CommandLine& app, const Invocation& invocation);
+void add_info(CommandLine& app);
+void add_plan(CommandLine& app);
+void add_fit(CommandLine& app, const Invocation& invocation);
+void add_judge(CommandLine& app);
+void add_render(CommandLine& app);
+void add_devices(CommandLine& app);
 
 /// --force, of the commands that compare what they need with what is free.
-void add_force(CLI::App& command, bool& force);
+void add_force(CommandLine& command, bool& force);
 
 /// What a dataset is, on standard output.
 void print_dataset(const Dataset& dataset, bool json);
 
 /// The options of FitRequest, for every command that fits or plans a fit.
-void add_fit_options(CLI::App& command, FitRequest& request);
+void add_fit_options(CommandLine& command, FitRequest& request);
 
 /// What the user left open and the dataset decides: of a texel-local model the surface side (of a mesh's normals)
 /// and, where it can, Levenberg-Marquardt.
-void settle_options(const CLI::App& command, const Dataset& dataset, FitRequest& request);
+void settle_options(const CommandLine& command, const Dataset& dataset, FitRequest& request);
 
 inline constexpr const char* light_field_baseline = "mean colour per texel";
 inline constexpr const char* reflectance_baseline = "Lambertian";

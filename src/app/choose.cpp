@@ -1,9 +1,10 @@
-#include "app/options.h"
+#include "app/choose.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/config.h"
+#include "base/error.h"
 
 namespace radiafit {
 

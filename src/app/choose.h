@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+/// Names that stand for something.
+namespace radiafit {
+
+/// Throws UserError: NAME is not among `names`, which it tells.
+[[noreturn]] void reject_name(const std::string& what, const std::string& name, const std::vector<std::string>& names);
+
+/// The choice that has this name. Throws UserError, telling the names that there are.
+template <class Choice>
+Choice choose(const std::string& what, const std::string& name,
+              const std::vector<std::pair<std::string, Choice>>& choices) {
+    std::vector<std::string> names;
+    for (const auto& [known, choice] : choices) {
+        if (known == name) return choice;
+        names.push_back(known);
+    }
+    reject_name(what, name, names);
+}
+
+}  // namespace radiafit
