@@ -5,7 +5,10 @@
 
 namespace radiafit {
 
-void silence_ceres() { FLAGS_minloglevel = google::GLOG_FATAL; }
+void silence_ceres() {
+    static const int once = FLAGS_minloglevel = google::GLOG_FATAL;  // by the first of several threads
+    static_cast<void>(once);
+}
 
 Status ceres_status(int termination, Status failed) {
     switch (termination) {

@@ -3,7 +3,7 @@
 
 namespace radiafit {
 
-/// From now on a step that fails in Ceres is a status, not a line on the terminal.
+/// From now on a step that fails in Ceres is a status, not a line on the terminal. From any thread.
 void silence_ceres();
 
 /// termination: a ceres::TerminationType, whose header is too heavy for ours; USER_SUCCESS is what ends a solve at its
