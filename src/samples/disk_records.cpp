@@ -1,6 +1,7 @@
 #include "samples/disk_records.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "model/lfm.h"
 #include "samples/image_samples.h"
 #include "samples/record_description.h"
+#include "samples/whole_number.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -315,7 +317,12 @@ DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
         kind_ = kind_of(json.at("kind"));
         bits_ = bits_of(json.at("bits"));
         scale_ = json.at("scale").get<float>();
-        views_ = json.at("views").get<std::vector<uint32_t>>();
+        if (!(scale_ > 0 && std::isfinite(scale_))) throw_damaged_records(description);
+        for (const Json& view : json.at("views")) {
+            const auto index = whole_number(view);
+            if (!index) throw_damaged_records(description);
+            views_.push_back(*index);
+        }
         if (json.at("bytes") != bytes_) throw_damaged_records(path_);
         if (json.at("index_checksum") != index_checksum(vertices_)) throw_damaged_records(index_path);
     } catch (const Json::exception&) {

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "samples/record_description.h"
 #include "samples/texel_distribution.h"
+#include "samples/whole_number.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -148,8 +149,9 @@ public:
         const Json description = Json::parse(read_description(description_path, format, key));
         const InputFile index = open_records_file(index_path);
         try {
-            texels_ = description.at("texels").get<uint32_t>();
-            if (description.at("texels") != texels_) throw_damaged_records(description_path);
+            const auto texels = whole_number(description.at("texels"));
+            if (!texels) throw_damaged_records(description_path);
+            texels_ = *texels;
             if (index.size() != texel_blocks(texels_) * sizeof(BlockRecord)) throw_damaged_records(index_path);
             blocks_.resize(texel_blocks(texels_));
             index.read(blocks_.data(), 0, index.size());

@@ -145,11 +145,11 @@ for value in (2**32 + 2, True, 2**64, [3]):
 for place, value in (("lfm.lambda_surface", 1e38), ("lfm.upper", 1e300), ("dataset.vertices", 4.5), ("dataset.vertices", -4),
                      ("problems.status.stationary", -1), ("problems.status.stationary", 1.5)):  # fmt: skip
     rows.append(("info fit", field(fit, place, value), 2, f"{fit}: ", again))
-for place, values in (("bits", ["8", 7, 2**40]), ("scale", ["1", []]), ("bytes", ["1", -1, 2**62]), ("vertices", ["4", -1, 2**62, 5]),
-                      ("views", [5, ["a"], [-1], [99, 98]]), ("kind", [5, "thin"]), ("index_checksum", ["1"])):  # fmt: skip
+for place, values in (("bits", ["8", 7, 2**40]), ("scale", ["1", [], -1, 0, 1e300]), ("bytes", ["1", -1, 2**62]), ("vertices", ["4", -1, 2**62, 5]),
+                      ("views", [5, ["a"], [-1], [99, 98], [1e30], [2**32]]), ("kind", [5, "thin"]), ("index_checksum", ["1"])):  # fmt: skip
     for value in [*values, GONE]:
         rows.append((keep, signed_field(records, place, value), 2, "records/"))
-for place, values in (("texels", ["4", -1, 2**62, 5]), ("samples", ["1", -1]), ("index_checksum", ["1"])):
+for place, values in (("texels", ["4", -1, 2**62, 5, 1e30, 2**70]), ("samples", ["1", -1]), ("index_checksum", ["1"])):
     for value in [*values, GONE]:
         rows.append((keep_texels, signed_field(texels, place, value), 2, "texrecords/"))
 window = "\x0f\x00\x00\x00\x0f\x00\x00\x00"  # 16 x 16 pixels
