@@ -21,6 +21,8 @@ SOLVERS = [
     ("--solver ceres --ceres dense-qr --surface-side 10 --view-side 10 --terms 4 --iterations 1", 3),
     ("--solver ceres --ceres dense-schur --surface-side 16 --view-side 20 --terms 3 --iterations 1", 4),
     ("--solver ceres --ceres dense-schur-maps --surface-side 16 --view-side 14 --terms 3 --iterations 1", 3),
+    ("--solver ceres --ceres iterative-schur --surface-side 64 --view-side 2 --terms 4 --iterations 1", 4),
+    ("--solver ceres --ceres cgnr --surface-side 64 --view-side 2 --terms 4 --iterations 1", 4),
     ("--solver pca --surface-side 32 --view-side 32 --terms 2", 4),
 ]
 

@@ -201,6 +201,12 @@ class Names(Writing):
             self.assertEqual(os.readlink(place / f"link-{name}"), name)
             self.assertNotEqual((place / name).stat().st_ino, before)
             self.good("info", f"linked/{name}")
+            (place / f"new-{name}").symlink_to(f"later-{name}")
+            self.good(*command, "-o", f"linked/new-{name}")
+            self.good("info", f"linked/later-{name}")
+            self.assertEqual(os.readlink(place / f"new-{name}"), f"later-{name}")
+            (place / f"loop-{name}").symlink_to(f"loop-{name}")
+            self.refused(*command, "-o", f"linked/loop-{name}", says=[f"loop-{name}", "links"])
 
     def test_pictures_of_others_stay(self):
         place = self.folder("pictures")

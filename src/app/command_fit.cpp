@@ -14,7 +14,6 @@
 #include "base/log.h"
 #include "base/record.h"
 #include "base/resources.h"
-#include "base/statistics.h"
 #include "cpu/texel_fit.h"
 
 namespace radiafit {
@@ -137,18 +136,25 @@ void require_result(const FitRecord& fit, const Dataset& dataset) {
                         dataset.folder.string(), fit.status.size(), empty));
 }
 
-/// Images are streamed with 16 bits up to the largest value of all: one hot pixel, or one gain, leaves the others few.
-void warn_about_range(const Dataset& dataset) {
+/// Streamed images have 16 bits up to the largest value of all: one hot pixel, or one gain, leaves other images few.
+/// Texel-local fits on the CPU read the values themselves.
+void warn_about_range(const Dataset& dataset, const FitRequest& request) {
+    if (request.texel_local() && !(request.solver == "stream" && request.engine == "fragment")) return;
+    const bool encoded = !request.texel_local() && request.space == "stored" && dataset.encoding == Encoding::u8_srgb;
     constexpr double uneven = 256;  // 8 bits are left
-    std::vector<double> peaks;
-    for (const View& view : dataset.views) peaks.push_back(double(view.peak) * view.gain);
-    const size_t brightest = size_t(std::ranges::max_element(peaks) - peaks.begin());
-    const double largest = peaks[brightest], middle = median(std::move(peaks));
-    if (largest > uneven * middle)
+    const View *brightest = nullptr, *darkest = nullptr;
+    double largest = 0, smallest = 0;
+    for (const View& view : dataset.views) {
+        const double light = double(view.peak) * view.gain, value = encoded ? srgb_encode(light) : light;
+        if (!(value > 0)) continue;
+        if (!brightest || value > largest) brightest = &view, largest = value;
+        if (!darkest || value < smallest) darkest = &view, smallest = value;
+    }
+    if (brightest && largest > uneven * smallest)
         log_warning(
-            fmt::format("{}: image '{}' reaches {:.3g}, the median image {:.3g}: values are streamed with 16 "
-                        "bits up to the largest, and the others lose theirs; mend its pixels or its gain",
-                        dataset.folder.string(), dataset.views[brightest].name, largest, middle));
+            fmt::format("{}: image '{}' goes up to {:.3g}, image '{}' to {:.3g} only: images are streamed with 16 "
+                        "bits up to the largest value, so that one keeps less than 8; mend pixels or gains",
+                        dataset.folder.string(), brightest->name, largest, darkest->name, smallest));
 }
 
 /// Everything a fit leaves, in one folder.
@@ -245,10 +251,10 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         if (!request->texel_local()) reject_idle_options(*request, false);
         const Dataset dataset = open_dataset(*folder);
-        warn_about_range(dataset);
         settle_options(command, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         announce_plan(*out, dataset, *request, *force);
+        warn_about_range(dataset, *request);
         (request->texel_local() ? fit_reflectance : fit_light_field)(*out, dataset, *request, invocation);
     });
 }

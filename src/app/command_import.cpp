@@ -63,6 +63,7 @@ void add_lights(CommandLine& command) {
     lights.on_run([=] {
         const LightImportReport report = import_lights(*options, *out);
         for (const std::string& note : report.notes) log_warning(note);
+        for (const std::string& remark : report.remarks) log_info(remark);
         print_dataset(open_dataset(*out), false);
     });
 }

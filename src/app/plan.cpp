@@ -37,15 +37,17 @@ uint64_t pixels_of(const Dataset& dataset, const std::vector<uint32_t>& views) {
     return pixels;
 }
 
-/// Pixels in texels over all fitted views, from every eighth of them, or from `most_views` at most. `tiles`, if given,
-/// takes them apart: counts of `tiles->size()` equal parts of the atlas's texels.
+/// Pixels in texels over all fitted views, from every eighth of them but eight at least, or from `most_views`. `tiles`,
+/// if given, takes them apart: counts of `tiles->size()` equal parts of the atlas's texels.
 uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request, size_t most_views,
                           std::vector<uint64_t>* tiles = nullptr) {
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     FitRequest on_cpu = request;
     on_cpu.distributor = "cpu";
     const Distributors distributors = make_distributors(atlas, on_cpu);
-    const size_t step = std::max<size_t>(8, (views.size() + most_views - 1) / most_views);
+    // Every eighth, but of few images more: eight at least.
+    const size_t step =
+        std::max({size_t(1), std::min<size_t>(8, views.size() / 8), (views.size() + most_views - 1) / most_views});
     const size_t looked_at = (views.size() + step - 1) / step;
     const auto scaled = [&](uint64_t seen) { return looked_at ? seen * views.size() / looked_at : 0; };
     std::vector<uint64_t> kept(looked_at, 0);
@@ -150,7 +152,7 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const L
     if (request.solver == "ceres") bytes = ceres_bytes(model, largest, request.ceres);
     if (request.solver == "pca") bytes = pca_bytes(model, largest);
     if (bytes == 0) return;
-    const auto threads = uint64_t(thread_count());
+    const auto threads = std::min(uint64_t(thread_count()), uint64_t(rings.vertex_count()));
     rows.push_back({"largest vertex, per thread",
                     fmt::format("{} surface maps, {} threads x {} bytes", largest.maps, threads, bytes), threads,
                     threads * bytes});

@@ -74,9 +74,7 @@ bool is_mount_point(const fs::path& path) {
 fs::path folder_name(fs::path target) {
     target = without_trailing_slash(target);
     if (target.empty()) refuse_name(target, "it has no name");
-    std::error_code error;
-    if (fs::is_symlink(target, error))  // the link stays, and what it leads to is replaced
-        if (const fs::path real = fs::weakly_canonical(target, error); !error) target = real;
+    target = follow_links(target);  // links stay, and what they lead to is replaced
     if (!target.has_filename() || target.filename() == "." || target.filename() == "..")
         refuse_name(target, "it is no name of a new folder");
     if (is_mount_point(target)) refuse_name(target, "another disk begins there");

@@ -1,6 +1,7 @@
 #include "base/leftovers.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/error.h"
 #include "base/temporary_name.h"
 
 namespace radiafit {
@@ -64,6 +66,22 @@ int lock_path(const fs::path& path) {
     return -1;
 }
 
+fs::path follow_links(fs::path path) {
+    if (!path.has_filename()) path = path.parent_path();
+    std::error_code error;
+    const fs::path named = path;
+    for (int links = 0; fs::is_symlink(path, error); ++links) {
+        if (links == 40)
+            throw UserError(
+                fmt::format("{}: its links lead in a circle; remove them or choose another name", named.string()));
+        const fs::path next = fs::read_symlink(path, error);
+        if (error) break;
+        path = path.parent_path() / next;  // an absolute one stands alone
+        if (!path.has_filename()) path = path.parent_path();
+    }
+    return path;
+}
+
 void clear_leftovers(const fs::path& folder) {
     for (const Leftover& leftover : leftovers_in(folder.empty() ? fs::path(".") : folder)) {
         if (!leftover.target.empty() && !stands(leftover.target)) {
@@ -79,8 +97,8 @@ void clear_leftovers(const fs::path& folder) {
 }
 
 void restore_interrupted(const fs::path& folder) {
-    if (stands(folder)) return;
-    const fs::path target = folder.has_filename() ? folder : folder.parent_path();
+    const fs::path target = follow_links(folder);
+    if (stands(target)) return;
     for (const Leftover& leftover : leftovers_in(folder_of(target)))
         if (leftover.target.filename() == target.filename() && !stands(target)) restore(leftover);
 }

@@ -10,12 +10,16 @@ namespace radiafit {
 /// this file system has no locks.
 int lock_path(const std::filesystem::path& path);
 
+/// What a path's last name leads to where it is a link, or a chain of them: it need not be there. Throws UserError for
+/// links in a circle.
+std::filesystem::path follow_links(std::filesystem::path path);
+
 /// Removes what dead processes left in `folder`. What one of them was replacing goes too where the newer one stands;
 /// else it gets its name back.
 void clear_leftovers(const std::filesystem::path& folder);
 
 /// Gives a folder its name back that a process was killed replacing: possible only where the file system exchanges no
-/// names. For readers; does nothing where `folder` stands.
+/// names. For readers; does nothing where `folder`, or what it leads to, stands.
 void restore_interrupted(const std::filesystem::path& folder);
 
 }  // namespace radiafit

@@ -55,7 +55,8 @@ std::filesystem::file_status look_at(const std::filesystem::path& path) {
     // A name too long for any file is one of none.
     if (status.type() == std::filesystem::file_type::none && error != std::errc::filename_too_long)
         throw UserError(
-            fmt::format("{}: cannot look there: {}: check its permissions", path.string(), error.message()));
+            fmt::format("{}: cannot look there: {}: {}", path.string(), error.message(),
+                        error == std::errc::permission_denied ? "check its permissions" : "check the path"));
     return status;
 }
 

@@ -83,7 +83,7 @@ const Vec3d& entry_for(const std::vector<Vec3d>& list, size_t i) { return list.s
 
 void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images, LightImportReport& report) {
     if (entries == 1 && images > 1)
-        report.notes.push_back(fmt::format("{}: one line, taken for all {} images", file.string(), images));
+        report.remarks.push_back(fmt::format("{}: one line, taken for all {} images", file.string(), images));
     if (entries != 1 && entries != images)
         throw UserError(fmt::format("{}: {} {}, but there are {} images: write one line per image, or one for all",
                                     file.string(), entries, what, images));

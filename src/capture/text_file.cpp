@@ -36,6 +36,9 @@ TextFile::TextFile(std::filesystem::path file, std::string text, size_t lines_be
     if (text_.find('\0') != std::string::npos)
         throw UserError(
             fmt::format("{}: holds zero bytes, so it is no text or a damaged one: write it again", file_.string()));
+    if (text_.find('\r') != std::string::npos && text_.find('\n') == std::string::npos)
+        throw UserError(
+            fmt::format("{}: its lines end in carriage returns alone: write it with line feeds", file_.string()));
 }
 
 bool TextFile::next_line(std::string_view& line) {
@@ -45,7 +48,8 @@ bool TextFile::next_line(std::string_view& line) {
     line = trimmed(std::string_view(text_).substr(at_, end - at_));
     at_ = end + (ended ? 1 : 0);
     ++number_;
-    if (!ended && !line.empty()) fail("the file ends within this line: copy or write it again, or end the line");
+    if (!ended && !line.empty() && line.front() != '#')
+        fail("the file ends within this line: copy or write it again, or end the line");
     return true;
 }
 

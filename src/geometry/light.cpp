@@ -9,7 +9,7 @@
 
 namespace radiafit {
 namespace {
-constexpr double least = 1e-12, largest = 1e12;  // any unit's, and far within what a float holds after squaring twice
+constexpr double least = 1e-12, largest = 1e12;  // any unit's
 }
 
 void check_intensity(const Vec3d& intensity, const std::string& name) {

@@ -275,7 +275,7 @@ for command, damage, *words in (
 ):
     rows.append((command, damage, 2, *words))
 rows.append((lights(more="--mask lit/mask.png --normals lit/normals.pfm --intensities lit/intensities.txt --names lit/names.txt"), None, 0, "6 x 5"))
-rows.append((places, None, 0, "6 x 5", "warning: lit/eyes.txt: one line, taken for all 4 images"))
+rows.append((places, None, 0, "6 x 5", "lit/eyes.txt: one line, taken for all 4 images"))
 
 # Images under lamps, in every format
 for kind, ending in (("images", "png"), ("pfm", "pfm"), ("exr", "exr"), ("tif", "tif"), ("jpg", "jpg")):
