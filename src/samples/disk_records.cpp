@@ -318,6 +318,7 @@ DiskRecords::DiskRecords(const fs::path& folder, const std::string& key)
         bits_ = bits_of(json.at("bits"));
         scale_ = json.at("scale").get<float>();
         if (!(scale_ > 0 && std::isfinite(scale_))) throw_damaged_records(description);
+        if (!json.at("views").is_array()) throw_damaged_records(description);
         for (const Json& view : json.at("views")) {
             const auto index = whole_number(view);
             if (!index) throw_damaged_records(description);
