@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -5,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "base/exr_attribute.h"
 #include "fit/exr.h"
 #include "fit/fit_folder.h"
 #include "fit/fit_maps.h"
@@ -312,6 +314,29 @@ TEST_F(Corruption, AttributesEndWithinTheFile) {
     const uint32_t huge = 0x70000000;
     std::memcpy(bytes.data() + bytes.find(name) + name.size(), &huge, sizeof huge);
     expect("problems.exr: cannot be read as OpenEXR (its header ends within an attribute)", [&] { put(map, bytes); });
+}
+
+// OpenEXR reads by type, not by length: the two must agree on where the next attribute begins.
+TEST_F(Corruption, AttributesAreAsLongAsTheirTypes) {
+    const fs::path map = where / "problems.exr";
+    const std::string whole = text_of(map);
+    const std::pair<const char*, const char*> attributes[] = {
+        {"channels", "chlist"}, {"dataWindow", "box2i"}, {"lineOrder", "lineOrder"}};
+    for (const auto& [name, type] : attributes)
+        for (const int off : {-1, 1}) {
+            std::string bytes = whole;
+            const std::string head = std::string(name) + '\0' + type + '\0';
+            bytes[bytes.find(head) + head.size()] += char(off);
+            expect(fmt::format("problems.exr: cannot be read as OpenEXR (its attribute {} is damaged)", name),
+                   [&] { put(map, bytes); });
+        }
+    const auto bytes = [](std::initializer_list<int> values) { return std::string(values.begin(), values.end()); };
+    EXPECT_TRUE(exr_attribute_fits("preview", bytes({2, 0, 0, 0, 1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8})));
+    EXPECT_FALSE(exr_attribute_fits("preview", bytes({0, 0, 0, 1, 0, 0, 0, 1})));
+    EXPECT_FALSE(exr_attribute_fits("preview", bytes({2, 0, 0, 0})));
+    EXPECT_FALSE(exr_attribute_fits("chlist", ""));
+    EXPECT_TRUE(exr_attribute_fits("chlist", bytes({0})));
+    EXPECT_TRUE(exr_attribute_fits("of another program", "anything"));
 }
 
 TEST_F(Corruption, FitJson) {

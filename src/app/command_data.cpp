@@ -163,8 +163,8 @@ void add_info(CommandLine& program) {
     command.on_run([=] {
         const std::filesystem::path path(*folder);
         restore_interrupted(path);
-        const bool folder = folder_stands(path), fit = folder && stands(path / "fit.json");
-        if (folder && !fit && !stands(path / "dataset.json"))
+        const bool is_folder = folder_stands(path), fit = is_folder && stands(path / "fit.json");
+        if (is_folder && !fit && !stands(path / "dataset.json"))
             throw UserError(
                 fmt::format("{}: neither a dataset nor a fit: it holds no dataset.json and no fit.json; give a folder "
                             "that radiafit generate, import or fit wrote",

@@ -148,7 +148,7 @@ uint64_t total_bytes(const std::vector<PlanRow>& rows);
 struct Plan {
     std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
 };
-/// Samples are counted on every eighth fitted view, or on `most_views` of them at most.
+/// Samples are counted on every eighth fitted view but eight at least, or on `most_views`.
 Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);

@@ -24,10 +24,6 @@ namespace {
         fmt::format("cannot write {}: {}; choose another name", path.empty() ? "\"\"" : path.string(), why));
 }
 
-/// "results/" and "results" are the same place, but only one of them has a file name. Nothing else of the path changes:
-/// behind a link to a folder, ".." is that folder's parent, so "link/../results" is not "results".
-fs::path without_trailing_slash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
-
 fs::path or_here(const fs::path& folder) { return folder.empty() ? fs::path(".") : folder; }
 
 /// 0 or errno.
@@ -72,9 +68,8 @@ bool is_mount_point(const fs::path& path) {
 }
 
 fs::path folder_name(fs::path target) {
-    target = without_trailing_slash(target);
-    if (target.empty()) refuse_name(target, "it has no name");
     target = follow_links(target);  // links stay, and what they lead to is replaced
+    if (target.empty()) refuse_name(target, "it has no name");
     if (!target.has_filename() || target.filename() == "." || target.filename() == "..")
         refuse_name(target, "it is no name of a new folder");
     if (is_mount_point(target)) refuse_name(target, "another disk begins there");

@@ -10,8 +10,9 @@ namespace radiafit {
 /// this file system has no locks.
 int lock_path(const std::filesystem::path& path);
 
-/// What a path's last name leads to where it is a link, or a chain of them: it need not be there. Throws UserError for
-/// links in a circle.
+/// What a path's last name leads to where it is a link, or a chain of them: it need not be there. "results/" is
+/// "results"; nothing else of the path changes, for behind a link to a folder ".." is that folder's parent. Throws
+/// UserError for links in a circle.
 std::filesystem::path follow_links(std::filesystem::path path);
 
 /// Removes what dead processes left in `folder`. What one of them was replacing goes too where the newer one stands;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/exr_attribute.h"
 #include "capture/byte_reader.h"
 
 namespace radiafit {
@@ -51,6 +52,7 @@ ImageHeader read_exr_header(const std::filesystem::path& file, std::string_view 
         const std::string_view type = take_text(reader, at);
         const uint64_t size = reader.number(at, 4);
         at += 4;
+        if (!exr_attribute_fits(type, reader.text(at, size))) reader.fail("an OpenEXR attribute is damaged");
         if (name == "channels" && type == "chlist") header.bits_per_pixel = count_bits(reader, at);
         if (name == "tiles" && (reader.number(at, 4) > largest_tile || reader.number(at + 4, 4) > largest_tile))
             reader.fail("tiles larger than 2048 pixels");

@@ -11,12 +11,14 @@
 #include <half.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <fstream>
 #include <stdexcept>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/exr_attribute.h"
 
 namespace radiafit {
 namespace {
@@ -83,12 +85,14 @@ void check_header(const std::filesystem::path& path, const ExpectedSize& size) {
         const auto length = number<uint32_t>(in);
         const auto begin = in.tellg();
         if (!in || length > bytes - uint64_t(begin)) throw std::runtime_error("its header ends within an attribute");
-        if (name == "dataWindow" && length == 4 * sizeof(int32_t)) {
-            const int64_t left = number<int32_t>(in), top = number<int32_t>(in);
-            const int64_t right = number<int32_t>(in), bottom = number<int32_t>(in);
-            check_size(path, right - left + 1, bottom - top + 1, size);
+        std::string value(length, '\0');
+        in.read(value.data(), std::streamsize(length));
+        if (!exr_attribute_fits(type, value)) throw std::runtime_error("its attribute " + name + " is damaged");
+        if (name == "dataWindow" && type == "box2i") {
+            int32_t box[4];  // left, top, right, bottom
+            std::memcpy(box, value.data(), sizeof box);
+            check_size(path, int64_t(box[2]) - box[0] + 1, int64_t(box[3]) - box[1] + 1, size);
         }
-        in.seekg(begin + std::streamoff(length));
     }
 }
 
