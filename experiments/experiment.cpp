@@ -81,6 +81,16 @@ void Experiment::draw(const ResultFolder& results, const std::string& caption) c
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
 
+void read_option(Config& config, FitRequest& request, const std::string& name) {
+    std::string text = request.text(name);
+    config.read(name, text, valid_option(name));
+    request.set(name, text);
+}
+
+std::function<void(const std::string&)> valid_option(const std::string& name) {
+    return [name](const std::string& text) { FitRequest().set(name, text); };
+}
+
 void note_gl(const FitRun& outcome, Record& record) {
     if (outcome.gl_renderer.empty()) return;
     record.gl_vendor = outcome.gl_vendor;

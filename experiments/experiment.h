@@ -54,6 +54,11 @@ private:
     Record record_;
 };
 
+/// An option of fits, as the command line takes it.
+void read_option(Config& config, FitRequest& request, const std::string& name);
+/// For Config::read(): throws UserError for a text that the option does not take.
+std::function<void(const std::string&)> valid_option(const std::string& name);
+
 /// The record names the OpenGL that made the outcome, if any did; or the context's.
 void note_gl(const FitRun& run, Record& record);
 void note_gl(const Context& context, Record& record);

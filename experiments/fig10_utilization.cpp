@@ -2,7 +2,6 @@
 // fragment engines reach, by what their programs declare, how often they ran, and how long an iteration took.
 #include <fmt/format.h>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/file.h"
@@ -29,16 +28,16 @@ struct Options {
     ReflectanceProblem reflectance;
 
     explicit Options(Config& c) : reflectance(c) {
-        request.mode = "paper";
-        request.view = "nearest";
-        request.source = "disk-cold";
+        request.set("mode", "paper");
+        request.set("view", "nearest");
+        request.set("source", "disk-cold");
         request.iterations = 5;
         c.read("dataset", dataset, [](const std::string& shape) {
             if (!shape.empty()) check_light_field_shape(shape);
         });
         read_maps(c, request.model);
-        c.read("source", request.source, choose_source);
-        c.read("passes", passes, choose_passes);
+        read_option(c, request, "source");
+        c.read("passes", passes, valid_option("passes"));
         c.read("iterations", request.iterations, timed_iterations);
         c.finish();
     }
@@ -90,12 +89,12 @@ void measure(E& engine, std::span<const float> start, OptimizerOptions optimizer
 }
 
 Usage light_field_map(const Dataset& dataset, FitRequest request, const char* optimizer, const std::string& passes) {
-    request.optimizer = optimizer;
-    request.passes = passes;
+    request.set("optimizer", optimizer);
+    request.set("passes", passes);
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
     FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),
-                          fragment_options(request));
+                          request.fragment_options());
     const ProblemStatistics statistics = engine.count();
     Usage usage{.problem = "light field map", .optimizer = optimizer, .passes = passes};
     measure(engine, lfm_start(engine.layout(), statistics.mean, request.seed), request.optimizer_options(), usage);
@@ -105,9 +104,9 @@ Usage light_field_map(const Dataset& dataset, FitRequest request, const char* op
 
 Usage lafortune(const ReflectanceProblem& problem, FitRequest request, const char* optimizer,
                 const std::string& passes) {
-    request.optimizer = optimizer;
-    request.passes = passes;
-    const auto engine = problem.engine(fragment_options(request));
+    request.set("optimizer", optimizer);
+    request.set("passes", passes);
+    const auto engine = problem.engine(request.fragment_options());
     Usage usage{.problem = "Lafortune", .optimizer = optimizer, .passes = passes};
     measure(*engine, engine->start(), request.optimizer_options(), usage);
     usage.cached_share = cached_share(problem.dataset().folder / dataset_images_name);
@@ -154,7 +153,7 @@ void fig10(Experiment& experiment) {
     const bool maps = !o.dataset.empty();
     const Dataset dataset = maps ? experiment.dataset(o.dataset) : Dataset();
     o.reflectance.open(experiment);
-    const auto context = Context::create(context_options(o.request));
+    const auto context = Context::create(o.request.context);
     const std::string renderer = context->renderer();
     note_gl(*context, experiment.record());
     const GlPeaks peaks = measure_gl_peaks();
@@ -183,7 +182,7 @@ void fig10(Experiment& experiment) {
         const auto share = [](double x) { return fmt::format("{:.5f}", x); };
         rows.row({u.problem, u.optimizer, u.passes, share(computation), share(bandwidth), share(reads),
                   std::to_string(work.operations), std::to_string(u.bytes()), std::to_string(work.reads),
-                  fmt::format("{:.5g}", u.seconds), o.request.source, share(u.cached_share), renderer});
+                  fmt::format("{:.5g}", u.seconds), o.request.text("source"), share(u.cached_share), renderer});
         const auto percent = [](double x) { return fmt::format("{:.1f} %", 100 * x); };
         table.add({fmt::format("{}, {}", u.problem, u.optimizer), u.passes, fmt::format("{:.3f} s", u.seconds),
                    percent(computation), percent(bandwidth), percent(reads)});
@@ -191,9 +190,9 @@ void fig10(Experiment& experiment) {
     rows.commit();
     results.commit();
     log_info("share of the measured peaks\n" + table.text());
-    experiment.draw(results,
-                    fmt::format("{}{} ({} scale), images from {}; {}", maps ? dataset.name + " and " : "",
-                                o.reflectance.dataset().name, experiment.profile(), o.request.source, renderer));
+    experiment.draw(
+        results, fmt::format("{}{} ({} scale), images from {}; {}", maps ? dataset.name + " and " : "",
+                             o.reflectance.dataset().name, experiment.profile(), o.request.text("source"), renderer));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -27,7 +26,7 @@ struct Options {
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_light_field_shape);
-        c.read("engine", engine, check_engine);
+        c.read("engine", engine, valid_option("engine"));
         read_maps(c, model);
         c.read("tolerance", tolerance, limits::tolerance);
         c.read("cap", cap, caps);
@@ -58,9 +57,9 @@ struct Run {
 Run run(Record& record, const Dataset& dataset, const Options& o, const SharedSamples& samples, const char* optimizer,
         const char* mode, int iterations) {
     FitRequest request;
-    request.engine = o.engine;
-    request.optimizer = optimizer;
-    request.mode = mode;
+    request.set("engine", o.engine);
+    request.set("optimizer", optimizer);
+    request.set("mode", mode);
     request.model = o.model;
     request.iterations = iterations;
     Run out;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -23,14 +22,14 @@ struct Options {
     FitRequest request;
 
     explicit Options(Config& c) {
-        request.mode = "paper";
-        request.view = "nearest";
-        request.source = "disk-cold";
+        request.set("mode", "paper");
+        request.set("view", "nearest");
+        request.set("source", "disk-cold");
         c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, request.model);
         c.read("iterations", request.iterations, limits::some_iterations);
         c.read("record_iterations", record_iterations, limits::some_iterations);
-        c.read("source", request.source, choose_source);
+        read_option(c, request, "source");
         c.read("repetitions", repetitions, limits::repetitions);
         c.finish();
     }
@@ -83,8 +82,8 @@ void check_end(Bar& bar, const Bar& expected) {
 /// The cpu engine over a sample list in memory: no bar of the figure, but the others must end where it does. Which
 /// pixel a texel takes can differ between the distributors, so each has its own.
 Bar cpu_engine(const Dataset& dataset, FitRequest request, const std::string& distributor) {
-    request.source = "memory";
-    request.distributor = distributor;
+    request.set("source", "memory");
+    request.set("distributor", distributor);
     Bar bar{.method = "cpu engine (samples by " + distributor + ")"};
     fill_end(bar, solve(dataset, request));
     return bar;
@@ -92,11 +91,11 @@ Bar cpu_engine(const Dataset& dataset, FitRequest request, const std::string& di
 
 Bar two_step(const Dataset& dataset, FitRequest request, const std::string& record, const std::string& cpu) {
     request.solver = "two-step";
-    request.record = record;
-    request.cold = request.source == "disk-cold";
+    request.set("record", record);
+    request.cold = request.source == ImageSource::disk_cold;
     request.scratch = dataset.folder.parent_path();  // a disk, which the system's temporary folder need not be
     const FitOutcome out = solve(dataset, request);
-    Bar bar{.method = "two-step (" + record + " record)", .optimizer = request.optimizer, .renderer = cpu};
+    Bar bar{.method = "two-step (" + record + " record)", .optimizer = request.text("optimizer"), .renderer = cpu};
     bar.iterations = request.iterations;
     bar.distribution = out.times.distribution;
     bar.streaming = out.times.streaming;
@@ -113,10 +112,10 @@ struct Switching {
     double direction = 1e9, line = 1e9;
 };
 Switching switching_of(const Dataset& dataset, const FitRequest& request) {
-    const auto context = Context::create(context_options(request));
+    const auto context = Context::create(request.context);
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
-    FragmentOptions options = fragment_options(request);
+    FragmentOptions options = request.fragment_options();
     options.source = StreamSource::memory;
     options.scissored = true;
     FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(), options);
@@ -138,17 +137,19 @@ Switching switching_of(const Dataset& dataset, const FitRequest& request) {
 }
 
 Bar fragment(Record& record, const Dataset& dataset, FitRequest request, const std::string& passes) {
-    request.engine = "fragment";
-    request.passes = passes;
+    request.set("engine", "fragment");
+    request.set("passes", passes);
     const Switching switching = switching_of(dataset, request);
     const FitOutcome out = solve(dataset, request);
     note_gl(out, record);
-    Bar bar{.method = "OpenGL (" + passes + " passes)", .optimizer = request.optimizer, .renderer = out.gl_renderer};
+    Bar bar{.method = "OpenGL (" + passes + " passes)",
+            .optimizer = request.text("optimizer"),
+            .renderer = out.gl_renderer};
     bar.iterations = request.iterations;
     bar.streaming = out.times.streaming;
     // one sweep of lines for each iteration, but one alone for steepest descent; one of directions more than iterations
     const double images = double(out.sweeps.images) / double(out.sweeps.sweeps);
-    const int lines = request.optimizer == "sd" ? 1 : request.iterations;
+    const int lines = request.optimizer == OptimizerKind::sd ? 1 : request.iterations;
     bar.switching = images * (switching.direction * (request.iterations + 1) + switching.line * lines);
     bar.computation = out.times.optimization - bar.switching;
     if (bar.computation < 0) {  // measured apart, on a machine that was busy then
@@ -178,7 +179,7 @@ void fig8(Experiment& experiment) {
     std::vector<Bar> bars, records;
     for (const char* optimizer : {"cg", "sd"}) {
         FitRequest request = o.request;
-        request.optimizer = optimizer;
+        request.set("optimizer", optimizer);
         const auto measured = [&](const auto& run) {
             Bar bar = median_of(o.repetitions, run);
             log_info(fmt::format("{}, {}, {} iterations: {:.2f} s", bar.method, optimizer, bar.iterations, bar.total));
@@ -212,7 +213,7 @@ void fig8(Experiment& experiment) {
         rows.row({part, b.method, b.optimizer, std::to_string(b.iterations), s(b.distribution), s(b.streaming),
                   s(b.computation), s(b.switching), s(b.remainder()), s(b.total), s(b.cached_share),
                   fmt::format("{:.8g}", b.error), b.agreeing_share ? s(*b.agreeing_share) : "",
-                  std::to_string(b.bytes_written), std::to_string(b.bytes_read), o.request.source, b.renderer});
+                  std::to_string(b.bytes_written), std::to_string(b.bytes_read), o.request.text("source"), b.renderer});
         const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
         table.add({fmt::format("{}, {}", b.method, b.optimizer), std::to_string(b.iterations), seconds(b.distribution),
                    seconds(b.streaming), seconds(b.computation), seconds(b.switching), seconds(b.remainder()),

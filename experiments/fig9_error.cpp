@@ -81,8 +81,8 @@ public:
             add(dataset, "cpu-high", o.request(k, o.high_side, o.high_iterations));
             FitRequest low = o.request(k, o.low_side, o.low_iterations);
             add(dataset, "cpu-low", low);
-            low.engine = "fragment";
-            low.storage = "fp16";
+            low.set("engine", "fragment");
+            low.set("storage", "fp16");
             add(dataset, "fragment-fp16", low);
         }
     }
@@ -122,7 +122,7 @@ void write(const std::filesystem::path& folder, const std::vector<Row>& rows) {
         const auto given = [](bool is, const std::string& text) { return is ? text : std::string(); };
         csv.row(
             {r.dataset, r.method, std::to_string(m.terms), std::to_string(m.surface_side),
-             std::to_string(r.method == "mean" ? 1 : m.view_side), r.request.storage, r.renderer,
+             std::to_string(r.method == "mean" ? 1 : m.view_side), r.request.text("storage"), r.renderer,
              fmt::format("{:.4f}", r.train.psnr()), fmt::format("{:.4f}", r.train.ape()),
              fmt::format("{:.4f}", r.held.psnr()), fmt::format("{:.4f}", r.held.ape()),
              given(pca, fmt::format("{:.5f}", r.invented_share)), given(iterated, fmt::format("{}", m.lambda_surface)),

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/log.h"
 #include "eval/judge.h"
@@ -22,12 +21,12 @@ struct Options {
     FitRequest request;
 
     explicit Options(Config& c) {
-        request.engine = "fragment";
-        request.mode = "paper";
+        request.set("engine", "fragment");
+        request.set("mode", "paper");
         c.read("dataset", dataset, check_light_field_shape);
-        c.read("passes", request.passes, choose_passes);
-        c.read("storage", storage, choose_storage);
-        c.read("sums", sums, choose_sums);
+        read_option(c, request, "passes");
+        c.read("storage", storage, valid_option("storage"));
+        c.read("sums", sums, valid_option("sums"));
         read_maps(c, request.model);
         c.read("iterations", request.iterations, limits::some_iterations);
         c.read("images", images, limits::images);
@@ -55,9 +54,9 @@ void precision(Experiment& experiment) {
         for (const std::string& storage : o.storage)
             for (const std::string& sums : o.sums) {
                 FitRequest request = o.request;
-                request.optimizer = optimizer;
-                request.storage = storage;
-                request.sums = sums;
+                request.set("optimizer", optimizer);
+                request.set("storage", storage);
+                request.set("sums", sums);
                 FitOutcome out = solve(dataset, request, nullptr, {}, &views);
                 note_gl(out, experiment.record());
                 runs.push_back({.optimizer = optimizer,
@@ -101,8 +100,9 @@ void precision(Experiment& experiment) {
     finals.commit();
     results.commit();
     log_info("what 16-bit floats cost\n" + table.text());
-    experiment.draw(results, fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name,
-                                         experiment.profile(), views.size(), o.request.passes, runs[0].renderer));
+    experiment.draw(results,
+                    fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name, experiment.profile(),
+                                views.size(), o.request.text("passes"), runs[0].renderer));
 }
 
 }  // namespace

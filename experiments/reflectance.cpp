@@ -49,8 +49,8 @@ FitRequest request_of(const char* solver, const char* optimizer, const char* mod
     FitRequest r;
     r.kind = "lafortune";
     r.solver = solver;
-    r.optimizer = optimizer;
-    r.mode = mode;
+    r.set("optimizer", optimizer);
+    r.set("mode", mode);
     r.iterations = iterations;
     r.model.surface_side = side;
     return r;
@@ -66,7 +66,7 @@ std::vector<Method> methods_of(const Options& o, int side, bool noisy) {
     out.push_back({"SD paper", request_of("stream", "sd", "paper", o.sd_iterations, side)});
     if (noisy && o.fragment_iterations > 0) {
         out.push_back({"CG modern OpenGL", request_of("stream", "cg", "modern", o.fragment_iterations, side)});
-        out.back().request.engine = "fragment";
+        out.back().request.set("engine", "fragment");
     }
     return out;
 }

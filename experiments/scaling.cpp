@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -43,7 +42,7 @@ struct Options {
     /// The paper's conjugate gradients with surface and view maps of one side.
     FitRequest request(int side) const {
         FitRequest r;
-        r.mode = "paper";
+        r.set("mode", "paper");
         r.model.surface_side = r.model.view_side = side;
         r.model.lambda_surface = r.model.lambda_view = float(lambda);
         r.iterations = iterations;
@@ -60,13 +59,13 @@ struct Memory {
 Memory memory_of(const Dataset& dataset, const FitRequest& request) {
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     const VertexRings rings(dataset.mesh);
-    Memory m{.passes = request.passes, .storage = request.storage, .side = request.model.surface_side};
+    Memory m{.passes = request.text("passes"), .storage = request.text("storage"), .side = request.model.surface_side};
     m.planned = total_bytes(plan(dataset, request).memory);
     m.paper_layout = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
                                               request.model.surface_side, request.model.view_side));
-    const auto context = Context::create(context_options(request));
+    const auto context = Context::create(request.context);
     const FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),
-                                fragment_options(request));
+                                request.fragment_options());
     m.parameters = engine.layout().parameter_count();
     m.allocated = engine.bytes();
     return m;
@@ -96,7 +95,7 @@ struct Contestant {
 std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const Options& o) {
     const FitRequest defaults = o.request(o.time_side);
     const TriangleAtlas atlas(dataset.mesh, o.time_side);
-    const Contestant contestants[] = {{"cpu", "cpu", defaults.passes, o.repeat_cpu},
+    const Contestant contestants[] = {{"cpu", "cpu", defaults.text("passes"), o.repeat_cpu},
                                       {"fragment paper", "fragment", "paper", o.repeat_paper},
                                       {"fragment combined", "fragment", "combined", o.repeat_combined}};
     const auto time_of = [&](const Contestant& c, int count) {
@@ -105,8 +104,8 @@ std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const
         for (uint32_t view : some) views.insert(views.end(), size_t(c.repeat), view);
         const SharedSamples once = distribute(dataset, atlas, defaults, some);
         FitRequest request = defaults;
-        request.engine = c.engine;
-        request.passes = c.passes;
+        request.set("engine", c.engine);
+        request.set("passes", c.passes);
         const FitOutcome out = solve(dataset, request, nullptr, {}, &views);
         note_gl(out, experiment.record());
         return Time{c.name,
@@ -145,10 +144,10 @@ void scaling(Experiment& experiment) {
         for (const char* storage : {"fp32", "fp16"})
             for (int side : o.sides) {
                 FitRequest request = o.request(side);
-                request.engine = "fragment";
-                request.source = "disk";  // images are not part of the engine's memory
-                request.passes = passes;
-                request.storage = storage;
+                request.set("engine", "fragment");
+                request.set("source", "disk");  // images are not part of the engine's memory
+                request.set("passes", passes);
+                request.set("storage", storage);
                 memory.push_back(memory_of(dataset, request));
             }
     const std::vector<Time> times = times_of(experiment, dataset, o);

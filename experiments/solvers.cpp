@@ -376,7 +376,7 @@ void compare_solvers(Experiment& experiment) {
     const AtomicFolder folder(std::filesystem::temp_directory_path() / "radiafit-solvers");
     const Distributors distributors = make_distributors(atlas, request);
     write_records(folder.path(), dataset, atlas, rings, dataset.split(false), distributors.workers(),
-                  {.memory = request.memory_bytes(), .key = "solvers"});
+                  {.memory = request.memory, .key = "solvers"});
     const DiskRecords records(folder.path(), "solvers");
 
     const std::vector<uint32_t> chosen = draw(gatherer.statistics(), o);

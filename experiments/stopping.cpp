@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -27,7 +26,7 @@ struct Options {
 
     explicit Options(Config& c) {
         c.read("dataset", dataset, check_light_field_shape);
-        c.read("engine", engine, check_engine);
+        c.read("engine", engine, valid_option("engine"));
         read_maps(c, model);
         c.read("levels", levels, thresholds);
         c.read("iterations", iterations, limits::some_iterations);
@@ -47,9 +46,9 @@ struct Run {
 
 FitRequest request_of(const Options& o, const char* optimizer) {
     FitRequest request;
-    request.engine = o.engine;
-    request.optimizer = optimizer;
-    request.mode = "paper";
+    request.set("engine", o.engine);
+    request.set("optimizer", optimizer);
+    request.set("mode", "paper");
     request.model = o.model;
     request.iterations = o.iterations;
     return request;
@@ -122,7 +121,7 @@ void stopping(Experiment& experiment) {
         free_runs[i].active.resize(shown);
     }
     FitRequest modern = request_of(o, "cg");
-    modern.mode = "modern";
+    modern.set("mode", "modern");
     modern.iterations = o.modern_iterations;
     take_best(run(results.record(), dataset, modern, samples));
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "app/choices.h"
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/file.h"
@@ -31,8 +30,8 @@ struct Options {
     ReflectanceProblem reflectance;
 
     explicit Options(Config& c) : reflectance(c) {
-        request.mode = "paper";
-        request.view = "nearest";
+        request.set("mode", "paper");
+        request.set("view", "nearest");
         c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, request.model);
         c.read("repetitions", repetitions, limits::repetitions);
@@ -99,9 +98,9 @@ Contest contest(const Dataset& dataset, const Options& o, const char* problem, c
     std::vector<double> error;
     for (const char* source : sources) {
         FitRequest request = o.request;
-        request.passes = passes;
-        request.source = source;
-        engines.push_back(make(fragment_options(request)));
+        request.set("passes", passes);
+        request.set("source", source);
+        engines.push_back(make(request.fragment_options()));
         auto& engine = *engines.back();
         engine.direction_pass(false);  // also compiles
         engine.project(Rule::cg_paper, false);
@@ -173,7 +172,7 @@ void streaming(Experiment& experiment) {
     Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
     o.reflectance.open(experiment);
-    const auto context = Context::create(context_options(o.request));
+    const auto context = Context::create(o.request.context);
     note_gl(*context, experiment.record());
     const TriangleAtlas atlas(dataset.mesh, o.request.model.surface_side);
     const VertexRings rings(dataset.mesh);

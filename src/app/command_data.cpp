@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "app/limits.h"
 #include "app/solver.h"
 #include "base/error.h"

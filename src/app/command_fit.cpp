@@ -5,9 +5,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/choices.h"
 #include "app/commands.h"
-#include "app/limits.h"
+#include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -19,60 +18,21 @@
 namespace radiafit {
 
 void add_fit_options(CommandLine& c, FitRequest& r) {
-    std::string known;
-    for (const Solver& s : solvers()) known += fmt::format("{}{}: {}", known.empty() ? "" : "; ", s.name, s.help);
-    std::string models = "lfm: light field map; of datasets with lamps, a texel-local model:";
-    for (const TexelModel* model : texel_models()) models += fmt::format(" {}", model->name);
-    c.add_word("--model", r.kind, models);
-    c.add_word("--solver", r.solver, known);
-    c.add_word("--engine", r.engine, "cpu or fragment");
-    c.add_word("--optimizer", r.optimizer, "cg or sd; of texel-local models on the CPU also lm, and that by default");
-    c.add_word("--mode", r.mode, "paper or modern");
-    c.add_word("--passes", r.passes, "paper or combined, of the fragment engine");
-    c.add_word("--storage", r.storage, "fp32, fp16 or fp16-truncate, of the fragment engine");
-    c.add_word("--sums", r.sums, "fp32 or fp16: sums over samples, of the fragment engine");
-    c.add_word("--distributor", r.distributor, "gl or cpu, for engines that read a sample list");
-    c.add_word("--source", r.source,
-               "disk, disk-cold (past the page cache), memory, or device (kept there), of engines that stream images");
-    c.add_word("--view", r.view, "nearest or bilinear look-up in view maps");
-    c.add_word("--space", r.space, "stored or linear: what residuals are formed in");
-    c.add_number("--terms", r.model.terms, limits::terms, "K");
-    c.add_flag("--deflate,!--joint", r.deflate, "fit terms one after another, or together (default)");
-    c.add_number("--surface-side", r.model.surface_side, limits::map_side, "n: n(n+1)/2 texels per surface map");
-    c.add_number("--view-side", r.model.view_side, limits::map_side, "m: m x m texels per view map");
-    c.add_number("--lambda-surface", r.model.lambda_surface, limits::weight, "smoothness of surface maps");
-    c.add_number("--lambda-view", r.model.lambda_view, limits::weight, "smoothness of view maps");
-    c.add_number(
-        "--clip-above", r.clip_above, limits::share,
-        "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 is off");
-    c.add_number("--shadow-below", r.shadow_below, limits::share,
-                 "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off");
-    c.add_number("--mu", r.mu, limits::weight, "weight of the bounds; default: 1, in paper mode 1e-4").hide_default();
-    c.add_number("--iterations", r.iterations, limits::iterations, "at most");
-    c.add_number("--validation", r.validation, limits::validation,
-                 "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
-    c.add_number("--stop-residual", r.stop_residual, limits::threshold,
-                 "stop a problem at this root mean square residual; 0 is off");
-    c.add_number("--stop-change", r.stop_output_change, limits::threshold,
-                 "stop a problem when its output changes less; 0 is off");
-    c.add_number("--seed", r.seed, limits::seed, "of the start values of further terms");
-    c.add_word("--record", r.record, "compact or full (the paper's): what two-step writes of a sample");
-    c.add_word("--memory", r.memory, "bytes of samples that two-step's distribution holds at a time, such as 64M");
-    c.add_text("--records", r.records, "folder to keep two-step's records in, or to find them");
-    c.add_number("--refills", r.refills, limits::refills,
-                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms");
-    std::string settings;
-    for (const CeresSetting& s : ceres_settings())
-        settings += fmt::format("{}{}: {}", settings.empty() ? "" : "; ", s.name, s.help);
-    c.add_word("--ceres", r.ceres, settings);
-    c.add_word("--context", r.context, "egl or osmesa");
-    c.add_number("--device", r.device, limits::device, "EGL device index, see radiafit devices; -1 chooses");
+    for (const FitOption& o : fit_options()) {
+        const std::string help = o.type == "NAME" ? o.values + ": " + o.help : o.help;
+        if (o.flag_value)
+            c.add_flag(o.flag, *o.flag_value(r), help).group(o.group);
+        else
+            c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help, [&r, &o](const std::string& text) {
+                 o.read(r, text);
+             }).group(o.group);
+    }
 }
 
 void settle_options(const CommandLine& command, const Dataset& dataset, FitRequest& request) {
     if (!request.texel_local()) return;
-    const bool on_cpu = request.solver == "two-step" || (request.solver == "stream" && request.engine == "cpu");
-    if (on_cpu && !command.given("--optimizer")) request.optimizer = "lm";
+    if (uses_of(request) & use::optimizer && !request.on_fragment_engine() && !command.given("--optimizer"))
+        request.optimizer = OptimizerKind::lm;
     if (request.levenberg_marquardt() && !command.given("--iterations"))
         request.iterations = TexelFitOptions().iterations;
     if (!command.given("--surface-side") && !dataset.has_grid())
@@ -111,7 +71,7 @@ nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const Fit
         {"sweep_cpu_ms_per_image", run.sweep_cpu_ms_per_image},
         {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
     };
-    if (request.solver == "two-step")
+    if (uses_of(request) & use::records)
         times["records"] = {
             {"bytes_written", run.records.bytes_written}, {"waiting_bytes_read", run.records.bytes_read},
             {"waiting_parts", run.records.waiting_parts}, {"bytes_read", run.record_bytes_read},
@@ -139,8 +99,9 @@ void require_result(const FitRecord& fit, const Dataset& dataset) {
 /// Streamed images have 16 bits up to the largest value of all: one hot pixel, or one gain, leaves other images few.
 /// Texel-local fits on the CPU read the values themselves.
 void warn_about_range(const Dataset& dataset, const FitRequest& request) {
-    if (request.texel_local() && !(request.solver == "stream" && request.engine == "fragment")) return;
-    const bool encoded = !request.texel_local() && request.space == "stored" && dataset.encoding == Encoding::u8_srgb;
+    if (request.texel_local() && !request.on_fragment_engine()) return;
+    const bool encoded =
+        !request.texel_local() && request.space == TargetSpace::stored && dataset.encoding == Encoding::u8_srgb;
     constexpr double uneven = 256;  // 8 bits are left
     const View *brightest = nullptr, *darkest = nullptr;
     double largest = 0, smallest = 0;

@@ -30,7 +30,7 @@ int validation_of(const FitRecord& fit) {
 ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset) {
     FitRequest diffuse;
     diffuse.kind = "lambert";
-    diffuse.optimizer = "lm";
+    diffuse.optimizer = OptimizerKind::lm;
     diffuse.model.surface_side = fit.options.surface_side;
     diffuse.clip_above = fit.options.clip_above;
     diffuse.shadow_below = fit.options.shadow_below;
@@ -41,7 +41,7 @@ ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset
 LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset) {
     FitRequest mean;
     mean.solver = "mean";
-    mean.space = fit.space == TargetSpace::linear ? "linear" : "stored";
+    mean.space = fit.space;
     mean.model = fit.options;
     mean.validation = validation_of(fit);
     return solve(dataset, mean).fit;

@@ -11,14 +11,15 @@ struct Invocation {
     const char* const* argv;
 };
 
-void add_generate(CommandLine& app);
-void add_import(CommandLine& app, const Invocation& invocation);
-void add_info(CommandLine& app);
-void add_plan(CommandLine& app);
-void add_fit(CommandLine& app, const Invocation& invocation);
-void add_judge(CommandLine& app);
-void add_render(CommandLine& app);
-void add_devices(CommandLine& app);
+void add_generate(CommandLine& program);
+void add_import(CommandLine& program, const Invocation& invocation);
+void add_info(CommandLine& program);
+void add_plan(CommandLine& program);
+void add_fit(CommandLine& program, const Invocation& invocation);
+void add_judge(CommandLine& program);
+void add_render(CommandLine& program);
+void add_devices(CommandLine& program);
+void add_options(CommandLine& program);
 
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);

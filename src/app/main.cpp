@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     add_judge(program);
     add_render(program);
     add_devices(program);
+    add_options(program);
     try {
         program.parse(argc, argv);
         finish_standard_output();

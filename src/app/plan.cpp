@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "app/choices.h"
+#include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/parallel.h"
 #include "cpu/texel_solver.h"
@@ -43,7 +43,7 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
                           std::vector<uint64_t>* tiles = nullptr) {
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     FitRequest on_cpu = request;
-    on_cpu.distributor = "cpu";
+    on_cpu.distributor = DistributorKind::cpu;
     const Distributors distributors = make_distributors(atlas, on_cpu);
     // Every eighth, but of few images more: eight at least.
     const size_t step =
@@ -78,7 +78,7 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
 
 /// What a fragment engine's images take of the host.
 void add_host_images(const Dataset& dataset, const FitRequest& request, std::vector<PlanRow>& rows) {
-    if (request.source != "memory") return;
+    if (request.source != ImageSource::memory) return;
     rows.push_back({"images in host memory", fmt::format("{} views", dataset.views.size()), dataset.views.size(),
                     dataset.image_bytes()});
 }
@@ -86,7 +86,7 @@ void add_host_images(const Dataset& dataset, const FitRequest& request, std::vec
 /// What two-step holds of samples, `bytes` in all, while it sorts them.
 PlanRow held_samples(const FitRequest& request, uint64_t bytes) {
     return {"samples held in step 1, at most", "--memory, beside an image per thread", 0,
-            std::min(request.memory_bytes(), bytes)};
+            std::min(request.memory, bytes)};
 }
 
 /// Samples on disk by texel, and once more while they are sorted.
@@ -95,6 +95,7 @@ constexpr uint64_t texel_record_bytes = 2 * sizeof(TexelRadiance);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views) {
     require_lights(dataset);
     const TexelOptions options = request.texel_options();
+    const uint32_t uses = uses_of(request, dataset.has_grid());
     const auto atlas = texel_atlas(dataset, options.surface_side);
     const uint64_t texels = atlas->texel_count(), n = uint64_t(options.model->parameters);
     Plan plan;
@@ -103,16 +104,16 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
          fmt::format("{} x {} pixels x {} floats, before they are compressed", atlas->width(), atlas->height(), n + 4),
          n + 4, uint64_t(atlas->width()) * uint64_t(atlas->height()) * 4 * (n + 4)});
     std::vector<PlanRow>& rows = plan.memory;
-    if (request.solver == "stream" && request.engine == "fragment") {
+    if (request.on_fragment_engine()) {
         rows = rows_of(
-            plan_texel_engine(dataset, *atlas, fitted_views(dataset, request), options, fragment_options(request)));
+            plan_texel_engine(dataset, *atlas, fitted_views(dataset, request), options, request.fragment_options()));
         add_host_images(dataset, request, rows);
         return plan;
     }
     const uint64_t samples = estimate_samples(dataset, *atlas, request, most_views);
     rows.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
                     texels * 4 * (n + 4) - 3 * texels});
-    if (request.solver == "two-step") {
+    if (uses & use::records) {
         rows.push_back(held_samples(request, samples * texel_record_bytes));
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", texel_record_bytes), samples,
                              samples * texel_record_bytes});
@@ -120,7 +121,7 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
     }
     rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
                     samples * sizeof(TexelRadiance)});
-    if (request.solver == "stream" && !request.levenberg_marquardt())
+    if (uses & use::engine && !request.levenberg_marquardt())
         rows.push_back({"engine, about",
                         "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
                         texel_solvers(*options.model).stream_bytes(texels, samples)});
@@ -131,27 +132,23 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
 /// waits to be sorted.
 uint64_t record_bytes(const FitRequest& request) {
     constexpr uint64_t longest_compact = 10, full = 56, waiting = 16;
-    return 3 * (request.record == "full" ? full : longest_compact) + waiting;
+    return 3 * (request.record == RecordKind::full ? full : longest_compact) + waiting;
 }
 
 /// What the threads of a solver of one vertex after another hold, each at the largest vertex.
-void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptions& model,
-                     const VertexRings& rings, const FitRequest& request, size_t most_views,
-                     std::vector<PlanRow>& rows) {
+void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                     const FitRequest& request, size_t most_views, std::vector<PlanRow>& rows) {
+    const Solver& solver = find_solver(request.solver);
+    if (!solver.vertex_bytes) return;
     std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
-    if (request.solver == "ceres") estimate_samples(dataset, atlas, request, most_views, &tiles);
+    if (solver.uses & use::ceres) estimate_samples(dataset, atlas, request, most_views, &tiles);
     VertexShape largest;
     for (size_t v = 0; v < rings.vertex_count(); ++v) {
         size_t samples = 0;
         for (const Corner& corner : rings.ring(v)) samples += tiles[corner.triangle];
         largest = {std::max(largest.maps, rings.ring(v).size()), std::max(largest.samples, samples)};
     }
-    uint64_t bytes = 0;
-    if (request.solver == "als") bytes = als_bytes(model, largest);
-    if (request.solver == "varpro") bytes = varpro_bytes(model, largest);
-    if (request.solver == "ceres") bytes = ceres_bytes(model, largest, request.ceres);
-    if (request.solver == "pca") bytes = pca_bytes(model, largest);
-    if (bytes == 0) return;
+    const uint64_t bytes = solver.vertex_bytes(request, largest);
     const auto threads = std::min(uint64_t(thread_count()), uint64_t(rings.vertex_count()));
     rows.push_back({"largest vertex, per thread",
                     fmt::format("{} surface maps, {} threads x {} bytes", largest.maps, threads, bytes), threads,
@@ -179,13 +176,14 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     if (request.texel_local()) return plan_texels(dataset, request, most_views);
     require_light_field(dataset);
     const LfmOptions options = request.model_options();
+    const uint32_t uses = uses_of(request);
     const VertexRings rings(dataset.mesh);
     const TriangleAtlas atlas(dataset.mesh, options.surface_side);
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     Plan plan;
     add_maps(dataset, atlas, options, rings, plan);
-    if (request.solver == "stream" && request.engine == "fragment") {
-        plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, fragment_options(request)));
+    if (request.on_fragment_engine()) {
+        plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, request.fragment_options()));
         add_host_images(dataset, request, plan.memory);
         return plan;
     }
@@ -193,13 +191,13 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
         plan.memory.push_back({std::move(name), std::move(shape), count, bytes});
     };
     const LfmLayout layout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
-    const bool stream = request.solver == "stream";
+    const bool stream = uses & use::engine;
     for (const char* name : {"p", "trial", "d", "g", "trial g", "P", "fresh P"})
         if (stream || name == std::string_view("p"))
             add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
                 layout.size() * sizeof(float));
     const uint64_t pixels = pixels_of(dataset, views);
-    if (request.solver == "two-step") {
+    if (uses & use::records) {
         plan.memory.push_back(held_samples(request, pixels * record_bytes(request)));
         const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,
@@ -209,7 +207,7 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
         rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * 20);
     add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
-    add_vertex_work(dataset, atlas, options, rings, request, most_views, plan.memory);
+    add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
     return plan;
 }
 

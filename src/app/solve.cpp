@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "app/choices.h"
+#include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
@@ -31,8 +30,8 @@ Distributors make_distributors(const Atlas& any, const FitRequest& request) {
         return out;
     }
     const auto& atlas = dynamic_cast<const TriangleAtlas&>(any);
-    if (choose_distributor(request.distributor) == DistributorChoice::gl) {
-        out.context = Context::create(context_options(request));
+    if (request.distributor == DistributorKind::gl) {
+        out.context = Context::create(request.context);
         out.owned.push_back(std::make_unique<GlDistributor>(atlas));
     } else {
         out.owned = raster_distributors(atlas);
@@ -45,8 +44,7 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
     Stopwatch clock;
     SharedSamples out;
     const Distributors distributors = make_distributors(atlas, request);
-    out.list =
-        build_sample_list(dataset, atlas, views, distributors.workers(), choose_space(request.space), &out.statistics);
+    out.list = build_sample_list(dataset, atlas, views, distributors.workers(), request.space, &out.statistics);
     out.seconds = clock.wall_s();
     if (out.list.samples.empty()) reject_unseen(dataset);
     return out;
@@ -81,6 +79,13 @@ Dataset for_validation(Dataset dataset, int validation) {
     return dataset;
 }
 
+void describe_request(const FitRequest& request, FitRecord& fit) {
+    fit.space = request.space;
+    fit.solver = request.solver;
+    fit.engine = (uses_of(request) & use::engine ? request : FitRequest()).text("engine");
+    fit.options_json = request.json();
+}
+
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples,
                  const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
     request.check();
@@ -91,13 +96,9 @@ FitOutcome solve(const Dataset& dataset, const FitRequest& request, const Shared
     Stopwatch clock;
     FitOutcome out;
     FitTask task(dataset, request, atlas, rings, training, each_iteration, samples, out);
-    for (const Solver& solver : solvers())
-        if (request.solver == solver.name) solver.solve(task);
+    find_solver(request.solver).solve(task);
     out.fit.options = task.options;
-    out.fit.space = choose_space(request.space);
-    out.fit.solver = request.solver;
-    out.fit.engine = request.solver == "stream" ? request.engine : "cpu";
-    out.fit.options_json = request.json();
+    describe_request(request, out.fit);
     set_dataset(out.fit, dataset);
     out.times.total = clock.wall_s() - out.times.outside;
     return out;

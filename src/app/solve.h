@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/fit_request.h"
 #include "dataset/image_stream.h"
 #include "fit/fit_folder.h"
 #include "gl/fragment_engine.h"
@@ -19,54 +20,6 @@
 /// From a dataset and a choice of solver, optimizer and engine to a fit: the one way through the house, for the command
 /// line and for experiments alike.
 namespace radiafit {
-
-/// What to fit with; names as on the command line. check() throws UserError for an unknown name, telling those that
-/// exist, and for a value out of range; it does not mind an option that means nothing to the solver.
-struct FitRequest {
-    std::string kind = "lfm";         ///< of model: lfm, or a texel-local model's name
-    std::string solver = "stream";    ///< a name in solvers()
-    std::string engine = "cpu";       ///< cpu | fragment
-    std::string optimizer = "cg";     ///< cg | sd; of a texel-local model on the CPU also lm
-    std::string mode = "modern";      ///< paper | modern: of the optimizer and of the bounds penalty
-    std::string passes = "combined";  ///< paper | combined, of the fragment engine
-    std::string storage = "fp32";     ///< fp32 | fp16 | fp16-truncate, of the fragment engine
-    std::string sums = "fp32";        ///< fp32 | fp16: sums over samples, of the fragment engine
-    std::string distributor = "cpu";  ///< cpu | gl, for engines that read a sample list
-    std::string source = "memory";    ///< disk | disk-cold | memory | device, of engines that stream images
-    std::string view = "bilinear";    ///< bilinear | nearest
-    std::string space = "stored";     ///< stored | linear
-    std::string context = "egl";      ///< egl | osmesa
-    int device = -1;
-    LfmOptions model;  ///< its surface_side is any model's
-    // Of texel-local models; see TexelOptions.
-    float clip_above = 0, shadow_below = 0;
-    double mu = -1;        ///< weight of the bounds; below 0: the mode's default
-    bool deflate = false;  ///< fit terms one after another instead of together
-    int iterations = 25;
-    int validation = 0;  ///< n > 1: every n-th training view isn't fitted, so that options can be chosen by it; 0: none
-    double stop_residual = 0, stop_output_change = 0;
-    uint64_t seed = 1;
-    // Of the two-step solver.
-    std::string record = "compact";  ///< compact | full: what is written of a sample
-    std::string memory = "1G";       ///< bytes of samples held at a time; K, M, G are powers of 1024
-    std::string records;             ///< folder to keep the records in, or to find them; empty: they go again
-    std::filesystem::path scratch;   ///< where records go that don't stay; empty: the folder for such files
-    bool cold = false;               ///< records leave the page cache between the steps
-    int refills = 0;                 ///< of the pca solver: 0 is the published method
-    // Of the ceres solver.
-    std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
-
-    Rule rule() const;
-    OptimizerOptions optimizer_options() const;
-    uint64_t memory_bytes() const;
-    LfmOptions model_options() const;  ///< model with mode and view look-up filled in, checked
-    bool texel_local() const { return kind != "lfm"; }
-    TexelOptions texel_options() const;  ///< checked
-    bool levenberg_marquardt() const { return optimizer == "lm"; }
-    std::string label() const;  ///< "cg-modern", as the trace's solver column
-    std::string json() const;   ///< every option, as one JSON object
-    void check() const;
-};
 
 /// Seconds by activity; what is not named is unaccounted.
 struct FitTimes {

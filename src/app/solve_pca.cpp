@@ -1,4 +1,3 @@
-#include "app/choices.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/log.h"
@@ -9,7 +8,7 @@ namespace radiafit {
 void solve_pca(FitTask& task) {
     task.samples();  // what its error is counted over; refuses a dataset that no view sees
     Stopwatch clock;
-    const TileViews tiles = resample_tiles(task.dataset, task.atlas, task.views, choose_space(task.request.space));
+    const TileViews tiles = resample_tiles(task.dataset, task.atlas, task.views, task.request.space);
     const RingResampler resampler(task.dataset, task.atlas, task.rings, tiles, task.options.view_side);
     task.out.times.distribution += clock.wall_s();
     Stopwatch optimization;

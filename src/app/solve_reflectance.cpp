@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/choices.h"
+#include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
@@ -16,20 +16,6 @@ namespace radiafit {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// One reflectance fit as its solver sees it.
-struct TexelTask {
-    const Dataset& dataset;
-    const FitRequest& request;
-    const std::vector<uint32_t>& views;
-    const IterationHook& each_iteration;
-    const SharedTexels* shared;
-    TexelOptions options;
-    ReflectanceOutcome& out;
-
-    const TexelSolvers& solvers() const { return texel_solvers(*options.model); }
-    TexelFitOptions fit_options() const { return {.iterations = request.iterations}; }
-};
 
 void take(TexelResult result, TexelTask& task) {
     ReflectanceOutcome& out = task.out;
@@ -84,12 +70,12 @@ void solve_fragment(TexelTask& task) {
     const FitRequest& request = task.request;
     ReflectanceOutcome& out = task.out;
     const TexelModel& model = *task.options.model;
-    const auto context = Context::create(context_options(request));
+    const auto context = Context::create(request.context);
     out.gl_vendor = context->vendor();
     out.gl_renderer = context->renderer();
     out.gl_version = context->version();
     Stopwatch clock;
-    TexelFragmentEngine engine(task.dataset, *out.atlas, task.views, task.options, fragment_options(request));
+    TexelFragmentEngine engine(task.dataset, *out.atlas, task.views, task.options, request.fragment_options());
     const ProblemStatistics statistics = engine.count();
     engine.reset(engine.start());
     out.trace = optimize(engine, request.optimizer_options(), [&](int iteration) {
@@ -118,8 +104,10 @@ void solve_fragment(TexelTask& task) {
     out.engine_bytes = engine.bytes();
 }
 
-void solve_stream(TexelTask& task) {
-    if (task.request.engine == "fragment") return solve_fragment(task);
+}  // namespace
+
+void solve_texel_stream(TexelTask& task) {
+    if (task.request.on_fragment_engine()) return solve_fragment(task);
     with_samples(task, [&](const TexelSource& source) {
         solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
             return task.request.levenberg_marquardt()
@@ -129,14 +117,14 @@ void solve_stream(TexelTask& task) {
     });
 }
 
-void solve_two_step(TexelTask& task) {
+void solve_texel_two_step(TexelTask& task) {
     const int side = task.dataset.has_grid() ? 0 : task.options.surface_side;
     const std::string key = record_key(task.dataset, task.request, task.views, side, "texel");
     const auto write = [&](const fs::path& folder) {
         const Distributors distributors = make_distributors(*task.out.atlas, task.request);
         const TexelDistributionStatistics statistics =
             write_texel_records(folder, task.dataset, *task.out.atlas, task.views, distributors.workers(),
-                                {.memory = task.request.memory_bytes(), .key = key});
+                                {.memory = task.request.memory, .key = key});
         task.out.records.bytes_written = statistics.bytes_written;
         task.out.records.bytes_read = statistics.waiting_bytes;
         task.out.records.covered_pixels = statistics.covered_pixels;
@@ -154,6 +142,8 @@ void solve_two_step(TexelTask& task) {
         });
     });
 }
+
+namespace {
 
 TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, const std::function<void()>& progress) {
     constexpr size_t eight = 8;
@@ -200,22 +190,15 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, con
     return out;
 }
 
-void solve_ceres(TexelTask& task) {
+}  // namespace
+
+void solve_texel_ceres(TexelTask& task) {
     with_samples(task, [&](const TexelSource& source) {
         solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
             return ceres_texels(problem, task, progress);
         });
     });
 }
-
-struct TexelSolver {
-    const char* name;
-    void (*solve)(TexelTask& task);
-};
-constexpr TexelSolver texel_solvers_table[] = {
-    {"stream", solve_stream}, {"two-step", solve_two_step}, {"ceres", solve_ceres}};
-
-}  // namespace
 
 SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views) {
     return gather(dataset, *texel_atlas(dataset, request.model.surface_side), request, views);
@@ -227,29 +210,21 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& a
     asked.check();
     require_lights(dataset);
     FitRequest request = asked;
-    request.space = "linear";  // the only one that reflectance has
+    request.space = TargetSpace::linear;  // the only one that reflectance has
     const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, request);
     Stopwatch clock;
     ReflectanceOutcome out;
     TexelTask task{dataset, request, training, each_iteration, samples, request.texel_options(), out};
     out.atlas = texel_atlas(dataset, task.options.surface_side);
-    bool known = false;
-    for (const TexelSolver& solver : texel_solvers_table)
-        if (request.solver == solver.name) known = true, solver.solve(task);
-    if (!known)
-        throw UserError(
-            fmt::format("solver {} fits light field maps only; choose stream, two-step or ceres for --model {}",
-                        request.solver, request.kind));
+    uses_of(request);  // refuses a solver that fits no such model
+    find_solver(request.solver).solve_texels(task);
     if (std::all_of(out.fit.samples.begin(), out.fit.samples.end(), [](uint32_t n) { return n == 0; }))
         throw UserError(
             fmt::format("{}: no sample is left to fit; choose a larger --clip-above or a smaller "
                         "--shadow-below, and check that lamps and cameras stand before the surface",
                         dataset.folder.string()));
     out.fit.options = task.options;
-    out.fit.space = choose_space(request.space);
-    out.fit.solver = request.solver;
-    out.fit.engine = request.solver == "stream" ? request.engine : "cpu";
-    out.fit.options_json = request.json();
+    describe_request(request, out.fit);
     set_dataset(out.fit, dataset);
     out.times.total = clock.wall_s() - out.times.outside;
     return out;

@@ -1,4 +1,3 @@
-#include "app/choices.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/file.h"
@@ -32,13 +31,12 @@ void with_fragment_engine(FitTask& task) {
     static_assert(Engine<FragmentEngine>);
     const FitRequest& request = task.request;
     FitOutcome& out = task.out;
-    const auto context = Context::create(context_options(request));
+    const auto context = Context::create(request.context);
     out.gl_vendor = context->vendor();
     out.gl_renderer = context->renderer();
     out.gl_version = context->version();
-    const FragmentOptions options = fragment_options(request);
     Stopwatch clock;
-    FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, options);
+    FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, request.fragment_options());
     run_engine(engine, engine.layout(), task);
     take_sweeps(engine.times(), clock.wall_s(), task.dataset, out);
     out.engine_bytes = engine.bytes();
@@ -65,7 +63,7 @@ void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& data
 }
 
 void solve_stream(FitTask& task) {
-    task.request.engine == "fragment" ? with_fragment_engine(task) : with_cpu_engine(task);
+    task.request.on_fragment_engine() ? with_fragment_engine(task) : with_cpu_engine(task);
 }
 
 }  // namespace radiafit

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "app/choices.h"
 #include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/clock.h"
@@ -29,11 +28,9 @@ uint64_t image_checksum(const Dataset& dataset) {
 
 void distribute_to(const fs::path& folder, const std::string& key, FitTask& task) {
     const Distributors distributors = make_distributors(task.atlas, task.request);
-    task.out.records = write_records(folder, task.dataset, task.atlas, task.rings, task.views, distributors.workers(),
-                                     {.kind = choose_record(task.request.record),
-                                      .space = choose_space(task.request.space),
-                                      .memory = task.request.memory_bytes(),
-                                      .key = key});
+    task.out.records = write_records(
+        folder, task.dataset, task.atlas, task.rings, task.views, distributors.workers(),
+        {.kind = task.request.record, .space = task.request.space, .memory = task.request.memory, .key = key});
 }
 
 void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
@@ -65,8 +62,8 @@ std::string record_key(const Dataset& dataset, const FitRequest& request, const 
     if (request.records.empty()) return "";
     return fmt::format("dataset {}, images {:016x}, views {:016x}, surface side {}, {}, {} records, distributor {}",
                        fingerprint(dataset).digest, image_checksum(dataset),
-                       hash_bytes(views.data(), views.size() * sizeof(uint32_t)), side, request.space, kind,
-                       request.distributor);
+                       hash_bytes(views.data(), views.size() * sizeof(uint32_t)), side, request.text("space"), kind,
+                       request.text("distributor"));
 }
 
 void settle_cache(const fs::path& records, const FitRequest& request, FitRun& run) {
@@ -100,7 +97,8 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
 }
 
 void solve_two_step(FitTask& task) {
-    const std::string key = record_key(task.dataset, task.request, task.views, task.atlas.side(), task.request.record);
+    const std::string key =
+        record_key(task.dataset, task.request, task.views, task.atlas.side(), task.request.text("record"));
     with_records(
         task.dataset, task.request, task.out.times, [&](const fs::path& folder) { distribute_to(folder, key, task); },
         [&](const fs::path& folder) { solve_from(folder, key, task); });

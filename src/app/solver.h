@@ -4,9 +4,11 @@
 #include <span>
 
 #include "app/solve.h"
+#include "cpu/texel_solver.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/context.h"
+#include "reference/solver_memory.h"
 
 /// The solvers that `--solver` names: one table, one function each.
 namespace radiafit {
@@ -47,17 +49,35 @@ struct Distributors {
 /// Over a grid every texel has its own pixel, and `distributor` means nothing.
 Distributors make_distributors(const Atlas& atlas, const FitRequest& request);
 
+/// A fit of a texel-local model as its solver sees it.
+struct TexelTask {
+    const Dataset& dataset;
+    const FitRequest& request;
+    const std::vector<uint32_t>& views;
+    const IterationHook& each_iteration;
+    const SharedTexels* shared;
+    TexelOptions options;
+    ReflectanceOutcome& out;
+
+    const TexelSolvers& solvers() const { return texel_solvers(*options.model); }
+    TexelFitOptions fit_options() const { return {.iterations = request.iterations}; }
+};
+
 struct Solver {
     const char* name;
     const char* help;
-    void (*solve)(FitTask& task);  ///< fills out.fit's parameters and problems, and out.times
-    const char* options;           ///< names of FitRequest::json() that mean something to it, between blanks
+    void (*solve)(FitTask& task);  ///< a light field map: fills out.fit's parameters and problems, and out.times
+    uint32_t uses;                 ///< of solve: bits of app/fit_options.h
+    void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model; none: it fits no such
+    uint32_t texel_uses = 0;                          ///< of solve_texels, besides what all of them do
+    /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
+    uint64_t (*vertex_bytes)(const FitRequest& request, const VertexShape& largest) = nullptr;
 };
 std::span<const Solver> solvers();
-
-/// Throws UserError if an option has another value than its default and means nothing to the solver, or to a
-/// texel-local model over a grid.
-void reject_idle_options(const FitRequest& request, bool grid);
+/// Throws UserError, telling the names that there are.
+const Solver& find_solver(const std::string& name);
+/// What a fit on the engine does, besides what its solver does.
+uint32_t engine_uses(EngineKind engine);
 
 void solve_stream(FitTask& task);
 void solve_mean(FitTask& task);
@@ -66,6 +86,12 @@ void solve_ceres(FitTask& task);
 void solve_als(FitTask& task);
 void solve_varpro(FitTask& task);
 void solve_pca(FitTask& task);
+void solve_texel_stream(TexelTask& task);
+void solve_texel_two_step(TexelTask& task);
+void solve_texel_ceres(TexelTask& task);
+
+/// What the fit tells of its request.
+void describe_request(const FitRequest& request, FitRecord& fit);
 
 /// Around everything that a solver of records does: calls `write(folder)` where records are wanted and not there yet,
 /// timed as distribution, then `read(folder)`. See FitRequest::records, scratch and cold.

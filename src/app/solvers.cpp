@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "app/choose.h"
+#include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
@@ -102,76 +103,65 @@ void solve_mean(FitTask& task) {
     fill_problems(task, std::move(parameters), Status::stationary, 0);
 }
 
-#define MODEL " space terms surface_side view_side view "
-#define PENALTY " mode lambda_surface lambda_view mu lower upper "
-#define OPTIMIZER " optimizer iterations stop_residual stop_output_change seed deflate "
-#define SAMPLES " distributor context device "
-#define FRAGMENT " passes storage sums source context device "
 std::span<const Solver> solvers() {
+    using namespace use;
+    constexpr uint32_t maps_of = sides | space | maps, objective = smoothness | bounds, samples = distribution | opengl;
+    constexpr uint32_t of_optimizer = optimizer | iterations | residual | change | random_start | deflation;
+    constexpr uint32_t vertex_by_vertex = maps_of | objective | samples | iterations | residual | random_start;
     static constexpr Solver table[] = {
-        {"stream", "the paper's optimizers over --engine", solve_stream, MODEL PENALTY OPTIMIZER " engine "},
-        {"two-step", "distributed to disk first, then vertex by vertex (Section 4.3)", solve_two_step,
-         MODEL PENALTY OPTIMIZER SAMPLES " record memory records "},
-        {"pca", "factorization of the resampled light field, Chen et al. 2002", solve_pca, MODEL " refills "},
-        {"ceres", "the Ceres library, vertex by vertex", solve_ceres,
-         MODEL PENALTY SAMPLES " iterations stop_residual seed ceres "},
-        {"als", "alternating least squares, vertex by vertex", solve_als,
-         MODEL PENALTY SAMPLES " iterations stop_residual seed "},
-        {"varpro", "variable projection, vertex by vertex", solve_varpro,
-         MODEL PENALTY SAMPLES " iterations stop_residual seed "},
-        {"mean", "the trivial baseline: one mean colour per texel", solve_mean, SAMPLES " space surface_side "},
+        {.name = "stream",
+         .help = "the paper's optimizers over --engine",
+         .solve = solve_stream,
+         .uses = maps_of | objective | of_optimizer | engine,
+         .solve_texels = solve_texel_stream,
+         .texel_uses = optimizer | engine},
+        {.name = "two-step",
+         .help = "distributed to disk first, then vertex by vertex (Section 4.3)",
+         .solve = solve_two_step,
+         .uses = maps_of | objective | of_optimizer | samples | record_kind | records,
+         .solve_texels = solve_texel_two_step,
+         .texel_uses = optimizer | samples | records},
+        {.name = "pca",
+         .help = "factorization of the resampled light field, Chen et al. 2002",
+         .solve = solve_pca,
+         .uses = maps_of | refills,
+         .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return pca_bytes(r.model, v); }},
+        {.name = "ceres",
+         .help = "the Ceres library, vertex by vertex",
+         .solve = solve_ceres,
+         .uses = vertex_by_vertex | use::ceres,
+         .solve_texels = solve_texel_ceres,
+         .texel_uses = samples,
+         .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return ceres_bytes(r.model, v, r.ceres); }},
+        {.name = "als",
+         .help = "alternating least squares, vertex by vertex",
+         .solve = solve_als,
+         .uses = vertex_by_vertex,
+         .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return als_bytes(r.model, v); }},
+        {.name = "varpro",
+         .help = "variable projection, vertex by vertex",
+         .solve = solve_varpro,
+         .uses = vertex_by_vertex,
+         .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return varpro_bytes(r.model, v); }},
+        {.name = "mean",
+         .help = "the trivial baseline: one mean colour per texel",
+         .solve = solve_mean,
+         .uses = samples | space | sides},
     };
     return table;
 }
-#undef MODEL
-#undef PENALTY
-#undef OPTIMIZER
 
-/// Names of FitRequest::json() that mean something to a texel-local model; empty if the solver fits none. Over a grid
-/// every texel has its own pixel: there is no side to choose, and nothing to distribute.
-std::string texel_options_of(const FitRequest& request, bool grid) {
-    const std::string model = std::string(" clip_above shadow_below iterations ") + (grid ? "" : " surface_side ");
-    const std::string samples = grid ? "" : SAMPLES;
-    const std::string optimizer =
-        request.levenberg_marquardt() ? " optimizer " : " optimizer mode mu stop_residual stop_output_change ";
-    if (request.solver == "stream")
-        return model + optimizer + " engine " + (request.engine == "fragment" ? FRAGMENT : samples);
-    if (request.solver == "two-step") return model + optimizer + samples + " memory records ";
-    if (request.solver == "ceres") return model + samples;
-    return "";
+const Solver& find_solver(const std::string& name) {
+    std::vector<std::string> names;
+    for (const Solver& solver : solvers()) {
+        if (solver.name == name) return solver;
+        names.emplace_back(solver.name);
+    }
+    reject_name("solver", name, names);
 }
 
-void reject_idle_options(const FitRequest& request, bool grid) {
-    std::string options, what = "solver " + request.solver;
-    for (const Solver& solver : solvers())
-        if (request.solver == solver.name) options = solver.options;
-    if (request.texel_local()) {
-        options = texel_options_of(request, grid);
-        if (options.empty())
-            throw UserError(
-                fmt::format("solver {} fits light field maps only; choose stream, two-step or ceres for --model {}",
-                            request.solver, request.kind));
-        what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what);
-        if (grid) what += " over a grid";
-    } else if (request.solver == "stream") {
-        options += request.engine == "fragment" ? FRAGMENT : SAMPLES;
-        what = "engine " + request.engine;
-    }
-    const auto given = nlohmann::json::parse(request.json());
-    FitRequest plain;
-    plain.mode = request.mode;  // mu's default depends on it
-    auto defaults = nlohmann::json::parse(plain.json());
-    defaults["mode"] = FitRequest().mode;
-    for (const auto& [name, value] : given.items()) {
-        if (name == "solver" || name == "model" || name == "validation" || value == defaults.at(name) ||
-            options.find(" " + name + " ") != std::string::npos)
-            continue;
-        std::string option = name == "stop_output_change" ? "stop_change" : name;
-        std::replace(option.begin(), option.end(), '_', '-');
-        throw UserError(fmt::format("--{} means nothing to {}; leave it out", option, what));
-    }
+uint32_t engine_uses(EngineKind engine) {
+    return engine == EngineKind::fragment ? use::passes | use::opengl : use::distribution | use::opengl;
 }
-#undef SAMPLES
-#undef FRAGMENT
 
 }  // namespace radiafit

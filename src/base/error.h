@@ -2,7 +2,7 @@
 #include <stdexcept>
 #include <string>
 
-/// The three kinds of failure (two of them thrown; numerics are a status per problem, see optim/problem_state.h).
+/// The three kinds of failure (two of them thrown; numerics are a status per problem, see model/status.h).
 namespace radiafit {
 
 /// A mistake of the user's: one line that names the file and the cure. Programs print it and exit with status 2.

@@ -69,7 +69,7 @@ void set_dataset(FitRecord& fit, const Dataset& dataset);
 void check_fit_target(const std::filesystem::path& folder);
 
 /// Writes under a temporary name beside `folder`, then renames; an earlier fit there is replaced whole, and survives
-/// any failure. `add_files` may put further files (trace.csv, problem_trace.f32) into the folder it is handed.
+/// any failure. `add_files` may put further files (trace.csv) into the folder it is handed.
 /// Throws UserError when the folder cannot be written, std::invalid_argument when the fit's sizes disagree with the
 /// mesh.
 void write_fit(const std::filesystem::path& folder, const LightFieldFit& fit, const Mesh& mesh,

@@ -20,7 +20,7 @@ struct Work {
     }
 };
 
-/// What a fragment program declares of one invocation (design decision 11). tests/check_costs.py counts its SPIR-V and
+/// What a fragment program declares of one invocation. tests/check_costs.py counts its SPIR-V and
 /// says how. Bytes are those of 32-bit floats and of images with 8 bits a channel; what is written is as many texels as
 /// there are targets, of the framebuffer's formats.
 struct PassCost {

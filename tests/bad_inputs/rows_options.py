@@ -60,7 +60,7 @@ for option, names, answer in (
     ("--model", "lafortun", "choose one of lfm, "), ("--ceres", "dense", "choose one of "),
 ):  # fmt: skip
     refuse(f"fit tiny {option} {{}} -o new", names, "'{}' does not exist", answer)
-refuse("fit tiny --context {} -o new", "glx ''", "unknown context '{}': choose egl or osmesa")
+refuse("fit tiny --context {} -o new", "glx ''", "context '{}' does not exist; choose one of egl, osmesa")
 
 # What means nothing to the solver, engine or model.
 for solver, options in (
@@ -80,7 +80,7 @@ rows += [
     ("plan tiny --engine fragment --distributor gl", None, 2, "--distributor means nothing to engine fragment"),
     ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
     ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),
-    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca fits light field maps only", "choose stream, two-step or ceres"),
+    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca fits light field maps only", "choose one of stream, two-step, ceres for --model lafortune"),
     ("fit flat --model lafortune --solver als -o new", None, 2, "solver als fits light field maps only"),
     ("fit flat --model lafortune --solver varpro -o new", None, 2, "solver varpro fits light field maps only"),
     ("fit flat --model lambert --solver mean -o new", None, 2, "solver mean fits light field maps only"),

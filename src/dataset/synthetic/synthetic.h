@@ -12,8 +12,9 @@
 namespace radiafit {
 
 struct SyntheticOptions {
-    std::string shape = "star";   ///< "star", "bust" or "ornament"
-    std::string scale = "smoke";  ///< "smoke", "standard" or "paper": triangles, images and pixels as in claims.md
+    std::string shape = "star";  ///< "star", "bust" or "ornament"
+    std::string scale =
+        "smoke";  ///< "smoke", "standard" or "paper": what it has of triangles and images, see SyntheticSize
     uint64_t seed = 1;
     OrnamentOptions ornament = {};  ///< refused for another shape
 };

@@ -1,0 +1,60 @@
+// options: the reference page of a fit's options, made from their table.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/fit_options.h"
+#include "app/solver.h"
+
+namespace radiafit {
+namespace {
+
+/// "two-step, ceres; engine fragment", or "every fit".
+std::string takers(const FitOption& option) {
+    if (option.uses == 0) return "every fit";
+    std::vector<std::string> all;
+    for (const EngineKind engine : {EngineKind::cpu, EngineKind::fragment})
+        if (engine_uses(engine) & option.uses) {
+            FitRequest request;
+            request.engine = engine;
+            all.push_back("engine " + request.text("engine"));
+        }
+    for (const Solver& solver : solvers())
+        if (solver.uses & option.uses) all.emplace_back(solver.name);
+    if (option.uses & (use::selection | use::sides | use::iterations)) all.emplace_back("texel-local models");
+    return fmt::format("{}", fmt::join(all, ", "));
+}
+
+/// Text as it stands in a cell of a Markdown table.
+std::string cell(std::string text) {
+    for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+    return text;
+}
+
+void print_options() {
+    fmt::print(
+        "# Options of `radiafit fit` and `radiafit plan`\n\nMade by `radiafit options`; a test compares. An option "
+        "that means nothing to the chosen fit is refused. The same names, with underscores, stand in fit.json and "
+        "in experiments' configs.\n");
+    const FitRequest defaults;
+    std::string group;
+    for (const FitOption& o : fit_options()) {
+        if (o.group != group)
+            fmt::print("\n## {}\n\n| option | values | default | what it is | of |\n|---|---|---|---|---|\n", o.group);
+        group = o.group;
+        const std::string value = o.hide_default ? "" : o.text(defaults);
+        fmt::print("| `{}` | {} | {} | {} | {} |\n", cell(o.flag.substr(0, o.flag.find(','))), cell(o.values),
+                   value.empty() ? "" : "`" + cell(value) + "`", cell(o.help), takers(o));
+    }
+}
+
+}  // namespace
+
+void add_options(CommandLine& program) {
+    program.add_command("options", "every option of fit and plan, as a Markdown page").on_run(print_options);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,345 @@
+#include "app/fit_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "app/choose.h"
+#include "app/limits.h"
+#include "app/solver.h"
+#include "base/error.h"
+
+namespace radiafit {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string dumped(const Json& value) {
+    return value.dump(-1, ' ', false, Json::error_handler_t::replace);  // names may be no UTF-8
+}
+
+std::string with_dashes(std::string name) {
+    std::replace(name.begin(), name.end(), '_', '-');
+    return name;
+}
+
+FitOption option(const char* name, uint32_t uses, const char* help) {
+    FitOption o;
+    o.name = name;
+    o.flag = "--" + with_dashes(name);
+    o.help = help;
+    o.uses = uses;
+    return o;
+}
+
+// Members are named by functions, so that those of members can be, too.
+
+/// One of several names. `what` is what messages call it.
+template <class Choice, class Member>
+FitOption choice(const char* name, uint32_t uses, Member member, std::vector<std::pair<std::string, Choice>> choices,
+                 const char* help, const char* what = nullptr) {
+    FitOption o = option(name, uses, help);
+    std::vector<std::string> names;
+    for (const auto& c : choices) names.push_back(c.first);
+    o.type = "NAME";
+    o.values = fmt::format("{}", fmt::join(names, ", "));
+    o.read = [member, choices, what = std::string(what ? what : name)](FitRequest& r, const std::string& text) {
+        member(r) = choose(what, text, choices);
+    };
+    o.text = [member, choices](const FitRequest& r) {
+        const auto found = std::ranges::find(choices, member(r), &std::pair<std::string, Choice>::second);
+        return found->first;
+    };
+    o.json = [text = o.text](const FitRequest& r) { return dumped(text(r)); };
+    return o;
+}
+
+template <class Member, class Number>
+FitOption number(const char* name, uint32_t uses, Member member, const Range<Number>& range, const char* help,
+                 const char* flag = nullptr) {
+    FitOption o = option(name, uses, help);
+    if (flag) o.flag = flag;
+    const std::string plain = o.flag.substr(2);
+    o.type = std::is_integral_v<Number> ? "INT" : "FLOAT";
+    o.values = advice(range).substr(std::string("choose ").size());
+    o.read = [member, range, plain](FitRequest& r, const std::string& text) {
+        using T = std::remove_cvref_t<decltype(member(r))>;
+        member(r) = static_cast<T>(parse_number(plain, text, range));
+    };
+    o.text = [member](const FitRequest& r) { return fmt::format("{}", member(r)); };
+    o.json = [member](const FitRequest& r) { return dumped(member(r)); };
+    o.check = [member, range, plain](const FitRequest& r) { require(plain, Number(member(r)), range); };
+    return o;
+}
+
+/// Any text; `valid` may throw UserError.
+template <class Member>
+FitOption text(const char* name, uint32_t uses, Member member, const char* values, std::string help,
+               void (*valid)(const std::string&) = nullptr) {
+    FitOption o = option(name, uses, "");
+    o.help = std::move(help);
+    o.values = values;
+    o.read = [member, valid](FitRequest& r, const std::string& value) {
+        if (valid) valid(value);
+        member(r) = value;
+    };
+    if (valid) o.check = [member, valid](const FitRequest& r) { valid(member(r)); };
+    o.text = [member](const FitRequest& r) { return member(r); };
+    o.json = [member](const FitRequest& r) { return dumped(member(r)); };
+    return o;
+}
+
+FitOption flag(const char* name, uint32_t uses, bool* (*member)(FitRequest&), const char* flag, const char* help) {
+    FitOption o = option(name, uses, help);
+    o.flag = flag;
+    o.values = "true, false";
+    o.flag_value = member;
+    const auto value = [member](const FitRequest& r) { return *member(const_cast<FitRequest&>(r)); };
+    o.read = [member, plain = std::string(name)](FitRequest& r, const std::string& text) {
+        *member(r) = choose<bool>(plain, text, {{"true", true}, {"false", false}});
+    };
+    o.text = [value](const FitRequest& r) { return value(r) ? "true" : "false"; };
+    o.json = o.text;
+    return o;
+}
+
+/// For a table whose entries have a name: throws UserError if none has this one.
+void check_name(const char* what, const std::string& name, const auto& table) {
+    std::vector<std::string> names;
+    for (const auto& entry : table) names.emplace_back(entry.name);
+    if (std::ranges::find(names, name) == names.end()) reject_name(what, name, names);
+}
+void check_solver(const std::string& name) { check_name("solver", name, solvers()); }
+void check_ceres(const std::string& name) { check_name("ceres setting", name, ceres_settings()); }
+void check_model(const std::string& name) {
+    if (name == "lfm" || find_texel_model(name)) return;
+    std::vector<std::string> names = {"lfm"};
+    for (const TexelModel* known : texel_models()) names.emplace_back(known->name);
+    reject_name("model", name, names);
+}
+
+/// "name: help; name: help".
+std::string explained(const auto& table) {
+    std::string all;
+    for (const auto& entry : table) all += fmt::format("{}{}: {}", all.empty() ? "" : "; ", entry.name, entry.help);
+    return all;
+}
+std::string explained_models() {
+    std::string all = "lfm: light field map; of datasets with lamps, a texel-local model:";
+    for (const TexelModel* model : texel_models()) all += fmt::format(" {}", model->name);
+    return all;
+}
+
+/// Bytes, with K, M or G for powers of 1024.
+uint64_t parse_bytes(const std::string& text) {
+    size_t end = 0;
+    double value = 0;
+    try {
+        value = std::stod(text, &end);
+    } catch (const std::exception&) {
+    }
+    static constexpr std::string_view units = "KMG";
+    const std::string unit = text.substr(end);
+    const size_t power = unit.empty() ? 0 : units.find(unit) + 1;
+    const double bytes = value * double(uint64_t(1) << (10 * std::min(power, units.size())));
+    const bool known_unit = unit.empty() || (unit.size() == 1 && power > 0);
+    if (!known_unit || !(bytes >= 1 && bytes < 1e18))
+        throw UserError("memory '" + text + "': give bytes, such as 64M or 2G");
+    return uint64_t(bytes);
+}
+std::string bytes_text(uint64_t bytes) {
+    size_t power = 0;
+    for (; power < 3 && bytes % 1024 == 0 && bytes > 0; ++power) bytes /= 1024;
+    return fmt::format("{}{}", bytes, std::string_view(" KMG").substr(power, power > 0));
+}
+FitOption memory_option() {
+    FitOption o = option("memory", use::records, "bytes of samples that two-step's distribution holds at a time");
+    o.values = "bytes, such as 64M";
+    o.read = [](FitRequest& r, const std::string& text) { r.memory = parse_bytes(text); };
+    o.text = [](const FitRequest& r) { return bytes_text(r.memory); };
+    o.json = [](const FitRequest& r) { return dumped(bytes_text(r.memory)); };
+    return o;
+}
+
+FitOption mu_option() {
+    FitOption o = number(
+        "mu", use::bounds, [](auto& r) -> auto& { return r.mu; }, limits::weight,
+        "weight of the bounds; default: 1, in paper mode 1e-4");
+    o.hide_default = true;
+    o.json = [](const FitRequest& r) { return dumped(r.bounds_weight()); };
+    o.check = [](const FitRequest& r) {
+        if (!(r.mu < 0)) require("mu", r.mu, limits::weight);
+    };
+    return o;
+}
+
+FitOption validation_option() {
+    FitOption o = number(
+        "validation", 0, [](auto& r) -> auto& { return r.validation; }, limits::validation,
+        "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
+    o.check = [in_range = o.check](const FitRequest& r) {
+        in_range(r);
+        if (r.validation == 1) throw UserError(fmt::format("validation = 1: {}", advice(limits::validation)));
+    };
+    return o;
+}
+
+FitOption records_option() {
+    FitOption o = option("records", use::records, "folder to keep two-step's records in, or to find them");
+    o.values = "a folder";
+    o.read = [](FitRequest& r, const std::string& text) {
+        if (text.empty()) throw UserError("records = '': give a name");
+        r.records = text;
+    };
+    o.text = [](const FitRequest& r) { return r.records; };
+    o.json = [](const FitRequest& r) { return dumped(r.records); };
+    return o;
+}
+
+#define OF(member) \
+    [](auto& r) -> auto& { return r.member; }
+
+std::vector<FitOption> make_fit_options() {
+    std::vector<FitOption> all;
+    const auto add = [&all](const char* group, std::vector<FitOption> options) {
+        for (FitOption& o : options) {
+            o.group = group;
+            all.push_back(std::move(o));
+        }
+    };
+    add("What is fitted, and by what",
+        {text("model", 0, OF(kind), "a name", explained_models(), check_model),
+         text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver),
+         choice<EngineKind>("engine", use::engine, OF(engine),
+                            {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}},
+                            "what solver stream runs on"),
+         choice<TargetSpace>("space", use::space, OF(space),
+                             {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
+                             "what residuals are formed in"),
+         validation_option()});
+    add("Optimizer",
+        {choice<OptimizerKind>("optimizer", use::optimizer, OF(optimizer),
+                               {{"cg", OptimizerKind::cg}, {"sd", OptimizerKind::sd}, {"lm", OptimizerKind::lm}},
+                               "conjugate gradients, steepest descent, or Levenberg-Marquardt: that of texel-local "
+                               "models on the CPU only, "
+                               "and by default"),
+         choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
+                      "of the optimizer and of the bounds' penalty"),
+         number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
+         number("stop_residual", use::residual, OF(stop_residual), limits::threshold,
+                "stop a problem at this root mean square residual; 0 is off"),
+         number("stop_output_change", use::change, OF(stop_output_change), limits::threshold,
+                "stop a problem when its output changes less; 0 is off", "--stop-change"),
+         number("seed", use::random_start, OF(seed), limits::seed, "of the start values of further terms"),
+         flag(
+             "deflate", use::deflation, [](FitRequest& r) { return &r.deflate; }, "--deflate,!--joint",
+             "fit terms one after another, or together (default)")});
+    add("Light field maps and penalties",
+        {number("terms", use::maps, OF(model.terms), limits::terms, "K"),
+         number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
+                "n: n(n+1)/2 texels per surface map, or per triangle"),
+         number("view_side", use::maps, OF(model.view_side), limits::map_side, "m: m x m texels per view map"),
+         choice<ViewLookup>("view", use::maps, OF(model.lookup),
+                            {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}},
+                            "look-up in view maps", "view look-up"),
+         number("lambda_surface", use::smoothness, OF(model.lambda_surface), limits::weight,
+                "smoothness of surface maps"),
+         number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight, "smoothness of view maps"),
+         mu_option()});
+    add("Samples",
+        {number(
+             "clip_above", use::selection, OF(clip_above), limits::share,
+             "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 is off"),
+         number("shadow_below", use::selection, OF(shadow_below), limits::share,
+                "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off"),
+         choice<DistributorKind>("distributor", use::distribution, OF(distributor),
+                                 {{"cpu", DistributorKind::cpu}, {"gl", DistributorKind::gl}},
+                                 "what finds each texel's pixels, for solvers that read a list of samples")});
+    add("OpenGL",
+        {choice<Passes>("passes", use::passes, OF(passes), {{"paper", Passes::paper}, {"combined", Passes::combined}},
+                        "one per target of the paper, or as few as today's hardware needs"),
+         choice<Storage>("storage", use::passes, OF(storage),
+                         {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}},
+                         "of parameters and of all vectors like them"),
+         choice<Sums>("sums", use::passes, OF(sums), {{"fp32", Sums::fp32}, {"fp16", Sums::fp16}}, "over samples"),
+         choice<ImageSource>(
+             "source", use::passes, OF(source),
+             {{"disk", ImageSource::disk},
+              {"disk-cold", ImageSource::disk_cold},
+              {"memory", ImageSource::memory},
+              {"device", ImageSource::device}},
+             "where images are streamed from: disk-cold is past the page cache, device keeps them there"),
+         choice<ContextKind>("context", use::opengl, OF(context.kind),
+                             {{"egl", ContextKind::egl}, {"osmesa", ContextKind::osmesa}}, "how OpenGL is reached"),
+         number("device", use::opengl, OF(context.device), limits::device,
+                "EGL device index, see radiafit devices; -1 chooses")});
+    add("Other solvers",
+        {choice<RecordKind>("record", use::record_kind, OF(record),
+                            {{"compact", RecordKind::compact}, {"full", RecordKind::full}},
+                            "what two-step writes of a sample; full is the paper's"),
+         memory_option(), records_option(),
+         number("refills", use::refills, OF(refills), limits::refills,
+                "how often pca replaces entries that it had to invent by what its terms say, and refines the terms"),
+         text("ceres", use::ceres, OF(ceres), "a name", explained(ceres_settings()), check_ceres)});
+    return all;
+}
+
+#undef OF
+
+}  // namespace
+
+std::span<const FitOption> fit_options() {
+    static const std::vector<FitOption> table = make_fit_options();
+    return table;
+}
+
+const FitOption& find_fit_option(const std::string& name) {
+    std::vector<std::string> names;
+    for (const FitOption& o : fit_options()) {
+        if (o.name == name) return o;
+        names.push_back(o.name);
+    }
+    reject_name("option", name, names);
+}
+
+uint32_t uses_of(const FitRequest& request, bool grid) {
+    const Solver& solver = find_solver(request.solver);
+    if (!request.texel_local()) {
+        const uint32_t of_engine = solver.uses & use::engine ? engine_uses(request.engine) : 0;
+        return solver.uses | of_engine;
+    }
+    if (!solver.solve_texels) {
+        std::vector<std::string> others;
+        for (const Solver& other : solvers())
+            if (other.solve_texels) others.emplace_back(other.name);
+        throw UserError(fmt::format("solver {} fits light field maps only; choose one of {} for --model {}",
+                                    request.solver, fmt::join(others, ", "), request.kind));
+    }
+    uint32_t uses = solver.texel_uses | use::selection | use::iterations | use::sides;
+    if (uses & use::engine) uses |= engine_uses(request.engine);
+    if (uses & use::optimizer && !request.levenberg_marquardt()) uses |= use::bounds | use::residual | use::change;
+    if (grid) uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | use::opengl));
+    return uses;
+}
+
+void reject_idle_options(const FitRequest& request, bool grid) {
+    const uint32_t uses = uses_of(request, grid);
+    FitRequest plain;
+    plain.mode = request.mode;  // mu's default depends on it
+    for (const FitOption& o : fit_options()) {
+        const FitRequest defaults = o.name == "mode" ? FitRequest() : plain;
+        if (o.uses == 0 || o.uses & uses || o.json(request) == o.json(defaults)) continue;
+        std::string what = "solver " + request.solver;
+        if (request.texel_local())
+            what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what) +
+                   (grid ? " over a grid" : "");
+        else if (uses & use::engine)
+            what = "engine " + request.text("engine");
+        throw UserError(fmt::format("{} means nothing to {}; leave it out", o.flag.substr(0, o.flag.find(',')), what));
+    }
+}
+
+}  // namespace radiafit

@@ -1,0 +1,93 @@
+#include "app/fit_request.h"
+
+#include <fmt/format.h>
+
+#include "app/fit_options.h"
+#include "app/solver.h"
+#include "base/error.h"
+
+namespace radiafit {
+
+FitRequest& FitRequest::set(const std::string& name, const std::string& value) {
+    find_fit_option(name).read(*this, value);
+    return *this;
+}
+
+std::string FitRequest::text(const std::string& name) const { return find_fit_option(name).text(*this); }
+
+std::string FitRequest::json() const {
+    std::string all = "{";
+    for (const FitOption& o : fit_options()) all += fmt::format("\"{}\":{},", o.name, o.json(*this));
+    return all + fmt::format("\"lower\":{},\"upper\":{}}}", model.lower, model.upper);  // of maps: no options
+}
+
+void FitRequest::check() const {
+    for (const FitOption& o : fit_options())
+        if (o.check) o.check(*this);
+    model_options();
+    if (texel_local()) texel_options();
+    if (levenberg_marquardt() && (!texel_local() || on_fragment_engine()))
+        throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
+}
+
+/// The paper gives no weight. At 1 the jump of its penalty's gradient at the bound (Section 3.1: a - b, here -16)
+/// dwarfs the data term's and stalls conjugate gradients; 1e-4 is on a par with it.
+float FitRequest::bounds_weight() const { return !(mu < 0) ? float(mu) : mode == Mode::paper ? 1e-4f : 1.0f; }
+
+Rule FitRequest::rule() const {
+    if (optimizer == OptimizerKind::sd) return Rule::steepest_descent;
+    return mode == Mode::paper ? Rule::cg_paper : Rule::cg_modern;
+}
+
+OptimizerOptions FitRequest::optimizer_options() const {
+    return {.rule = rule(),
+            .iterations = iterations,
+            .stop_residual = float(stop_residual),
+            .stop_output_change = float(stop_output_change)};
+}
+
+LfmOptions FitRequest::model_options() const {
+    LfmOptions options = model;
+    options.mode = mode;
+    options.mu = bounds_weight();
+    check_options(options);
+    return options;
+}
+
+TexelOptions FitRequest::texel_options() const {
+    find_fit_option("model").check(*this);
+    TexelOptions options;
+    options.model = find_texel_model(kind);
+    options.surface_side = model.surface_side;
+    options.mode = mode;
+    options.mu = bounds_weight();
+    options.clip_above = clip_above;
+    options.shadow_below = shadow_below;
+    check_options(options);
+    return options;
+}
+
+FragmentOptions FitRequest::fragment_options() const {
+    FragmentOptions options;
+    options.passes = passes;
+    options.storage = storage;
+    options.sums = sums;
+    options.resident = source == ImageSource::device;
+    options.source = source == ImageSource::memory      ? StreamSource::memory
+                     : source == ImageSource::disk_cold ? StreamSource::disk_cold
+                                                        : StreamSource::disk;  // once, where they stay on the device
+    options.space = space;
+    return options;
+}
+
+bool FitRequest::on_fragment_engine() const { return uses_of(*this) & use::engine && engine == EngineKind::fragment; }
+
+std::string FitRequest::label() const {
+    const uint32_t uses = uses_of(*this);
+    const std::string by = uses & use::engine ? "" : solver + "-";
+    if (uses & use::ceres) return by + ceres;
+    if (!(uses & use::optimizer)) return solver;
+    return by + text("optimizer") + (levenberg_marquardt() ? "" : "-" + text("mode"));
+}
+
+}  // namespace radiafit

@@ -1,0 +1,72 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "gl/context.h"
+#include "gl/fragment_engine.h"
+#include "model/lfm.h"
+#include "model/texel_options.h"
+#include "optim/optimizer.h"
+#include "reference/ceres_solver.h"
+#include "samples/disk_records.h"
+
+namespace radiafit {
+
+enum class EngineKind { cpu, fragment };
+enum class OptimizerKind { cg, sd, lm };
+enum class DistributorKind { cpu, gl };
+enum class ImageSource { disk, disk_cold, memory, device };
+
+/// What to fit with. Every member but the last three is an option of the table in app/fit_options.h, which says what it
+/// means, what values it takes and which fits it means something to.
+struct FitRequest {
+    std::string kind = "lfm";                    ///< of model: lfm, or a texel-local model's name
+    std::string solver = "stream";               ///< a name in solvers()
+    std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
+    EngineKind engine = EngineKind::cpu;
+    OptimizerKind optimizer = OptimizerKind::cg;  ///< lm: of texel-local models on the CPU
+    Mode mode = Mode::modern;                     ///< of the optimizer and of the bounds penalty
+    Passes passes = Passes::combined;
+    Storage storage = Storage::fp32;
+    Sums sums = Sums::fp32;
+    DistributorKind distributor = DistributorKind::cpu;
+    ImageSource source = ImageSource::memory;
+    TargetSpace space = TargetSpace::stored;
+    ContextOptions context;
+    LfmOptions model;                        ///< its surface_side is any model's; its mode and mu are those below
+    float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
+    double mu = -1;                          ///< weight of the bounds; below 0: the mode's default
+    bool deflate = false;
+    int iterations = 25;
+    int validation = 0;
+    double stop_residual = 0, stop_output_change = 0;
+    uint64_t seed = 1;
+    RecordKind record = RecordKind::compact;
+    uint64_t memory = uint64_t(1) << 30;  ///< bytes
+    std::string records;                  ///< empty: they go again
+    int refills = 0;
+
+    std::filesystem::path scratch;  ///< where records go that don't stay; empty: the folder for such files
+    bool cold = false;              ///< records leave the page cache between the steps
+
+    /// The option by its name in the table. Throws UserError for a value that it does not take.
+    FitRequest& set(const std::string& option, const std::string& value);
+    std::string text(const std::string& option) const;  ///< as set() takes it
+    /// Throws UserError for a value out of range, or options that exclude one another. An option that means nothing to
+    /// this fit is none of its concern; see reject_idle_options().
+    void check() const;
+    std::string json() const;  ///< every option, as one JSON object
+
+    Rule rule() const;
+    float bounds_weight() const;  ///< mu, or the mode's default
+    OptimizerOptions optimizer_options() const;
+    LfmOptions model_options() const;    ///< with mode and mu filled in, checked
+    TexelOptions texel_options() const;  ///< checked
+    FragmentOptions fragment_options() const;
+    bool texel_local() const { return kind != "lfm"; }
+    bool levenberg_marquardt() const { return optimizer == OptimizerKind::lm; }
+    bool on_fragment_engine() const;  ///< of solvers that run on an engine
+    std::string label() const;        ///< "cg-modern", as the trace's solver column
+};
+
+}  // namespace radiafit
