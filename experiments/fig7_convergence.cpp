@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "app/limits.h"
 #include "base/error.h"
@@ -131,6 +133,36 @@ void write_rows(const ResultFolder& results, const Dataset& dataset, const Optio
     distribution.commit();
 }
 
+/// The share of problems that are within the tolerance of the best error, by iteration, of every optimizer of the list.
+/// Those that Figure 7 doesn't have run for as long as modern conjugate gradients.
+void write_methods(ResultFolder& results, const Dataset& dataset, const Options& o, const SharedSamples& samples,
+                   const std::map<Rule, const Run*>& at_hand, const Comparison& c) {
+    std::vector<std::string> columns = {"iteration"};
+    std::vector<std::vector<int>> reached;  // by method: sorted iterations
+    for (const NamedRule& ours : named_rules()) {
+        const auto found = at_hand.find(ours.rule);
+        std::optional<Run> own;
+        if (found == at_hand.end())
+            own = run(results.record(), dataset, o, samples, ours.method->name, ours.mode, o.modern_iterations);
+        const Run& one = own ? *own : *found->second;
+        columns.push_back(ours.name);
+        std::vector<int>& list = reached.emplace_back();
+        for (size_t j = 0; j < c.problems.size(); ++j)
+            if (const int k = one.first_below(o.tolerance * c.best[j], c.problems[j]); k >= 0) list.push_back(k);
+        std::sort(list.begin(), list.end());
+    }
+    CsvWriter shares(results.path() / (dataset.name + "_methods.csv"), columns);
+    for (int k = 0; k <= o.modern_iterations; ++k) {
+        std::vector<std::string> row = {std::to_string(k)};
+        for (const auto& list : reached)
+            row.push_back(fmt::format(
+                "{:.5f}",
+                share(size_t(std::upper_bound(list.begin(), list.end(), k) - list.begin()), c.problems.size())));
+        shares.row(row);
+    }
+    shares.commit();
+}
+
 std::vector<std::string> summary_row(const Dataset& dataset, const Options& o, const Run& cg, const Run& sd,
                                      const Comparison& c) {
     const auto count = [](const std::vector<int>& v) { return size_t(std::count(v.begin(), v.end(), -1)); };
@@ -173,6 +205,8 @@ void fig7(Experiment& experiment) {
         const Run modern = run(results.record(), dataset, o, samples, "cg", "modern", o.modern_iterations);
         const Comparison comparison = compare(cg, sd, modern, o);
         write_rows(results, dataset, o, cg, sd, comparison);
+        write_methods(results, dataset, o, samples,
+                      {{Rule::cg_paper, &cg}, {Rule::steepest_descent, &sd}, {Rule::cg_modern, &modern}}, comparison);
         const auto row = summary_row(dataset, o, cg, sd, comparison);
         summary.row(row);
         log_info(

@@ -149,7 +149,7 @@ Bar fragment(Record& record, const Dataset& dataset, FitRequest request, const s
     bar.streaming = out.times.streaming;
     // one sweep of lines for each iteration, but one alone for steepest descent; one of directions more than iterations
     const double images = double(out.sweeps.images) / double(out.sweeps.sweeps);
-    const int lines = request.optimizer == OptimizerKind::sd ? 1 : request.iterations;
+    const int lines = request.optimizer->lines ? request.iterations : 1;
     bar.switching = images * (switching.direction * (request.iterations + 1) + switching.line * lines);
     bar.computation = out.times.optimization - bar.switching;
     if (bar.computation < 0) {  // measured apart, on a machine that was busy then

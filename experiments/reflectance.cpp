@@ -39,8 +39,8 @@ struct Options {
     }
 };
 
-struct Method {
-    const char* name;
+struct Contestant {
+    std::string name;
     FitRequest request;
     ReflectanceOutcome outcome = {};
 };
@@ -57,15 +57,15 @@ FitRequest request_of(const char* solver, const char* optimizer, const char* mod
 }
 
 /// OpenGL on noisy images alone, for its time; it distributes by itself, so some of its samples are others.
-std::vector<Method> methods_of(const Options& o, int side, bool noisy) {
-    std::vector<Method> out;
+std::vector<Contestant> contestants_of(const Options& o, int side, bool noisy) {
+    std::vector<Contestant> out;
     out.push_back({"Ceres", request_of("ceres", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"LM", request_of("stream", "lm", "modern", o.lm_iterations, side)});
-    out.push_back({"CG modern", request_of("stream", "cg", "modern", o.cg_iterations, side)});
-    out.push_back({"CG paper", request_of("stream", "cg", "paper", o.cg_iterations, side)});
-    out.push_back({"SD paper", request_of("stream", "sd", "paper", o.sd_iterations, side)});
+    for (const NamedRule& ours : named_rules())
+        out.push_back({ours.name, request_of("stream", ours.method->name, ours.mode,
+                                             ours.method->lines ? o.cg_iterations : o.sd_iterations, side)});
     if (noisy && o.fragment_iterations > 0) {
-        out.push_back({"CG modern OpenGL", request_of("stream", "cg", "modern", o.fragment_iterations, side)});
+        out.push_back({"cg modern OpenGL", request_of("stream", "cg", "modern", o.fragment_iterations, side)});
         out.back().request.set("engine", "fragment");
     }
     return out;
@@ -152,9 +152,9 @@ void reflectance(Experiment& experiment) {
         const ReflectanceTruth truth = read_truth(dataset.folder);
         const std::vector<Group> groups = groups_of(truth, o);
         const char* images = noisy ? "noisy" : "noise-free";
-        std::vector<Method> methods = methods_of(o, dataset.normal_map.side, noisy);
-        SharedTexels shared = distribute_texels(dataset, methods.front().request, dataset.split(false));
-        for (Method& m : methods) {
+        std::vector<Contestant> contestants = contestants_of(o, dataset.normal_map.side, noisy);
+        SharedTexels shared = distribute_texels(dataset, contestants.front().request, dataset.split(false));
+        for (Contestant& m : contestants) {
             log_info(fmt::format("{}, {} images", m.name, images));
             m.outcome = solve_reflectance(dataset, m.request, {}, nullptr, &shared);
             if (!m.outcome.gl_renderer.empty()) note_gl(m.outcome, results.record());
@@ -173,7 +173,7 @@ void reflectance(Experiment& experiment) {
                        fmt::format("{:.4g}", ns)});
             std::vector<Verdict> verdicts;
             for (const Group& group : groups) {
-                const Verdict v = judge(group, m.outcome.fit, methods.front().outcome.fit, truth, o);
+                const Verdict v = judge(group, m.outcome.fit, contestants.front().outcome.fit, truth, o);
                 verdicts.push_back(v);
                 fits.row({images, m.name, renderer, std::to_string(m.request.iterations), group.name,
                           fmt::format("{}", v.texels), fmt::format("{:.4g}", v.worst_median),
@@ -185,7 +185,7 @@ void reflectance(Experiment& experiment) {
                        fmt::format("{:.2f} %", 100 * verdicts[3].within),
                        fmt::format("{:.2g} %", 100 * verdicts[0].worst_median),
                        fmt::format("{:.2g} %", 100 * verdicts[1].worst_median)});
-            if (&m != &methods.front()) m.outcome = {};
+            if (&m != &contestants.front()) m.outcome = {};
         }
     }
     fits.commit();

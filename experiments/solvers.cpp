@@ -139,18 +139,14 @@ std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, c
         Contestant& c = out.emplace_back();
         c.solver = solver, c.setting = setting, c.solve = solve;
     };
-    const auto ours = [&](const char* setting, Rule rule) {
-        add("two-step", setting, [&two_step, rule, &o](size_t v, std::span<V> p, VertexRun& run) {
-            two_step.solve(v, {.rule = rule, .iterations = o.cap}, p, run);
-        });
-    };
     const auto reference = [&](const char* solver, const std::string& setting, const VertexSolver& solve) {
         add(solver, setting,
             [solve, &vertices](size_t v, std::span<V> p, VertexRun& run) { solve(vertices[v].gathered, p, run); });
     };
-    ours("cg modern", Rule::cg_modern);
-    ours("cg paper", Rule::cg_paper);
-    ours("sd", Rule::steepest_descent);
+    for (const NamedRule& ours : named_rules())
+        add("two-step", ours.name, [&two_step, rule = ours.rule, &o](size_t v, std::span<V> p, VertexRun& run) {
+            two_step.solve(v, {.rule = rule, .iterations = o.cap}, p, run);
+        });
     reference("varpro", "", varpro_solver(model, {.iterations = o.cap}));
     reference("als", "", als_solver(model, {.iterations = o.cap}));
     for (const CeresSetting& s : ceres_settings())

@@ -54,11 +54,12 @@ struct Contest {
     double warm_share = 1;    ///< the least before any iteration from the page cache
 };
 
-/// The verbs of an iteration as optim/optimizer.h calls them. Steepest descent takes the same but for the line, which
-/// it has in its first iteration only.
+const ConjugateGradients schedule({.rule = Rule::cg_paper});
+
+/// An iteration as optim/optimizer.h calls it. Steepest descent takes the same but for the line, which it has in its
+/// first iteration only.
 template <Engine E>
 Iteration iterate(E& engine) {
-    constexpr Rule rule = Rule::cg_paper;
     Iteration took;
     const auto time_half = [&](double& seconds, double& streaming, const auto& half) {
         const FragmentTimes before = engine.times();
@@ -68,17 +69,8 @@ Iteration iterate(E& engine) {
         seconds = clock.wall_s();
         streaming = engine.times().stream_s - before.stream_s + engine.times().upload_s - before.upload_s;
     };
-    time_half(took.line, took.line_streaming, [&] {
-        engine.line_pass();
-        engine.after_line(rule, {});
-    });
-    time_half(took.direction, took.direction_streaming, [&] {
-        engine.advance();
-        engine.direction_pass(false);
-        engine.project(rule, false);
-        engine.after_direction(rule, false, {});
-        engine.update_direction(rule, false);
-    });
+    time_half(took.line, took.line_streaming, [&] { schedule.move(engine, 1); });
+    time_half(took.direction, took.direction_streaming, [&] { schedule.judge(engine, 1); });
     return took;
 }
 
@@ -102,10 +94,8 @@ Contest contest(const Dataset& dataset, const Options& o, const char* problem, c
         request.set("source", source);
         engines.push_back(make(request.fragment_options()));
         auto& engine = *engines.back();
-        engine.direction_pass(false);  // also compiles
-        engine.project(Rule::cg_paper, false);
-        engine.after_direction(Rule::cg_paper, false, {});
-        engine.update_direction(Rule::cg_paper, false);
+        engine.make_room(schedule.room());
+        schedule.judge(engine, 0);  // also compiles
         error.push_back(engine.summary().error);
         if (!(error.back() == error.front()))  // agree before you time
             throw SystemError(fmt::format("{} with images from {}: error {:.9g}, from {}: {:.9g}", problem, source,

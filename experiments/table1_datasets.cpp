@@ -97,8 +97,12 @@ Sizes lafortune_sizes(const Dataset& dataset) {
     const TexelModel& model = *find_texel_model("lafortune");
     const int side = dataset.normal_map.side;
     const uint64_t texels = TriangleAtlas(dataset.mesh, side).texel_count();
-    return {side, texels * uint64_t(model.parameters),         texels * uint64_t(model.parameters / 3), texels,
-            0,    texel_solvers(model).stream_bytes(texels, 0)};
+    return {side,
+            texels * uint64_t(model.parameters),
+            texels * uint64_t(model.parameters / 3),
+            texels,
+            0,
+            texel_solvers(model).stream_bytes(texels, 0, {})};
 }
 
 void table1(Experiment& experiment) {

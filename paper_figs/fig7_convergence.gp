@@ -1,15 +1,16 @@
-# Figure 7: convergence of three problems, and the ratio of iterations over all problems.
+# Figure 7: convergence of three problems, the ratio of iterations over all problems, and every optimizer that there is.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 if (terminal eq 'svg') {
-    set terminal svg size 1200,720 font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 1500,720 font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 1200,720 font 'DejaVu Sans,11'
+    set terminal pngcairo size 1500,720 font 'DejaVu Sans,11'
 }
 set output output
+set linetype 5 lc rgb '#333333'  # the usual one is yellow
 array color[3] = ['#0072b2', '#d55e00', '#009e73']
-set multiplot layout 2,3 title "{/:Bold Figure 7: error by iteration for three problems, and the ratio of iterations over all problems}\n" . caption \
-    margins 0.065,0.985,0.09,0.87 spacing 0.085,0.15
+set multiplot layout 2,4 title "{/:Bold Figure 7: error by iteration for three problems, and the ratio of iterations over all problems}\n" . caption \
+    margins 0.055,0.985,0.09,0.87 spacing 0.07,0.15
 set grid lc rgb '#dddddd'
 set border 3
 set tics nomirror
@@ -41,6 +42,15 @@ do for [shape in shapes] {
     plot rows . '/' . shape . '_ratio.csv' using 1:2 with steps lw 2 lc rgb '#cc79a7' title 'measured', \
          NaN with lines dt 2 lc rgb '#888888' title "the paper's tenth", NaN with lines dt 3 lc rgb '#888888' title 'rule of claim C1'
     unset arrow
+    methods = rows . '/' . shape . '_methods.csv'
+    stats methods using 1 nooutput
+    set title sprintf('%s, every optimizer', shape)
+    set xlabel 'iteration'
+    set ylabel 'share within 1.01 x best' offset 0.5
+    set xrange [1:*]
+    set key top left
+    set format x '%g'
+    plot for [i=2:STATS_columns] methods using 1:i with lines lw 2 title columnheader(i)
     unset logscale x
 }
 unset multiplot

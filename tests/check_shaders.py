@@ -6,9 +6,10 @@ after the #version line, and where the name of a file is a definition's, that in
 
   - as it stands;
   - with each macro that it tests by #ifdef, #if NAME == VALUE or #if NAME > VALUE given one at a time; or, in its place,
-  - with every combination on a line of its first ten, "-" being "not defined":
+  - with every combination on each line of its first ten, "-" being "not defined":
         // variants: TERMS=1,3 STORAGE=0,1,2 ALONG=-,1
-    MODEL=* stands for every texel-local model: those texts in shaders/model that define BASIS_COUNT.
+    MODEL=* stands for every texel-local model: those texts in shaders/model that define BASIS_COUNT. STEP=* and UPDATE=*
+    stand for every step and update of an optimizer, with what belongs to it.
 
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, and any
 other .glsl file that no stage reaches is an error: it would be untested.
@@ -66,14 +67,37 @@ def texel_models(shaders):
                   if "#define BASIS_COUNT" in path.read_text(encoding="utf-8"))
 
 
-def declared_variants(path, models):
+def optimizer_texts(shaders, axis):
+    """The definitions of each step, or update, that a text in shaders/optimize holds; src/optim/methods.h lists them."""
+    found = []
+    for path in sorted((shaders / "optimize").glob("*.glsl")):
+        state = "ProblemState" if axis == "STEP" else "Elements"
+        for name in re.findall(rf"^SHARED_FN void (\w+)\(INOUT\({state}\)", path.read_text(encoding="utf-8"), re.M):
+            found.append([("TEXT", path.stem), (axis, name)])
+    listed = (shaders.parent / "src" / "optim" / "methods.h")
+    shapes = re.findall(r"X\((\w+), (\w+)((?:, \d+)*)\)", listed.read_text(encoding="utf-8")) if listed.is_file() else []
+    for defines in found:
+        numbers = [row[2].split(", ")[1:] for row in shapes if [row[0], row[1]] == [value for _, value in defines]]
+        if not numbers:
+            raise ShaderError(f"shaders/optimize/{defines[0][1]}.glsl: src/optim/methods.h doesn't list {defines[1][1]}")
+        defines += zip(("VECTORS", "WRITTEN", "NUMBERS", "PRODUCTS"), numbers[0])
+    return found
+
+
+def declared_variants(shaders, path):
+    variants = []
     for line in path.read_text(encoding="utf-8").splitlines()[:10]:
-        if line.startswith("// variants:"):
-            axes = [(name, models if (name, values) == ("MODEL", "*") else values.split(",")) for name, values in
-                    (item.split("=", 1) for item in line.split(":", 1)[1].split())]
-            return [[(name, value) for (name, _), value in zip(axes, values) if value != "-"]
-                    for values in itertools.product(*(values for _, values in axes))]
-    return None
+        if not line.startswith("// variants:"):
+            continue
+        axes = []
+        for name, values in (item.split("=", 1) for item in line.split(":", 1)[1].split()):
+            if values == "*" and name in ("STEP", "UPDATE"):
+                axes.append(optimizer_texts(shaders, name))
+            else:
+                values = texel_models(shaders) if (name, values) == ("MODEL", "*") else values.split(",")
+                axes.append([[(name, value)] if value != "-" else [] for value in values])
+        variants += [sum(choice, []) for choice in itertools.product(*axes)]
+    return variants or None
 
 
 def found_variants(text):
@@ -116,7 +140,7 @@ def check_stage(shaders, name):
     try:
         if not path.read_text(encoding="utf-8").startswith("#version "):
             raise ShaderError(f"shaders/{name}:1: a stage begins with #version")
-        variants = declared_variants(path, texel_models(shaders)) or found_variants(expand(shaders, name)[0])
+        variants = declared_variants(shaders, path) or found_variants(expand(shaders, name)[0])
         for defines in variants:
             text, files = expand(shaders, name, defines)
             errors += compile_text(text, STAGES[path.suffix], files, label_of(name, defines))

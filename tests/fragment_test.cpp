@@ -171,7 +171,7 @@ TEST_P(FragmentAgreement, WithTheCpuEngineOverIterations) {
     GlDistributor distributor(atlas);
     const SampleList list =
         build_sample_list(dataset, atlas, all_views(), {&distributor}, TargetSpace::stored, nullptr);
-    for (Rule rule : {Rule::steepest_descent, Rule::cg_paper, Rule::cg_modern}) {
+    for (Rule rule : all_rules()) {
         LfmOptions options;
         options.terms = c.terms;
         options.surface_side = c.surface_side;
@@ -180,7 +180,7 @@ TEST_P(FragmentAgreement, WithTheCpuEngineOverIterations) {
         options.lambda_surface = 0.01f;
         options.lambda_view = 0.02f;
         options.upper = 0.5f;  // so that bounds matter
-        options.mode = rule == Rule::cg_modern ? Mode::modern : Mode::paper;
+        options.mode = rule == Rule::cg_paper || rule == Rule::steepest_descent ? Mode::paper : Mode::modern;
         FragmentOptions fragment;
         fragment.passes = c.passes;
         FragmentEngine engine(dataset, atlas, rings, all_views(), options, fragment);
@@ -197,11 +197,13 @@ TEST_P(FragmentAgreement, WithTheCpuEngineOverIterations) {
         optimizer.rule = rule;
         optimizer.iterations = 4;
         const Trace a = optimize(engine, optimizer), b = optimize(oracle, optimizer);
+        // Adam steps as far along an entry whose gradient is all rounding as along any other.
+        const double error_tolerance = rule == Rule::adam ? 3e-4 : 2e-5, tolerance = rule == Rule::adam ? 2e-2 : 2e-3;
         ASSERT_EQ(a.rows.size(), b.rows.size());
         for (size_t i = 0; i < a.rows.size(); ++i) {
             // Four conjugate steps amplify rounding, and a few of the problems may decide otherwise where a trial
             // changes the error by less than rounding; none of it may show in the sum.
-            EXPECT_NEAR(a.rows[i].error, b.rows[i].error, 2e-5 * b.rows[i].error) << "iteration " << i;
+            EXPECT_NEAR(a.rows[i].error, b.rows[i].error, error_tolerance * b.rows[i].error) << "iteration " << i;
             EXPECT_NEAR(double(a.rows[i].accepted), double(b.rows[i].accepted), 0.01 * double(engine.problem_count()));
         }
         EXPECT_LT(b.rows.back().error, b.rows.front().error);
@@ -213,7 +215,7 @@ TEST_P(FragmentAgreement, WithTheCpuEngineOverIterations) {
             difference += std::pow(double(p[i]) - q[i], 2);
             norm += std::pow(double(q[i]), 2);
         }
-        EXPECT_LT(std::sqrt(difference / norm), 2e-3) << "rule " << int(rule);
+        EXPECT_LT(std::sqrt(difference / norm), tolerance) << "rule " << int(rule);
     }
 }
 
@@ -418,11 +420,13 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
                         .passes = passes, .storage = storage, .sums = sums, .resident = resident};
                     const TriangleAtlas atlas(dataset->mesh, options.surface_side);
                     const VertexRings rings(dataset->mesh);
+                    const Room room = room_of({.rule = resident ? Rule::lbfgs : Rule::cg_modern});
                     uint64_t planned = 0;
                     for (const PlannedArray& row :
-                         plan_fragment_engine(*dataset, atlas, rings, all_views(), options, fragment))
+                         plan_fragment_engine(*dataset, atlas, rings, all_views(), options, fragment, room))
                         planned += row.bytes;
-                    const FragmentEngine engine(*dataset, atlas, rings, all_views(), options, fragment);
+                    FragmentEngine engine(*dataset, atlas, rings, all_views(), options, fragment);
+                    engine.make_room(room);
                     EXPECT_EQ(planned, engine.bytes()) << to_string(passes) << " " << to_string(storage) << " sums "
                                                        << int(sums) << (resident ? " resident" : "");
                 }

@@ -22,59 +22,102 @@ struct TinyEngine {
     std::function<double(const Vec&, const Vec&)> gauss_newton;  ///< d'J'Jd at p
     uint32_t samples = 1;
 
-    Vec p{}, trial{}, d{}, g{}, trial_g{};
+    std::vector<Vec> vectors = std::vector<Vec>(vector::first_own);
+    Room room;
     State state{};
-    double alpha = 0, trial_error = 0, norm = 0, cross = 0, conjugate = 0;
+    std::vector<double> own, products;
+    double trial_error = 0;
     Text::LineSums sums{};
     int line_passes = 0;
 
+    const Vec& p() const { return vectors[vector::p]; }
     size_t problem_count() const { return 1; }
     ProblemStatistics count() { return {{samples}, {0, 0, 0}}; }
     void reset(std::span<const float> start) {
-        trial = {start[0], start[1]};
-        p = trial;
-        d = g = trial_g = {};
+        vectors.assign(vector::first_own, Vec{});
+        vectors[vector::p] = vectors[vector::trial] = {start[0], start[1]};
         state = {};
         state.error = 3.0e38;
         state.step_factor = 1;
         state.status = samples ? 0 : double(Status::no_samples);
     }
+    void make_room(const Room& wanted) {
+        room = wanted;
+        vectors.resize(size_t(vector::first_own + room.vectors));
+        own.assign(size_t(room.numbers), 0);
+        products.assign(size_t(3 + room.products), 0);
+    }
     void fit_terms(int, int) {}
-    static double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1]; }
-    void direction_pass(bool) {
-        trial_error = error(trial);
-        trial_g = gradient(trial);
-    }
-    void project(Rule, bool) {
-        norm = dot(trial_g, trial_g);
-        cross = dot(trial_g, g);
-        conjugate = dot(d, trial_g);
-    }
-    void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
-        Text::after_direction(state, int(rule), restart, alpha, 1.0, {stop.residual, stop.output_change}, trial_error,
-                              norm, cross, conjugate);
-    }
-    void update_direction(Rule, bool) {
-        if (state.accepted != 0) p = trial, g = trial_g;
-        for (int i = 0; i < 2; ++i) d[i] = state.beta * d[i] - g[i];
+    void direction_pass(bool diagonal) {
+        trial_error = error(vectors[vector::trial]);
+        vectors[vector::trial_g] = gradient(vectors[vector::trial]);
+        if (diagonal) vectors[vector::fresh] = {1, 1};
     }
     void line_pass() {
         ++line_passes;
-        sums = {gauss_newton(p, d), curvature(p, d), 0, 0};
+        const Vec& d = vectors[vector::d];
+        sums = {gauss_newton(p(), d), curvature(p(), d), 0, 0};
     }
-    void after_line(Rule rule, ProblemText<float>::StopRules stop) {
-        Text::after_line(state, alpha, int(rule), 1.0, {stop.residual, stop.output_change}, sums);
+    void dot(std::initializer_list<DotProduct> wanted) {
+        for (const DotProduct& w : wanted) {
+            double& sum = products[size_t(w.into)] = 0;
+            for (size_t i = 0; i < 2; ++i)
+                sum += vectors[size_t(w.a)][i] / (w.weight == vector::none ? 1 : vectors[size_t(w.weight)][i]) *
+                       vectors[size_t(w.b)][i];
+        }
     }
-    void advance() {
-        const double step = Text::trial_step(state, alpha);
-        for (int i = 0; i < 2; ++i) trial[i] = p[i] + step * d[i];
+    void step(Step which, const Turn& turn) {
+        Text::Own o{};
+        std::copy(own.begin(), own.end(), o.x);
+        Text::Given given{1.0, trial_error, sums, {}};
+        std::copy_n(products.begin(), std::min(products.size(), std::size(given.products)), given.products);
+        const Text::Turn here{turn.rule, turn.restart, turn.slot, {turn.stop.residual, turn.stop.output_change}};
+        switch (which) {
+#define RADIAFIT_CASE(file, function)          \
+    case Step::function:                       \
+        Text::function(state, o, given, here); \
+        break;
+            RADIAFIT_STEPS(RADIAFIT_CASE)
+#undef RADIAFIT_CASE
+        }
+        std::copy_n(o.x, own.size(), own.begin());
+    }
+    double number_of(int n) const {
+        const double fields[] = {state.error,    state.norm,   state.slope,      state.step_factor, state.beta,
+                                 state.accepted, state.status, state.iterations, state.alpha,       state.taken};
+        return n >= number::first_product ? products[size_t(n - number::first_product)]
+               : n >= number::first_own   ? own[size_t(n - number::first_own)]
+                                          : fields[n];
+    }
+    void update(Update which, std::initializer_list<int> list, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants) {
+        EXPECT_EQ(int(list.size()), updates[int(which)].vectors);
+        EXPECT_EQ(int(numbers.size()), updates[int(which)].numbers + updates[int(which)].products);
+        for (size_t i = 0; i < 2; ++i) {
+            Text::Elements e{};
+            Text::Registers r{};
+            Text::Constants told{};
+            for (size_t k = 0; k < list.size(); ++k) e.x[k] = vectors[size_t(std::data(list)[k])][i];
+            for (size_t k = 0; k < numbers.size(); ++k) r.x[k] = number_of(std::data(numbers)[k]);
+            std::copy(constants.begin(), constants.end(), told.x);
+            switch (which) {
+#define RADIAFIT_CASE(file, function, ...) \
+    case Update::function:                 \
+        Text::function(e, r, told);        \
+        break;
+                RADIAFIT_UPDATES(RADIAFIT_CASE)
+#undef RADIAFIT_CASE
+            }
+            for (size_t k = 0; k < size_t(updates[int(which)].written); ++k)
+                vectors[size_t(std::data(list)[k])][i] = e.x[k];
+        }
     }
     EngineSummary summary() const { return {state.error, uint64_t(state.status == 0), uint64_t(state.accepted)}; }
     void outcomes(std::span<ProblemOutcome> out) const {
         out[0] = {float(state.error), Status(int(state.status)), uint32_t(state.iterations)};
     }
     void read_errors(std::span<float> out) const { out[0] = float(state.error); }
-    void read_parameters(std::span<float> out) const { out[0] = float(p[0]), out[1] = float(p[1]); }
+    void read_parameters(std::span<float> out) const { out[0] = float(p()[0]), out[1] = float(p()[1]); }
 };
 static_assert(Engine<TinyEngine>);
 
@@ -95,8 +138,8 @@ TEST(Optimizer, ConjugateGradientsSolveTwoUnknownsInTwoSteps) {
         e.reset(start);
         const Trace trace = optimize(e, {.rule = rule, .iterations = 2, .refresh_every = 1000});
         EXPECT_EQ(trace.rows.size(), 3u);
-        EXPECT_NEAR(e.p[0], 0, 1e-12);
-        EXPECT_NEAR(e.p[1], 1, 1e-12);
+        EXPECT_NEAR(e.p()[0], 0, 1e-12);
+        EXPECT_NEAR(e.p()[1], 1, 1e-12);
         EXPECT_EQ(e.line_passes, 2);
     }
 }
@@ -107,8 +150,8 @@ TEST(Optimizer, SteepestDescentKeepsItsFirstStepAndNeverClimbs) {
     const Trace trace = optimize(e, {.rule = Rule::steepest_descent, .iterations = 400});
     EXPECT_EQ(e.line_passes, 1);
     for (size_t k = 1; k < trace.rows.size(); ++k) EXPECT_LE(trace.rows[k].error, trace.rows[k - 1].error);
-    EXPECT_NEAR(e.p[0], 0, 1e-4);
-    EXPECT_NEAR(e.p[1], 1, 1e-4);
+    EXPECT_NEAR(e.p()[0], 0, 1e-4);
+    EXPECT_NEAR(e.p()[1], 1, 1e-4);
 }
 
 TEST(Optimizer, SteepestDescentHalvesWhenTheErrorRises) {
@@ -181,7 +224,7 @@ TEST(Optimizer, NoSamplesNeverMoves) {
     const Trace trace = optimize(e, {.iterations = 5});
     EXPECT_EQ(trace.rows.size(), 1u);
     EXPECT_EQ(Status(int(e.state.status)), Status::no_samples);
-    EXPECT_EQ(e.p[0], 3);
+    EXPECT_EQ(e.p()[0], 3);
 }
 
 TEST(Optimizer, StoppingRules) {
@@ -212,6 +255,115 @@ TEST(Optimizer, StationaryWhenNoStepHelps) {
     optimize(e, {.rule = Rule::cg_paper, .iterations = 100});
     EXPECT_EQ(Status(int(e.state.status)), Status::stationary);
     EXPECT_LT(e.state.iterations, 30);
+}
+
+/// Curved, with its minimum 0 at (1, 1), and convex where it is used.
+TinyEngine valley() {
+    TinyEngine e;
+    using Vec = TinyEngine::Vec;
+    e.error = [](const Vec& p) {
+        return 2 * std::pow(p[1] - p[0] * p[0], 2) + 0.5 * std::pow(p[0] - 1, 2) + 0.1 * std::pow(p[1] - 1, 4);
+    };
+    e.gradient = [](const Vec& p) {
+        const double t = p[1] - p[0] * p[0];
+        return Vec{-8 * p[0] * t + p[0] - 1, 4 * t + 0.4 * std::pow(p[1] - 1, 3)};
+    };
+    e.curvature = [](const Vec& p, const Vec& d) {
+        const double xx = -8 * (p[1] - p[0] * p[0]) + 16 * p[0] * p[0] + 1, xy = -8 * p[0],
+                     yy = 4 + 1.2 * std::pow(p[1] - 1, 2);
+        return xx * d[0] * d[0] + 2 * xy * d[0] * d[1] + yy * d[1] * d[1];
+    };
+    e.gauss_newton = e.curvature;
+    return e;
+}
+
+/// L-BFGS against the inverse Hessian written out as a matrix, built anew from the last pairs by BFGS' own formula, and
+/// the same steps, taken here.
+TEST(Optimizer, LimitedMemoryBfgsIsBfgsOfTheLastPairs) {
+    using Vec = TinyEngine::Vec;
+    using Matrix = std::array<Vec, 2>;
+    const auto dot = [](const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1]; };
+    const auto times = [&](const Matrix& m, const Vec& x) { return Vec{dot(m[0], x), dot(m[1], x)}; };
+    for (const int history : {1, 2, 5}) {
+        TinyEngine e = valley();
+        const std::vector<float> begin = {0.5f, 0.5f};
+        std::vector<std::pair<Vec, Vec>> pairs;
+        Vec p = {begin[0], begin[1]}, g = e.gradient(p);
+        std::vector<Vec> path = {p};
+        for (int k = 0; k < 5; ++k) {
+            Matrix inverse = {Vec{1, 0}, Vec{0, 1}};
+            const size_t first = pairs.size() - std::min(pairs.size(), size_t(history));
+            for (size_t i = first; i < pairs.size(); ++i) {
+                const auto& [s, y] = pairs[i];
+                const double rho = 1 / dot(s, y);
+                Matrix left, next;  // (1 - rho s y') H (1 - rho y s') + rho s s'
+                for (size_t a = 0; a < 2; ++a)
+                    for (size_t b = 0; b < 2; ++b) left[a][b] = (a == b) - rho * s[a] * y[b];
+                for (size_t a = 0; a < 2; ++a)
+                    for (size_t b = 0; b < 2; ++b)
+                        next[a][b] = dot(left[a], times(inverse, left[b])) + rho * s[a] * s[b];
+                inverse = next;
+            }
+            Vec d = times(inverse, g);
+            for (double& x : d) x = -x;
+            const double step = -dot(d, g) / e.curvature(p, d);
+            const Vec q = {p[0] + step * d[0], p[1] + step * d[1]};
+            ASSERT_LT(e.error(q), e.error(p)) << "no rejection is part of this test";
+            const Vec h = e.gradient(q);
+            pairs.push_back({{q[0] - p[0], q[1] - p[1]}, {h[0] - g[0], h[1] - g[1]}});
+            p = q, g = h;
+            path.push_back(p);
+        }
+        e.reset(begin);
+        size_t k = 0;
+        optimize(
+            e, {.rule = Rule::lbfgs, .iterations = 5, .refresh_every = 1000, .first_refresh = 1000, .history = history},
+            [&](int) {
+                for (int i = 0; i < 2; ++i) EXPECT_NEAR(e.p()[size_t(i)], path[k][size_t(i)], 1e-9) << k;
+                ++k;
+            });
+        EXPECT_EQ(k, path.size());
+        EXPECT_LT(e.state.error, 1e-3);
+    }
+}
+
+TEST(Optimizer, LimitedMemoryBfgsGoesOnAfterARejection) {
+    TinyEngine e = valley();
+    const auto honest = e.curvature;
+    int calls = 0;
+    e.curvature = [&](auto& p, auto& d) { return (++calls == 2 ? 0.02 : 1) * honest(p, d); };  // 50 times too far
+    e.reset({{0.5f, 0.5f}});
+    const Trace trace = optimize(e, {.rule = Rule::lbfgs, .iterations = 40});
+    EXPECT_EQ(trace.rows[2].accepted, 0u);
+    EXPECT_EQ(trace.rows[2].error, trace.rows[1].error);
+    EXPECT_LT(trace.rows.back().error, 1e-8);
+}
+
+TEST(Optimizer, AdamFollowsItsFormulasAndKeepsTheBest) {
+    TinyEngine e = valley();
+    const double rate = 0.3f;  // so large that errors rise, too
+    double x[2] = {0.5, 0.5}, mean[2] = {}, square[2] = {}, best = e.error({x[0], x[1]});
+    int rises = 0;
+    e.reset({{0.5f, 0.5f}});
+    optimize(e, {.rule = Rule::adam, .iterations = 30, .learning_rate = float(rate)}, [&](int k) {
+        if (k > 0) {
+            const auto g = e.gradient({x[0], x[1]});
+            for (size_t i = 0; i < 2; ++i) {
+                mean[i] = 0.9 * mean[i] + 0.1 * g[i];
+                square[i] = 0.999 * square[i] + 0.001 * g[i] * g[i];
+                x[i] -=
+                    rate * mean[i] / (1 - std::pow(0.9, k)) / (std::sqrt(square[i] / (1 - std::pow(0.999, k))) + 1e-8);
+            }
+        }
+        const auto& trial = e.vectors[vector::trial];
+        for (size_t i = 0; i < 2; ++i) EXPECT_NEAR(trial[i], x[i], 1e-4) << k;  // its constants are floats
+        rises += e.error(trial) > best;
+        best = std::min(best, e.error(trial));
+        EXPECT_NEAR(e.state.error, best, 1e-12);
+        EXPECT_NEAR(e.error(e.p()), best, 1e-12);
+    });
+    EXPECT_GT(rises, 3);
+    EXPECT_LT(best, 0.05);
 }
 
 /// The exact step against a fine scan of the quartic, over random bilinear line problems r + alpha a + alpha^2 b.

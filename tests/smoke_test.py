@@ -126,6 +126,12 @@ class Smoke(ProgramTest):
                 errors = [float(c["error_over_best"]) for c in curves if (c["method"], c["shown"]) == (method, "1")]
                 self.assertEqual(errors, sorted(errors, reverse=True))  # what raises the error is not accepted
                 self.assertGreaterEqual(errors[-1], 0.9999)
+            shares = tables[row["dataset"] + "_methods"]
+            self.assertLessEqual({"cg modern", "cg paper", "sd", "lbfgs", "adam"}, set(shares[0]))
+            for method in set(shares[0]) - {"iteration"}:
+                column = [float(r[method]) for r in shares]
+                self.assertEqual(column, sorted(column))
+                self.assertLessEqual(column[-1], 1)
 
     def check_fig8_time(self, tables):
         rows = tables["times"]
@@ -144,7 +150,8 @@ class Smoke(ProgramTest):
 
     def check_solvers(self, tables):
         rows = tables["solvers"]
-        self.assertEqual({r["setting"] for r in rows if r["solver"] == "two-step"}, {"cg modern", "cg paper", "sd"})
+        self.assertLessEqual({"cg modern", "cg paper", "sd", "lbfgs", "adam"},
+                             {r["setting"] for r in rows if r["solver"] == "two-step"})
         self.assertEqual({r["solver"] for r in rows}, {"two-step", "als", "varpro", "ceres"})
         times = [float(r["times_cg_modern"]) for r in rows]
         self.assertEqual(times, sorted(times))
@@ -261,13 +268,13 @@ class Smoke(ProgramTest):
     def check_reflectance(self, tables):
         rows = {(r["images"], r["method"], r["group"]): r for r in tables["fits"]}
         methods = {r["method"] for r in tables["fits"]}
-        self.assertEqual(methods, {"Ceres", "LM", "CG modern", "CG paper", "SD paper", "CG modern OpenGL"})
+        self.assertLessEqual({"Ceres", "LM", "cg modern", "cg paper", "sd", "lbfgs", "adam", "cg modern OpenGL"}, methods)
         for group in ("gold", "green"):
-            for method in ("Ceres", "LM", "CG modern"):
+            for method in ("Ceres", "LM", "cg modern"):
                 self.assertLess(float(rows["noise-free", method, group]["worst_error_median"]), 1e-3)
             # noise hides the truth, and the paper's optimizers are slower to it
             self.assertGreater(float(rows["noisy", "LM", group]["worst_error_median"]), 1e-3)
-            self.assertGreater(float(rows["noise-free", "SD paper", group]["worst_error_median"]),
+            self.assertGreater(float(rows["noise-free", "sd", group]["worst_error_median"]),
                                float(rows["noise-free", "LM", group]["worst_error_median"]))
         for images in ("noise-free", "noisy"):
             for group in ("moderate lobes", "sharp lobes"):

@@ -387,7 +387,7 @@ TEST_F(TexelDataset, TexelByTexelIsAllAtOnceBitByBit) {
     const TexelLoader loader(dataset_, *atlas_, views_, options_);
     const TexelProblem problem{*source, loader, options_};
     const TexelSolvers& solvers = texel_solvers(*options_.model);
-    for (const Rule rule : {Rule::cg_modern, Rule::cg_paper, Rule::steepest_descent}) {
+    for (const Rule rule : all_rules()) {
         OptimizerOptions optimizer;
         optimizer.rule = rule;
         optimizer.iterations = 7;

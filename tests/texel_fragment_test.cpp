@@ -266,7 +266,7 @@ Fitted run(ContextKind kind, const TexelDataset& data, const FragmentOptions& fr
 
 TEST(TexelFragment, BothFormsOfPassesFitAlike) {
     for (const bool grid : {false, true})
-        for (const Rule rule : {Rule::cg_modern, Rule::cg_paper, Rule::steepest_descent}) {
+        for (const Rule rule : all_rules()) {
             const TexelDataset data({.grid = grid, .light = Light::Kind::near});
             const Fitted a = run(ContextKind::egl, data, {.passes = Passes::paper}, rule),
                          b = run(ContextKind::egl, data, {.passes = Passes::combined}, rule);
@@ -360,11 +360,13 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                                                        .sums = sums,
                                                        .resident = resident,
                                                        .together = together};
+                        const Room room = room_of({.rule = resident ? Rule::lbfgs : Rule::adam});
                         uint64_t planned = 0;
                         for (const PlannedArray& row :
-                             plan_texel_engine(data.dataset, *data.atlas, data.views, options, fragment))
+                             plan_texel_engine(data.dataset, *data.atlas, data.views, options, fragment, room))
                             planned += row.bytes;
                         TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options, fragment);
+                        engine.make_room(room);
                         EXPECT_EQ(planned, engine.bytes()) << model->name << " " << to_string(passes);
                         engine.count();
                         engine.reset(engine.start());

@@ -160,10 +160,11 @@ TEST(TwoStep, EndsWhereTheStreamEngineDoes) {
     const Written written(atlas, {});
     const DiskRecords on_disk = written.records();
     const SampleList list = list_of(atlas);
-    for (const Rule rule : {Rule::cg_paper, Rule::cg_modern, Rule::steepest_descent}) {
+    for (const Rule rule : all_rules()) {
+        const bool paper = rule == Rule::cg_paper || rule == Rule::steepest_descent;
         LfmOptions options = model();
-        options.mode = rule == Rule::cg_modern ? Mode::modern : Mode::paper;
-        options.mu = rule == Rule::cg_modern ? 1.0f : 1e-4f;
+        options.mode = paper ? Mode::paper : Mode::modern;
+        options.mu = paper ? 1e-4f : 1.0f;
         const TwoStepOptions two_step{.optimizer = {.rule = rule, .iterations = 25}};
         const TwoStepResult result = solve_two_step(star().dataset, atlas, star().rings, on_disk, options, two_step);
         LfmProblem<float> problem(star().dataset, atlas, star().rings, list, options);
@@ -182,8 +183,9 @@ TEST(TwoStep, EndsWhereTheStreamEngineDoes) {
             ++problems;
             close += std::abs(result.outcomes[i].error - expected[i].error) <= 1e-4f * expected[i].error;
         }
-        // Rounding grows from step to step where a problem has few samples, as many have at this scale.
-        EXPECT_GE(double(close), 0.97 * double(problems)) << "rule " << int(rule);
+        // Rounding grows from step to step where a problem has few samples, as many have at this scale; and with Adam,
+        // whose steps are as long where the gradient is all rounding.
+        EXPECT_GE(double(close), (rule == Rule::adam ? 0.85 : 0.97) * double(problems)) << "rule " << int(rule);
         ASSERT_EQ(result.trace.rows.size(), trace.rows.size());
         for (size_t k = 0; k < trace.rows.size(); ++k) {
             EXPECT_NEAR(result.trace.rows[k].error, trace.rows[k].error, 1e-4 * trace.rows[k].error);

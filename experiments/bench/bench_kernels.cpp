@@ -223,19 +223,16 @@ void stream_iteration(benchmark::State& state) {
     engine.reset(lfm_start(problem.layout(), statistics.mean, 1));
     double samples = 0;
     for (uint32_t n : statistics.samples) samples += n;
-    OptimizerOptions options;
-    const auto iterate = [&](bool fresh) {
-        engine.direction_pass(fresh);
-        engine.project(options.rule, fresh);
-        engine.after_direction(options.rule, fresh, {0, 0});
-        engine.update_direction(options.rule, fresh);
-        engine.line_pass();
-        engine.after_line(options.rule, {0, 0});
-        engine.advance();
+    const ConjugateGradients schedule({.refresh_every = 1 << 30, .first_refresh = 0});
+    engine.make_room(schedule.room());
+    int k = 0;
+    const auto iterate = [&] {
+        schedule.judge(engine, k);
+        schedule.move(engine, k++);
     };
-    iterate(true);
+    iterate();
     const double begin = cpu_time_s();
-    for (auto _ : state) iterate(false);
+    for (auto _ : state) iterate();
     tell(state, cpu_time_s() - begin, samples, {});
     set_thread_count(0);
 }

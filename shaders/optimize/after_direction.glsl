@@ -1,9 +1,14 @@
-// After pass A at the trial point: accept or reject, and choose beta (Eq. 8) for d <- -z + beta d (Eq. 6).
-//   trial_norm  z'.g'       trial_cross  z'.g       trial_conjugate  d.g'
-// restart: true where the preconditioner was refreshed, and d <- -z'.
-// alpha: the step just tried, without its factor. texels: surface texels of the problem.
-SHARED_FN void after_direction(INOUT(ProblemState) s, int rule, bool restart, real alpha, real texels, StopRules stop,
-                               real trial_error, real trial_norm, real trial_cross, real trial_conjugate) {
+// After pass A at the trial point: accept or reject, and choose beta (Eq. 8) for d <- -z + beta d (Eq. 6). After a fresh
+// preconditioner d <- -z'.
+SHARED_FN void after_direction(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
+    int rule = turn.rule;
+    bool restart = turn.restart != 0;
+    real texels = given.texels;
+    StopRules stop = turn.stop;
+    real trial_error = given.trial_error;
+    real trial_norm = given.products[PRODUCT_NORM];
+    real trial_cross = given.products[PRODUCT_CROSS];
+    real trial_conjugate = given.products[PRODUCT_CONJUGATE];
     bool running = s.status == STATUS_ACTIVE;
     bool first = s.error >= HUGE_ERROR;
     bool finite_trial = is_finite_error(trial_error) && is_finite_error(trial_norm);
@@ -21,7 +26,7 @@ SHARED_FN void after_direction(INOUT(ProblemState) s, int rule, bool restart, re
     slope = SELECT(downhill, slope, -trial_norm);
 
     // steepest descent has no line pass: its change of output |J d|^2 follows from the quadratic model of the step
-    real step = alpha * s.step_factor;
+    real step = s.alpha * s.step_factor;
     real descent_change = real(2.0) * (step * s.norm - (s.error - trial_error));
     bool small_change = descent && !first && descent_change <= texels * stop.output_change * stop.output_change;
 
@@ -41,4 +46,5 @@ SHARED_FN void after_direction(INOUT(ProblemState) s, int rule, bool restart, re
     status = SELECT(accepted && trial_error <= real(0.5) * texels * stop.residual * stop.residual, STATUS_RESIDUAL, status);
     s.status = status;
     s.error = SELECT(accepted, trial_error, s.error);
+    s.taken = trial_step(s);
 }

@@ -52,23 +52,21 @@ SHARED_FN real exact_step(real slope, LineSums q, real unit) {
     return best;
 }
 
-// Writes alpha and may stop the problem. The trial is q = p + trial_step(s, alpha) d.
-SHARED_FN void after_line(INOUT(ProblemState) s, INOUT(real) alpha, int rule, real texels, StopRules stop, LineSums q) {
+// Writes the step and may stop the problem.
+SHARED_FN void after_line(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
+    LineSums q = given.line;
     bool running = s.status == STATUS_ACTIVE;
     bool convex = q.curvature > real(0.0) && is_finite_error(q.curvature);
     real curvature = SELECT(convex, q.curvature, q.gauss_newton);  // without this, Eq. 7 climbs where d'Hd <= 0
     bool usable = curvature > real(0.0) && is_finite_error(curvature) && s.slope < real(0.0);
     real step = SELECT(usable, -s.slope / SELECT(usable, curvature, real(1.0)), real(0.0));
-    real exact = SELECT(rule == RULE_CG_MODERN, exact_step(s.slope, q, step), real(0.0));
+    real exact = SELECT(turn.rule == RULE_CG_MODERN, exact_step(s.slope, q, step), real(0.0));
     step = SELECT(usable && exact > real(0.0) && is_finite_error(exact), exact, step);
     usable = usable && is_finite_error(step);
     real taken = step * s.step_factor;
-    bool small_change = taken * taken * q.gauss_newton <= texels * stop.output_change * stop.output_change;
-    real status = SELECT(usable, SELECT(small_change && stop.output_change > real(0.0), STATUS_OUTPUT_CHANGE, STATUS_ACTIVE), STATUS_STATIONARY);
+    bool small_change = taken * taken * q.gauss_newton <= given.texels * turn.stop.output_change * turn.stop.output_change;
+    real status = SELECT(usable, SELECT(small_change && turn.stop.output_change > real(0.0), STATUS_OUTPUT_CHANGE, STATUS_ACTIVE), STATUS_STATIONARY);
     s.status = SELECT(running, status, s.status);
-    alpha = SELECT(running && usable, step, real(0.0));
-}
-
-SHARED_FN real trial_step(ProblemState s, real alpha) {
-    return SELECT(s.status == STATUS_ACTIVE, alpha * s.step_factor, real(0.0));
+    s.alpha = SELECT(running && usable, step, real(0.0));
+    s.taken = trial_step(s);
 }

@@ -1,6 +1,9 @@
 // The state of one problem (one vertex and colour channel, or one texel), and how two numbers decide its next step.
 // Shared by GLSL and C++ (see shaders/model/prelude.glsl for the dialect).
 
+#define MOST_OWN 8
+#define STEP_PRODUCTS 4
+
 struct ProblemState {
     real error;        // E_t at the accepted p; HUGE_ERROR before the first evaluation
     real norm;         // z.g at the accepted p, z = g / P (paper: P = 1)
@@ -10,6 +13,13 @@ struct ProblemState {
     real accepted;     // 1 if the last trial was accepted, else 0
     real status;       // STATUS_*
     real iterations;   // accepted or rejected trials so far, the start not counted
+    real alpha;        // the step along d, without its factor
+    real taken;        // the trial is p + taken d: alpha times its factor, 0 where the problem has stopped
+};
+
+// Registers of an optimizer's own, beside the state.
+struct Own {
+    real x[MOST_OWN];
 };
 
 // Sums along d over one problem's samples, penalties included.
@@ -25,6 +35,22 @@ struct StopRules {
     real output_change;  // stop at root mean square change of the model's output, rule 2; both in the dataset's units
 };
 
+// What the passes before a step have found out about the problem.
+struct Given {
+    real texels;       // of the surface
+    real trial_error;  // E_t at the trial
+    LineSums line;
+    real products[STEP_PRODUCTS];  // the first dot products
+};
+
+// What an iteration tells all problems.
+struct Turn {
+    int rule;     // RULE_*
+    int restart;  // 1 where the preconditioner was refreshed
+    int slot;     // an optimizer's own
+    StopRules stop;
+};
+
 #define HUGE_ERROR real(3.0e38)
 #define STATUS_ACTIVE real(0.0)
 #define STATUS_RESIDUAL real(1.0)
@@ -38,7 +64,15 @@ struct StopRules {
 #define RULE_CG_PAPER 1
 #define RULE_CG_MODERN 2
 
+// Dot products that every optimizer takes; its own follow.
+#define PRODUCT_NORM 0       // z'.g'
+#define PRODUCT_CROSS 1      // z'.g
+#define PRODUCT_CONJUGATE 2  // d.g'
+
 // A step factor below this can't change a 32-bit parameter any more: the problem is stationary.
 #define SMALLEST_STEP_FACTOR real(9.5e-7)
 
+SHARED_FN real trial_step(ProblemState s) {
+    return SELECT(s.status == STATUS_ACTIVE, s.alpha * s.step_factor, real(0.0));
+}
 SHARED_FN bool is_finite_error(real x) { return abs(x) < HUGE_ERROR; }  // false for NaN

@@ -32,7 +32,7 @@ void add_fit_options(CommandLine& c, FitRequest& r) {
 void settle_options(const CommandLine& command, const Dataset& dataset, FitRequest& request) {
     if (!request.texel_local()) return;
     if (uses_of(request) & use::optimizer && !request.on_fragment_engine() && !command.given("--optimizer"))
-        request.optimizer = OptimizerKind::lm;
+        request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !command.given("--iterations"))
         request.iterations = TexelFitOptions().iterations;
     if (!command.given("--surface-side") && !dataset.has_grid())

@@ -30,7 +30,7 @@ int validation_of(const FitRecord& fit) {
 ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset) {
     FitRequest diffuse;
     diffuse.kind = "lambert";
-    diffuse.optimizer = OptimizerKind::lm;
+    diffuse.set("optimizer", "lm");
     diffuse.model.surface_side = fit.options.surface_side;
     diffuse.clip_above = fit.options.clip_above;
     diffuse.shadow_below = fit.options.shadow_below;

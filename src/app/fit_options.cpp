@@ -176,6 +176,19 @@ FitOption mu_option() {
     return o;
 }
 
+FitOption optimizer_option() {
+    std::vector<std::pair<std::string, const Method*>> choices;
+    std::string help;
+    for (const Method& method : methods) {
+        choices.emplace_back(method.name, &method);
+        help += fmt::format("{}: {}; ", method.name, method.help);
+    }
+    choices.emplace_back("lm", nullptr);
+    help += "lm: Levenberg-Marquardt, of texel-local models on the CPU only, and there by default";
+    return choice<const Method*>(
+        "optimizer", use::optimizer, [](auto& r) -> auto& { return r.optimizer; }, choices, help.c_str());
+}
+
 FitOption validation_option() {
     FitOption o = number(
         "validation", 0, [](auto& r) -> auto& { return r.validation; }, limits::validation,
@@ -220,23 +233,21 @@ std::vector<FitOption> make_fit_options() {
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),
          validation_option()});
-    add("Optimizer",
-        {choice<OptimizerKind>("optimizer", use::optimizer, OF(optimizer),
-                               {{"cg", OptimizerKind::cg}, {"sd", OptimizerKind::sd}, {"lm", OptimizerKind::lm}},
-                               "conjugate gradients, steepest descent, or Levenberg-Marquardt: that of texel-local "
-                               "models on the CPU only, "
-                               "and by default"),
-         choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
-                      "of the optimizer and of the bounds' penalty"),
-         number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
-         number("stop_residual", use::residual, OF(stop_residual), limits::threshold,
-                "stop a problem at this root mean square residual; 0 is off"),
-         number("stop_output_change", use::change, OF(stop_output_change), limits::threshold,
-                "stop a problem when its output changes less; 0 is off", "--stop-change"),
-         number("seed", use::random_start, OF(seed), limits::seed, "of the start values of further terms"),
-         flag(
-             "deflate", use::deflation, [](FitRequest& r) { return &r.deflate; }, "--deflate,!--joint",
-             "fit terms one after another, or together (default)")});
+    add("Optimizer", {optimizer_option(),
+                      choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
+                                   "of the optimizer and of the bounds' penalty"),
+                      number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
+                      number("stop_residual", use::residual, OF(stop_residual), limits::threshold,
+                             "stop a problem at this root mean square residual; 0 is off"),
+                      number("stop_output_change", use::change, OF(stop_output_change), limits::threshold,
+                             "stop a problem when its output changes less; 0 is off", "--stop-change"),
+                      number("history", use::history, OF(history), limits::history, "steps that lbfgs remembers"),
+                      number("learning_rate", use::learning_rate, OF(learning_rate), limits::learning_rate,
+                             "adam's step in units of the parameters"),
+                      number("seed", use::random_start, OF(seed), limits::seed, "of the start values of further terms"),
+                      flag(
+                          "deflate", use::deflation, [](FitRequest& r) { return &r.deflate; }, "--deflate,!--joint",
+                          "fit terms one after another, or together (default)")});
     add("Light field maps and penalties",
         {number("terms", use::maps, OF(model.terms), limits::terms, "K"),
          number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
@@ -305,11 +316,23 @@ const FitOption& find_fit_option(const std::string& name) {
     reject_name("option", name, names);
 }
 
+namespace {
+
+/// What the request's optimizer adds to what its solver does.
+uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
+    if (!(uses & use::optimizer) || !request.optimizer) return uses;
+    if (request.optimizer->history) uses |= use::history;
+    if (request.optimizer->learning_rate) uses |= use::learning_rate;
+    return request.optimizer->stop_output_change ? uses : uses & ~use::change;
+}
+
+}  // namespace
+
 uint32_t uses_of(const FitRequest& request, bool grid) {
     const Solver& solver = find_solver(request.solver);
     if (!request.texel_local()) {
         const uint32_t of_engine = solver.uses & use::engine ? engine_uses(request.engine) : 0;
-        return solver.uses | of_engine;
+        return with_optimizer(solver.uses | of_engine, request);
     }
     if (!solver.solve_texels) {
         std::vector<std::string> others;
@@ -321,6 +344,7 @@ uint32_t uses_of(const FitRequest& request, bool grid) {
     uint32_t uses = solver.texel_uses | use::selection | use::iterations | use::sides;
     if (uses & use::engine) uses |= engine_uses(request.engine);
     if (uses & use::optimizer && !request.levenberg_marquardt()) uses |= use::bounds | use::residual | use::change;
+    uses = with_optimizer(uses, request);
     if (grid) uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | use::opengl));
     return uses;
 }
@@ -333,7 +357,9 @@ void reject_idle_options(const FitRequest& request, bool grid) {
         const FitRequest defaults = o.name == "mode" ? FitRequest() : plain;
         if (o.uses == 0 || o.uses & uses || o.json(request) == o.json(defaults)) continue;
         std::string what = "solver " + request.solver;
-        if (request.texel_local())
+        if (uses & use::optimizer && request.optimizer && o.uses & (use::history | use::learning_rate | use::change))
+            what = "optimizer " + request.text("optimizer");
+        else if (request.texel_local())
             what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what) +
                    (grid ? " over a grid" : "");
         else if (uses & use::engine)

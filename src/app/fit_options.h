@@ -32,7 +32,9 @@ enum : uint32_t {
     records = 1u << 16,  ///< on disk
     refills = 1u << 17,
     ceres = 1u << 18,
-    selection = 1u << 19  ///< leaves samples out by their value
+    selection = 1u << 19,  ///< leaves samples out by their value
+    history = 1u << 20,    ///< of lbfgs
+    learning_rate = 1u << 21
 };
 }  // namespace use
 

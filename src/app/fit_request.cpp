@@ -35,15 +35,17 @@ void FitRequest::check() const {
 float FitRequest::bounds_weight() const { return !(mu < 0) ? float(mu) : mode == Mode::paper ? 1e-4f : 1.0f; }
 
 Rule FitRequest::rule() const {
-    if (optimizer == OptimizerKind::sd) return Rule::steepest_descent;
-    return mode == Mode::paper ? Rule::cg_paper : Rule::cg_modern;
+    const Method& method = optimizer ? *optimizer : methods[0];
+    return mode == Mode::paper ? method.paper : method.modern;
 }
 
 OptimizerOptions FitRequest::optimizer_options() const {
     return {.rule = rule(),
             .iterations = iterations,
             .stop_residual = float(stop_residual),
-            .stop_output_change = float(stop_output_change)};
+            .stop_output_change = float(stop_output_change),
+            .history = history,
+            .learning_rate = float(learning_rate)};
 }
 
 LfmOptions FitRequest::model_options() const {

@@ -13,7 +13,6 @@
 namespace radiafit {
 
 enum class EngineKind { cpu, fragment };
-enum class OptimizerKind { cg, sd, lm };
 enum class DistributorKind { cpu, gl };
 enum class ImageSource { disk, disk_cold, memory, device };
 
@@ -24,8 +23,10 @@ struct FitRequest {
     std::string solver = "stream";               ///< a name in solvers()
     std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
     EngineKind engine = EngineKind::cpu;
-    OptimizerKind optimizer = OptimizerKind::cg;  ///< lm: of texel-local models on the CPU
-    Mode mode = Mode::modern;                     ///< of the optimizer and of the bounds penalty
+    const Method* optimizer = methods;  ///< null: Levenberg-Marquardt, of texel-local models on the CPU
+    int history = OptimizerOptions().history;
+    double learning_rate = 0.02;
+    Mode mode = Mode::modern;  ///< of the optimizer and of the bounds penalty
     Passes passes = Passes::combined;
     Storage storage = Storage::fp32;
     Sums sums = Sums::fp32;
@@ -64,7 +65,7 @@ struct FitRequest {
     TexelOptions texel_options() const;  ///< checked
     FragmentOptions fragment_options() const;
     bool texel_local() const { return kind != "lfm"; }
-    bool levenberg_marquardt() const { return optimizer == OptimizerKind::lm; }
+    bool levenberg_marquardt() const { return optimizer == nullptr; }
     bool on_fragment_engine() const;  ///< of solvers that run on an engine
     std::string label() const;        ///< "cg-modern", as the trace's solver column
 };

@@ -13,6 +13,8 @@ constexpr Range<int> some_iterations{1, 1'000'000};  ///< of what is timed or co
 constexpr Range<int> refills{0, 1'000'000};
 constexpr Range<int> validation{0, 1'000'000, "0 is off, and 1 would leave nothing to fit"};
 constexpr Range<double> threshold{0, 1e6, "0 is off"};
+constexpr Range<int> history{1, 8};
+constexpr Range<double> learning_rate{1e-6, 10};
 constexpr Range<uint64_t> seed{0, std::numeric_limits<uint64_t>::max()};
 constexpr Range<int> draw_seed{0, std::numeric_limits<int>::max()};  ///< of an experiment's draw
 constexpr Range<int> device{-1, 1023, "-1 is any; radiafit devices lists them"};

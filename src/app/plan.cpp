@@ -105,8 +105,8 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
          n + 4, uint64_t(atlas->width()) * uint64_t(atlas->height()) * 4 * (n + 4)});
     std::vector<PlanRow>& rows = plan.memory;
     if (request.on_fragment_engine()) {
-        rows = rows_of(
-            plan_texel_engine(dataset, *atlas, fitted_views(dataset, request), options, request.fragment_options()));
+        rows = rows_of(plan_texel_engine(dataset, *atlas, fitted_views(dataset, request), options,
+                                         request.fragment_options(), room_of(request.optimizer_options())));
         add_host_images(dataset, request, rows);
         return plan;
     }
@@ -122,9 +122,9 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
     rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
                     samples * sizeof(TexelRadiance)});
     if (uses & use::engine && !request.levenberg_marquardt())
-        rows.push_back({"engine, about",
-                        "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
-                        texel_solvers(*options.model).stream_bytes(texels, samples)});
+        rows.push_back(
+            {"engine, about", "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
+             texel_solvers(*options.model).stream_bytes(texels, samples, room_of(request.optimizer_options()))});
     return plan;
 }
 
@@ -183,7 +183,8 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     Plan plan;
     add_maps(dataset, atlas, options, rings, plan);
     if (request.on_fragment_engine()) {
-        plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, request.fragment_options()));
+        plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, request.fragment_options(),
+                                                   room_of(request.optimizer_options())));
         add_host_images(dataset, request, plan.memory);
         return plan;
     }

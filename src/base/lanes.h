@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 
 /// Four lanes of a scalar in one register: three colour channels and a lane of padding that every kernel keeps at zero.
 namespace radiafit {
@@ -47,6 +48,8 @@ inline Lanes<real> broadcast3(real x) {
     return Lanes<real>{x, x, x, real(0)};
 }
 
+inline float select_nonzero(float condition, float a, float b) { return condition != 0 ? a : b; }
+inline double select_nonzero(double condition, double a, double b) { return condition != 0 ? a : b; }
 inline void set_lane(Lanes<float>& to, int lane, float x) { to[lane] = x; }
 inline void set_lane(Lanes<double>& to, int lane, double x) { to[lane] = x; }
 /// Lane by lane a where `condition` is not zero, b elsewhere.
@@ -55,6 +58,13 @@ inline Lanes<float> select_nonzero(const Lanes<float>& condition, const Lanes<fl
 }
 inline Lanes<double> select_nonzero(const Lanes<double>& condition, const Lanes<double>& a, const Lanes<double>& b) {
     return condition != 0 ? a : b;
+}
+
+inline Lanes<float> sqrt(const Lanes<float>& x) {
+    return Lanes<float>{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+}
+inline Lanes<double> sqrt(const Lanes<double>& x) {
+    return Lanes<double>{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 }
 
 template <class real>

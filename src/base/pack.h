@@ -47,6 +47,10 @@ struct PackOf {
     friend PackOf max(const PackOf& a, const PackOf& b) { return PackOf(a.v < b.v ? b.v : a.v); }
     friend PackOf min(const PackOf& a, const PackOf& b) { return PackOf(b.v < a.v ? b.v : a.v); }
     static PackOf select(const Mask& c, const PackOf& a, const PackOf& b) { return PackOf(c.bits ? a.v : b.v); }
+    friend PackOf sqrt(PackOf x) {
+        for (int lane = 0; lane < size; ++lane) x.v[lane] = std::sqrt(x.v[lane]);
+        return x;
+    }
     friend void set_lane(PackOf& to, int lane, real x) { to.set(lane, x); }
     /// Lane by lane a where `condition` is not zero, b elsewhere.
     friend PackOf select_nonzero(const PackOf& condition, const PackOf& a, const PackOf& b) {

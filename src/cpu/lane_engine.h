@@ -44,28 +44,32 @@ public:
     ProblemStatistics count() { return problem_->count(); }
     void reset(std::span<const float> start);
     void fit_terms(int first, int last) { problem_->fit_terms(first, last); }
+    void make_room(const Room& room);
     void direction_pass(bool diagonal);
-    void project(Rule rule, bool fresh);
-    void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop);
-    void update_direction(Rule rule, bool fresh);
     void line_pass();
-    void after_line(Rule rule, ProblemText<float>::StopRules stop);
-    void advance();
+    void dot(std::initializer_list<DotProduct> products);
+    void step(Step which, const Turn& turn);
+    void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants);
     EngineSummary summary() const;
     void outcomes(std::span<ProblemOutcome> out) const;
     void read_errors(std::span<float> out) const;
-    void read_parameters(std::span<float> out) const { problem_->get(p_.data(), out); }
+    void read_parameters(std::span<float> out) const { problem_->get(vectors_[vector::p].data(), out); }
 
-    uint64_t bytes() const { return bytes(p_.size(), life_.size()); }  ///< of the vectors and states
-    static uint64_t bytes(uint64_t length, uint64_t blocks) {
-        return 7 * length * sizeof(V) + blocks * (sizeof(States) + sizeof(Life));
+    uint64_t bytes() const {  ///< of the vectors and states
+        return bytes(vectors_[vector::p].size(), life_.size(), room_);
+    }
+    static uint64_t bytes(uint64_t length, uint64_t blocks, const Room& room) {
+        return (vector::first_own + uint64_t(room.vectors)) * length * sizeof(V) +
+               blocks * (sizeof(States) + sizeof(Life) + (3 + uint64_t(room.products)) * sizeof(V) +
+                         uint64_t(room.numbers * lanes) * sizeof(Real));
     }
 
 private:
-    using Text = ProblemText<Real>;
+    using Text = ProblemText<Real, V>;
     struct State {
         typename Text::ProblemState problem;
-        Real alpha, trial_error, trial_norm, cross, conjugate;
+        Real trial_error;
         typename Text::LineSums sums;
     };
     using States = std::array<State, size_t(lanes)>;
@@ -76,21 +80,29 @@ private:
     /// body(block) for those that live so much or more.
     template <class Body>
     void for_blocks(Life least, const Body& body);
-    /// body(state, block) for the problems of such blocks; then what the blocks live on as.
-    template <class Body>
-    void update_states(Life least, const Body& body);
+    template <class Function>
+    void step_by(const Function& function, const Turn& turn);
+    template <int count, int written, class Function>
+    void update_by(const Function& function, const int* vectors, std::span<const int> numbers,
+                   std::span<const float> constants);
     void set_life(size_t block);
     size_t lanes_of(size_t block) const {
         return std::min(size_t(lanes), problem_->problem_count() - block * size_t(lanes));
     }
-    /// of(state) of each lane, 0 beyond the last problem.
-    template <class Of>
-    V gather(size_t block, const Of& of) const;
+    /// A number of the block's problems, 0 beyond the last one.
+    V number_of(size_t block, int number) const;
+    Real* own(size_t block, size_t lane) {
+        return own_.data() + (block * size_t(lanes) + lane) * size_t(room_.numbers);
+    }
+    const V* products(size_t block) const { return products_.data() + block * (3 + size_t(room_.products)); }
 
     Problem* problem_;
+    Room room_;
     std::vector<States> states_;  ///< [blocks]
     std::vector<Life> life_;      ///< [blocks]
-    std::vector<V> p_, trial_, d_, g_, trial_g_, precondition_, fresh_;
+    std::vector<V> products_;     ///< [blocks][products]
+    std::vector<Real> own_;       ///< [problems][numbers]
+    std::vector<std::vector<V>> vectors_{size_t(vector::first_own)};
 };
 
 }  // namespace radiafit

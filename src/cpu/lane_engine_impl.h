@@ -1,4 +1,6 @@
 #pragma once
+#include <bit>
+
 #include "base/parallel.h"
 #include "cpu/lane_engine.h"
 
@@ -18,15 +20,6 @@ void LaneEngine<Problem>::for_blocks(Life least, const Body& body) {
 }
 
 template <class Problem>
-template <class Body>
-void LaneEngine<Problem>::update_states(Life least, const Body& body) {
-    for_blocks(least, [&](size_t b) {
-        for (size_t lane = 0; lane < lanes_of(b); ++lane) body(states_[b][lane], b);
-        set_life(b);
-    });
-}
-
-template <class Problem>
 void LaneEngine<Problem>::set_life(size_t block) {
     life_[block] = Life::over;
     for (size_t lane = 0; lane < lanes_of(block); ++lane) {
@@ -37,10 +30,17 @@ void LaneEngine<Problem>::set_life(size_t block) {
 }
 
 template <class Problem>
-template <class Of>
-auto LaneEngine<Problem>::gather(size_t block, const Of& of) const -> V {
+auto LaneEngine<Problem>::number_of(size_t block, int number) const -> V {
+    if (number >= number::first_product) return products(block)[number - number::first_product];
     V out{};
-    for (size_t lane = 0; lane < lanes_of(block); ++lane) set_lane(out, int(lane), of(states_[block][lane]));
+    for (size_t lane = 0; lane < lanes_of(block); ++lane) {
+        using Fields = std::array<Real, size_t(number::first_own)>;
+        const size_t problem = block * size_t(lanes) + lane;
+        set_lane(out, int(lane),
+                 number < number::first_own
+                     ? std::bit_cast<Fields>(states_[block][lane].problem)[size_t(number)]
+                     : own_[problem * size_t(room_.numbers) + size_t(number - number::first_own)]);
+    }
     return out;
 }
 
@@ -48,12 +48,12 @@ template <class Problem>
 void LaneEngine<Problem>::reset(std::span<const float> start) {
     using real = Real;  // of the constants in the shared text
     const size_t blocks = problem_->block_count();
-    for (auto* vector : {&p_, &trial_, &d_, &g_, &trial_g_, &precondition_, &fresh_})
-        vector->assign(problem_->begin(blocks), V{});
-    problem_->set(start, trial_.data());
-    p_ = trial_;  // what a problem without samples returns
+    for (auto& vector : vectors_) vector.assign(problem_->begin(blocks), V{});
+    problem_->set(start, vectors_[vector::trial].data());
+    vectors_[vector::p] = vectors_[vector::trial];  // what a problem without samples returns
     states_.assign(blocks, {});
     life_.assign(blocks, Life::over);
+    make_room(room_);
     for (size_t b = 0; b < blocks; ++b) {
         for (size_t lane = 0; lane < lanes_of(b); ++lane) {
             auto& s = states_[b][lane].problem;
@@ -66,58 +66,23 @@ void LaneEngine<Problem>::reset(std::span<const float> start) {
 }
 
 template <class Problem>
+void LaneEngine<Problem>::make_room(const Room& room) {
+    room_ = room;
+    const size_t blocks = problem_->block_count();
+    vectors_.resize(size_t(vector::first_own + room.vectors));
+    for (size_t i = vector::first_own; i < vectors_.size(); ++i) vectors_[i].assign(problem_->begin(blocks), V{});
+    products_.assign(blocks * (3 + size_t(room.products)), V{});
+    own_.assign(blocks * size_t(lanes * room.numbers), Real(0));
+}
+
+template <class Problem>
 void LaneEngine<Problem>::direction_pass(bool diagonal) {
     for_blocks(Life::active, [&](size_t b) {
         const size_t begin = problem_->begin(b);
         double errors[lanes];
-        problem_->direction(b, &trial_[begin], &trial_g_[begin], diagonal ? &fresh_[begin] : nullptr, errors);
+        problem_->direction(b, &vectors_[vector::trial][begin], &vectors_[vector::trial_g][begin],
+                            diagonal ? &vectors_[vector::fresh][begin] : nullptr, errors);
         for (size_t lane = 0; lane < lanes_of(b); ++lane) states_[b][lane].trial_error = Real(errors[lane]);
-    });
-}
-
-template <class Problem>
-void LaneEngine<Problem>::project(Rule rule, bool fresh) {
-    const V* weight = rule != Rule::cg_modern ? nullptr : fresh ? fresh_.data() : precondition_.data();
-    for_blocks(Life::active, [&](size_t b) {
-        V norm{}, cross{}, conjugate{};
-        for (size_t i = problem_->begin(b); i < problem_->begin(b + 1); ++i) {
-            const V z = weight ? trial_g_[i] / weight[i] : trial_g_[i];
-            norm += z * trial_g_[i];
-            cross += z * g_[i];
-            conjugate += d_[i] * trial_g_[i];
-        }
-        for (size_t lane = 0; lane < lanes_of(b); ++lane) {
-            State& s = states_[b][lane];
-            s.trial_norm = norm[int(lane)];
-            s.cross = cross[int(lane)];
-            s.conjugate = conjugate[int(lane)];
-        }
-    });
-}
-
-template <class Problem>
-void LaneEngine<Problem>::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
-    update_states(Life::ended, [&](State& s, size_t b) {
-        Text::after_direction(s.problem, int(rule), restart, s.alpha, Real(problem_->texels(b)),
-                              {stop.residual, stop.output_change}, s.trial_error, s.trial_norm, s.cross, s.conjugate);
-    });
-}
-
-template <class Problem>
-void LaneEngine<Problem>::update_direction(Rule rule, bool fresh) {
-    for_blocks(Life::ended, [&](size_t b) {
-        const V accepted = gather(b, [](const State& s) { return s.problem.accepted; });
-        const V beta = gather(b, [](const State& s) { return s.problem.beta; });
-        for (size_t i = problem_->begin(b); i < problem_->begin(b + 1); ++i) {
-            p_[i] = select_nonzero(accepted, trial_[i], p_[i]);
-            g_[i] = select_nonzero(accepted, trial_g_[i], g_[i]);
-            V z = g_[i];
-            if (rule == Rule::cg_modern) {
-                if (fresh) precondition_[i] = select_nonzero(accepted, fresh_[i], precondition_[i]);
-                z = select_nonzero(precondition_[i], z / precondition_[i], z);
-            }
-            d_[i] = beta * d_[i] - z;
-        }
     });
 }
 
@@ -126,7 +91,7 @@ void LaneEngine<Problem>::line_pass() {
     for_blocks(Life::active, [&](size_t b) {
         const size_t begin = problem_->begin(b);
         typename Problem::Sums sums;
-        problem_->line(b, &p_[begin], &d_[begin], sums);
+        problem_->line(b, &vectors_[vector::p][begin], &vectors_[vector::d][begin], sums);
         for (int lane = 0; lane < int(lanes_of(b)); ++lane)
             states_[b][size_t(lane)].sums = {Real(sums.gauss_newton[lane]), Real(sums.curvature[lane]),
                                              Real(sums.third[lane]), Real(sums.fourth[lane])};
@@ -134,19 +99,85 @@ void LaneEngine<Problem>::line_pass() {
 }
 
 template <class Problem>
-void LaneEngine<Problem>::after_line(Rule rule, ProblemText<float>::StopRules stop) {
-    update_states(Life::active, [&](State& s, size_t b) {
-        Text::after_line(s.problem, s.alpha, int(rule), Real(problem_->texels(b)), {stop.residual, stop.output_change},
-                         s.sums);
+void LaneEngine<Problem>::dot(std::initializer_list<DotProduct> products) {
+    for_blocks(Life::active, [&](size_t b) {
+        for (const DotProduct& product : products) {
+            const V *x = vectors_[size_t(product.a)].data(), *y = vectors_[size_t(product.b)].data();
+            V sum{};
+            const size_t begin = problem_->begin(b), end = problem_->begin(b + 1);
+            if (product.weight == vector::none) {
+                for (size_t i = begin; i < end; ++i) sum += x[i] * y[i];
+            } else {
+                const V* weight = vectors_[size_t(product.weight)].data();
+                for (size_t i = begin; i < end; ++i) sum += x[i] / weight[i] * y[i];
+            }
+            products_[b * (3 + size_t(room_.products)) + size_t(product.into)] = sum;
+        }
     });
 }
 
 template <class Problem>
-void LaneEngine<Problem>::advance() {
-    for_blocks(Life::active, [&](size_t b) {
-        const V step = gather(b, [](const State& s) { return Text::trial_step(s.problem, s.alpha); });
-        for (size_t i = problem_->begin(b); i < problem_->begin(b + 1); ++i) trial_[i] = p_[i] + step * d_[i];
+template <class Function>
+void LaneEngine<Problem>::step_by(const Function& function, const Turn& turn) {
+    const typename Text::Turn here{turn.rule, turn.restart, turn.slot, {turn.stop.residual, turn.stop.output_change}};
+    for_blocks(Life::ended, [&](size_t b) {
+        for (size_t lane = 0; lane < lanes_of(b); ++lane) {
+            State& s = states_[b][lane];
+            typename Text::Own own{};
+            std::copy_n(this->own(b, lane), room_.numbers, own.x);
+            typename Text::Given given{Real(problem_->texels(b)), s.trial_error, s.sums, {}};
+            const V* products = this->products(b);
+            for (int i = 0; i < std::min<int>(std::size(given.products), 3 + room_.products); ++i)
+                given.products[i] = products[i][int(lane)];
+            function(s.problem, own, given, here);
+            std::copy_n(own.x, room_.numbers, this->own(b, lane));
+        }
+        set_life(b);
     });
+}
+
+template <class Problem>
+void LaneEngine<Problem>::step(Step which, const Turn& turn) {
+    switch (which) {
+#define RADIAFIT_CASE(file, function) \
+    case Step::function:              \
+        return step_by([](auto&... all) { Text::function(all...); }, turn);
+        RADIAFIT_STEPS(RADIAFIT_CASE)
+#undef RADIAFIT_CASE
+    }
+}
+
+template <class Problem>
+template <int count, int written, class Function>
+void LaneEngine<Problem>::update_by(const Function& function, const int* vectors, std::span<const int> numbers,
+                                    std::span<const float> constants) {
+    V* x[count];
+    for (int k = 0; k < count; ++k) x[k] = vectors_[size_t(vectors[k])].data();
+    typename Text::Constants told{};
+    std::copy(constants.begin(), constants.end(), told.x);
+    for_blocks(Life::ended, [&](size_t b) {
+        typename Text::Registers problem{};
+        for (size_t k = 0; k < numbers.size(); ++k) problem.x[k] = number_of(b, numbers[k]);
+        for (size_t i = problem_->begin(b); i < problem_->begin(b + 1); ++i) {
+            typename Text::Elements e;
+            for (int k = 0; k < count; ++k) e.x[k] = x[k][i];
+            function(e, problem, told);
+            for (int k = 0; k < written; ++k) x[k][i] = e.x[k];
+        }
+    });
+}
+
+template <class Problem>
+void LaneEngine<Problem>::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                                 std::initializer_list<float> constants) {
+    switch (which) {
+#define RADIAFIT_CASE(file, function, count, written, ...)                                                 \
+    case Update::function:                                                                                 \
+        return update_by<count, written>([](auto&... all) { Text::function(all...); }, std::data(vectors), \
+                                         {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
+        RADIAFIT_UPDATES(RADIAFIT_CASE)
+#undef RADIAFIT_CASE
+    }
 }
 
 template <class Problem>

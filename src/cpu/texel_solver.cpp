@@ -242,9 +242,9 @@ public:
         return out;
     }
 
-    uint64_t stream_bytes(uint64_t texels, uint64_t samples) const override {
+    uint64_t stream_bytes(uint64_t texels, uint64_t samples, const Room& room) const override {
         const uint64_t blocks = (texels + lanes - 1) / lanes;
-        return Engine::bytes(blocks * N, blocks) + samples * sizeof(typename Batch::Row) / lanes;
+        return Engine::bytes(blocks * N, blocks, room) + samples * sizeof(typename Batch::Row) / lanes;
     }
 
 private:

@@ -53,7 +53,7 @@ public:
     virtual std::vector<float> errors(const TexelProblem& problem, std::span<const float> parameters,
                                       double* load_s = nullptr) const = 0;
     /// Bytes that stream() holds for so many texels and samples, at least: rows are padded to the longest of eight.
-    virtual uint64_t stream_bytes(uint64_t texels, uint64_t samples) const = 0;
+    virtual uint64_t stream_bytes(uint64_t texels, uint64_t samples, const Room& room) const = 0;
 };
 const TexelSolvers& texel_solvers(const TexelModel& model);
 

@@ -20,7 +20,8 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       run_(mesh_),
       problems_(shape_, fragment_options.sums),
       gathers_(shape_, fragment_options.storage),
-      vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4) {
+      vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4),
+      numbers_(3 * shape_.grid.columns, shape_.grid.rows, 3 * rings.vertex_count(), {}, "vertices") {
     const auto frames = vertex_frames(atlas.mesh());
     std::vector<float> layers[4];
     for (size_t v = 0; v < rings.vertex_count(); ++v) {
@@ -32,13 +33,11 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     for (int layer = 0; layer < 4; ++layer) problems_.write(vertices_, layer, layers[layer]);
 
     const Storage storage = fragment_options.storage;
-    MapPasses::Vectors& v = vectors_;
-    for (MapVector* vector : {&v.p, &v.trial, &v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d})
-        *vector = MapVector(shape_, storage);
+    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(MapVector(shape_, storage));
     gradient_sums_ = MapSums(shape_, fragment_options.sums);
     square_sums_ = MapSums(shape_, fragment_options.sums);
-    map_passes_ = std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, options_, storage);
-    map_passes_->prepare(vectors_);
+    map_passes_ =
+        std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, numbers_, vectors_, options_, storage);
 
     const auto [width, height] = images_.largest();
     const PassWorld world{shape_,         mesh_,     run_,    gathers_,
@@ -47,8 +46,6 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
     images_.set_batch(image_passes_->batch());
 
-    after_direction_ = Program::draw("common/whole.vert", "optimize/after_direction.frag");
-    after_line_ = Program::draw("common/whole.vert", "optimize/after_line.frag");
     bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
 }
 
@@ -108,19 +105,24 @@ ProblemStatistics FragmentEngine::count() {
 }
 
 void FragmentEngine::reset(std::span<const float> start) {
-    MapPasses::Vectors& v = vectors_;
-    v.trial.upload(shape_, start);
-    v.p.upload(shape_, start);  // what a problem without samples returns
-    for (MapVector* vector : {&v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d}) vector->clear();
-    problems_.alpha.clear();
-    problems_.state.clear();
-    using real = float;  // HUGE_ERROR is text shared with GLSL
-    const size_t vertices = layout_.problem_count();
-    std::vector<float> error(4 * vertices, HUGE_ERROR), one(4 * vertices, 1.0f), status(4 * vertices);
-    for (size_t i = 0; i < status.size(); ++i) status[i] = float(samples_[i / 4] ? Status::active : Status::no_samples);
-    problems_.write(problems_.state, 0, error);
-    problems_.write(problems_.state, 3, one);
-    problems_.write(problems_.state, 6, status);
+    for (MapVector& v : vectors_) v.clear();
+    vectors_[vector::trial].upload(shape_, start);
+    vectors_[vector::p].upload(shape_, start);  // what a problem without samples returns
+    numbers_.reset([&](size_t problem) { return samples_[problem / 3]; });
+}
+
+void FragmentEngine::make_room(const Room& room) {
+    const int64_t before = Context::current().allocated_bytes();
+    const size_t wanted = size_t(vector::first_own + room.vectors);
+    if (wanted != vectors_.size()) {
+        vectors_.resize(std::min(wanted, vectors_.size()));
+        while (vectors_.size() < wanted) vectors_.push_back(MapVector(shape_, fragment_options_.storage));
+        map_passes_->forget_own_vectors();
+    }
+    for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
+    problems_.make_products(3 + room.products);
+    numbers_.make_room(room);
+    bytes_ += uint64_t(Context::current().allocated_bytes() - before);
 }
 
 void FragmentEngine::direction_pass(bool diagonal) {
@@ -128,96 +130,41 @@ void FragmentEngine::direction_pass(bool diagonal) {
     gradient_sums_.clear(run_);
     if (diagonal) square_sums_.clear(run_);
     image_passes_->begin_sweep(&gradient_sums_, diagonal ? &square_sums_ : nullptr);
+    const MapVector& trial = vectors_[vector::trial];
     sweep([&](const std::vector<ImageOnDevice>& images) {
-        image_passes_->direction(images, vectors_.trial, gradient_sums_, diagonal ? &square_sums_ : nullptr);
+        image_passes_->direction(images, trial, gradient_sums_, diagonal ? &square_sums_ : nullptr);
     });
-    map_passes_->finish_direction(vectors_.trial, gradient_sums_, first_term_, last_term_);
+    map_passes_->finish_direction(trial, gradient_sums_, first_term_, last_term_);
     if (diagonal) map_passes_->finish_precondition(square_sums_);
-}
-
-void FragmentEngine::project(Rule rule, bool fresh) {
-    problems_.clear({Sum::norm, Sum::cross, Sum::conjugate});
-    const MapVector* weight = rule != Rule::cg_modern ? nullptr : fresh ? &vectors_.fresh : &vectors_.precondition;
-    map_passes_->project(vectors_, weight);
-}
-
-// One fragment per vertex, between the reads and the writes of its state.
-void FragmentEngine::update_states(const Program& program, const Framebuffer& target) {
-    gl().TextureBarrier();
-    problems_.state.bind(7);
-    problems_.bind_sums();
-    problems_.constants.bind(12);
-    problems_.alpha.bind(14);
-    run_.bind(target, program);
-    run_.draw_whole();
-    gl().TextureBarrier();
-}
-
-void FragmentEngine::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
-    after_direction_.set(20, int(rule));
-    after_direction_.set(21, restart ? 1 : 0);
-    after_direction_.set2(22, stop.residual, stop.output_change);
-    update_states(after_direction_, problems_.state_target);
-}
-
-void FragmentEngine::update_direction(Rule rule, bool fresh) {
-    map_passes_->update_direction(vectors_, rule == Rule::cg_modern, rule == Rule::cg_modern && fresh);
 }
 
 void FragmentEngine::line_pass() {
     problems_.clear({Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth, Sum::penalty_curvature});
     const bool quartic = options_.mode == Mode::modern;
+    const MapVector &p = vectors_[vector::p], &d = vectors_[vector::d];
     image_passes_->begin_sweep(nullptr, nullptr);
-    sweep([&](const std::vector<ImageOnDevice>& images) {
-        image_passes_->line(images, vectors_.p, vectors_.d, quartic);
-    });
-    map_passes_->finish_line(vectors_.p, vectors_.d);
+    sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->line(images, p, d, quartic); });
+    map_passes_->finish_line(p, d);
 }
 
-void FragmentEngine::after_line(Rule rule, ProblemText<float>::StopRules stop) {
-    after_line_.set(20, int(rule));
-    after_line_.set2(22, stop.residual, stop.output_change);
-    update_states(after_line_, problems_.line_target);
+void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
+    for (const DotProduct& product : products) map_passes_->dot(product);
 }
 
-void FragmentEngine::advance() { map_passes_->advance(vectors_); }
-
-EngineSummary FragmentEngine::summary() const {
-    const std::vector<float> error = read_state(0), accepted = read_state(5), status = read_state(6);
-    EngineSummary sum;
-    for (size_t i = 0; i < error.size(); ++i) {
-        sum.active += status[i] == float(Status::active);
-        sum.accepted += accepted[i] != 0;
-        if (status[i] != float(Status::no_samples)) sum.error += double(error[i]);
-    }
-    return sum;
+void FragmentEngine::step(Step which, const Turn& turn) {
+    problems_.bind();
+    numbers_.step(run_, which, turn);
 }
 
-// One field of every problem's state, [M].
-std::vector<float> FragmentEngine::read_state(int field) const {
-    const std::vector<float> layer = problems_.read(problems_.state, field);
-    std::vector<float> out(problem_count());
-    for (size_t i = 0; i < out.size(); ++i) out[i] = layer[4 * (i / 3) + i % 3];
-    return out;
-}
-
-void FragmentEngine::outcomes(std::span<ProblemOutcome> out) const {
-    const std::vector<float> error = read_state(0), status = read_state(6), iterations = read_state(7);
-    for (size_t i = 0; i < error.size(); ++i) {
-        out[i] = {error[i], Status(int(status[i])), uint32_t(iterations[i])};
-        if (out[i].status == Status::no_samples) out[i].error = 0;
-        if (out[i].status == Status::active) out[i].status = Status::max_iterations;
-    }
-}
-
-void FragmentEngine::read_errors(std::span<float> out) const {
-    const std::vector<float> error = read_state(0);
-    std::copy(error.begin(), error.end(), out.begin());
+void FragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                            std::initializer_list<float> constants) {
+    map_passes_->update(which, {vectors.begin(), vectors.end()}, {numbers.begin(), numbers.end()},
+                        {constants.begin(), constants.end()});
 }
 
 void FragmentEngine::read_parameters(std::span<float> out) const {
     std::fill(out.begin(), out.end(), 0.0f);
-    vectors_.p.download(shape_, out);
+    vectors_[vector::p].download(shape_, out);
 }
 
 FragmentEngine::Evaluation FragmentEngine::read_evaluation() const {
@@ -231,14 +178,14 @@ FragmentEngine::Evaluation FragmentEngine::read_evaluation() const {
     }
     result.gradient.assign(layout_.size(), 0.0f);
     result.diagonal.assign(layout_.size(), 0.0f);
-    vectors_.trial_g.download(shape_, result.gradient);
-    vectors_.fresh.download(shape_, result.diagonal);
+    vectors_[vector::trial_g].download(shape_, result.gradient);
+    vectors_[vector::fresh].download(shape_, result.diagonal);
     return result;
 }
 
 void FragmentEngine::set_line(std::span<const float> p, std::span<const float> d) {
-    vectors_.p.upload(shape_, p);
-    vectors_.d.upload(shape_, d);
+    vectors_[vector::p].upload(shape_, p);
+    vectors_[vector::d].upload(shape_, d);
 }
 
 FragmentEngine::Line FragmentEngine::read_line() const {

@@ -50,16 +50,16 @@ public:
     ProblemStatistics count();
     void reset(std::span<const float> start);
     void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
+    void make_room(const Room& room);
     void direction_pass(bool diagonal);
-    void project(Rule rule, bool fresh);
-    void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop);
-    void update_direction(Rule rule, bool fresh);
     void line_pass();
-    void after_line(Rule rule, ProblemText<float>::StopRules stop);
-    void advance();
-    EngineSummary summary() const;
-    void outcomes(std::span<ProblemOutcome> out) const;
-    void read_errors(std::span<float> out) const;
+    void dot(std::initializer_list<DotProduct> products);
+    void step(Step which, const Turn& turn);
+    void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants);
+    EngineSummary summary() const { return numbers_.summary(); }
+    void outcomes(std::span<ProblemOutcome> out) const { numbers_.outcomes(out); }
+    void read_errors(std::span<float> out) const { numbers_.read_errors(out); }
     void read_parameters(std::span<float> out) const;
 
     // What tests and agreement checks look at.
@@ -83,8 +83,6 @@ public:
 private:
     template <class Body>
     void sweep(const Body& body);
-    void update_states(const Program& program, const Framebuffer& target);
-    std::vector<float> read_state(int field) const;
 
     int64_t allocated_before_ = Context::current().allocated_bytes();
     LfmOptions options_;
@@ -97,11 +95,11 @@ private:
     ProblemTextures problems_;
     Gathers gathers_;
     Texture vertices_;
-    MapPasses::Vectors vectors_;
+    ProblemNumbers numbers_;
+    std::vector<MapVector> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
     MapSums gradient_sums_, square_sums_;
     std::unique_ptr<MapPasses> map_passes_;
     std::unique_ptr<ImagePasses> image_passes_;
-    Program after_direction_, after_line_;
     std::vector<uint32_t> samples_;  ///< [vertices], from count()
     mutable FragmentTimes times_;
     int first_term_ = 0, last_term_ = 1 << 30;

@@ -54,7 +54,8 @@ PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views
 
 std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
                                                const VertexRings& rings, std::span<const uint32_t> views,
-                                               const LfmOptions& options, const FragmentOptions& fragment_options) {
+                                               const LfmOptions& options, const FragmentOptions& fragment_options,
+                                               const Room& room) {
     const uint64_t terms = uint64_t(options.terms);
     const ProblemGrid grid(rings.vertex_count(), options.view_side);
     const uint64_t problems = uint64_t(grid.columns) * grid.rows;
@@ -76,6 +77,9 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
                                          problems, options.view_side * options.view_side);
     for (const char* name : {"p", "trial", "g", "trial g", "P", "fresh P", "d"})
         plan.add(name, maps, terms * (3 * layout + map_texels), stored);
+    if (room.vectors > 0)
+        plan.add("vectors of the optimizer", fmt::format("{} x as many", room.vectors),
+                 uint64_t(room.vectors) * terms * (3 * layout + map_texels), stored);
     for (const char* name : {"gradient sums", "diagonal sums"})
         plan.add(name, maps, terms * (3 * layout + map_texels), summed);
     plan.add("L p, products", fmt::format("2 x (3 x {} x {} + view maps)", atlas.width(), atlas.height()),
@@ -86,10 +90,14 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("mesh", fmt::format("{} triangles, attributes and indices", triangles),
              triangles * 3 * (3 * 12 + 4 + 12 + 4), 1);
     plan.add("vertex frames", fmt::format("4 x {} x {}", grid.columns, grid.rows), 4 * problems, float4);
-    plan.add("state of problems", fmt::format("13 x {} x {}", grid.columns, grid.rows), 13 * problems, float4);
+    plan.add("state of problems",
+             fmt::format("(4 + 3 x {}) x {} x {}", ProblemNumbers::layers(room), grid.columns, grid.rows),
+             (4 + 3 * uint64_t(ProblemNumbers::layers(room))) * problems, float4);
+    plan.add("dot products", fmt::format("{} x {} x {}", 3 + room.products, grid.columns, grid.rows),
+             (3 + uint64_t(room.products)) * problems, float4);
     plan.add("sums of problems over samples", fmt::format("5 x {} x {}", grid.columns, grid.rows), 5 * problems,
              summed);
-    plan.add("sums of problems over maps", fmt::format("6 x {} x {}", grid.columns, grid.rows), 6 * problems, float4);
+    plan.add("sums of problems over maps", fmt::format("3 x {} x {}", grid.columns, grid.rows), 3 * problems, float4);
     plan.add("tiles drawn", "2 sets", 2 * tiles, 4);
     uint64_t bands = 0;
     for (int entries : {Gathers::tile_entries, Gathers::product_entries})

@@ -19,6 +19,7 @@ PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views
 /// passes on a device with fewer than 124 varying components.
 std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
                                                const VertexRings& rings, std::span<const uint32_t> views,
-                                               const LfmOptions& options, const FragmentOptions& fragment_options);
+                                               const LfmOptions& options, const FragmentOptions& fragment_options,
+                                               const Room& room = {});
 
 }  // namespace radiafit

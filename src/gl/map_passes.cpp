@@ -1,10 +1,21 @@
 #include "gl/map_passes.h"
 
+#include <algorithm>
+
 namespace radiafit {
 
 MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers,
-                     ProblemTextures& problems, const LfmOptions& options, Storage storage)
-    : shape_(shape), run_(run), gathers_(gathers), problems_(problems), options_(options) {
+                     ProblemTextures& problems, const ProblemNumbers& numbers, const std::vector<MapVector>& vectors,
+                     const LfmOptions& options, Storage storage)
+    : shape_(shape),
+      run_(run),
+      gathers_(gathers),
+      problems_(problems),
+      numbers_(numbers),
+      vectors_(vectors),
+      mesh_(mesh),
+      options_(options),
+      storage_(storage) {
     const int m = shape.grid.view_side;
     for (auto* textures : {&smoothed_, &product_}) {
         (*textures)[surface] = Texture(GL_RGBA32F, shape.atlas->width(), shape.atlas->height(), 3);
@@ -15,51 +26,66 @@ MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run
             smoothed_targets_[site].push_back(Framebuffer({{&smoothed_[site], layer}}));
             product_targets_[site].push_back(Framebuffer({{&product_[site], layer}}));
         }
-    const auto make = [&](const std::string& fragment, const Defines& more = {}) {
-        Pair pair;
-        Defines defines = shape.defines(storage);
-        defines.insert(defines.end(), more.begin(), more.end());
-        pair.program[surface] = Program::draw("gather/map.vert", "optimize/" + fragment, defines);
-        mesh.set_layout(pair.program[surface]);
-        defines.push_back({"VIEW_MAPS", ""});
-        pair.program[view] = Program::draw("common/whole.vert", "optimize/" + fragment, defines);
-        for (const Program& program : pair.program) {
-            program.set(14, options.lambda_surface);
-            program.set(15, options.mu);
-            program.set2(16, options.lower, options.upper);
-            program.set(17, options.mode == Mode::paper ? 1 : 0);
-        }
-        return pair;
+    const auto pass = [&](const char* fragment, const Defines& more = {}) {
+        return make([&](const std::string& vertex_file, const Defines& defines) {
+            return Program::draw(vertex_file, std::string("optimize/") + fragment, defines + more);
+        });
     };
-    laplacian_ = make("laplacian.frag");
-    penalty_error_ = make("penalty_error.frag");
-    penalty_curvature_ = make("penalty_curvature.frag");
-    gradient_ = make("gradient.frag");
-    precondition_ = make("precondition.frag");
-    floored_ = make("precondition.frag", {{"FLOORED", ""}});
-    for (int product = 0; product < 3; ++product)
-        dot_[product] = make("dot.frag", {{"PRODUCT", std::to_string(product)}});
-    update_ = make("update_direction.frag");
-    advance_ = make("advance.frag");
+    laplacian_ = pass("laplacian.frag");
+    penalty_error_ = pass("penalty_error.frag");
+    penalty_curvature_ = pass("penalty_curvature.frag");
+    gradient_ = pass("gradient.frag");
+    precondition_ = pass("precondition.frag");
+    floored_ = pass("precondition.frag", {{"FLOORED", ""}});
+    dot_ = pass("dot.frag");
+    for (const Update which : {Update::update_direction, Update::advance}) update_pair(which);
 }
 
-void MapPasses::prepare(const Vectors& v) {
-    const int terms = shape_.terms();
-    for (int corner = 0; corner < 3; ++corner)
-        for (int term = 0; term < terms; ++term) {
-            const auto of = [&](const MapVector& x) { return x.surface_target(corner, term); };
-            gradient_targets_[surface].push_back(Framebuffer({of(v.trial_g)}));
-            fresh_targets_[surface].push_back(Framebuffer({of(v.fresh)}));
-            trial_targets_[surface].push_back(Framebuffer({of(v.trial)}));
-            update_targets_[surface].push_back(Framebuffer({of(v.p), of(v.g), of(v.precondition), of(v.d)}));
-        }
-    for (int term = 0; term < terms; ++term) {
-        const auto of = [&](const MapVector& x) { return x.view_target(term); };
-        gradient_targets_[view].push_back(Framebuffer({of(v.trial_g)}));
-        fresh_targets_[view].push_back(Framebuffer({of(v.fresh)}));
-        trial_targets_[view].push_back(Framebuffer({of(v.trial)}));
-        update_targets_[view].push_back(Framebuffer({of(v.p), of(v.g), of(v.precondition), of(v.d)}));
+MapPasses::Pair MapPasses::make(
+    const std::function<Program(const std::string& vertex_file, const Defines& defines)>& program) const {
+    const Defines defines = shape_.defines(storage_);
+    Pair pair;
+    pair.program[surface] = program("gather/map.vert", defines);
+    mesh_.set_layout(pair.program[surface]);
+    pair.program[view] = program("common/whole.vert", defines + Defines{{"VIEW_MAPS", ""}});
+    for (const Program& made : pair.program) {
+        made.set(14, options_.lambda_surface);
+        made.set(15, options_.mu);
+        made.set2(16, options_.lower, options_.upper);
+        made.set(17, options_.mode == Mode::paper ? 1 : 0);
     }
+    return pair;
+}
+
+const MapPasses::Pair& MapPasses::update_pair(Update which) {
+    Pair& pair = updates_[which];
+    if (!pair.program[surface].name())
+        pair = make([&](const std::string& vertex_file, const Defines& defines) {
+            return make_update(which, vertex_file, "map_elements", defines);
+        });
+    return pair;
+}
+
+const MapPasses::Targets& MapPasses::targets(std::span<const int> vectors) {
+    Targets& targets = targets_[{vectors.begin(), vectors.end()}];
+    if (!targets[surface].empty()) return targets;
+    const auto add = [&](Site site, const auto& of) {
+        std::vector<Target> colours;
+        for (const int v : vectors) colours.push_back(of(vectors_[size_t(v)]));
+        targets[site].push_back(Framebuffer(colours));
+    };
+    for (int corner = 0; corner < 3; ++corner)
+        for (int term = 0; term < shape_.terms(); ++term)
+            add(surface, [&](const MapVector& x) { return x.surface_target(corner, term); });
+    for (int term = 0; term < shape_.terms(); ++term)
+        add(view, [&](const MapVector& x) { return x.view_target(term); });
+    return targets;
+}
+
+void MapPasses::forget_own_vectors() {
+    std::erase_if(targets_, [](const auto& entry) {
+        return std::ranges::any_of(entry.first, [](int v) { return v >= vector::first_own; });
+    });
 }
 
 void MapPasses::set_term(const Pair& pair, int term) {
@@ -108,7 +134,7 @@ void MapPasses::gather_pass(const Pair& pair, const Framebuffer& sum, Gather gat
 }
 
 template <class Bind>
-void MapPasses::store_pass(const Pair& pair, const std::vector<Framebuffer> (&targets)[2], int term, const Bind& bind) {
+void MapPasses::store_pass(const Pair& pair, const Targets& targets, int term, const Bind& bind) {
     set_term(pair, term);
     for (int site = 0; site < 2; ++site)
         for (int corner = 0; corner < (site == surface ? 3 : 1); ++corner) {
@@ -131,7 +157,7 @@ void MapPasses::finish_direction(const MapVector& x, const MapSums& sums, int fi
         gather_pass(penalty_error_, problems_.sum_target(Sum::penalty), Gather::sum, term, bind);
         for (const Program& program : gradient_.program)
             program.set(23, term >= first_term && term < last_term ? 1 : 0);
-        store_pass(gradient_, gradient_targets_, term, bind);
+        store_pass(gradient_, targets({{vector::trial_g}}), term, bind);
     }
 }
 
@@ -144,7 +170,7 @@ void MapPasses::finish_precondition(const MapSums& squares) {
     run_.clear(problems_.largest_target);
     for (int term = 0; term < shape_.terms(); ++term)
         gather_pass(precondition_, problems_.largest_target, Gather::maximum, term, bind);
-    for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, fresh_targets_, term, bind);
+    for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, targets({{vector::fresh}}), term, bind);
 }
 
 void MapPasses::finish_line(const MapVector& x, const MapVector& d) {
@@ -159,43 +185,31 @@ void MapPasses::finish_line(const MapVector& x, const MapVector& d) {
     }
 }
 
-void MapPasses::project(const Vectors& v, const MapVector* precondition) {
-    constexpr Sum sums[3] = {Sum::norm, Sum::cross, Sum::conjugate};
-    for (int product = 0; product < 3; ++product) {
-        const MapVector& other = product == 2 ? v.d : v.g;
-        for (const Program& program : dot_[product].program) program.set(18, precondition ? 1 : 0);
-        gather_pass(dot_[product], problems_.sum_target(sums[product]), Gather::sum, 0, [&](int site) {
-            part(v.trial_g, site).bind(2);
-            part(other, site).bind(3);
-            part(precondition ? *precondition : v.fresh, site).bind(4);
-        });
-    }
+void MapPasses::dot(const DotProduct& product) {
+    const Framebuffer& sum = problems_.product_target(product.into);
+    const bool weighted = product.weight != vector::none;
+    for (const Program& program : dot_.program) program.set(18, weighted ? 1 : 0);
+    run_.clear(sum);
+    gather_pass(dot_, sum, Gather::sum, 0, [&](int site) {
+        part(vectors_[size_t(product.a)], site).bind(2);
+        part(vectors_[size_t(product.b)], site).bind(3);
+        part(vectors_[size_t(weighted ? product.weight : product.a)], site).bind(4);
+    });
 }
 
-void MapPasses::update_direction(const Vectors& v, bool preconditioned, bool fresh) {
+void MapPasses::update(Update which, std::span<const int> vectors, std::span<const int> numbers,
+                       std::span<const float> constants) {
+    const Pair& pair = update_pair(which);
+    const Targets& written = targets(vectors.first(size_t(updates[int(which)].written)));
+    for (const Program& program : pair.program) tell_update(program, numbers, constants);
     gl().TextureBarrier();
-    for (const Program& program : update_.program) {
-        program.set(18, preconditioned ? 1 : 0);
-        program.set(19, fresh ? 1 : 0);
-    }
     for (int term = 0; term < shape_.terms(); ++term)
-        store_pass(update_, update_targets_, term, [&](int site) {
-            unsigned unit = 0;
-            for (const MapVector* x : {&v.p, &v.trial, &v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d})
-                part(*x, site).bind(unit++);
-            problems_.state.bind(7);
+        store_pass(pair, written, term, [&](int site) {
+            for (size_t k = 0; k < vectors.size(); ++k) part(vectors_[size_t(vectors[k])], site).bind(unsigned(k));
+            numbers_.bind();
+            problems_.bind_products();
         });
     gl().TextureBarrier();
-}
-
-void MapPasses::advance(const Vectors& v) {
-    for (int term = 0; term < shape_.terms(); ++term)
-        store_pass(advance_, trial_targets_, term, [&](int site) {
-            part(v.p, site).bind(0);
-            part(v.d, site).bind(6);
-            problems_.state.bind(7);
-            problems_.alpha.bind(14);
-        });
 }
 
 }  // namespace radiafit

@@ -3,9 +3,7 @@
 namespace radiafit {
 
 ProblemTextures::ProblemTextures(const MapShape& shape, Sums sums)
-    : state(GL_RGBA32F, shape.grid.columns, shape.grid.rows, 8),
-      alpha(GL_RGBA32F, shape.grid.columns, shape.grid.rows),
-      constants(GL_RGBA32F, shape.grid.columns, shape.grid.rows, 2),
+    : constants(GL_RGBA32F, shape.grid.columns, shape.grid.rows, 2),
       largest(GL_RGBA32F, shape.grid.columns, shape.grid.rows),
       ring(GL_RGBA32F, shape.grid.columns, shape.grid.rows),
       vertices_(shape.layout->problem_count()),
@@ -13,15 +11,19 @@ ProblemTextures::ProblemTextures(const MapShape& shape, Sums sums)
       rows_(shape.grid.rows),
       sample_sums_(sums_format(sums), columns_, rows_, int(Sum::penalty)),
       map_sums_(GL_RGBA32F, columns_, rows_, int(Sum::count) - int(Sum::penalty)) {
-    std::vector<Target> fields;
-    for (int field = 0; field < 8; ++field) fields.push_back({&state, field});
-    state_target = Framebuffer(fields);
-    line_target = Framebuffer({{&state, 6}, {&alpha}});
     largest_target = Framebuffer({{&largest}});
     ring_target = Framebuffer({{&ring}});
     for (int layer = 0; layer < sample_sums_.layers(); ++layer)
         sum_targets_.push_back(Framebuffer({{&sample_sums_, layer}}));
     for (int layer = 0; layer < map_sums_.layers(); ++layer) sum_targets_.push_back(Framebuffer({{&map_sums_, layer}}));
+    make_products(3);
+}
+
+void ProblemTextures::make_products(int count) {
+    if (products_ && products_.layers() == count) return;
+    product_targets_.clear();
+    products_ = Texture(GL_RGBA32F, columns_, rows_, count);
+    for (int layer = 0; layer < count; ++layer) product_targets_.push_back(Framebuffer({{&products_, layer}}));
 }
 
 std::vector<float> ProblemTextures::read(Sum sum) const {

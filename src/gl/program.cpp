@@ -148,14 +148,14 @@ Program Program::compute(const std::string& file, const Defines& defines) {
 void Program::find_locations() {
     int count = 0;
     gl().GetProgramInterfaceiv(name_, GL_UNIFORM, GL_ACTIVE_RESOURCES, &count);
-    const GLenum properties[] = {GL_LOCATION, GL_TYPE};
+    const GLenum properties[] = {GL_LOCATION, GL_TYPE, GL_ARRAY_SIZE};
     for (int i = 0; i < count; ++i) {
-        int values[2] = {-1, 0};
-        gl().GetProgramResourceiv(name_, GL_UNIFORM, static_cast<GLuint>(i), 2, properties, 2, nullptr, values);
-        if (values[0] < 0 || values[0] >= 64) continue;
+        int values[3] = {-1, 0, 0};
+        gl().GetProgramResourceiv(name_, GL_UNIFORM, static_cast<GLuint>(i), 3, properties, 3, nullptr, values);
+        if (values[0] < 0 || values[0] + values[2] > 64) continue;
         // Samplers get locations too, wherever the linker finds room, and are bound by unit.
         for (int type : {GL_FLOAT, GL_FLOAT_VEC2, GL_FLOAT_VEC3, GL_FLOAT_VEC4, GL_INT, GL_INT_VEC2})
-            if (values[1] == type) locations_ |= uint64_t(1) << values[0];
+            for (int k = 0; values[1] == type && k < values[2]; ++k) locations_ |= uint64_t(1) << (values[0] + k);
     }
 }
 

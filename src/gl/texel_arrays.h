@@ -41,6 +41,7 @@ public:
     void upload(const TexelShape& shape, std::span<const float> values);
     void download(const TexelShape& shape, std::span<float> values) const;  ///< waits
     void clear() { maps_.clear(); }
+    Storage storage() const { return storage_; }
     void bind(unsigned unit) const { maps_.bind(unit); }
     Target target(int map) const { return {&maps_, map}; }
 

@@ -1,5 +1,7 @@
 #include "gl/texel_engine.h"
 
+#include <algorithm>
+
 #include "dataset/encoding.h"
 
 namespace radiafit {
@@ -24,14 +26,11 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     }
     const auto single = [&](int layers) { return Texture(GL_RGBA32F, shape_.width(), shape_.height(), layers); };
     surface_ = single(2);
-    state_ = single(2);
-    products_ = single(0);
-    for (Texture* texture : {&alpha_, &density_, &penalty_})
-        *texture = Texture(GL_R32F, shape_.width(), shape_.height());
+    for (Texture* texture : {&density_, &penalty_}) *texture = Texture(GL_R32F, shape_.width(), shape_.height());
+    numbers_.emplace(shape_.width(), shape_.height(), shape_.texels(), shape_.place, "texels");
+    make_products(3);
     const Storage storage = fragment_options.storage;
-    Vectors& v = vectors_;
-    for (TexelVector* vector : {&v.p, &v.trial, &v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d})
-        *vector = TexelVector(shape_, storage);
+    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(TexelVector(shape_, storage));
     const GLenum summed = sums_format(fragment_options.sums);
     sums_.gradient = TexelSumLayers(summed, shape_, shape_.maps());
     sums_.diagonal = TexelSumLayers(summed, shape_, shape_.diagonal_layers());
@@ -51,17 +50,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
                                                        : make_combined_texel_passes(world, fragment_options.together);
     images_.set_batch(passes_->batch());
 
-    state_target_ = Framebuffer({{&state_, 0}, {&state_, 1}});
-    line_target_ = Framebuffer({{&state_, 1}, {&alpha_}});
     penalty_target_ = Framebuffer({{&penalty_}});
-    products_target_ = Framebuffer({{&products_}});
-    for (int map = 0; map < shape_.maps(); ++map) {
-        gradient_targets_.push_back(Framebuffer({v.trial_g.target(map)}));
-        fresh_targets_.push_back(Framebuffer({v.fresh.target(map)}));
-        trial_targets_.push_back(Framebuffer({v.trial.target(map)}));
-        update_targets_.push_back(
-            Framebuffer({v.p.target(map), v.g.target(map), v.precondition.target(map), v.d.target(map)}));
-    }
     const auto whole = [&](const char* shader, const Defines& what = {}) {
         return Program::draw("common/whole.vert", std::string("reflect/") + shader, shape_.defines(storage) + what);
     };
@@ -69,11 +58,8 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     penalty_curvature_ = whole("penalty.frag", {{"ALONG", ""}});
     gradient_ = whole("gradient.frag");
     precondition_ = whole("precondition.frag");
-    dots_ = whole("dots.frag");
-    after_direction_ = whole("after_direction.frag");
-    after_line_ = whole("after_line.frag");
-    update_ = whole("update_direction.frag");
-    advance_ = whole("advance.frag");
+    dot_ = whole("dot.frag");
+    for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
     write_surface({});
     bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
@@ -180,22 +166,51 @@ std::vector<float> TexelFragmentEngine::start() {
 }
 
 void TexelFragmentEngine::reset(std::span<const float> start) {
-    Vectors& v = vectors_;
-    v.trial.upload(shape_, start);
-    v.p.upload(shape_, start);  // what a problem without samples returns
-    for (TexelVector* vector : {&v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d}) vector->clear();
-    alpha_.clear();
-    using real = float;  // HUGE_ERROR is text shared with GLSL
-    std::vector<float> layers[2];
-    for (auto& layer : layers) layer.resize(4 * size_t(shape_.width()) * size_t(shape_.height()));
-    for (size_t at = 0; at < layers[0].size(); at += 4) {
-        layers[0][at] = HUGE_ERROR;
-        layers[0][at + 3] = 1;                               // step factor
-        layers[1][at + 2] = float(int(Status::no_samples));  // padding, too
+    for (TexelVector& v : vectors_) v.clear();
+    vectors_[vector::trial].upload(shape_, start);
+    vectors_[vector::p].upload(shape_, start);  // what a problem without samples returns
+    numbers_->reset([&](size_t texel) { return samples_[texel]; });
+}
+
+void TexelFragmentEngine::make_products(int count) {
+    if (products_ && products_.layers() == count) return;
+    product_targets_.clear();
+    products_ = Texture(GL_R32F, shape_.width(), shape_.height(), count);
+    for (int layer = 0; layer < count; ++layer) product_targets_.push_back(Framebuffer({{&products_, layer}}));
+}
+
+void TexelFragmentEngine::make_room(const Room& room) {
+    const int64_t before = Context::current().allocated_bytes();
+    const size_t wanted = size_t(vector::first_own + room.vectors);
+    if (wanted != vectors_.size()) {
+        const Storage storage = vectors_[0].storage();
+        vectors_.resize(std::min(wanted, vectors_.size()));
+        while (vectors_.size() < wanted) vectors_.push_back(TexelVector(shape_, storage));
+        std::erase_if(targets_, [](const auto& entry) {
+            return std::ranges::any_of(entry.first, [](int v) { return v >= vector::first_own; });
+        });
     }
-    for (size_t texel = 0; texel < shape_.texels(); ++texel)
-        if (samples_[texel]) layers[1][4 * size_t(shape_.place[texel]) + 2] = float(int(Status::active));
-    for (int layer = 0; layer < 2; ++layer) state_.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
+    for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
+    make_products(3 + room.products);
+    numbers_->make_room(room);
+    bytes_ += uint64_t(Context::current().allocated_bytes() - before);
+}
+
+const Program& TexelFragmentEngine::update_program(Update which) {
+    Program& program = updates_[which];
+    if (!program.name())
+        program = make_update(which, "common/whole.vert", "texel_elements", shape_.defines(vectors_[0].storage()));
+    return program;
+}
+
+const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const int> vectors) {
+    std::vector<Framebuffer>& targets = targets_[{vectors.begin(), vectors.end()}];
+    for (int map = int(targets.size()); map < shape_.maps(); ++map) {
+        std::vector<Target> colours;
+        for (const int v : vectors) colours.push_back(vectors_[size_t(v)].target(map));
+        targets.push_back(Framebuffer(colours));
+    }
+    return targets;
 }
 
 void TexelFragmentEngine::penalty_pass(const Program& program, const TexelVector& x, const TexelVector* d) {
@@ -211,8 +226,6 @@ void TexelFragmentEngine::map_passes(const Program& program, const std::vector<F
                                      const Bind& bind) {
     bind();
     density_.bind(12);
-    state_.bind(9);
-    alpha_.bind(10);
     for (int map = 0; map < shape_.maps(); ++map) {
         program.set(10, map);
         run_->bind(targets[size_t(map)], program);
@@ -221,115 +234,65 @@ void TexelFragmentEngine::map_passes(const Program& program, const std::vector<F
 }
 
 void TexelFragmentEngine::direction_pass(bool diagonal) {
-    const Vectors& v = vectors_;
+    const TexelVector& trial = vectors_[vector::trial];
     sums_.gradient.clear(*run_);
     if (diagonal) sums_.diagonal.clear(*run_);
-    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->direction(images, v.trial, diagonal); });
-    penalty_pass(penalty_program_, v.trial, nullptr);
-    map_passes(gradient_, gradient_targets_, [&] {
-        v.trial.bind(5);
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->direction(images, trial, diagonal); });
+    penalty_pass(penalty_program_, trial, nullptr);
+    map_passes(gradient_, targets({{vector::trial_g}}), [&] {
+        trial.bind(5);
         sums_.gradient.layers.bind(11);
     });
     if (diagonal)
-        map_passes(precondition_, fresh_targets_, [&] {
-            v.trial.bind(5);
+        map_passes(precondition_, targets({{vector::fresh}}), [&] {
+            trial.bind(5);
             sums_.diagonal.layers.bind(11);
         });
 }
 
-void TexelFragmentEngine::project(Rule rule, bool fresh) {
-    const Vectors& v = vectors_;
-    v.trial_g.bind(1);
-    v.g.bind(2);
-    v.d.bind(3);
-    (fresh ? v.fresh : v.precondition).bind(4);
-    dots_.set(18, rule == Rule::cg_modern ? 1 : 0);
-    run_->bind(products_target_, dots_);
-    run_->draw_whole();
+void TexelFragmentEngine::line_pass() {
+    const TexelVector &p = vectors_[vector::p], &d = vectors_[vector::d];
+    sums_.line.clear(*run_);
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->line(images, p, d); });
+    penalty_pass(penalty_curvature_, p, &d);
 }
 
-// One fragment per texel, between the reads and the writes of its state.
-void TexelFragmentEngine::after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop) {
-    after_direction_.set(20, int(rule));
-    after_direction_.set(21, restart ? 1 : 0);
-    after_direction_.set2(22, stop.residual, stop.output_change);
+void TexelFragmentEngine::dot(std::initializer_list<DotProduct> products) {
+    for (const DotProduct& product : products) {
+        const bool weighted = product.weight != vector::none;
+        vectors_[size_t(product.a)].bind(1);
+        vectors_[size_t(product.b)].bind(2);
+        vectors_[size_t(weighted ? product.weight : product.a)].bind(4);
+        dot_.set(18, weighted ? 1 : 0);
+        run_->bind(product_targets_[size_t(product.into)], dot_);
+        run_->draw_whole();
+    }
+}
+
+void TexelFragmentEngine::step(Step which, const Turn& turn) {
     sums_.gradient.layers.bind(11);
-    products_.bind(14);
-    update_states(after_direction_, state_target_);
-}
-
-void TexelFragmentEngine::after_line(Rule rule, ProblemText<float>::StopRules stop) {
-    after_line_.set(20, int(rule));
-    after_line_.set2(22, stop.residual, stop.output_change);
-    sums_.line.layers.bind(11);
-    update_states(after_line_, line_target_);
-}
-
-void TexelFragmentEngine::update_states(const Program& program, const Framebuffer& target) {
-    gl().TextureBarrier();
-    state_.bind(9);
-    alpha_.bind(10);
     density_.bind(12);
     penalty_.bind(13);
-    run_->bind(target, program);
-    run_->draw_whole();
-    gl().TextureBarrier();
+    sums_.line.layers.bind(14);
+    products_.bind(15);
+    numbers_->step(*run_, which, turn);
 }
 
-void TexelFragmentEngine::update_direction(Rule rule, bool fresh) {
-    const Vectors& v = vectors_;
-    update_.set(18, rule == Rule::cg_modern ? 1 : 0);
-    update_.set(19, rule == Rule::cg_modern && fresh ? 1 : 0);
+void TexelFragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                                 std::initializer_list<float> constants) {
+    const std::span<const int> list(vectors.begin(), vectors.end());
+    const Program& program = update_program(which);
+    tell_update(program, {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
     gl().TextureBarrier();
-    map_passes(update_, update_targets_, [&] {
-        unsigned unit = 0;
-        for (const TexelVector* x : {&v.p, &v.trial, &v.g, &v.trial_g, &v.precondition, &v.fresh, &v.d})
-            x->bind(unit++);
+    map_passes(program, targets(list.first(size_t(updates[int(which)].written))), [&] {
+        for (size_t k = 0; k < list.size(); ++k) vectors_[size_t(list[k])].bind(unsigned(k));
+        numbers_->bind();
+        products_.bind(15);
     });
     gl().TextureBarrier();
 }
 
-void TexelFragmentEngine::line_pass() {
-    const Vectors& v = vectors_;
-    sums_.line.clear(*run_);
-    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->line(images, v.p, v.d); });
-    penalty_pass(penalty_curvature_, v.p, &v.d);
-}
-
-void TexelFragmentEngine::advance() {
-    map_passes(advance_, trial_targets_, [&] {
-        vectors_.p.bind(0);
-        vectors_.d.bind(6);
-    });
-}
-
-EngineSummary TexelFragmentEngine::summary() const {
-    using real = float;
-    const std::vector<float> error = field(0), accepted = field(5), status = field(6);
-    EngineSummary sum;
-    for (size_t i = 0; i < error.size(); ++i) {
-        sum.active += status[i] == float(Status::active);
-        sum.accepted += accepted[i] != 0;
-        if (error[i] < HUGE_ERROR) sum.error += double(error[i]);  // else never evaluated, or not finite
-    }
-    return sum;
-}
-
-void TexelFragmentEngine::outcomes(std::span<ProblemOutcome> out) const {
-    using real = float;
-    const std::vector<float> error = field(0), status = field(6), iterations = field(7);
-    for (size_t i = 0; i < error.size(); ++i) {
-        out[i] = {error[i] < HUGE_ERROR ? error[i] : 0, Status(int(status[i])), uint32_t(iterations[i])};
-        if (out[i].status == Status::active) out[i].status = Status::max_iterations;
-    }
-}
-
-void TexelFragmentEngine::read_errors(std::span<float> out) const {
-    const std::vector<float> error = field(0);
-    std::copy(error.begin(), error.end(), out.begin());
-}
-
-void TexelFragmentEngine::read_parameters(std::span<float> out) const { vectors_.p.download(shape_, out); }
+void TexelFragmentEngine::read_parameters(std::span<float> out) const { vectors_[vector::p].download(shape_, out); }
 
 TexelFragmentEngine::Evaluation TexelFragmentEngine::read_evaluation() const {
     Evaluation result;
@@ -338,14 +301,14 @@ TexelFragmentEngine::Evaluation TexelFragmentEngine::read_evaluation() const {
     for (size_t i = 0; i < squares.size(); ++i) result.error.push_back(0.5f * density[i] * squares[i] + penalty[i]);
     result.gradient.resize(parameter_count());
     result.diagonal.resize(parameter_count());
-    vectors_.trial_g.download(shape_, result.gradient);
-    vectors_.fresh.download(shape_, result.diagonal);
+    vectors_[vector::trial_g].download(shape_, result.gradient);
+    vectors_[vector::fresh].download(shape_, result.diagonal);
     return result;
 }
 
 void TexelFragmentEngine::set_line(std::span<const float> p, std::span<const float> d) {
-    vectors_.p.upload(shape_, p);
-    vectors_.d.upload(shape_, d);
+    vectors_[vector::p].upload(shape_, p);
+    vectors_[vector::d].upload(shape_, d);
 }
 
 TexelFragmentEngine::Line TexelFragmentEngine::read_line() const {

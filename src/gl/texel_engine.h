@@ -1,8 +1,10 @@
 #pragma once
+#include <map>
 #include <memory>
 #include <optional>
 
 #include "gl/fragment_engine.h"
+#include "gl/problem_numbers.h"
 #include "gl/texel_passes.h"
 #include "model/texel_options.h"
 
@@ -35,16 +37,16 @@ public:
     // The other verbs of optim/engine.h.
     void reset(std::span<const float> start);
     void fit_terms(int, int) {}
+    void make_room(const Room& room);
     void direction_pass(bool diagonal);
-    void project(Rule rule, bool fresh);
-    void after_direction(Rule rule, bool restart, ProblemText<float>::StopRules stop);
-    void update_direction(Rule rule, bool fresh);
     void line_pass();
-    void after_line(Rule rule, ProblemText<float>::StopRules stop);
-    void advance();
-    EngineSummary summary() const;
-    void outcomes(std::span<ProblemOutcome> out) const;
-    void read_errors(std::span<float> out) const;
+    void dot(std::initializer_list<DotProduct> products);
+    void step(Step which, const Turn& turn);
+    void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants);
+    EngineSummary summary() const { return numbers_->summary(); }
+    void outcomes(std::span<ProblemOutcome> out) const { numbers_->outcomes(out); }
+    void read_errors(std::span<float> out) const { numbers_->read_errors(out); }
     void read_parameters(std::span<float> out) const;  ///< as they are: another gauge than the canonical one may be
 
     // What tests and agreement checks look at.
@@ -65,19 +67,18 @@ public:
     uint64_t bytes() const { return bytes_; }
 
 private:
-    struct Vectors {
-        TexelVector p, trial, g, trial_g, precondition, fresh, d;
-    };
     template <class Body>
     void sweep(const Body& body);
     void count_samples(std::span<const float> darkness);
     void write_surface(std::span<const float> darkness);
-    void update_states(const Program& program, const Framebuffer& target);
     void penalty_pass(const Program& program, const TexelVector& x, const TexelVector* d);
     void set_bounds(const Program& program) const;
     template <class Bind>
     void map_passes(const Program& program, const std::vector<Framebuffer>& targets, const Bind& bind);
-    std::vector<float> field(int of_state) const { return read_texels(shape_, state_, of_state % 4, of_state / 4); }
+    const Program& update_program(Update which);  ///< compiled when it is first asked for
+    /// Of these vectors together, [map].
+    const std::vector<Framebuffer>& targets(std::span<const int> vectors);
+    void make_products(int count);
 
     int64_t allocated_before_;
     const Dataset* dataset_;
@@ -87,15 +88,16 @@ private:
     std::optional<SlsMesh> mesh_;  ///< none over a grid
     std::optional<PassRunner> run_;
     Texture surface_;  ///< layers: position and usability; normal and darkness
-    Texture state_;    ///< ProblemState in two layers
-    Texture alpha_, density_, penalty_, products_;
-    Vectors vectors_;
+    Texture density_, penalty_, products_;
+    std::optional<ProblemNumbers> numbers_;
+    std::vector<TexelVector> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
     TexelAccumulators sums_;
     std::unique_ptr<TexelPasses> passes_;
-    Framebuffer state_target_, line_target_, penalty_target_, products_target_;
-    std::vector<Framebuffer> gradient_targets_, fresh_targets_, update_targets_, trial_targets_;  ///< [map]
-    Program penalty_program_, penalty_curvature_, gradient_, precondition_, dots_, after_direction_, after_line_,
-        update_, advance_;
+    Framebuffer penalty_target_;
+    std::vector<Framebuffer> product_targets_;
+    std::map<std::vector<int>, std::vector<Framebuffer>> targets_;
+    std::map<Update, Program> updates_;
+    Program penalty_program_, penalty_curvature_, gradient_, precondition_, dot_;
     std::vector<uint32_t> samples_;  ///< [texels], from count()
     mutable FragmentTimes times_;
     uint64_t bytes_ = 0;

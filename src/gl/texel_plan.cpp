@@ -7,7 +7,8 @@
 namespace radiafit {
 
 std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas& atlas, std::span<const uint32_t> views,
-                                            const TexelOptions& options, const FragmentOptions& fragment_options) {
+                                            const TexelOptions& options, const FragmentOptions& fragment_options,
+                                            const Room& room) {
     const TexelShape shape(atlas, *options.model);
     const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
     const bool combined = fragment_options.passes == Passes::combined;
@@ -28,9 +29,9 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("sums along d", 1, summed);
     layers("samples and albedo", 2, float4);
     layers("positions and normals", 2, float4);
-    layers("state of problems", 2, float4);
-    layers("products of problems", 1, float4);
-    layers("step, density, penalty", 3, 4);
+    if (room.vectors > 0) layers("vectors of the optimizer", room.vectors * shape.maps(), stored);
+    layers("state of problems", ProblemNumbers::layers(room), float4);
+    layers("dot products, density, penalty", 3 + room.products + 2, 4);
     if (!combined) layers("residuals", 1, float4);
 
     const int together = combined ? combined_texel_images(atlas, views.size(), bits, fragment_options.together) : 1;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "optim/problem_text.h"
+#include "optim/methods.h"
 
 namespace radiafit {
 
@@ -32,36 +32,35 @@ struct EngineSummary {
     uint64_t accepted = 0;  ///< problems whose last trial was accepted
 };
 
-/// Engine verbs, in the order the optimizer calls them. Vectors (p, trial, d, g, trial gradient, P), sums and states
-/// live on the device; verbs are ordered, and only those marked * wait for the device. Nothing is allocated after
-/// reset(). Every verb applies to all problems at once; stopped problems keep p and have step 0.
+/// What an optimizer calls. Vectors, problems' numbers and sums live on the device; verbs are ordered, and only those
+/// marked * wait for the device. Nothing is allocated after make_room(). Every verb applies to all problems at once;
+/// steps leave problems that have stopped as they are.
 ///
 ///   count() *                  statistics; fixes S-bar, lambda_view and which problems have no samples
 ///   reset(start)               trial = start [N, Parameters order]; states fresh; p undefined until the first accept
+///   make_room(room)            the optimizer's own vectors and numbers, all zero
 ///   fit_terms(first, last)     terms outside [first, last) stay as they are: their gradient is zero (deflation)
 ///   direction_pass(diagonal)   at trial: E_t and its gradient, penalties included; on request also the fresh
 ///                              P = diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of the problem's largest entry
-///   project(rule, fresh)       z'.g', z'.g, d.g' per problem, z = g/P for cg_modern (P the fresh one if told), else g
-///   after_direction(rule, restart, stop)   the text of that name for each problem
-///   update_direction(rule, fresh)  where accepted: p <- trial, g <- trial gradient, P <- fresh P; d <- -z + beta d
 ///   line_pass()                at p along d: LineSums, penalties included
-///   after_line(rule, stop)     the text of that name for each problem
-///   advance()                  trial <- p + trial_step d
+///   dot(products)              each a number of every problem
+///   step(which, turn)          the text of that name for each problem
+///   update(which, vectors, numbers, constants)   the text of that name for each element of these vectors
 ///   summary() *, outcomes(out) *, read_errors(out) *, read_parameters(out) *
 template <class E>
 concept Engine = requires(E& e, std::span<const float> start, std::span<float> out, std::span<ProblemOutcome> outcomes,
-                          Rule rule, bool flag, ProblemText<float>::StopRules stop) {
+                          Room room, bool flag, std::initializer_list<DotProduct> products, Step step, Turn turn,
+                          Update update, std::initializer_list<int> list, std::initializer_list<float> constants) {
     { e.problem_count() } -> std::convertible_to<size_t>;  ///< problems times channels: M
     { e.count() } -> std::convertible_to<ProblemStatistics>;
     e.reset(start);
+    e.make_room(room);
     e.fit_terms(0, 1);
     e.direction_pass(flag);
-    e.project(rule, flag);
-    e.after_direction(rule, flag, stop);
-    e.update_direction(rule, flag);
     e.line_pass();
-    e.after_line(rule, stop);
-    e.advance();
+    e.dot(products);
+    e.step(step, turn);
+    e.update(update, list, list, constants);
     { e.summary() } -> std::convertible_to<EngineSummary>;
     e.outcomes(outcomes);    ///< [M]
     e.read_errors(out);      ///< [M] accepted E_t

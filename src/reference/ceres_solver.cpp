@@ -21,7 +21,7 @@ namespace {
 using V = Lanes<double>;
 
 /// How one setting configures Ceres.
-struct Method {
+struct CeresMethod {
     CeresSetting face;
     enum Kind { trust_region, line_search } kind;
     CeresBlocks blocks = CeresBlocks::texels;
@@ -30,43 +30,43 @@ struct Method {
     ceres::LineSearchDirectionType direction = ceres::LBFGS;
 };
 
-constexpr Method methods[] = {
-    {{"sparse-normal-cholesky", "trust region, sparse Cholesky of J'J"}, Method::trust_region},
+constexpr CeresMethod ceres_methods[] = {
+    {{"sparse-normal-cholesky", "trust region, sparse Cholesky of J'J"}, CeresMethod::trust_region},
     {{"dense-normal-cholesky", "trust region, dense Cholesky of J'J"},
-     Method::trust_region,
+     CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::DENSE_NORMAL_CHOLESKY},
-    {{"dense-qr", "trust region, dense QR of J"}, Method::trust_region, CeresBlocks::texels, ceres::DENSE_QR},
+    {{"dense-qr", "trust region, dense QR of J"}, CeresMethod::trust_region, CeresBlocks::texels, ceres::DENSE_QR},
     {{"dense-schur", "trust region, an independent set of texels eliminated, dense Cholesky of the rest"},
-     Method::trust_region,
+     CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::DENSE_SCHUR},
     {{"dense-schur-maps", "trust region, whole surface maps eliminated, dense Cholesky of the view map"},
-     Method::trust_region,
+     CeresMethod::trust_region,
      CeresBlocks::maps,
      ceres::DENSE_SCHUR},
     {{"sparse-schur", "trust region, an independent set of texels eliminated, sparse Cholesky of the rest"},
-     Method::trust_region,
+     CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::SPARSE_SCHUR},
     {{"iterative-schur", "trust region, an independent set of texels eliminated, conjugate gradients on the rest"},
-     Method::trust_region,
+     CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::ITERATIVE_SCHUR,
      ceres::SCHUR_JACOBI},
-    {{"cgnr", "trust region, conjugate gradients on J'J"}, Method::trust_region, CeresBlocks::texels, ceres::CGNR},
-    {{"lbfgs", "line search, limited-memory BFGS"}, Method::line_search},
+    {{"cgnr", "trust region, conjugate gradients on J'J"}, CeresMethod::trust_region, CeresBlocks::texels, ceres::CGNR},
+    {{"lbfgs", "line search, limited-memory BFGS"}, CeresMethod::line_search},
     {{"nonlinear-cg", "line search, nonlinear conjugate gradients"},
-     Method::line_search,
+     CeresMethod::line_search,
      CeresBlocks::texels,
      ceres::CGNR,
      ceres::JACOBI,
      ceres::NONLINEAR_CONJUGATE_GRADIENT},
 };
 
-const Method& find(const std::string& name) {
+const CeresMethod& find(const std::string& name) {
     std::vector<std::string> names;
-    for (const Method& m : methods) {
+    for (const CeresMethod& m : ceres_methods) {
         if (name == m.face.name) return m;
         names.push_back(m.face.name);
     }
@@ -120,7 +120,7 @@ void give_channel(std::span<const double> x, int c, std::span<V> p) {
     for (size_t i = 0; i < p.size(); ++i) p[i][c] = x[i];
 }
 
-ceres::Solver::Options trust_region_options(const Method& method, CeresVertex& blocks) {
+ceres::Solver::Options trust_region_options(const CeresMethod& method, CeresVertex& blocks) {
     ceres::Solver::Options o;
     o.linear_solver_type = method.linear;
     o.preconditioner_type = method.preconditioner;
@@ -140,7 +140,7 @@ ceres::Solver::Options trust_region_options(const Method& method, CeresVertex& b
     return o;
 }
 
-void solve_trust_region(const Method& method, const CeresOptions& options, const LfmVertex& vertex, std::span<V> p,
+void solve_trust_region(const CeresMethod& method, const CeresOptions& options, const LfmVertex& vertex, std::span<V> p,
                         VertexRun& run) {
     const double start = run.clock();
     Rows rows(vertex, options.stop_residual, run);
@@ -181,7 +181,7 @@ private:
     mutable std::vector<double> x_;
 };
 
-void solve_line_search(const Method& method, const CeresOptions& options, const LfmVertex& vertex, std::span<V> p,
+void solve_line_search(const CeresMethod& method, const CeresOptions& options, const LfmVertex& vertex, std::span<V> p,
                        VertexRun& run) {
     Rows rows(vertex, options.stop_residual, run);
     ceres::GradientProblemSolver::Options o;
@@ -220,18 +220,18 @@ void solve_line_search(const Method& method, const CeresOptions& options, const 
 std::span<const CeresSetting> ceres_settings() {
     static const std::vector<CeresSetting> faces = [] {
         std::vector<CeresSetting> out;
-        for (const Method& m : methods) out.push_back(m.face);
+        for (const CeresMethod& m : ceres_methods) out.push_back(m.face);
         return out;
     }();
     return faces;
 }
 
 VertexSolver ceres_solver(const LfmOptions& model, const CeresOptions& options) {
-    const Method& method = find(options.setting);
+    const CeresMethod& method = find(options.setting);
     require_modern_penalty(model, "ceres");
     silence_ceres();
     return [method, options](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
-        const auto solve = method.kind == Method::trust_region ? solve_trust_region : solve_line_search;
+        const auto solve = method.kind == CeresMethod::trust_region ? solve_trust_region : solve_line_search;
         solve(method, options, vertex, p, run);
     };
 }

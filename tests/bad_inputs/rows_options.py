@@ -42,6 +42,12 @@ for option, below, above, least, most in (
     refuse(f"fit tiny {option} {{}} -o new", f"{below} {above}", f"{plain} = ", "choose a number from 0 to 1e+06")
     accept(f"plan tiny {option} {least}")
     rows.append((f"fit tiny --iterations 3 {option} {most} -o new", None, 0, " 0 not finite"))
+refuse("fit tiny --optimizer lbfgs --history {} -o new", "0 9 x ''", "history = ", "choose a whole number from 1 to 8")
+refuse("fit tiny --optimizer adam --learning-rate {} -o new", "0 11 nan x ''", "learning-rate = ", "choose a number from 1e-06 to 10")
+for optimizer in ("lbfgs --history 1", "lbfgs --history 8", "adam --learning-rate 1e-6", "adam --learning-rate 10"):
+    rows.append((f"fit tiny --iterations 3 --optimizer {optimizer} -o new", None, 0, " 0 not finite"))
+for options in ("cg --history 4", "sd --learning-rate 1", "adam --history 4", "lbfgs --learning-rate 1", "adam --stop-change 1"):
+    rows.append((f"fit tiny --optimizer {options} -o new", None, 2, f"{options.split()[1]} means nothing to optimizer ", "leave it out"))
 for option in ("--clip-above", "--shadow-below"):
     refuse(f"fit flat --model lafortune {option} {{}} -o new", "-0.1 1.01 nan ''", f"{option[2:]} = ", "choose a number from 0 to 1 (0 is off)")
 refuse("fit tiny --solver pca --refills {} -o new", "-1 1000001 x ''", "refills = ", "choose a whole number from 0 to 1000000")
@@ -52,7 +58,7 @@ refuse("plan tiny --engine {}", "foo", "engine '{}' does not exist; choose one o
 # Names, with those that there are.
 for option, names, answer in (
     ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, als, varpro, mean"),
-    ("--optimizer", "gc ''", "choose one of cg, sd, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
+    ("--optimizer", "gc ''", "choose one of cg, sd, lbfgs, adam, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
     ("--passes", "combine", "choose one of paper, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
     ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
     ("--source", "disc", "choose one of disk, disk-cold, memory, device"), ("--view", "linear", "choose one of bilinear, nearest"),

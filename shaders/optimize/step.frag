@@ -1,0 +1,29 @@
+#version 450 core
+// variants: PROBLEMS=vertices,texels STEP=* OWN_LAYERS=0,2
+// One step of an optimizer, for every problem by itself: reads and writes its own numbers.
+#include "optimize/dialect.glsl"
+#include "optimize/numbers.glsl"
+#include "optimize/PROBLEMS.glsl"
+#include "optimize/TEXT.glsl"
+layout(location = 20) uniform int rule;
+layout(location = 21) uniform int restart;
+layout(location = 22) uniform vec2 stop;  // residual, output change
+layout(location = 23) uniform int slot;
+layout(location = 0) out vec4 numbers[3 + OWN_LAYERS];
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec4 a = texelFetch(state, ivec3(at, 0), 0), b = texelFetch(state, ivec3(at, 1), 0),
+         c = texelFetch(state, ivec3(at, 2), 0);
+    ProblemState s = ProblemState(a.r, a.g, a.b, a.a, b.r, b.g, b.b, b.a, c.r, c.g);
+    Own own;
+    for (int i = 0; i < MOST_OWN; ++i)
+        own.x[i] = i < 4 * OWN_LAYERS ? texelFetch(state, ivec3(at, 3 + i / 4), 0)[i % 4] : 0.0;
+    STEP(s, own, given_of(at), Turn(rule, restart, slot, StopRules(stop.x, stop.y)));
+    numbers[0] = vec4(s.error, s.norm, s.slope, s.step_factor);
+    numbers[1] = vec4(s.beta, s.accepted, s.status, s.iterations);
+    numbers[2] = vec4(s.alpha, s.taken, 0.0, 0.0);
+#if OWN_LAYERS > 0
+    for (int i = 0; i < OWN_LAYERS; ++i)
+        numbers[3 + i] = vec4(own.x[4 * i], own.x[4 * i + 1], own.x[4 * i + 2], own.x[4 * i + 3]);
+#endif
+}
