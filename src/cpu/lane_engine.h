@@ -72,6 +72,7 @@ private:
         Real trial_error;
         typename Text::LineSums sums;
     };
+    static_assert(sizeof(State::problem) == number::first_own * sizeof(Real), "its fields are numbered");
     using States = std::array<State, size_t(lanes)>;
     /// Of a block: the liveliest of its problems. One that ended in the last pass A may still have a trial to take
     /// over.

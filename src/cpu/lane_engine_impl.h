@@ -1,5 +1,5 @@
 #pragma once
-#include <bit>
+#include <cstring>
 
 #include "base/parallel.h"
 #include "cpu/lane_engine.h"
@@ -34,12 +34,13 @@ auto LaneEngine<Problem>::number_of(size_t block, int number) const -> V {
     if (number >= number::first_product) return products(block)[number - number::first_product];
     V out{};
     for (size_t lane = 0; lane < lanes_of(block); ++lane) {
-        using Fields = std::array<Real, size_t(number::first_own)>;
-        const size_t problem = block * size_t(lanes) + lane;
-        set_lane(out, int(lane),
-                 number < number::first_own
-                     ? std::bit_cast<Fields>(states_[block][lane].problem)[size_t(number)]
-                     : own_[problem * size_t(room_.numbers) + size_t(number - number::first_own)]);
+        const auto* fields = reinterpret_cast<const char*>(&states_[block][lane].problem);
+        Real x;
+        if (number < number::first_own)
+            std::memcpy(&x, fields + size_t(number) * sizeof x, sizeof x);
+        else
+            x = own_[(block * size_t(lanes) + lane) * size_t(room_.numbers) + size_t(number - number::first_own)];
+        set_lane(out, int(lane), x);
     }
     return out;
 }
