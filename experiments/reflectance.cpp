@@ -60,6 +60,8 @@ FitRequest request_of(const char* solver, const char* optimizer, const char* mod
 std::vector<Contestant> contestants_of(const Options& o, int side, bool noisy) {
     std::vector<Contestant> out;
     out.push_back({"Ceres", request_of("ceres", "cg", "modern", o.lm_iterations, side)});
+    out.push_back({"Ceres varpro", request_of("ceres-varpro", "cg", "modern", o.lm_iterations, side)});
+    out.push_back({"TinySolver", request_of("tinysolver", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"LM", request_of("stream", "lm", "modern", o.lm_iterations, side)});
     for (const NamedRule& ours : named_rules())
         out.push_back({ours.name, request_of("stream", ours.method->name, ours.mode,

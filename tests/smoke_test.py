@@ -268,7 +268,7 @@ class Smoke(ProgramTest):
     def check_reflectance(self, tables):
         rows = {(r["images"], r["method"], r["group"]): r for r in tables["fits"]}
         methods = {r["method"] for r in tables["fits"]}
-        self.assertLessEqual({"Ceres", "LM", "cg modern", "cg paper", "sd", "lbfgs", "adam", "cg modern OpenGL"}, methods)
+        self.assertLessEqual({"Ceres", "Ceres varpro", "TinySolver", "LM", "cg modern", "cg paper", "sd", "lbfgs", "adam", "cg modern OpenGL"}, methods)
         for group in ("gold", "green"):
             for method in ("Ceres", "LM", "cg modern"):
                 self.assertLess(float(rows["noise-free", method, group]["worst_error_median"]), 1e-3)

@@ -330,16 +330,19 @@ uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
 
 uint32_t uses_of(const FitRequest& request, bool grid) {
     const Solver& solver = find_solver(request.solver);
+    const bool fits = request.texel_local() ? solver.solve_texels != nullptr : solver.solve != nullptr;
+    if (!fits) {
+        std::vector<std::string> others;
+        for (const Solver& other : solvers())
+            if (request.texel_local() ? other.solve_texels != nullptr : other.solve != nullptr)
+                others.emplace_back(other.name);
+        throw UserError(fmt::format("solver {} fits {} only; choose one of {} for --model {}", request.solver,
+                                    request.texel_local() ? "light field maps" : "texel-local models",
+                                    fmt::join(others, ", "), request.kind));
+    }
     if (!request.texel_local()) {
         const uint32_t of_engine = solver.uses & use::engine ? engine_uses(request.engine) : 0;
         return with_optimizer(solver.uses | of_engine, request);
-    }
-    if (!solver.solve_texels) {
-        std::vector<std::string> others;
-        for (const Solver& other : solvers())
-            if (other.solve_texels) others.emplace_back(other.name);
-        throw UserError(fmt::format("solver {} fits light field maps only; choose one of {} for --model {}",
-                                    request.solver, fmt::join(others, ", "), request.kind));
     }
     uint32_t uses = solver.texel_uses | use::selection | use::iterations | use::sides;
     if (uses & use::engine) uses |= engine_uses(request.engine);

@@ -24,6 +24,7 @@ std::string FitRequest::json() const {
 void FitRequest::check() const {
     for (const FitOption& o : fit_options())
         if (o.check) o.check(*this);
+    uses_of(*this);
     model_options();
     if (texel_local()) texel_options();
     if (levenberg_marquardt() && (!texel_local() || on_fragment_engine()))

@@ -145,7 +145,8 @@ void solve_texel_two_step(TexelTask& task) {
 
 namespace {
 
-TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, const std::function<void()>& progress) {
+TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, CeresTexelOptions::Method method,
+                         const std::function<void()>& progress) {
     constexpr size_t eight = 8;
     const TexelModel& model = *task.options.model;
     const size_t texels = problem.source.texel_count(), n = size_t(model.parameters);
@@ -174,8 +175,8 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, con
             const std::vector<float> start = task.solvers().start(shaded);
             for (size_t i = 0; i < eight && first + i < count; ++i) {
                 const size_t t = begin + first + i;
-                const CeresTexelFit fit =
-                    ceres_texel(model, shaded[i], {&start[i * n], n}, {.iterations = task.request.iterations});
+                const CeresTexelFit fit = ceres_texel(model, shaded[i], {&start[i * n], n},
+                                                      {.method = method, .iterations = task.request.iterations});
                 std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
                 out.iterations[t] = uint32_t(fit.iterations);
                 out.samples[t] = uint32_t(shaded[i].size());
@@ -190,15 +191,19 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, con
     return out;
 }
 
-}  // namespace
-
-void solve_texel_ceres(TexelTask& task) {
+void solve_by_ceres(TexelTask& task, CeresTexelOptions::Method method) {
     with_samples(task, [&](const TexelSource& source) {
         solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
-            return ceres_texels(problem, task, progress);
+            return ceres_texels(problem, task, method, progress);
         });
     });
 }
+
+}  // namespace
+
+void solve_texel_ceres(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::whole); }
+void solve_texel_ceres_varpro(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::projected); }
+void solve_texel_tiny(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::tiny); }
 
 SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views) {
     return gather(dataset, *texel_atlas(dataset, request.model.surface_side), request, views);
@@ -216,7 +221,6 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& a
     ReflectanceOutcome out;
     TexelTask task{dataset, request, training, each_iteration, samples, request.texel_options(), out};
     out.atlas = texel_atlas(dataset, task.options.surface_side);
-    uses_of(request);  // refuses a solver that fits no such model
     find_solver(request.solver).solve_texels(task);
     if (std::all_of(out.fit.samples.begin(), out.fit.samples.end(), [](uint32_t n) { return n == 0; }))
         throw UserError(

@@ -66,8 +66,9 @@ struct TexelTask {
 struct Solver {
     const char* name;
     const char* help;
-    void (*solve)(FitTask& task);  ///< a light field map: fills out.fit's parameters and problems, and out.times
-    uint32_t uses;                 ///< of solve: bits of app/fit_options.h
+    /// A light field map: fills out.fit's parameters and problems, and out.times; none: it fits no such.
+    void (*solve)(FitTask& task) = nullptr;
+    uint32_t uses = 0;                                ///< of solve: bits of app/fit_options.h
     void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model; none: it fits no such
     uint32_t texel_uses = 0;                          ///< of solve_texels, besides what all of them do
     /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
@@ -89,6 +90,8 @@ void solve_pca(FitTask& task);
 void solve_texel_stream(TexelTask& task);
 void solve_texel_two_step(TexelTask& task);
 void solve_texel_ceres(TexelTask& task);
+void solve_texel_ceres_varpro(TexelTask& task);
+void solve_texel_tiny(TexelTask& task);
 
 /// What the fit tells of its request.
 void describe_request(const FitRequest& request, FitRecord& fit);

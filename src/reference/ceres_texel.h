@@ -10,6 +10,11 @@
 namespace radiafit {
 
 struct CeresTexelOptions {
+    enum class Method {
+        whole,      ///< Ceres' trust region over all parameters
+        projected,  ///< over the shape alone: variable projection by hand, with Kaufman's Jacobian
+        tiny        ///< ceres::TinySolver over all parameters, without Ceres' problems and allocations
+    } method = Method::whole;
     enum class Linear { dense_qr, dense_normal_cholesky } linear = Linear::dense_normal_cholesky;
     int iterations = 50;
     double tolerance = 1e-6;      ///< of the cost's relative change: TexelFitOptions'
@@ -24,9 +29,9 @@ struct CeresTexelOutcome {
     Status status = Status::no_samples;
 };
 
-/// Ceres on one texel of a texel-local model: one residual block of all samples and channels, all parameters in one
-/// block within the model's bounds, the Jacobian from the shared text. `Text`: texel_text::NAME<double>. From `start`,
-/// which must be within bounds.
+/// Ceres on one texel of a texel-local model: one residual block of all samples and channels, the parameters in one
+/// block within the model's bounds, the Jacobian from the shared text. TinySolver knows no bounds: beyond them its
+/// model stays as it is at the bound. `Text`: texel_text::NAME<double>. From `start`, which must be within bounds.
 template <class Text>
 CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count>> samples,
                                     const typename TexelLocal<Text>::Parameters& start,
