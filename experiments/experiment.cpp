@@ -13,9 +13,9 @@
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/standard_streams.h"
-#include "dataset/synthetic/synthetic.h"
 #include "gl/context.h"
 #include "report/figures.h"
+#include "synthetic/synthetic.h"
 
 namespace radiafit {
 

@@ -9,8 +9,8 @@
 #include "app/solve.h"
 #include "base/config.h"
 #include "base/record.h"
-#include "dataset/synthetic/ornament_options.h"
 #include "report/result_folder.h"
+#include "synthetic/ornament_options.h"
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
 namespace radiafit {

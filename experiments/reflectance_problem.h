@@ -4,7 +4,7 @@
 #include "app/limits.h"
 #include "base/error.h"
 #include "experiment.h"
-#include "gl/texel_engine.h"
+#include "fragment/texel_engine.h"
 
 namespace radiafit {
 

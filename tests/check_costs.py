@@ -226,7 +226,7 @@ def check(root):
         name = path.relative_to(shaders).as_posix()
         if not any(row[0] == name for row in rows):
             errors.append(f"shaders/{name}: src/gl/pass_costs.cpp declares no cost of it; add a row for each "
-                          "variant that src/gl draws, with any numbers, and this test names the right ones")
+                          "variant that src/fragment draws, with any numbers, and this test names the right ones")
     return errors, len(rows)
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | gl | reference;
-capture on dataset; fit on dataset, eval on fit; report on base; app on all, and below nothing but experiments.
+"""No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference;
+gl on base, and fragment on it; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; app on all, and
+below nothing but experiments.
 
 Also: which folder may include which foreign library, and that heavy headers stay out of our headers.
 Usage: check_layers.py [ROOT]"""
@@ -19,7 +20,9 @@ def up_to(layer):
 ALLOWED = {layer: set(CHAIN[:i]) for i, layer in enumerate(CHAIN)}
 ALLOWED.update(
     cpu=up_to("optim"),
-    gl=up_to("optim"),
+    gl={"base"},
+    fragment=up_to("optim") | {"gl"},
+    synthetic=up_to("dataset"),
     reference=up_to("optim"),
     capture=up_to("dataset"),
     fit=up_to("dataset"),

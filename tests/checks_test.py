@@ -33,11 +33,12 @@ class Layers(Tree):
     def test_allowed_includes_pass(self):
         self.write("src/base/a.h", "#include <vector>\n")
         self.write("src/geometry/a.h", '#include "base/a.h"\n#include "geometry/b.h"\n')
-        self.write("src/gl/a.cpp", '#include <GL/glcorearb.h>\n#include "optim/engine.h"\n#include "optimize/state.glsl"\n')
+        self.write("src/gl/a.cpp", '#include <GL/glcorearb.h>\n#include "base/log.h"\n')
+        self.write("src/fragment/a.cpp", '#include "gl/a.h"\n#include "optim/engine.h"\n#include "optimize/problem_state.glsl"\n')
         self.write("src/eval/a.cpp", '#include "fit/fit.h"\n#include "dataset/d.h"\n#include <nlohmann/json.hpp>\n')
         self.write("src/app/a.cpp", '#include "gl/a.h"\n#include "eval/a.h"\n#include <CLI/CLI.hpp>\n')
         self.write("src/app/CMakeLists.txt", "radiafit_layer(app LINKS radiafit_gl radiafit_eval)\n")
-        self.write("src/gl/CMakeLists.txt", "radiafit_layer(gl LINKS radiafit_optim EXTERNAL x)\n")
+        self.write("src/gl/CMakeLists.txt", "radiafit_layer(gl LINKS radiafit_base EXTERNAL x)\n")
         self.write("src/geometry/CMakeLists.txt", "radiafit_layer(geometry LINKS radiafit_base)\n")
         self.write("src/eval/CMakeLists.txt", "radiafit_layer(eval LINKS radiafit_fit)\n")
         self.write("src/fit/CMakeLists.txt", "radiafit_layer(fit LINKS radiafit_dataset)\n")
@@ -48,14 +49,15 @@ class Layers(Tree):
             ("src/base/a.h", '#include "geometry/mesh.h"', "base may not include geometry"),
             ("src/model/a.cpp", '#include "dataset/dataset.h"', "model may not include dataset"),
             ("src/cpu/a.cpp", '  #  include "gl/program.h"', "cpu may not include gl"),
-            ("src/gl/a.cpp", '#include "reference/ceres.h"', "gl may not include reference"),
+            ("src/gl/a.cpp", '#include "optim/engine.h"', "gl may not include optim"),
+            ("src/fragment/a.cpp", '#include "reference/ceres.h"', "fragment may not include reference"),
             ("src/eval/a.cpp", '#include "optim/solver.h"', "eval may not include optim"),
             ("src/fit/a.cpp", '#include "samples/list.h"', "fit may not include samples"),
             ("src/capture/a.cpp", '#include "samples/list.h"', "capture may not include samples"),
             ("src/report/a.cpp", '#include "dataset/dataset.h"', "report may not include dataset"),
             ("src/gl/a.cpp", '#include "app/registry.h"', "gl may not include app"),
             ("src/geometry/a.cpp", '#include "model/lfm.glsl"', "geometry may not include model"),
-            ("src/dataset/a.cpp", '#include "optimize/state.glsl"', "dataset may not include optim"),
+            ("src/dataset/a.cpp", '#include "optimize/problem_state.glsl"', "dataset may not include optim"),
             ("src/gl/a.cpp", '#include "gather/maps.glsl"', "no text shared with C++"),
             ("src/gl/a.cpp", '#include "program.h"', "names no layer"),
             ("src/gl/a.cpp", '#include "vulkan/program.h"', "is no layer"),

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "cpu/lfm_engine.h"
-#include "gl/fragment_engine.h"
-#include "gl/fragment_plan.h"
-#include "gl/gl_distributor.h"
-#include "gl/view_order.h"
+#include "fragment/fragment_engine.h"
+#include "fragment/fragment_plan.h"
+#include "fragment/gl_distributor.h"
+#include "fragment/view_order.h"
 #include "gl_scene.h"
 #include "lfm_oracle.h"
 #include "model/lfm_start.h"

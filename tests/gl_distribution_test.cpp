@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "gl/gl_distributor.h"
+#include "fragment/gl_distributor.h"
 #include "gl_scene.h"
 #include "samples/raster_distributor.h"
 

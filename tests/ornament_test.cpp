@@ -14,13 +14,13 @@
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "dataset/image_stream.h"
-#include "dataset/synthetic/closed_mesh.h"
-#include "dataset/synthetic/moving_lights.h"
-#include "dataset/synthetic/ornament_pattern.h"
-#include "dataset/synthetic/synthetic.h"
-#include "dataset/synthetic/viewpoints.h"
 #include "dataset/truth.h"
 #include "samples/raster_distributor.h"
+#include "synthetic/closed_mesh.h"
+#include "synthetic/moving_lights.h"
+#include "synthetic/ornament_pattern.h"
+#include "synthetic/synthetic.h"
+#include "synthetic/viewpoints.h"
 #include "temporary_folder.h"
 
 namespace radiafit {

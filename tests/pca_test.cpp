@@ -6,11 +6,11 @@
 #include "app/solve.h"
 #include "base/parallel.h"
 #include "convex_hull.h"
-#include "dataset/synthetic/synthetic.h"
 #include "fit_scene.h"
 #include "geometry/raster.h"
 #include "mesh_shapes.h"
 #include "reference/pca_solver.h"
+#include "synthetic/synthetic.h"
 
 namespace radiafit {
 namespace {

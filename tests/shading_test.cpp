@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "base/rng.h"
-#include "dataset/synthetic/shading/blinn.h"
-#include "dataset/synthetic/shading/oren_nayar.h"
-#include "dataset/synthetic/shading/reflectance.h"
+#include "synthetic/shading/blinn.h"
+#include "synthetic/shading/oren_nayar.h"
+#include "synthetic/shading/reflectance.h"
 
 namespace radiafit {
 namespace {

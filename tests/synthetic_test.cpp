@@ -1,4 +1,4 @@
-#include "dataset/synthetic/synthetic.h"
+#include "synthetic/synthetic.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -16,8 +16,8 @@
 #include "base/parallel.h"
 #include "dataset/dataset.h"
 #include "dataset/image_stream.h"
-#include "dataset/synthetic/closed_mesh.h"
 #include "geometry/raster.h"
+#include "synthetic/closed_mesh.h"
 
 namespace radiafit {
 namespace {

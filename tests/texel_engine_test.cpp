@@ -11,11 +11,11 @@
 #include "base/parallel.h"
 #include "cpu/texel_models.h"
 #include "cpu/texel_solver.h"
-#include "dataset/synthetic/synthetic.h"
 #include "dataset/truth.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
 #include "samples/record_description.h"
+#include "synthetic/synthetic.h"
 #include "temporary_folder.h"
 #include "texel_scene.h"
 

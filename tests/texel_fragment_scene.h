@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "gl/gl_distributor.h"
+#include "fragment/gl_distributor.h"
 #include "gl_scene.h"
 #include "model/texel_local.h"
 #include "model/texel_options.h"

@@ -6,12 +6,12 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "dataset/synthetic/synthetic.h"
 #include "dataset/truth.h"
-#include "gl/texel_engine.h"
-#include "gl/texel_plan.h"
+#include "fragment/texel_engine.h"
+#include "fragment/texel_plan.h"
 #include "model/small_solve.h"
 #include "optim/optimizer.h"
+#include "synthetic/synthetic.h"
 #include "texel_fragment_scene.h"
 
 namespace radiafit {

@@ -10,10 +10,10 @@
 #include "base/rng.h"
 #include "cpu/lfm_engine.h"
 #include "cpu/two_step_solver.h"
-#include "dataset/synthetic/synthetic.h"
 #include "model/lfm_start.h"
 #include "samples/raster_distributor.h"
 #include "samples/record_description.h"
+#include "synthetic/synthetic.h"
 #include "temporary_folder.h"
 
 namespace radiafit {

@@ -12,11 +12,11 @@
 #include "cpu/lfm_engine.h"
 #include "cpu/peaks.h"
 #include "cpu/two_step_solver.h"
-#include "dataset/synthetic/synthetic.h"
 #include "model/lfm_start.h"
 #include "model/lfm_text.h"
 #include "reference/ring_resampler.h"
 #include "samples/raster_distributor.h"
+#include "synthetic/synthetic.h"
 
 namespace radiafit {
 namespace {

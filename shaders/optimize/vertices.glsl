@@ -1,5 +1,5 @@
 // Problems of light field maps: that of a vertex's colour channel c stands at (3 x + c, y), where its vertex is (x, y).
-layout(binding = 7) uniform sampler2DArray map_sums;     // layers: Sum in gl/problem_textures.h
+layout(binding = 7) uniform sampler2DArray map_sums;     // layers: Sum in fragment/problem_textures.h
 layout(binding = 8) uniform sampler2DArray sample_sums;
 layout(binding = 12) uniform sampler2DArray constants;   // layer 0: 1/S-bar, ring texels
 

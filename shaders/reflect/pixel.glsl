@@ -1,5 +1,5 @@
 // The pixel that a texel takes of an image, where it lies being a PLACE. GRID: at the texel's own place, in a stack of
-// images (C++: gl/image_stack.h). Else in a layer where reflect/take.frag left it; but where a pass has one image alone,
+// images (C++: fragment/image_stack.h). Else in a layer where reflect/take.frag left it; but where a pass has one image alone,
 // by that image's items.
 #include "reflect/sample.glsl"
 #include "combine/pixel_colour.glsl"

@@ -15,9 +15,9 @@
 #include "base/read_file.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
-#include "dataset/synthetic/synthetic.h"
 #include "dataset/truth.h"
 #include "report/table.h"
+#include "synthetic/synthetic.h"
 
 namespace radiafit {
 namespace {

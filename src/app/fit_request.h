@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <string>
 
+#include "fragment/fragment_engine.h"
 #include "gl/context.h"
-#include "gl/fragment_engine.h"
 #include "model/lfm.h"
 #include "model/texel_options.h"
 #include "optim/optimizer.h"

@@ -7,10 +7,10 @@
 #include "app/solver.h"
 #include "base/parallel.h"
 #include "cpu/texel_solver.h"
+#include "fragment/fragment_plan.h"
+#include "fragment/texel_plan.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
-#include "gl/fragment_plan.h"
-#include "gl/texel_plan.h"
 #include "reference/solver_memory.h"
 
 namespace radiafit {

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "gl/gl_distributor.h"
+#include "fragment/gl_distributor.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
 

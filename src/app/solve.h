@@ -8,7 +8,7 @@
 #include "app/fit_request.h"
 #include "dataset/image_stream.h"
 #include "fit/fit_folder.h"
-#include "gl/fragment_engine.h"
+#include "fragment/fragment_engine.h"
 #include "model/lfm.h"
 #include "optim/optimizer.h"
 #include "reference/ceres_solver.h"

@@ -9,7 +9,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "cpu/texel_solver.h"
-#include "gl/texel_engine.h"
+#include "fragment/texel_engine.h"
 #include "reference/ceres_texel.h"
 
 namespace radiafit {

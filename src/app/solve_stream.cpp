@@ -3,7 +3,7 @@
 #include "base/file.h"
 #include "cpu/lfm_engine.h"
 #include "dataset/dataset_json.h"
-#include "gl/fragment_engine.h"
+#include "fragment/fragment_engine.h"
 #include "model/lfm_start.h"
 
 namespace radiafit {

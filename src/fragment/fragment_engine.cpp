@@ -1,0 +1,207 @@
+#include "fragment/fragment_engine.h"
+
+#include <algorithm>
+
+#include "model/lfm_start.h"
+
+namespace radiafit {
+
+std::string to_string(Passes passes) { return passes == Passes::paper ? "paper" : "combined"; }
+
+FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                               std::vector<uint32_t> views, const LfmOptions& options,
+                               const FragmentOptions& fragment_options)
+    : options_((check_options(options), options)),
+      fragment_options_(fragment_options),
+      layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
+      shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side)},
+      images_(dataset, std::move(views), fragment_options.source, fragment_options.space, fragment_options.resident),
+      mesh_(atlas),
+      run_(mesh_),
+      problems_(shape_, fragment_options.sums),
+      gathers_(shape_, fragment_options.storage),
+      vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4),
+      numbers_(3 * shape_.grid.columns, shape_.grid.rows, 3 * rings.vertex_count(), {}, "vertices") {
+    const auto frames = vertex_frames(atlas.mesh());
+    std::vector<float> layers[4];
+    for (size_t v = 0; v < rings.vertex_count(); ++v) {
+        const Vec3f* rows[4] = {&atlas.mesh().positions[v], &frames[v].tangent, &frames[v].bitangent,
+                                &frames[v].normal};
+        for (int layer = 0; layer < 4; ++layer)
+            layers[layer].insert(layers[layer].end(), {rows[layer]->x(), rows[layer]->y(), rows[layer]->z(), 0.0f});
+    }
+    for (int layer = 0; layer < 4; ++layer) problems_.write(vertices_, layer, layers[layer]);
+
+    const Storage storage = fragment_options.storage;
+    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(MapVector(shape_, storage));
+    gradient_sums_ = MapSums(shape_, fragment_options.sums);
+    square_sums_ = MapSums(shape_, fragment_options.sums);
+    map_passes_ =
+        std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, numbers_, vectors_, options_, storage);
+
+    const auto [width, height] = images_.largest();
+    const PassWorld world{shape_,         mesh_,     run_,    gathers_,
+                          problems_,      vertices_, storage, fragment_options.sums,
+                          options.lookup, width,     height,  images_.bits()};
+    image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
+    images_.set_batch(image_passes_->batch());
+
+    bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
+}
+
+FragmentEngine::~FragmentEngine() = default;
+
+// Streams every image once through body(images), batch by batch.
+template <class Body>
+void FragmentEngine::sweep(const Body& body) {
+    images_.run(
+        [&](const std::vector<ImageOnDevice>& images) {
+            if (fragment_options_.scissored && !samples_.empty()) {  // count() is spared
+                gl().Enable(GL_SCISSOR_TEST);
+                gl().Scissor(0, 0, 1, 1);
+            }
+            body(images);
+            gl().Disable(GL_SCISSOR_TEST);
+        },
+        [&] {
+            image_passes_->end_sweep();
+            mesh_.select({});
+            gathers_.mark_tiles(mesh_);
+        });
+}
+
+const FragmentTimes& FragmentEngine::times() const {
+    static_cast<SweepTimes&>(times_) = images_.times();
+    times_.counters = run_.counters;
+    return times_;
+}
+
+ProblemStatistics FragmentEngine::count() {
+    problems_.clear({Sum::target});
+    image_passes_->begin_sweep(nullptr, nullptr);
+    sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->count(images); });
+    const std::vector<float> sums = problems_.read(Sum::target);
+    const size_t vertices = layout_.problem_count();
+    ProblemStatistics statistics;
+    statistics.samples.resize(vertices);
+    statistics.mean.assign(3 * vertices, 0.0f);
+    std::vector<float> density(4 * vertices), weights(4 * vertices);
+    for (size_t v = 0; v < vertices; ++v) {
+        const auto samples = uint32_t(sums[4 * v + 3]);
+        const size_t texels = shape_.rings->ring(v).size() * size_t(layout_.tile_texels());
+        statistics.samples[v] = samples;
+        density[4 * v] = samples ? float(double(texels) / samples) : 1.0f;
+        density[4 * v + 1] = float(texels);
+        for (size_t c = 0; c < 3 && samples; ++c) {
+            const float mean = sums[4 * v + c] / float(samples);
+            statistics.mean[3 * v + c] = mean;
+            weights[4 * v + c] = scaled_lambda_view(options_, texels, mean);
+        }
+    }
+    problems_.write(problems_.constants, 0, density);
+    problems_.write(problems_.constants, 1, weights);
+    samples_ = statistics.samples;
+    return statistics;
+}
+
+void FragmentEngine::reset(std::span<const float> start) {
+    for (MapVector& v : vectors_) v.clear();
+    vectors_[vector::trial].upload(shape_, start);
+    vectors_[vector::p].upload(shape_, start);  // what a problem without samples returns
+    numbers_.reset([&](size_t problem) { return samples_[problem / 3]; });
+}
+
+void FragmentEngine::make_room(const Room& room) {
+    const int64_t before = Context::current().allocated_bytes();
+    const size_t wanted = size_t(vector::first_own + room.vectors);
+    if (wanted != vectors_.size()) {
+        vectors_.resize(std::min(wanted, vectors_.size()));
+        while (vectors_.size() < wanted) vectors_.push_back(MapVector(shape_, fragment_options_.storage));
+        map_passes_->forget_own_vectors();
+    }
+    for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
+    problems_.make_products(3 + room.products);
+    numbers_.make_room(room);
+    bytes_ += uint64_t(Context::current().allocated_bytes() - before);
+}
+
+void FragmentEngine::direction_pass(bool diagonal) {
+    problems_.clear({Sum::residual, Sum::penalty});
+    gradient_sums_.clear(run_);
+    if (diagonal) square_sums_.clear(run_);
+    image_passes_->begin_sweep(&gradient_sums_, diagonal ? &square_sums_ : nullptr);
+    const MapVector& trial = vectors_[vector::trial];
+    sweep([&](const std::vector<ImageOnDevice>& images) {
+        image_passes_->direction(images, trial, gradient_sums_, diagonal ? &square_sums_ : nullptr);
+    });
+    map_passes_->finish_direction(trial, gradient_sums_, first_term_, last_term_);
+    if (diagonal) map_passes_->finish_precondition(square_sums_);
+}
+
+void FragmentEngine::line_pass() {
+    problems_.clear({Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth, Sum::penalty_curvature});
+    const bool quartic = options_.mode == Mode::modern;
+    const MapVector &p = vectors_[vector::p], &d = vectors_[vector::d];
+    image_passes_->begin_sweep(nullptr, nullptr);
+    sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->line(images, p, d, quartic); });
+    map_passes_->finish_line(p, d);
+}
+
+void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
+    for (const DotProduct& product : products) map_passes_->dot(product);
+}
+
+void FragmentEngine::step(Step which, const Turn& turn) {
+    problems_.bind();
+    numbers_.step(run_, which, turn);
+}
+
+void FragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                            std::initializer_list<float> constants) {
+    map_passes_->update(which, {vectors.begin(), vectors.end()}, {numbers.begin(), numbers.end()},
+                        {constants.begin(), constants.end()});
+}
+
+void FragmentEngine::read_parameters(std::span<float> out) const {
+    std::fill(out.begin(), out.end(), 0.0f);
+    vectors_[vector::p].download(shape_, out);
+}
+
+FragmentEngine::Evaluation FragmentEngine::read_evaluation() const {
+    Evaluation result;
+    const auto residual = problems_.read(Sum::residual);
+    const auto penalty = problems_.read(Sum::penalty);
+    const auto constants = problems_.read(problems_.constants, 0);
+    for (size_t i = 0; i < problem_count(); ++i) {
+        const size_t at = 4 * (i / 3) + i % 3;
+        result.error.push_back(0.5f * constants[4 * (i / 3)] * residual[at] + penalty[at]);
+    }
+    result.gradient.assign(layout_.size(), 0.0f);
+    result.diagonal.assign(layout_.size(), 0.0f);
+    vectors_[vector::trial_g].download(shape_, result.gradient);
+    vectors_[vector::fresh].download(shape_, result.diagonal);
+    return result;
+}
+
+void FragmentEngine::set_line(std::span<const float> p, std::span<const float> d) {
+    vectors_[vector::p].upload(shape_, p);
+    vectors_[vector::d].upload(shape_, d);
+}
+
+FragmentEngine::Line FragmentEngine::read_line() const {
+    const auto constants = problems_.read(problems_.constants, 0);
+    const auto penalty = problems_.read(Sum::penalty_curvature);
+    const auto sums = [&](Sum sum, bool penalized) {
+        const auto layer = problems_.read(sum);
+        std::vector<float> out;
+        for (size_t i = 0; i < problem_count(); ++i) {
+            const size_t at = 4 * (i / 3) + i % 3;
+            out.push_back(constants[4 * (i / 3)] * layer[at] + (penalized ? penalty[at] : 0.0f));
+        }
+        return out;
+    };
+    return {sums(Sum::gauss_newton, true), sums(Sum::curvature, true), sums(Sum::third, false),
+            sums(Sum::fourth, false)};
+}
+
+}  // namespace radiafit

@@ -1,0 +1,25 @@
+#pragma once
+#include <span>
+
+#include "fragment/fragment_engine.h"
+
+namespace radiafit {
+
+/// One kind of array that the fragment engine holds on the device.
+struct PlannedArray {
+    std::string array, shape;
+    uint64_t count, bytes;  ///< count: texels, or bytes of buffers
+};
+
+/// The textures that images stream through, two batches of them; or that they stay in, each of its own size.
+PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
+                         bool resident);
+
+/// What FragmentEngine would allocate, without a context: the sum is what its bytes() would say, but for combined
+/// passes on a device with fewer than 124 varying components.
+std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
+                                               const VertexRings& rings, std::span<const uint32_t> views,
+                                               const LfmOptions& options, const FragmentOptions& fragment_options,
+                                               const Room& room = {});
+
+}  // namespace radiafit

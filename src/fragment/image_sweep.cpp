@@ -1,0 +1,88 @@
+#include "fragment/image_sweep.h"
+
+#include <algorithm>
+
+#include "fragment/view_order.h"
+
+namespace radiafit {
+
+std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_t> views) {
+    std::array<int, 2> size{1, 1};
+    for (uint32_t view : views) {
+        size[0] = std::max(size[0], dataset.views[view].camera.width);
+        size[1] = std::max(size[1], dataset.views[view].camera.height);
+    }
+    return size;
+}
+
+ImageSweep::ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
+                       bool resident)
+    : dataset_(&dataset), views_(std::move(views)), stream_(dataset, source, space), resident_(resident) {}
+
+void ImageSweep::set_batch(int images) {
+    batch_ = images;
+    if (dataset_->has_grid())
+        make_stacks();
+    else
+        make_slots();
+    times_ = {};  // what came before sweeps is none of theirs
+}
+
+void ImageSweep::make_stacks() {
+    const auto [width, height] = largest();
+    const size_t batch = size_t(batch_), turns = (views_.size() + batch - 1) / batch;
+    for (size_t turn = 0; turn < (resident_ ? turns : std::min<size_t>(2, turns)); ++turn) {
+        stacks_.emplace_back(width, height, bits(), batch_);
+        if (resident_) fill(stacks_.back(), turn * batch);
+    }
+}
+
+void ImageSweep::make_slots() {
+    if (batch_ > 1) views_ = batches_of_neighbours(*dataset_, views_, batch_);
+    if (!resident_) {
+        const auto [width, height] = largest();
+        for (int i = 0; i < 2 * batch_; ++i) slots_.emplace_back(width, height, bits());
+        return;
+    }
+    for (uint32_t view : views_) {
+        const Camera& camera = dataset_->views[view].camera;
+        slots_.emplace_back(camera.width, camera.height, bits());
+        fill(slots_.back(), view);
+    }
+}
+
+void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
+    stream_.load(view, image_);
+    const double begin = wall_time_s();
+    slot.upload(image_);
+    times_.upload_s += wall_time_s() - begin;
+}
+
+void ImageSweep::fill(ImageStack& stack, size_t first) {
+    const auto timed = [&](const auto& body) {
+        const double begin = wall_time_s();
+        body();
+        times_.upload_s += wall_time_s() - begin;
+    };
+    timed([&] { stack.begin(); });
+    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
+        stream_.load(views_[first + i], image_);
+        timed([&] { stack.put(int(i), image_); });
+    }
+    timed([&] { stack.end(); });
+}
+
+void ImageSweep::load(size_t first, size_t turn) {
+    on_device_.clear();
+    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[resident_ ? turn : turn % stacks_.size()];
+    if (stack && !resident_) fill(*stack, first);
+    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
+        const uint32_t view = views_[first + i];
+        ImageSlot* slot = stack ? nullptr : &slots_[resident_ ? first + i : (turn % 2) * size_t(batch_) + i];
+        if (slot && !resident_) fill(*slot, view);
+        on_device_.push_back({&dataset_->views[view].camera, stack ? &stack->texture() : &slot->texture(),
+                              stream_.scale16(), bits(), &dataset_->views[view], first + i});
+    }
+}
+
+}  // namespace radiafit

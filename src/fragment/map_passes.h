@@ -1,0 +1,71 @@
+#pragma once
+#include <array>
+#include <functional>
+#include <map>
+
+#include "fragment/image_passes.h"
+#include "fragment/problem_numbers.h"
+
+namespace radiafit {
+
+/// The passes over N-texel arrays that come once per sweep, not once per image: penalties, the finished gradient and
+/// preconditioner, dot products and updates. One render target a pass but for updates, which write as many arrays as
+/// they change.
+class MapPasses {
+public:
+    /// vectors: those of optim/verbs.h, and the optimizer's own behind them.
+    MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers, ProblemTextures& problems,
+              const ProblemNumbers& numbers, const std::vector<MapVector>& vectors, const LfmOptions& options,
+              Storage storage);
+
+    /// trial_g = sums / S-bar + penalties at x, zero for terms outside [first_term, last_term); adds the penalties to
+    /// Sum::penalty.
+    void finish_direction(const MapVector& x, const MapSums& sums, int first_term, int last_term);
+    /// fresh = floored preconditioner.
+    void finish_precondition(const MapSums& squares);
+    /// Sum::penalty_curvature at x along d.
+    void finish_line(const MapVector& x, const MapVector& d);
+    /// Into the product's layer.
+    void dot(const DotProduct& product);
+    void update(Update which, std::span<const int> vectors, std::span<const int> numbers,
+                std::span<const float> constants);
+    /// To be called when the optimizer's own vectors are others than before.
+    void forget_own_vectors();
+
+private:
+    enum Site { surface, view };
+    using Targets = std::array<std::vector<Framebuffer>, 2>;  ///< [site][corner * terms + term]
+    struct Pair {                                             // the same pass over surface maps and over view maps
+        Program program[2];
+    };
+    void set_term(const Pair& pair, int term);
+    /// laplacian of `maps` at `term` into smoothed_
+    void laplacian(const MapVector& maps, int term);
+    /// One value per texel by `pair`, gathered and blended into `sum`. bind(site) puts the arrays in place.
+    template <class Bind>
+    void gather_pass(const Pair& pair, const Framebuffer& sum, Gather gather, int term, const Bind& bind);
+    /// One value per texel by `pair` into `targets`.
+    template <class Bind>
+    void store_pass(const Pair& pair, const Targets& targets, int term, const Bind& bind);
+    Pair make(const std::function<Program(const std::string& vertex_file, const Defines& defines)>& program) const;
+    const Pair& update_pair(Update which);  ///< compiled when it is first asked for
+    /// Of these vectors together.
+    const Targets& targets(std::span<const int> vectors);
+
+    const MapShape& shape_;
+    PassRunner& run_;
+    Gathers& gathers_;
+    ProblemTextures& problems_;
+    const ProblemNumbers& numbers_;
+    const std::vector<MapVector>& vectors_;
+    const SlsMesh& mesh_;
+    LfmOptions options_;
+    Storage storage_;
+    Texture smoothed_[2], product_[2];  // [site]: 3 corners, or 1 layer of view maps
+    std::vector<Framebuffer> smoothed_targets_[2], product_targets_[2];
+    std::map<std::vector<int>, Targets> targets_;
+    std::map<Update, Pair> updates_;
+    Pair laplacian_, penalty_error_, penalty_curvature_, gradient_, precondition_, floored_, dot_;
+};
+
+}  // namespace radiafit

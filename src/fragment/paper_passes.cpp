@@ -1,0 +1,229 @@
+#include <bit>
+#include <memory>
+
+#include "fragment/image_passes.h"
+
+namespace radiafit {
+
+MapSums::MapSums(const MapShape& shape, Sums sums)
+    : surface(sums_format(sums), shape.atlas->width(), shape.atlas->height(), shape.surface_layers()),
+      view(sums_format(sums), shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side,
+           shape.terms()) {
+    for (int layer = 0; layer < surface.layers(); ++layer) surface_targets.push_back(Framebuffer({{&surface, layer}}));
+    for (int layer = 0; layer < view.layers(); ++layer) view_targets.push_back(Framebuffer({{&view, layer}}));
+}
+
+void MapSums::clear(PassRunner& run) const {
+    for (const Framebuffer& target : surface_targets) run.clear(target);
+    for (const Framebuffer& target : view_targets) run.clear(target);
+}
+
+void set_eye(const Program& program, const Camera& camera) {
+    const Vec3d eye = camera.center();
+    float parts[8] = {};
+    for (int i = 0; i < 3; ++i) {
+        // The upper 24 bits by masking: GCC 12 -O3 vectorizes a rounding to float and back away.
+        const double upper = std::bit_cast<double>(std::bit_cast<uint64_t>(eye[i]) & ~uint64_t(0x1fffffff));
+        parts[i] = float(upper);
+        parts[4 + i] = float(eye[i] - upper);
+    }
+    program.set4(13, 2, parts);
+}
+
+namespace {
+
+// Beyond this many terms the view maps' values don't fit into varyings, and fragments fetch them.
+constexpr int most_varying_terms = 8;
+
+class PaperPasses final : public ImagePasses {
+public:
+    explicit PaperPasses(const PassWorld& world);
+    void count(const std::vector<ImageOnDevice>& images) override;
+    void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                   MapSums* squares) override;
+    void line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) override;
+
+private:
+    void begin_image(const ImageOnDevice& image);
+    void look_up(const MapVector& x, const std::vector<Framebuffer>& targets);
+    void residuals(const ImageOnDevice& image, const Program& program);
+    void gradient_of(const MapVector& x, MapSums& sums, bool squares);
+
+    PassWorld w_;
+    ItemBuffer items_;
+    Texture residual_, product_;         // [3 corners] in SLS: rgb, alpha 1 where a sample is
+    Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
+    Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
+    std::vector<Framebuffer> residual_targets_, product_targets_, value_targets_, slope_targets_;
+    Framebuffer footprint_target_;
+    Program footprint_program_, look_up_program_, target_program_, residual_program_;
+    Program surface_program_[2], scatter_program_[2];  // [1]: squares for diag(J'J)
+    Program line_program_[4];
+};
+
+PaperPasses::PaperPasses(const PassWorld& world)
+    : w_(world),
+      items_(world.mesh, world.max_width, world.max_height),
+      residual_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height(), 3),
+      product_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height(), 3),
+      footprint_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, 2),
+      view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
+      view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
+      footprint_target_({{&footprint_, 0}, {&footprint_, 1}}) {
+    const int terms = w_.shape.terms();
+    for (int corner = 0; corner < 3; ++corner) {
+        residual_targets_.push_back(Framebuffer({{&residual_, corner}}));
+        product_targets_.push_back(Framebuffer({{&product_, corner}}));
+    }
+    for (int term = 0; term < terms; ++term) {
+        value_targets_.push_back(Framebuffer({{&view_values_, term}}));
+        slope_targets_.push_back(Framebuffer({{&view_slopes_, term}}));
+    }
+    const Defines shape = w_.shape.defines(w_.storage);
+    const Defines all{{"VALUES", std::to_string(terms <= most_varying_terms ? terms : 0)}}, one{{"VALUES", "1"}};
+    const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
+    footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest);
+    look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);
+    target_program_ = Program::draw("gather/map.vert", "gather/residual.frag",
+                                    shape + Defines{{"TARGET_ONLY", ""}, {"PROJECTED", ""}});
+    residual_program_ =
+        Program::draw("gather/map.vert", "gather/residual.frag", shape + all + Defines{{"PROJECTED", ""}});
+    for (int squares = 0; squares < 2; ++squares) {
+        const Defines what = shape + (squares ? Defines{{"DIAGONAL", ""}} : Defines{});
+        surface_program_[squares] = Program::draw("gather/map.vert", "gather/surface_gradient.frag", what + one);
+        scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
+        const int m = w_.shape.grid.view_side;
+        scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
+    }
+    for (int quantity = 0; quantity < 4; ++quantity)
+        line_program_[quantity] =
+            Program::draw("gather/map.vert", "gather/line_term.frag",
+                          shape + all + Defines{{"ALONG", ""}, {"QUANTITY", std::to_string(quantity)}});
+    for (Program* program : {&target_program_, &residual_program_, &surface_program_[0], &surface_program_[1],
+                             &line_program_[0], &line_program_[1], &line_program_[2], &line_program_[3]}) {
+        w_.mesh.set_layout(*program);
+    }
+}
+
+void PaperPasses::begin_image(const ImageOnDevice& image) {
+    for (Program* program : {&target_program_, &residual_program_}) SlsMesh::set_camera(*program, *image.camera);
+    w_.mesh.select({{image.camera}});
+    w_.run.draw_items(items_, *image.camera);
+    set_eye(footprint_program_, *image.camera);
+    w_.vertices.bind(9);
+    w_.run.bind(footprint_target_, footprint_program_);
+    w_.run.draw_whole();
+    w_.gathers.mark_tiles(w_.mesh);
+}
+
+// h_k of every vertex, one pass per term.
+void PaperPasses::look_up(const MapVector& x, const std::vector<Framebuffer>& targets) {
+    x.view().bind(2);
+    footprint_.bind(10);
+    for (int term = 0; term < w_.shape.terms(); ++term) {
+        look_up_program_.set(10, term);
+        w_.run.bind(targets[size_t(term)], look_up_program_);
+        w_.run.draw_whole();
+    }
+}
+
+void PaperPasses::residuals(const ImageOnDevice& image, const Program& program) {
+    items_.items().bind(0);
+    image.texture->bind(1);
+    program.set(11, image.target_scale);
+    program.set(12, image.bits == 8 ? 257 : 1);
+    for (int corner = 0; corner < 3; ++corner) {
+        program.set(8, corner);
+        w_.run.bind(residual_targets_[size_t(corner)], program);
+        w_.run.draw_tiles();
+    }
+}
+
+void PaperPasses::count(const std::vector<ImageOnDevice>& images) {
+    for (const ImageOnDevice& image : images) {
+        begin_image(image);
+        residuals(image, target_program_);
+        for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::sum);
+        w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::target), Gather::sum, true);
+    }
+}
+
+// Figure 5: surface maps by blending, view maps by gathers and a scatter of one value per vertex.
+void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
+    const int terms = w_.shape.terms();
+    residual_.bind(4);
+    view_values_.bind(5);
+    const Program& surface = surface_program_[squares];
+    const Program& scatter = scatter_program_[squares];
+    for (int term = 0; term < terms; ++term) {
+        surface.set(10, term);
+        w_.run.blend();
+        for (int corner = 0; corner < 3; ++corner) {
+            surface.set(8, corner);
+            w_.run.bind(sums.surface_targets[size_t(corner * terms + term)], surface);
+            w_.run.draw_tiles();
+        }
+        w_.run.no_blend();
+        for (int corner = 0; corner < 3; ++corner)
+            w_.gathers.tile_products(w_.run, residual_, x.surface(), corner, term, squares);
+        w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.ring_target, Gather::sum, false);
+        w_.problems.ring.bind(7);
+        footprint_.bind(10);
+        w_.run.bind(sums.view_targets[size_t(term)], scatter);
+        w_.run.blend();
+        w_.run.draw_points(w_.shape.layout->problem_count());
+        w_.run.no_blend();
+    }
+}
+
+void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                            MapSums* squares) {
+    for (const ImageOnDevice& image : images) {
+        begin_image(image);
+        look_up(x, value_targets_);
+        x.surface().bind(2);
+        view_values_.bind(5);
+        residuals(image, residual_program_);
+        for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::squares);
+        w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::residual), Gather::sum, true);
+        gradient_of(x, gradient, false);
+        if (squares) gradient_of(x, *squares, true);
+    }
+}
+
+void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) {
+    constexpr Sum sums[4] = {Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth};
+    for (const ImageOnDevice& image : images) {
+        begin_image(image);
+        look_up(x, value_targets_);
+        look_up(d, slope_targets_);
+        x.surface().bind(2);
+        view_values_.bind(5);
+        residuals(image, residual_program_);
+        for (int quantity = 0; quantity < (quartic ? 4 : 2); ++quantity) {
+            const Program& program = line_program_[quantity];
+            for (int corner = 0; corner < 3; ++corner) {
+                x.surface().bind(2);
+                d.surface().bind(3);
+                residual_.bind(4);
+                view_values_.bind(5);
+                view_slopes_.bind(6);
+                program.set(8, corner);
+                w_.run.bind(product_targets_[size_t(corner)], program);
+                w_.run.draw_tiles();
+                w_.gathers.tiles(w_.run, product_, corner, Gather::sum);
+            }
+            const auto add = [&](Sum sum) {
+                w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(sum), Gather::sum, true);
+            };
+            add(sums[quantity]);
+            if (quantity == 0) add(Sum::curvature);  // a^2, to which the next quantity adds 2 r b
+        }
+    }
+}
+
+}  // namespace
+
+std::unique_ptr<ImagePasses> make_paper_passes(const PassWorld& world) { return std::make_unique<PaperPasses>(world); }
+
+}  // namespace radiafit

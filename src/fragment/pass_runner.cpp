@@ -1,0 +1,39 @@
+#include "fragment/pass_runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace radiafit {
+
+PassRunner::~PassRunner() {
+    if (query_) gl().DeleteQueries(1, &query_);
+}
+
+void PassRunner::tally(bool on) {
+    if (on) {
+        tallies_.clear();
+        cleared_bytes_ = 0;
+        if (!query_) gl().GenQueries(1, &query_);
+    }
+    tallying_ = on;
+}
+
+void PassRunner::add_draw(uint64_t entries) {
+    GLuint64 fragments = 0;
+    gl().GetQueryObjectui64v(query_, GL_QUERY_RESULT, &fragments);
+    PassTally& tally = tallies_[program_->label()];
+    tally.cost = program_->cost();
+    if (tally.cost && tally.cost->targets != target_->colours())
+        throw std::logic_error(fmt::format("{} declares {} targets and has {}", program_->label(), tally.cost->targets,
+                                           target_->colours()));
+    ++tally.draws;
+    tally.fragments += fragments;
+    tally.entries += entries;
+    tally.written_bytes += fragments * uint64_t(target_->texel_bytes());
+    const int end = std::min(last_blended_, target_->colours());
+    if (first_blended_ < end) tally.blended_bytes += fragments * uint64_t(target_->texel_bytes(first_blended_, end));
+}
+
+}  // namespace radiafit

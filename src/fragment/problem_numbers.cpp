@@ -1,0 +1,144 @@
+#include "fragment/problem_numbers.h"
+
+namespace radiafit {
+namespace {
+
+constexpr int own_layer = (number::first_own + 3) / 4;
+
+}  // namespace
+
+ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<uint32_t> place,
+                               const std::string& problems)
+    : count_(count),
+      place_(std::move(place)),
+      defines_{{"PROBLEMS", problems}},
+      state_(GL_RGBA32F, width, height, own_layer),
+      target_({{&state_, 0}, {&state_, 1}, {&state_, 2}}) {
+    program(Step::after_direction);
+    program(Step::after_line);
+}
+
+const Program& ProblemNumbers::program(Step which) {
+    const int layers = ProblemNumbers::layers(room_) - own_layer;
+    Program& program = programs_[{which, layers}];
+    if (!program.name()) {
+        const StepName& name = steps[int(which)];
+        program = Program::draw(
+            "common/whole.vert", "optimize/step.frag",
+            defines_ + Defines{{"TEXT", name.file}, {"STEP", name.function}, {"OWN_LAYERS", std::to_string(layers)}});
+    }
+    return program;
+}
+
+void ProblemNumbers::make_room(const Room& room) {
+    const int layers = ProblemNumbers::layers(room);
+    if (layers != state_.layers()) {
+        Texture grown(GL_RGBA32F, state_.width(), state_.height(), layers);
+        std::vector<Target> targets;
+        for (int layer = 0; layer < layers; ++layer) {
+            if (layer < own_layer) grown.upload(GL_RGBA, GL_FLOAT, read_places(layer).data(), layer);
+            targets.push_back({&grown, layer});
+        }
+        target_ = Framebuffer(targets);
+        state_ = std::move(grown);
+    }
+    room_ = room;
+    const std::vector<float> zero(4 * size_t(state_.width()) * size_t(state_.height()));
+    for (int layer = own_layer; layer < layers; ++layer) state_.upload(GL_RGBA, GL_FLOAT, zero.data(), layer);
+}
+
+void ProblemNumbers::reset(std::span<const Status> status) {
+    using real = float;  // HUGE_ERROR is text shared with GLSL
+    std::vector<float> layers[own_layer];
+    for (auto& layer : layers) layer.resize(4 * size_t(state_.width()) * size_t(state_.height()));
+    for (size_t at = 0; at < layers[0].size(); at += 4) {
+        layers[number::error / 4][at + number::error % 4] = HUGE_ERROR;
+        layers[number::step_factor / 4][at + number::step_factor % 4] = 1;
+        layers[number::status / 4][at + number::status % 4] = float(Status::no_samples);  // where no problem is, too
+    }
+    for (size_t i = 0; i < count_; ++i)
+        layers[number::status / 4][4 * (place_.empty() ? i : place_[i]) + number::status % 4] = float(status[i]);
+    for (int layer = 0; layer < own_layer; ++layer) state_.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
+}
+
+void ProblemNumbers::step(PassRunner& run, Step which, const Turn& turn) {
+    const Program& step = program(which);
+    step.set(20, turn.rule);
+    step.set(21, turn.restart);
+    step.set2(22, turn.stop.residual, turn.stop.output_change);
+    step.set(23, turn.slot);
+    gl().TextureBarrier();
+    bind();
+    run.bind(target_, step);
+    run.draw_whole();
+    gl().TextureBarrier();
+}
+
+std::vector<float> ProblemNumbers::read_places(int layer) const {
+    std::vector<float> all(4 * size_t(state_.width()) * size_t(state_.height()));
+    state_.download(GL_RGBA, GL_FLOAT, all.data(), all.size() * sizeof(float), layer);
+    return all;
+}
+
+std::vector<float> ProblemNumbers::read_layer(int layer) const {
+    std::vector<float> all = read_places(layer);
+    if (place_.empty()) return all;
+    std::vector<float> out(4 * count_);
+    for (size_t i = 0; i < count_; ++i) std::copy_n(&all[4 * size_t(place_[i])], 4, &out[4 * i]);
+    return out;
+}
+
+EngineSummary ProblemNumbers::summary() const {
+    using real = float;
+    const std::vector<float> first = read_layer(0), second = read_layer(1);
+    EngineSummary sum;
+    for (size_t at = 0; at < 4 * count_; at += 4) {
+        const float error = first[at + number::error];
+        sum.active += second[at + number::status % 4] == float(Status::active);
+        sum.accepted += second[at + number::accepted % 4] != 0;
+        if (error < HUGE_ERROR) sum.error += double(error);  // else never evaluated, or not finite
+    }
+    return sum;
+}
+
+void ProblemNumbers::outcomes(std::span<ProblemOutcome> out) const {
+    using real = float;
+    const std::vector<float> first = read_layer(0), second = read_layer(1);
+    for (size_t i = 0; i < count_; ++i) {
+        const float error = first[4 * i + number::error];
+        const float *rest = &second[4 * i], status = rest[number::status % 4];
+        out[i] = {error < HUGE_ERROR ? error : 0, Status(int(status)), uint32_t(rest[number::iterations % 4])};
+        if (out[i].status == Status::active) out[i].status = Status::max_iterations;
+    }
+}
+
+void ProblemNumbers::read_errors(std::span<float> out) const {
+    const std::vector<float> first = read_layer(0);
+    for (size_t i = 0; i < count_; ++i) out[i] = first[4 * i + number::error];
+}
+
+Program make_update(Update which, const std::string& vertex_file, const std::string& elements, const Defines& defines) {
+    const UpdateShape& shape = updates[int(which)];
+    return Program::draw(vertex_file, "optimize/update.frag",
+                         defines + Defines{{"ELEMENTS", elements},
+                                           {"TEXT", shape.file},
+                                           {"UPDATE", shape.function},
+                                           {"VECTORS", std::to_string(shape.vectors)},
+                                           {"WRITTEN", std::to_string(shape.written)},
+                                           {"NUMBERS", std::to_string(shape.numbers)},
+                                           {"PRODUCTS", std::to_string(shape.products)}});
+}
+
+void tell_update(const Program& program, std::span<const int> numbers, std::span<const float> constants) {
+    for (size_t k = 0; k < numbers.size(); ++k) {
+        const int n = numbers[k];  // the optimizer's own begin a layer
+        program.set(24 + int(k), n >= number::first_product ? n - number::first_product
+                                 : n >= number::first_own   ? n - number::first_own + 4 * own_layer
+                                                            : n);
+    }
+    float told[4] = {};
+    std::copy(constants.begin(), constants.end(), told);
+    program.set4(28, 1, told);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,57 @@
+#pragma once
+#include <map>
+#include <span>
+#include <vector>
+
+#include "fragment/pass_runner.h"
+#include "optim/engine.h"
+
+namespace radiafit {
+
+/// Every problem's numbers (optim/verbs.h) in textures, and the steps of optimizers, which change them.
+class ProblemNumbers {
+public:
+    /// place [problems]: row * width + column; empty: problem i stands at place i. problems: the text in
+    /// shaders/optimize that says what the passes before a step leave of one, "vertices" or "texels".
+    ProblemNumbers(int width, int height, size_t count, std::vector<uint32_t> place, const std::string& problems);
+    /// The optimizer's own, all zero. Compiles what is new.
+    void make_room(const Room& room);
+    /// Fresh problems; samples(problem): 0 where there is nothing to fit.
+    template <class Samples>
+    void reset(const Samples& samples) {
+        std::vector<Status> status(count_);
+        for (size_t i = 0; i < count_; ++i) status[i] = samples(i) ? Status::active : Status::no_samples;
+        reset(std::span<const Status>(status));
+    }
+    void reset(std::span<const Status> status);
+    /// The caller binds what the text of the problems reads.
+    void step(PassRunner& run, Step which, const Turn& turn);
+    void bind() const { state_.bind(9); }
+
+    // These wait for the device.
+    EngineSummary summary() const;
+    void outcomes(std::span<ProblemOutcome> out) const;  ///< [problems]
+    void read_errors(std::span<float> out) const;        ///< [problems]
+
+    /// Of four 32-bit floats each.
+    static int layers(const Room& room) { return 3 + (room.numbers + 3) / 4; }
+
+private:
+    const Program& program(Step which);
+    std::vector<float> read_places(int layer) const;  ///< [height * width][4]
+    std::vector<float> read_layer(int layer) const;   ///< [problems][4]
+
+    size_t count_;
+    std::vector<uint32_t> place_;
+    Defines defines_;
+    Texture state_;  ///< the fields of ProblemState in three layers, then the optimizer's own
+    Framebuffer target_;
+    std::map<std::pair<Step, int>, Program> programs_;  ///< by layers of own numbers
+    Room room_;
+};
+
+/// The program of an update, with what it is told. `elements`: "map_elements" or "texel_elements" in shaders/optimize.
+Program make_update(Update which, const std::string& vertex_file, const std::string& elements, const Defines& defines);
+void tell_update(const Program& program, std::span<const int> numbers, std::span<const float> constants);
+
+}  // namespace radiafit

@@ -1,0 +1,141 @@
+#include "fragment/sls_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "dataset/image_stream.h"
+
+namespace radiafit {
+
+SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
+    const Mesh& mesh = atlas.mesh();
+    std::vector<Vec3f> positions[3];
+    std::vector<uint32_t> tiles;
+    std::vector<std::array<uint32_t, 3>> vertices;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        if (atlas.degenerate(t)) continue;
+        const auto& [i0, i1, i2] = mesh.triangles[t];
+        of_triangle_.push_back(t);
+        points_.push_back(mesh.positions[i0]);
+        normals_.push_back((mesh.positions[i1] - mesh.positions[i0]).cross(mesh.positions[i2] - mesh.positions[i0]));
+        for (int repeat = 0; repeat < 3; ++repeat) {
+            for (int c = 0; c < 3; ++c) positions[c].push_back(mesh.positions[mesh.triangles[t][c]]);
+            tiles.push_back(t);
+            vertices.push_back(mesh.triangles[t]);
+        }
+    }
+    count_ = static_cast<int>(tiles.size());
+    drawn_tiles_ = of_triangle_;
+    elements_ = Buffer(tiles.size() * sizeof(uint32_t), nullptr, true);
+    array_.elements(elements_);
+    selected_.reserve(tiles.size());
+    for (int c = 0; c < 3; ++c) {
+        positions_[c] = Buffer(positions[c]);
+        array_.floats(static_cast<unsigned>(c), 3, positions_[c]);
+    }
+    tiles_ = Buffer(tiles);
+    array_.integers(3, 1, tiles_);
+    vertices_ = Buffer(vertices);
+    array_.integers(4, 3, vertices_);
+}
+
+void SlsMesh::select(std::span<const Camera* const> cameras) {
+    drawn_ = 0;
+    if (cameras.empty()) {
+        drawn_tiles_ = of_triangle_;
+        return;
+    }
+    eyes_.clear();
+    for (const Camera* camera : cameras) eyes_.push_back(camera->center().cast<float>());
+    selected_.clear();
+    drawn_tiles_.clear();
+    for (uint32_t i = 0; i < points_.size(); ++i) {
+        const bool seen = std::any_of(eyes_.begin(), eyes_.end(), [&](const Vec3f& eye) {
+            const Vec3f to_eye = eye - points_[i];
+            // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
+            const float facing = normals_[i].dot(to_eye);
+            return !(facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm());
+        });
+        if (!seen) continue;
+        selected_.insert(selected_.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+        drawn_tiles_.push_back(of_triangle_[i]);
+    }
+    drawn_ = static_cast<int>(selected_.size());
+    elements_.write(0, selected_.size() * sizeof(uint32_t), selected_.data());
+}
+
+void SlsMesh::draw() const {
+    array_.bind();
+    if (drawn_ > 0)
+        gl().DrawElements(GL_TRIANGLES, drawn_, GL_UNSIGNED_INT, nullptr);
+    else
+        gl().DrawArrays(GL_TRIANGLES, 0, count_);
+}
+
+void SlsMesh::set_layout(const Program& program) const {
+    program.set(5, atlas_->width());
+    program.set2(6, float(atlas_->width()), float(atlas_->height()));
+}
+
+std::array<float, 12> SlsMesh::camera_rows(const Camera& camera) {
+    Mat3d intrinsics;
+    intrinsics << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+    const Mat3d rotation = intrinsics * camera.cam_from_world_rotation;
+    const Vec3d translation = intrinsics * camera.cam_from_world_translation;
+    std::array<float, 12> rows;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) rows[size_t(4 * r + c)] = float(rotation(r, c));
+        rows[size_t(4 * r + 3)] = float(translation(r));
+    }
+    return rows;
+}
+
+void SlsMesh::set_camera(const Program& program, const Camera& camera) {
+    program.set4(0, 3, camera_rows(camera).data());
+    program.set2(3, float(camera.width), float(camera.height));
+}
+
+ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits, int layers)
+    : mesh_(&mesh),
+      items_(bits == 16  ? GL_RGBA32UI
+             : bits == 8 ? GL_RG32UI
+                         : GL_R32UI,
+             max_width, max_height, layers),
+      depth_(GL_DEPTH_COMPONENT32F, max_width, max_height),
+      program_(Program::draw("distribute/item.vert", "distribute/item.frag",
+                             bits ? mesh.defines() + Defines{{"COLOUR", std::to_string(bits)}} : mesh.defines())) {
+    for (int layer = 0; layer < std::max(1, layers); ++layer)
+        framebuffers_.push_back(Framebuffer({{&items_, layer}}, &depth_));
+    mesh.set_layout(program_);
+}
+
+void ItemBuffer::draw(const Camera& camera, int layer) const {
+    const Framebuffer& framebuffer = framebuffers_[size_t(layer)];
+    mesh_->set_camera(program_, camera);
+    framebuffer.bind(camera.width, camera.height);
+    const GLuint none[4] = {no_texel, no_texel, no_texel, no_texel};
+    const float far = 0;
+    gl().DepthMask(GL_TRUE);
+    gl().ClearNamedFramebufferuiv(framebuffer.name(), GL_COLOR, 0, none);
+    gl().ClearNamedFramebufferfv(framebuffer.name(), GL_DEPTH, 0, &far);
+    gl().ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl().Enable(GL_DEPTH_TEST);
+    gl().DepthFunc(GL_GREATER);
+    gl().Enable(GL_CULL_FACE);
+    gl().FrontFace(GL_CW);  // image y points down
+    program_.use();
+    mesh_->draw();
+    gl().Disable(GL_CULL_FACE);
+    gl().Disable(GL_DEPTH_TEST);
+}
+
+ImageSlot::ImageSlot(int max_width, int max_height, int bits)
+    : texture_(bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, max_width, max_height) {}
+
+void ImageSlot::upload(const TargetImage& image) {
+    texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER,
+                         image.bits == 8 ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT,
+                         image.bits == 8 ? static_cast<const void*>(image.rgba8.data()) : image.rgba16.data());
+}
+
+}  // namespace radiafit

@@ -1,0 +1,330 @@
+#include "fragment/texel_engine.h"
+
+#include <algorithm>
+
+#include "dataset/encoding.h"
+
+namespace radiafit {
+namespace {
+
+constexpr float unbound = 3e38f;
+
+}  // namespace
+
+TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& atlas, std::vector<uint32_t> views,
+                                         const TexelOptions& options, const FragmentOptions& fragment_options)
+    : allocated_before_(Context::current().allocated_bytes()),
+      dataset_((require_lights(dataset), &dataset)),
+      options_((check_options(options), options)),
+      shape_(atlas, *options.model),
+      images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear, fragment_options.resident) {
+    if (const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas)) {
+        mesh_.emplace(*triangles);
+        run_.emplace(*mesh_);
+    } else {
+        run_.emplace();
+    }
+    const auto single = [&](int layers) { return Texture(GL_RGBA32F, shape_.width(), shape_.height(), layers); };
+    surface_ = single(2);
+    for (Texture* texture : {&density_, &penalty_}) *texture = Texture(GL_R32F, shape_.width(), shape_.height());
+    numbers_.emplace(shape_.width(), shape_.height(), shape_.texels(), shape_.place, "texels");
+    make_products(3);
+    const Storage storage = fragment_options.storage;
+    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(TexelVector(shape_, storage));
+    const GLenum summed = sums_format(fragment_options.sums);
+    sums_.gradient = TexelSumLayers(summed, shape_, shape_.maps());
+    sums_.diagonal = TexelSumLayers(summed, shape_, shape_.diagonal_layers());
+    sums_.line = TexelSumLayers(summed, shape_, 1);
+    sums_.count = TexelSumLayers(GL_RGBA32F, shape_, 2);
+
+    const TexelWorld world{shape_,
+                           mesh_ ? &*mesh_ : nullptr,
+                           *run_,
+                           surface_,
+                           sums_,
+                           dataset,
+                           images_,
+                           storage,
+                           has_largest_value(dataset.encoding) ? options_.clip_above : 0};
+    passes_ = fragment_options.passes == Passes::paper ? make_paper_texel_passes(world)
+                                                       : make_combined_texel_passes(world, fragment_options.together);
+    images_.set_batch(passes_->batch());
+
+    penalty_target_ = Framebuffer({{&penalty_}});
+    const auto whole = [&](const char* shader, const Defines& what = {}) {
+        return Program::draw("common/whole.vert", std::string("reflect/") + shader, shape_.defines(storage) + what);
+    };
+    penalty_program_ = whole("penalty.frag");
+    penalty_curvature_ = whole("penalty.frag", {{"ALONG", ""}});
+    gradient_ = whole("gradient.frag");
+    precondition_ = whole("precondition.frag");
+    dot_ = whole("dot.frag");
+    for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
+    for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
+    write_surface({});
+    bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
+}
+
+TexelFragmentEngine::~TexelFragmentEngine() = default;
+
+// For shaders/reflect/bounds.glsl.
+void TexelFragmentEngine::set_bounds(const Program& program) const {
+    std::vector<float> lowest(4 * size_t(shape_.maps()), -unbound), highest(lowest.size(), unbound);
+    for (int i = 0; i < shape_.model->parameters; ++i) {
+        const auto [map, channel] = TexelShape::map_of(i);
+        const size_t at = 4 * size_t(map) + size_t(channel);
+        lowest[at] = float(shape_.model->bounds[size_t(i)][0]);
+        highest[at] = float(shape_.model->bounds[size_t(i)][1]);
+    }
+    program.set(14, options_.mu);
+    program.set(15, options_.mode == Mode::paper ? 1 : 0);
+    program.set4(16, shape_.maps(), lowest.data());
+    program.set4(32, shape_.maps(), highest.data());
+}
+
+// darkness [texels], or none: samples whose channels' sum is below that share of u_z lie in shadow.
+void TexelFragmentEngine::write_surface(std::span<const float> darkness) {
+    const Atlas& atlas = *shape_.atlas;
+    std::vector<float> layers[2];
+    for (auto& layer : layers) layer.resize(4 * size_t(shape_.width()) * size_t(shape_.height()));
+    for (uint32_t texel = 0; texel < shape_.texels(); ++texel) {
+        const auto write = [&](int layer, const Vec3f& three, float fourth) {
+            float* at = layers[layer].data() + 4 * size_t(shape_.place[texel]);
+            at[0] = three.x(), at[1] = three.y(), at[2] = three.z(), at[3] = fourth;
+        };
+        write(0, atlas.position(texel), atlas.usable(texel) ? 1.0f : 0.0f);
+        write(1, atlas.normal(texel), darkness.empty() ? 0.0f : darkness[texel]);
+    }
+    for (int layer = 0; layer < 2; ++layer) surface_.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
+}
+
+// Streams every image once through body(images), batch by batch.
+template <class Body>
+void TexelFragmentEngine::sweep(const Body& body) {
+    images_.run(body, [&] {
+        passes_->finish();
+        if (mesh_) mesh_->select({});
+    });
+}
+
+void TexelFragmentEngine::count_samples(std::span<const float> darkness) {
+    write_surface(darkness);
+    sums_.count.clear(*run_);
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->count(images); });
+}
+
+ProblemStatistics TexelFragmentEngine::count() {
+    const size_t texels = shape_.texels();
+    ProblemStatistics statistics;
+    const auto fit_albedo = [&] {
+        statistics.mean.assign(3 * texels, 0.0f);
+        const std::vector<float> squares = read_texels(shape_, sums_.count.layers, 3);
+        for (int c = 0; c < 3; ++c) {
+            const std::vector<float> products = read_texels(shape_, sums_.count.layers, c);
+            for (size_t texel = 0; texel < texels; ++texel)
+                if (squares[texel] > 0) statistics.mean[3 * texel + size_t(c)] = products[texel] / squares[texel];
+        }
+    };
+    count_samples({});
+    fit_albedo();
+    if (options_.shadow_below > 0) {
+        std::vector<float> darkness(texels);
+        for (size_t texel = 0; texel < texels; ++texel)
+            for (size_t c = 0; c < 3; ++c) darkness[texel] += options_.shadow_below * statistics.mean[3 * texel + c];
+        count_samples(darkness);
+        fit_albedo();
+    }
+    std::vector<float> density(texels);
+    for (const float n : read_texels(shape_, sums_.count.layers, 0, 1)) statistics.samples.push_back(uint32_t(n));
+    for (size_t texel = 0; texel < texels; ++texel)
+        density[texel] = statistics.samples[texel] ? 1 / float(statistics.samples[texel]) : 0.0f;
+    write_texels(shape_, density, density_);
+    samples_ = statistics.samples;
+    return statistics;
+}
+
+std::vector<float> TexelFragmentEngine::start() {
+    const StartLayout layout(*shape_.model);
+    StartSolver solver(*shape_.model, shape_.texels());
+    const size_t stride = 4 * size_t(layout.targets());
+    std::vector<float> numbers(shape_.texels() * stride);
+    const TexelSumLayers sums(GL_RGBA32F, shape_, layout.targets_in(0));
+    for (int group = 0; group < layout.groups; ++group) {
+        for (int window = 0; window < layout.windows(); ++window) {
+            const int targets = layout.targets_in(window);
+            sums.clear(*run_);
+            sweep([&](const std::vector<ImageOnDevice>& images) { passes_->start(images, group, window, sums); });
+            for (int number = 0; number < 4 * targets; ++number) {
+                const std::vector<float> values = read_texels(shape_, sums.layers, number % 4, number / 4);
+                const size_t at = size_t(4 * window * StartLayout::most_targets + number);
+                for (size_t texel = 0; texel < values.size(); ++texel) numbers[texel * stride + at] = values[texel];
+            }
+        }
+        solver.take(group, numbers);
+    }
+    return std::move(solver).parameters();
+}
+
+void TexelFragmentEngine::reset(std::span<const float> start) {
+    for (TexelVector& v : vectors_) v.clear();
+    vectors_[vector::trial].upload(shape_, start);
+    vectors_[vector::p].upload(shape_, start);  // what a problem without samples returns
+    numbers_->reset([&](size_t texel) { return samples_[texel]; });
+}
+
+void TexelFragmentEngine::make_products(int count) {
+    if (products_ && products_.layers() == count) return;
+    product_targets_.clear();
+    products_ = Texture(GL_R32F, shape_.width(), shape_.height(), count);
+    for (int layer = 0; layer < count; ++layer) product_targets_.push_back(Framebuffer({{&products_, layer}}));
+}
+
+void TexelFragmentEngine::make_room(const Room& room) {
+    const int64_t before = Context::current().allocated_bytes();
+    const size_t wanted = size_t(vector::first_own + room.vectors);
+    if (wanted != vectors_.size()) {
+        const Storage storage = vectors_[0].storage();
+        vectors_.resize(std::min(wanted, vectors_.size()));
+        while (vectors_.size() < wanted) vectors_.push_back(TexelVector(shape_, storage));
+        std::erase_if(targets_, [](const auto& entry) {
+            return std::ranges::any_of(entry.first, [](int v) { return v >= vector::first_own; });
+        });
+    }
+    for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
+    make_products(3 + room.products);
+    numbers_->make_room(room);
+    bytes_ += uint64_t(Context::current().allocated_bytes() - before);
+}
+
+const Program& TexelFragmentEngine::update_program(Update which) {
+    Program& program = updates_[which];
+    if (!program.name())
+        program = make_update(which, "common/whole.vert", "texel_elements", shape_.defines(vectors_[0].storage()));
+    return program;
+}
+
+const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const int> vectors) {
+    std::vector<Framebuffer>& targets = targets_[{vectors.begin(), vectors.end()}];
+    for (int map = int(targets.size()); map < shape_.maps(); ++map) {
+        std::vector<Target> colours;
+        for (const int v : vectors) colours.push_back(vectors_[size_t(v)].target(map));
+        targets.push_back(Framebuffer(colours));
+    }
+    return targets;
+}
+
+void TexelFragmentEngine::penalty_pass(const Program& program, const TexelVector& x, const TexelVector* d) {
+    x.bind(5);
+    if (d) d->bind(6);
+    run_->bind(penalty_target_, program);
+    run_->draw_whole();
+}
+
+// A pass for each map into targets [map], with textures bound by bind().
+template <class Bind>
+void TexelFragmentEngine::map_passes(const Program& program, const std::vector<Framebuffer>& targets,
+                                     const Bind& bind) {
+    bind();
+    density_.bind(12);
+    for (int map = 0; map < shape_.maps(); ++map) {
+        program.set(10, map);
+        run_->bind(targets[size_t(map)], program);
+        run_->draw_whole();
+    }
+}
+
+void TexelFragmentEngine::direction_pass(bool diagonal) {
+    const TexelVector& trial = vectors_[vector::trial];
+    sums_.gradient.clear(*run_);
+    if (diagonal) sums_.diagonal.clear(*run_);
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->direction(images, trial, diagonal); });
+    penalty_pass(penalty_program_, trial, nullptr);
+    map_passes(gradient_, targets({{vector::trial_g}}), [&] {
+        trial.bind(5);
+        sums_.gradient.layers.bind(11);
+    });
+    if (diagonal)
+        map_passes(precondition_, targets({{vector::fresh}}), [&] {
+            trial.bind(5);
+            sums_.diagonal.layers.bind(11);
+        });
+}
+
+void TexelFragmentEngine::line_pass() {
+    const TexelVector &p = vectors_[vector::p], &d = vectors_[vector::d];
+    sums_.line.clear(*run_);
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->line(images, p, d); });
+    penalty_pass(penalty_curvature_, p, &d);
+}
+
+void TexelFragmentEngine::dot(std::initializer_list<DotProduct> products) {
+    for (const DotProduct& product : products) {
+        const bool weighted = product.weight != vector::none;
+        vectors_[size_t(product.a)].bind(1);
+        vectors_[size_t(product.b)].bind(2);
+        vectors_[size_t(weighted ? product.weight : product.a)].bind(4);
+        dot_.set(18, weighted ? 1 : 0);
+        run_->bind(product_targets_[size_t(product.into)], dot_);
+        run_->draw_whole();
+    }
+}
+
+void TexelFragmentEngine::step(Step which, const Turn& turn) {
+    sums_.gradient.layers.bind(11);
+    density_.bind(12);
+    penalty_.bind(13);
+    sums_.line.layers.bind(14);
+    products_.bind(15);
+    numbers_->step(*run_, which, turn);
+}
+
+void TexelFragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                                 std::initializer_list<float> constants) {
+    const std::span<const int> list(vectors.begin(), vectors.end());
+    const Program& program = update_program(which);
+    tell_update(program, {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
+    gl().TextureBarrier();
+    map_passes(program, targets(list.first(size_t(updates[int(which)].written))), [&] {
+        for (size_t k = 0; k < list.size(); ++k) vectors_[size_t(list[k])].bind(unsigned(k));
+        numbers_->bind();
+        products_.bind(15);
+    });
+    gl().TextureBarrier();
+}
+
+void TexelFragmentEngine::read_parameters(std::span<float> out) const { vectors_[vector::p].download(shape_, out); }
+
+TexelFragmentEngine::Evaluation TexelFragmentEngine::read_evaluation() const {
+    Evaluation result;
+    const std::vector<float> squares = read_texels(shape_, sums_.gradient.layers, 3),
+                             density = read_texels(shape_, density_, 0), penalty = read_texels(shape_, penalty_, 0);
+    for (size_t i = 0; i < squares.size(); ++i) result.error.push_back(0.5f * density[i] * squares[i] + penalty[i]);
+    result.gradient.resize(parameter_count());
+    result.diagonal.resize(parameter_count());
+    vectors_[vector::trial_g].download(shape_, result.gradient);
+    vectors_[vector::fresh].download(shape_, result.diagonal);
+    return result;
+}
+
+void TexelFragmentEngine::set_line(std::span<const float> p, std::span<const float> d) {
+    vectors_[vector::p].upload(shape_, p);
+    vectors_[vector::d].upload(shape_, d);
+}
+
+TexelFragmentEngine::Line TexelFragmentEngine::read_line() const {
+    const std::vector<float> density = read_texels(shape_, density_, 0), penalty = read_texels(shape_, penalty_, 0);
+    const auto sums = [&](int channel) {
+        std::vector<float> out = read_texels(shape_, sums_.line.layers, channel);
+        for (size_t i = 0; i < out.size(); ++i) out[i] = density[i] * out[i] + penalty[i];
+        return out;
+    };
+    return {sums(0), sums(1)};
+}
+
+const FragmentTimes& TexelFragmentEngine::times() const {
+    static_cast<SweepTimes&>(times_) = images_.times();
+    times_.counters = run_->counters;
+    return times_;
+}
+
+}  // namespace radiafit
