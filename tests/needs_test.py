@@ -58,6 +58,16 @@ class Needs(ProgramTest):
                 self.assertGreater(announced, measured)
                 self.assertLess(announced, most * measured)
 
+    def test_vectors_of_the_optimizer(self):
+        for engine in ("cpu", "fragment"):
+            large = ("--engine", engine, "--surface-side", "32", "--view-side", "64", "--terms", "12", "--iterations", "0")
+            plain, plain_announced = self.measured_and_announced(*large)
+            measured, announced = self.measured_and_announced(*large, "--optimizer", "lbfgs", "--history", "8")
+            with self.subTest(engine):
+                self.assertGreater(measured - plain, 20e6)
+                self.assertGreater(announced - plain_announced, 0.95 * (measured - plain))
+                self.assertLess(announced - plain_announced, 1.3 * (measured - plain))
+
 
 if __name__ == "__main__":
     (ProgramTest.program,) = take_arguments(1)

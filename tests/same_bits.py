@@ -20,6 +20,8 @@ LIGHT_FIELD = [
     "--stop-residual 0.02",
     "--stop-change 0.001",
     "--seed 5 --terms 2",
+    "--optimizer lbfgs --terms 2",
+    "--optimizer adam --terms 2",
 ]
 STEPS = ["--solver two-step", "--solver two-step --record full", "--solver two-step --terms 2 --memory 20K"]
 OTHERS = [f"--solver {s} --terms {k}" for s, k in itertools.product(("pca", "ceres", "als", "varpro"), (1, 2))] + ["--solver mean"]

@@ -197,6 +197,10 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
         if (stream || name == std::string_view("p"))
             add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
                 layout.size() * sizeof(float));
+    const uint64_t own = stream ? uint64_t(room_of(request.optimizer_options()).vectors) : 0;
+    if (own > 0)
+        add("vectors of the optimizer", fmt::format("{} x {} texels x 4 floats", own, layout.size() / 4),
+            own * layout.parameter_count(), own * layout.size() * sizeof(float));
     const uint64_t pixels = pixels_of(dataset, views);
     if (uses & use::records) {
         plan.memory.push_back(held_samples(request, pixels * record_bytes(request)));
