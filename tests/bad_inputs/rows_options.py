@@ -42,6 +42,11 @@ for option, below, above, least, most in (
     refuse(f"fit tiny {option} {{}} -o new", f"{below} {above}", f"{plain} = ", "choose a number from 0 to 1e+06")
     accept(f"plan tiny {option} {least}")
     rows.append((f"fit tiny --iterations 3 {option} {most} -o new", None, 0, " 0 not finite"))
+for solver in ("tinysolver", "ceres-varpro"):
+    for command in ("fit tiny --solver {} -o new", "plan tiny --solver {}"):
+        rows.append((command.format(solver), None, 2, f"solver {solver} fits texel-local models only; choose one of stream, "))
+    rows.append((f"fit flat --model lafortune --solver {solver} -o new", None, 0, " 0 not finite"))
+    rows.append((f"fit flat --model lafortune --solver {solver} --optimizer sd -o new", None, 2, "--optimizer means nothing to model "))
 refuse("fit tiny --optimizer lbfgs --history {} -o new", "0 9 x ''", "history = ", "choose a whole number from 1 to 8")
 refuse("fit tiny --optimizer adam --learning-rate {} -o new", "0 11 nan x ''", "learning-rate = ", "choose a number from 1e-06 to 10")
 for optimizer in ("lbfgs --history 1", "lbfgs --history 8", "adam --learning-rate 1e-6", "adam --learning-rate 10"):
@@ -57,7 +62,7 @@ refuse("plan tiny --engine {}", "foo", "engine '{}' does not exist; choose one o
 
 # Names, with those that there are.
 for option, names, answer in (
-    ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, als, varpro, mean"),
+    ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, ceres-varpro, tinysolver, als, varpro, mean"),
     ("--optimizer", "gc ''", "choose one of cg, sd, lbfgs, adam, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
     ("--passes", "combine", "choose one of paper, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
     ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
@@ -86,7 +91,7 @@ rows += [
     ("plan tiny --engine fragment --distributor gl", None, 2, "--distributor means nothing to engine fragment"),
     ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
     ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),
-    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca fits light field maps only", "choose one of stream, two-step, ceres for --model lafortune"),
+    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca fits light field maps only", "choose one of stream, two-step, ceres, ceres-varpro, tinysolver for --model lafortune"),
     ("fit flat --model lafortune --solver als -o new", None, 2, "solver als fits light field maps only"),
     ("fit flat --model lafortune --solver varpro -o new", None, 2, "solver varpro fits light field maps only"),
     ("fit flat --model lambert --solver mean -o new", None, 2, "solver mean fits light field maps only"),
