@@ -43,9 +43,9 @@ struct TinyEngine {
     }
     void make_room(const Room& wanted) {
         room = wanted;
-        vectors.resize(size_t(vector::first_own + room.vectors));
+        vectors.resize(size_t(room.vector_count()));
         own.assign(size_t(room.numbers), 0);
-        products.assign(size_t(3 + room.products), 0);
+        products.assign(size_t(room.product_count()), 0);
     }
     void fit_terms(int, int) {}
     void direction_pass(bool diagonal) {

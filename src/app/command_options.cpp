@@ -24,6 +24,12 @@ std::string takers(const FitOption& option) {
         }
     for (const Solver& solver : solvers())
         if (solver.uses & option.uses) all.emplace_back(solver.name);
+    for (const Method& method : methods) {
+        FitRequest request;
+        request.optimizer = &method;
+        if (uses_of(request) & ~uses_of(FitRequest()) & option.uses)
+            all.push_back("optimizer " + std::string(method.name));
+    }
     if (option.uses & (use::selection | use::sides | use::iterations)) all.emplace_back("texel-local models");
     return fmt::format("{}", fmt::join(all, ", "));
 }

@@ -60,8 +60,8 @@ public:
         return bytes(vectors_[vector::p].size(), life_.size(), room_);
     }
     static uint64_t bytes(uint64_t length, uint64_t blocks, const Room& room) {
-        return (vector::first_own + uint64_t(room.vectors)) * length * sizeof(V) +
-               blocks * (sizeof(States) + sizeof(Life) + (3 + uint64_t(room.products)) * sizeof(V) +
+        return uint64_t(room.vector_count()) * length * sizeof(V) +
+               blocks * (sizeof(States) + sizeof(Life) + uint64_t(room.product_count()) * sizeof(V) +
                          uint64_t(room.numbers * lanes) * sizeof(Real));
     }
 
@@ -95,7 +95,7 @@ private:
     Real* own(size_t block, size_t lane) {
         return own_.data() + (block * size_t(lanes) + lane) * size_t(room_.numbers);
     }
-    const V* products(size_t block) const { return products_.data() + block * (3 + size_t(room_.products)); }
+    const V* products(size_t block) const { return products_.data() + block * size_t(room_.product_count()); }
 
     Problem* problem_;
     Room room_;

@@ -54,7 +54,6 @@ void LaneEngine<Problem>::reset(std::span<const float> start) {
     vectors_[vector::p] = vectors_[vector::trial];  // what a problem without samples returns
     states_.assign(blocks, {});
     life_.assign(blocks, Life::over);
-    make_room(room_);
     for (size_t b = 0; b < blocks; ++b) {
         for (size_t lane = 0; lane < lanes_of(b); ++lane) {
             auto& s = states_[b][lane].problem;
@@ -70,9 +69,9 @@ template <class Problem>
 void LaneEngine<Problem>::make_room(const Room& room) {
     room_ = room;
     const size_t blocks = problem_->block_count();
-    vectors_.resize(size_t(vector::first_own + room.vectors));
+    vectors_.resize(size_t(room.vector_count()));
     for (size_t i = vector::first_own; i < vectors_.size(); ++i) vectors_[i].assign(problem_->begin(blocks), V{});
-    products_.assign(blocks * (3 + size_t(room.products)), V{});
+    products_.assign(blocks * size_t(room.product_count()), V{});
     own_.assign(blocks * size_t(lanes * room.numbers), Real(0));
 }
 
@@ -112,7 +111,7 @@ void LaneEngine<Problem>::dot(std::initializer_list<DotProduct> products) {
                 const V* weight = vectors_[size_t(product.weight)].data();
                 for (size_t i = begin; i < end; ++i) sum += x[i] / weight[i] * y[i];
             }
-            products_[b * (3 + size_t(room_.products)) + size_t(product.into)] = sum;
+            products_[b * size_t(room_.product_count()) + size_t(product.into)] = sum;
         }
     });
 }
@@ -128,7 +127,7 @@ void LaneEngine<Problem>::step_by(const Function& function, const Turn& turn) {
             std::copy_n(this->own(b, lane), room_.numbers, own.x);
             typename Text::Given given{Real(problem_->texels(b)), s.trial_error, s.sums, {}};
             const V* products = this->products(b);
-            for (int i = 0; i < std::min<int>(std::size(given.products), 3 + room_.products); ++i)
+            for (int i = 0; i < std::min<int>(std::size(given.products), room_.product_count()); ++i)
                 given.products[i] = products[i][int(lane)];
             function(s.problem, own, given, here);
             std::copy_n(own.x, room_.numbers, this->own(b, lane));

@@ -113,14 +113,8 @@ void FragmentEngine::reset(std::span<const float> start) {
 
 void FragmentEngine::make_room(const Room& room) {
     const int64_t before = Context::current().allocated_bytes();
-    const size_t wanted = size_t(vector::first_own + room.vectors);
-    if (wanted != vectors_.size()) {
-        vectors_.resize(std::min(wanted, vectors_.size()));
-        while (vectors_.size() < wanted) vectors_.push_back(MapVector(shape_, fragment_options_.storage));
-        map_passes_->forget_own_vectors();
-    }
-    for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
-    problems_.make_products(3 + room.products);
+    map_passes_->make_own_vectors(room);
+    problems_.make_products(room.product_count());
     numbers_.make_room(room);
     bytes_ += uint64_t(Context::current().allocated_bytes() - before);
 }

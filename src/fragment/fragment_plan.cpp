@@ -93,8 +93,8 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("state of problems",
              fmt::format("(4 + 3 x {}) x {} x {}", ProblemNumbers::layers(room), grid.columns, grid.rows),
              (4 + 3 * uint64_t(ProblemNumbers::layers(room))) * problems, float4);
-    plan.add("dot products", fmt::format("{} x {} x {}", 3 + room.products, grid.columns, grid.rows),
-             (3 + uint64_t(room.products)) * problems, float4);
+    plan.add("dot products", fmt::format("{} x {} x {}", room.product_count(), grid.columns, grid.rows),
+             uint64_t(room.product_count()) * problems, float4);
     plan.add("sums of problems over samples", fmt::format("5 x {} x {}", grid.columns, grid.rows), 5 * problems,
              summed);
     plan.add("sums of problems over maps", fmt::format("3 x {} x {}", grid.columns, grid.rows), 3 * problems, float4);

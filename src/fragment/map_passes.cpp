@@ -5,7 +5,7 @@
 namespace radiafit {
 
 MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers,
-                     ProblemTextures& problems, const ProblemNumbers& numbers, const std::vector<MapVector>& vectors,
+                     ProblemTextures& problems, const ProblemNumbers& numbers, std::vector<MapVector>& vectors,
                      const LfmOptions& options, Storage storage)
     : shape_(shape),
       run_(run),
@@ -82,10 +82,8 @@ const MapPasses::Targets& MapPasses::targets(std::span<const int> vectors) {
     return targets;
 }
 
-void MapPasses::forget_own_vectors() {
-    std::erase_if(targets_, [](const auto& entry) {
-        return std::ranges::any_of(entry.first, [](int v) { return v >= vector::first_own; });
-    });
+void MapPasses::make_own_vectors(const Room& room) {
+    radiafit::make_own_vectors(room, vectors_, targets_, [&] { return MapVector(shape_, storage_); });
 }
 
 void MapPasses::set_term(const Pair& pair, int term) {

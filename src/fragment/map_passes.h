@@ -15,7 +15,7 @@ class MapPasses {
 public:
     /// vectors: those of optim/verbs.h, and the optimizer's own behind them.
     MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers, ProblemTextures& problems,
-              const ProblemNumbers& numbers, const std::vector<MapVector>& vectors, const LfmOptions& options,
+              const ProblemNumbers& numbers, std::vector<MapVector>& vectors, const LfmOptions& options,
               Storage storage);
 
     /// trial_g = sums / S-bar + penalties at x, zero for terms outside [first_term, last_term); adds the penalties to
@@ -29,8 +29,7 @@ public:
     void dot(const DotProduct& product);
     void update(Update which, std::span<const int> vectors, std::span<const int> numbers,
                 std::span<const float> constants);
-    /// To be called when the optimizer's own vectors are others than before.
-    void forget_own_vectors();
+    void make_own_vectors(const Room& room);
 
 private:
     enum Site { surface, view };
@@ -57,7 +56,7 @@ private:
     Gathers& gathers_;
     ProblemTextures& problems_;
     const ProblemNumbers& numbers_;
-    const std::vector<MapVector>& vectors_;
+    std::vector<MapVector>& vectors_;
     const SlsMesh& mesh_;
     LfmOptions options_;
     Storage storage_;

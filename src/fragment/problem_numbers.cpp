@@ -3,7 +3,11 @@
 namespace radiafit {
 namespace {
 
-constexpr int own_layer = (number::first_own + 3) / 4;
+Framebuffer all_layers(const Texture& texture) {
+    std::vector<Target> targets;
+    for (int layer = 0; layer < texture.layers(); ++layer) targets.push_back({&texture, layer});
+    return Framebuffer(targets);
+}
 
 }  // namespace
 
@@ -13,7 +17,7 @@ ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<
       place_(std::move(place)),
       defines_{{"PROBLEMS", problems}},
       state_(GL_RGBA32F, width, height, own_layer),
-      target_({{&state_, 0}, {&state_, 1}, {&state_, 2}}) {
+      target_(all_layers(state_)) {
     program(Step::after_direction);
     program(Step::after_line);
 }
@@ -34,13 +38,10 @@ void ProblemNumbers::make_room(const Room& room) {
     const int layers = ProblemNumbers::layers(room);
     if (layers != state_.layers()) {
         Texture grown(GL_RGBA32F, state_.width(), state_.height(), layers);
-        std::vector<Target> targets;
-        for (int layer = 0; layer < layers; ++layer) {
-            if (layer < own_layer) grown.upload(GL_RGBA, GL_FLOAT, read_places(layer).data(), layer);
-            targets.push_back({&grown, layer});
-        }
-        target_ = Framebuffer(targets);
+        for (int layer = 0; layer < own_layer; ++layer)
+            grown.upload(GL_RGBA, GL_FLOAT, read_places(layer).data(), layer);
         state_ = std::move(grown);
+        target_ = all_layers(state_);
     }
     room_ = room;
     const std::vector<float> zero(4 * size_t(state_.width()) * size_t(state_.height()));
@@ -133,7 +134,7 @@ void tell_update(const Program& program, std::span<const int> numbers, std::span
     for (size_t k = 0; k < numbers.size(); ++k) {
         const int n = numbers[k];  // the optimizer's own begin a layer
         program.set(24 + int(k), n >= number::first_product ? n - number::first_product
-                                 : n >= number::first_own   ? n - number::first_own + 4 * own_layer
+                                 : n >= number::first_own   ? n - number::first_own + 4 * ProblemNumbers::own_layer
                                                             : n);
     }
     float told[4] = {};

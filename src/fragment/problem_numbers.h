@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <map>
 #include <span>
 #include <vector>
@@ -14,7 +15,7 @@ public:
     /// place [problems]: row * width + column; empty: problem i stands at place i. problems: the text in
     /// shaders/optimize that says what the passes before a step leave of one, "vertices" or "texels".
     ProblemNumbers(int width, int height, size_t count, std::vector<uint32_t> place, const std::string& problems);
-    /// The optimizer's own, all zero. Compiles what is new.
+    /// The optimizer's own, all zero. Its steps are compiled when they are first taken.
     void make_room(const Room& room);
     /// Fresh problems; samples(problem): 0 where there is nothing to fit.
     template <class Samples>
@@ -34,7 +35,9 @@ public:
     void read_errors(std::span<float> out) const;        ///< [problems]
 
     /// Of four 32-bit floats each.
-    static int layers(const Room& room) { return 3 + (room.numbers + 3) / 4; }
+    static int layers(const Room& room) { return own_layer + (room.numbers + 3) / 4; }
+    /// Where the optimizer's own begin; before stand the fields of ProblemState.
+    static constexpr int own_layer = (number::first_own + 3) / 4;
 
 private:
     const Program& program(Step which);
@@ -44,11 +47,26 @@ private:
     size_t count_;
     std::vector<uint32_t> place_;
     Defines defines_;
-    Texture state_;  ///< the fields of ProblemState in three layers, then the optimizer's own
+    Texture state_;
     Framebuffer target_;
     std::map<std::pair<Step, int>, Program> programs_;  ///< by layers of own numbers
     Room room_;
 };
+
+/// Makes or drops the optimizer's own vectors behind those of optim/verbs.h, and clears them. Framebuffers of vectors
+/// that are gone go from `targets`, whose keys are lists of vectors. make(): one more vector.
+template <class Vector, class Targets, class Make>
+void make_own_vectors(const Room& room, std::vector<Vector>& vectors, Targets& targets, const Make& make) {
+    const size_t wanted = size_t(room.vector_count());
+    if (wanted != vectors.size()) {
+        vectors.resize(std::min(wanted, vectors.size()));
+        while (vectors.size() < wanted) vectors.push_back(make());
+        std::erase_if(targets, [](const auto& entry) {
+            return std::ranges::any_of(entry.first, [](int v) { return v >= vector::first_own; });
+        });
+    }
+    for (size_t v = vector::first_own; v < wanted; ++v) vectors[v].clear();
+}
 
 /// The program of an update, with what it is told. `elements`: "map_elements" or "texel_elements" in shaders/optimize.
 Program make_update(Update which, const std::string& vertex_file, const std::string& elements, const Defines& defines);

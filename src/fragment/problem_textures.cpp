@@ -1,5 +1,7 @@
 #include "fragment/problem_textures.h"
 
+#include "optim/verbs.h"
+
 namespace radiafit {
 
 ProblemTextures::ProblemTextures(const MapShape& shape, Sums sums)
@@ -16,7 +18,7 @@ ProblemTextures::ProblemTextures(const MapShape& shape, Sums sums)
     for (int layer = 0; layer < sample_sums_.layers(); ++layer)
         sum_targets_.push_back(Framebuffer({{&sample_sums_, layer}}));
     for (int layer = 0; layer < map_sums_.layers(); ++layer) sum_targets_.push_back(Framebuffer({{&map_sums_, layer}}));
-    make_products(3);
+    make_products(Room().product_count());
 }
 
 void ProblemTextures::make_products(int count) {

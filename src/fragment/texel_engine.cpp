@@ -28,7 +28,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     surface_ = single(2);
     for (Texture* texture : {&density_, &penalty_}) *texture = Texture(GL_R32F, shape_.width(), shape_.height());
     numbers_.emplace(shape_.width(), shape_.height(), shape_.texels(), shape_.place, "texels");
-    make_products(3);
+    make_products(Room().product_count());
     const Storage storage = fragment_options.storage;
     for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(TexelVector(shape_, storage));
     const GLenum summed = sums_format(fragment_options.sums);
@@ -181,17 +181,8 @@ void TexelFragmentEngine::make_products(int count) {
 
 void TexelFragmentEngine::make_room(const Room& room) {
     const int64_t before = Context::current().allocated_bytes();
-    const size_t wanted = size_t(vector::first_own + room.vectors);
-    if (wanted != vectors_.size()) {
-        const Storage storage = vectors_[0].storage();
-        vectors_.resize(std::min(wanted, vectors_.size()));
-        while (vectors_.size() < wanted) vectors_.push_back(TexelVector(shape_, storage));
-        std::erase_if(targets_, [](const auto& entry) {
-            return std::ranges::any_of(entry.first, [](int v) { return v >= vector::first_own; });
-        });
-    }
-    for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
-    make_products(3 + room.products);
+    make_own_vectors(room, vectors_, targets_, [&] { return TexelVector(shape_, vectors_[0].storage()); });
+    make_products(room.product_count());
     numbers_->make_room(room);
     bytes_ += uint64_t(Context::current().allocated_bytes() - before);
 }

@@ -31,7 +31,7 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("positions and normals", 2, float4);
     if (room.vectors > 0) layers("vectors of the optimizer", room.vectors * shape.maps(), stored);
     layers("state of problems", ProblemNumbers::layers(room), float4);
-    layers("dot products, density, penalty", 3 + room.products + 2, 4);
+    layers("dot products, density, penalty", room.product_count() + 2, 4);
     if (!combined) layers("residuals", 1, float4);
 
     const int together = combined ? combined_texel_images(atlas, views.size(), bits, fragment_options.together) : 1;

@@ -111,8 +111,9 @@ struct Method {
     const char* name;
     const char* help;
     Rule paper, modern;
-    bool lines = true;               ///< measures every iteration's step along its direction
-    bool stop_output_change = true;  ///< takes the options of these names
+    const char* only_mode = "modern";  ///< of the fit where both rules are one: what experiments compare it in
+    bool lines = true;                 ///< measures every iteration's step along its direction
+    bool stop_output_change = true;    ///< takes the options of these names
     bool history = false, learning_rate = false;
 };
 inline constexpr Method methods[] = {
@@ -121,6 +122,7 @@ inline constexpr Method methods[] = {
      .help = "steepest descent",
      .paper = Rule::steepest_descent,
      .modern = Rule::steepest_descent,
+     .only_mode = "paper",
      .lines = false},
     {.name = "lbfgs", .help = "limited-memory BFGS", .paper = Rule::lbfgs, .modern = Rule::lbfgs, .history = true},
     {.name = "adam",
@@ -144,7 +146,7 @@ inline std::vector<NamedRule> named_rules() {
     for (const Method& m : methods) {
         const std::string name = m.name;
         const bool one = m.paper == m.modern;
-        rules.push_back({&m, "modern", m.modern, one ? name : name + " modern"});
+        rules.push_back({&m, one ? m.only_mode : "modern", m.modern, one ? name : name + " modern"});
         if (!one) rules.push_back({&m, "paper", m.paper, name + " paper"});
     }
     return rules;

@@ -21,6 +21,9 @@ struct Room {
     int vectors = 0;   ///< own vectors
     int numbers = 0;   ///< own numbers of each problem; 8 at most
     int products = 0;  ///< dot products beyond PRODUCT_NORM, PRODUCT_CROSS and PRODUCT_CONJUGATE
+
+    int vector_count() const { return vector::first_own + vectors; }
+    int product_count() const { return 3 + products; }
     bool operator==(const Room&) const = default;
 };
 
