@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "app/fit_options.h"
 #include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
@@ -96,8 +97,8 @@ private:
                 .method = method,
                 .renderer = out.gl_renderer.empty() ? experiment_.cpu_name() : out.gl_renderer,
                 .request = request,
-                .train = judge(out.fit, dataset, Split::train),
-                .held = judge(out.fit, dataset, Split::test),
+                .train = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train),
+                .held = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::test),
                 .invented_share = out.resampling.invented_share(),
                 .seconds = out.times.total};
         log_info(fmt::format("{}, {}, K = {}: PSNR {:.2f} dB in training, {:.2f} dB held out; {:.1f} s", row.dataset,
@@ -118,20 +119,22 @@ void write(const std::filesystem::path& folder, const std::vector<Row>& rows) {
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
         const LfmOptions& m = r.request.model;
-        const bool pca = r.method == "pca", iterated = !pca && r.method != "mean";
+        const uint32_t uses = uses_of(r.request);
+        const bool resampled = uses & use::refills, iterated = uses & use::iterations;
         const auto given = [](bool is, const std::string& text) { return is ? text : std::string(); };
-        csv.row(
-            {r.dataset, r.method, std::to_string(m.terms), std::to_string(m.surface_side),
-             std::to_string(r.method == "mean" ? 1 : m.view_side), r.request.text("storage"), r.renderer,
-             fmt::format("{:.4f}", r.train.psnr()), fmt::format("{:.4f}", r.train.ape()),
-             fmt::format("{:.4f}", r.held.psnr()), fmt::format("{:.4f}", r.held.ape()),
-             given(pca, fmt::format("{:.5f}", r.invented_share)), given(iterated, fmt::format("{}", m.lambda_surface)),
-             given(iterated, fmt::format("{}", m.lambda_view)), given(iterated, std::to_string(r.request.iterations)),
-             given(pca, std::to_string(r.request.refills)), fmt::format("{:.3f}", r.seconds)});
+        csv.row({r.dataset, r.method, std::to_string(m.terms), std::to_string(m.surface_side),
+                 std::to_string(uses & use::maps ? m.view_side : 1), r.request.text("storage"), r.renderer,
+                 fmt::format("{:.4f}", r.train.psnr()), fmt::format("{:.4f}", r.train.ape()),
+                 fmt::format("{:.4f}", r.held.psnr()), fmt::format("{:.4f}", r.held.ape()),
+                 given(resampled, fmt::format("{:.5f}", r.invented_share)),
+                 given(iterated, fmt::format("{}", m.lambda_surface)),
+                 given(iterated, fmt::format("{}", m.lambda_view)),
+                 given(iterated, std::to_string(r.request.iterations)),
+                 given(resampled, std::to_string(r.request.refills)), fmt::format("{:.3f}", r.seconds)});
         table.add({fmt::format("{}, {}, K = {}", r.dataset, r.method, m.terms),
                    fmt::format("{:.2f} dB", r.train.psnr()), fmt::format("{:.2f}", r.train.ape()),
                    fmt::format("{:.2f} dB", r.held.psnr()), fmt::format("{:.2f}", r.held.ape()),
-                   given(pca, fmt::format("{:.0f}%", 100 * r.invented_share))});
+                   given(resampled, fmt::format("{:.0f}%", 100 * r.invented_share))});
     }
     csv.commit();
     write_file(folder / "errors.md", table.markdown());

@@ -64,7 +64,7 @@ void precision(Experiment& experiment) {
                                 .sums = sums,
                                 .renderer = out.gl_renderer,
                                 .trace = out.trace,
-                                .judged = judge(out.fit, dataset, Split::train),
+                                .judged = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train),
                                 .not_finite = out.fit.status_counts()[size_t(Status::not_finite)],
                                 .seconds = out.times.total});
                 log_info(fmt::format("{}, parameters {}, sums {}: {:.2f} dB", optimizer, storage, sums,

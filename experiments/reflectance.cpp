@@ -18,6 +18,7 @@
 namespace radiafit {
 namespace {
 
+constexpr const char* fitted_model = "lafortune";
 constexpr Range<double> exponents{0, 1e6}, distances{0, 1e6};
 
 struct Options {
@@ -47,7 +48,7 @@ struct Contestant {
 
 FitRequest request_of(const char* solver, const char* optimizer, const char* mode, int iterations, int side) {
     FitRequest r;
-    r.kind = "lafortune";
+    r.set("model", fitted_model);
     r.solver = solver;
     r.set("optimizer", optimizer);
     r.set("mode", mode);
@@ -85,7 +86,7 @@ std::vector<Group> groups_of(const ReflectanceTruth& truth, const Options& o) {
     std::vector<Group> out = {{"gold", {}}, {"green", {}}, {"moderate lobes", {}}, {"sharp lobes", {}}};
     for (uint32_t t = 0; t < truth.material.size(); ++t) {
         const TruthMaterial& material = truth.materials[truth.material[t]];
-        if (material.model != "lafortune") continue;
+        if (material.model != fitted_model) continue;
         for (Group& group : out)
             if (group.name == material.name) group.texels.push_back(t);
         out[exponent(truth, t) < o.sharp ? 2 : 3].texels.push_back(t);

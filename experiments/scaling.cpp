@@ -109,7 +109,7 @@ std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const
         const FitOutcome out = solve(dataset, request, nullptr, {}, &views);
         note_gl(out, experiment.record());
         return Time{c.name,
-                    c.engine == "cpu" ? experiment.cpu_name() : out.gl_renderer,
+                    out.gl_renderer.empty() ? experiment.cpu_name() : out.gl_renderer,
                     views.size(),
                     uint64_t(c.repeat) * once.list.samples.size(),
                     uint64_t(out.fit.parameters.size()) / 4 * 3,

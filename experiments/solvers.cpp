@@ -132,6 +132,8 @@ private:
     std::vector<LaneEngine<VertexProblem>> engines_;
 };
 
+constexpr const char* ceres_name = "ceres";
+
 std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, const std::vector<Vertex>& vertices,
                                     TwoStep& two_step) {
     std::vector<Contestant> out;
@@ -150,7 +152,7 @@ std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, c
     reference("varpro", "", varpro_solver(model, {.iterations = o.cap}));
     reference("als", "", als_solver(model, {.iterations = o.cap}));
     for (const CeresSetting& s : ceres_settings())
-        reference("ceres", s.name, ceres_solver(model, {.setting = s.name, .iterations = o.cap}));
+        reference(ceres_name, s.name, ceres_solver(model, {.setting = s.name, .iterations = o.cap}));
     return out;
 }
 
@@ -349,7 +351,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
     results.commit();
     log_info("time until a vertex's three problems are within the tolerance of the least error\n" + text.text());
     const auto ceres =
-        std::find_if(table.begin(), table.end(), [](const Summary& s) { return s.contestant->solver == "ceres"; });
+        std::find_if(table.begin(), table.end(), [](const Summary& s) { return s.contestant->solver == ceres_name; });
     log_info(
         fmt::format("Ceres' best setting, {}, takes {:.1f} times as long as varpro ({:.1f} on the median vertex), "
                     "{:.1f} times as long as cg modern ({:.1f})",

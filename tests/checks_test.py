@@ -10,6 +10,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import check_costs
 import check_layers
+import check_names
 import check_shaders
 
 STAGE = "#version 450 core\nlayout(location = 0) out vec4 colour;\n"
@@ -24,6 +25,14 @@ class Tree(unittest.TestCase):
         path = self.root / path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
+
+
+class Names(Tree):
+    def test_comparisons_with_names_are_found(self):
+        for line in ('if (solver == "ceres")', 'return "ceres" != name;', 'x = kind=="ceres" ? 1 : 2;'):
+            self.assertEqual(list(check_names.comparisons(line, {"ceres"})), ["ceres"])
+        for line in ('set("solver", "ceres");', 'if (name == "vertex")', '.name = "ceres",'):
+            self.assertEqual(list(check_names.comparisons(line, {"ceres"})), [])
 
 
 class Layers(Tree):

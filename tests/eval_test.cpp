@@ -209,9 +209,8 @@ INSTANTIATE_TEST_SUITE_P(TermsAndLookups, Renderer,
 TEST(Unfitted, IsBlackWhateverItsParametersAre) {
     const Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 11), 1, 60, 12);
     LightFieldFit fit = random_fit(dataset, 1, ViewLookup::bilinear, 13);
-    const Camera& camera = dataset.views[0].camera;
     const auto brightest = [&] {
-        const LightImage image = render_fit(fit, dataset.mesh, camera);
+        const LightImage image = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0]);
         return *std::max_element(image.rgb.begin(), image.rgb.end());
     };
     EXPECT_GT(brightest(), 0.1f);
@@ -314,9 +313,9 @@ TEST(Judge, TheSameForAnyNumberOfThreads) {
     const Dataset dataset = noise_dataset(folder.path() / "data", true);
     const LightFieldFit fit = random_fit(dataset, 2, ViewLookup::bilinear, 3);
     set_thread_count(1);
-    const std::string one = judge_json(judge(fit, dataset, Split::train));
+    const std::string one = judge_json(judge(contestant_of(fit, dataset.mesh), dataset, Split::train));
     set_thread_count(3);
-    const std::string three = judge_json(judge(fit, dataset, Split::train));
+    const std::string three = judge_json(judge(contestant_of(fit, dataset.mesh), dataset, Split::train));
     set_thread_count(0);
     EXPECT_EQ(one, three);
 }
@@ -460,10 +459,9 @@ TEST(Render, ExrIsLinearLight) {
     const TemporaryFolder folder;
     const Dataset dataset = noise_dataset(folder.path() / "data");
     LightFieldFit fit = random_fit(dataset, 1, ViewLookup::bilinear, 3);
-    const Camera& camera = dataset.views[0].camera;
-    const LightImage stored = render_fit(fit, dataset.mesh, camera);
+    const LightImage stored = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0]);
     fit.space = TargetSpace::linear;
-    const LightImage linear = render_fit(fit, dataset.mesh, camera);
+    const LightImage linear = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0]);
     for (size_t i = 0; i < linear.rgb.size(); ++i)
         ASSERT_FLOAT_EQ(stored.rgb[i], float(srgb_decode(double(linear.rgb[i]))));
     write_light_exr(folder.path() / "a.exr", linear);

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/family.h"
 #include "app/fit_options.h"
 #include "app/limits.h"
-#include "app/solver.h"
 #include "base/error.h"
 #include "base/leftovers.h"
 #include "base/printable.h"
@@ -24,8 +24,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// `what`: the model and its sizes.
-void print_fit(const FitRecord& f, const std::string& what, bool json) {
+void print_fit(Fitted& fit, bool json) {
+    const FitRecord& f = fit.record();
     const auto counts = f.status_counts();
     if (json) {
         Json status = Json::object();
@@ -41,27 +41,9 @@ void print_fit(const FitRecord& f, const std::string& what, bool json) {
         return;
     }
     fmt::print("fit of {} by {} on {}: {}\n", printable(f.dataset_name), printable(f.solver), printable(f.engine),
-               what);
+               fit.description());
     for (size_t s = 0; s < counts.size(); ++s)
         if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
-}
-
-/// A light field map brings its mesh along; its dataset is looked at only where `moved_to` says that it is.
-void print_light_field(const std::filesystem::path& path, const std::string& moved_to, bool json) {
-    const LightFieldFit f = read_fit(path).fit;
-    if (!moved_to.empty()) open_fitted_dataset(f, moved_to);
-    print_fit(f,
-              fmt::format("{} terms, surface maps of side {}, view maps of side {}", f.options.terms,
-                          f.options.surface_side, f.options.view_side),
-              json);
-}
-
-void print_reflectance(const std::filesystem::path& path, const std::string& moved_to, bool json) {
-    const ReflectanceFit f = read_reflectance(path, moved_to).fit;
-    print_fit(f,
-              fmt::format("{}, {} parameters in each of {} texels", f.options.model->name, f.options.model->parameters,
-                          f.problem_count()),
-              json);
 }
 
 }  // namespace
@@ -172,15 +154,10 @@ void add_info(CommandLine& program) {
                             path.string()));
         if (!fit && !moved_to->empty())
             throw UserError(fmt::format("--dataset {}: {} is no fit; leave it out", *moved_to, path.string()));
-        if (fit && fitted_model(path) != "lfm")
-            print_reflectance(path, *moved_to, *json);
-        else if (fit)
-            print_light_field(path, *moved_to, *json);
-        else {
-            const Dataset dataset = open_dataset(path);
-            check_pixels(dataset);
-            print_dataset(dataset, *json);
-        }
+        if (fit) return print_fit(*open_fit(path, *moved_to), *json);
+        const Dataset dataset = open_dataset(path);
+        check_pixels(dataset);
+        print_dataset(dataset, *json);
     });
 }
 
@@ -193,7 +170,7 @@ void add_plan(CommandLine& program) {
     command.on_run([=, &command] {
         request->check();
         const Dataset dataset = open_dataset(*folder);
-        settle_options(command, dataset, *request);
+        family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
             Table table({"array", "shape", "count", "MB"});
@@ -205,10 +182,7 @@ void add_plan(CommandLine& program) {
         const Plan planned = plan(dataset, *request);
         show("this program", planned.memory);
         show("on disk", planned.disk);
-        if (!request->texel_local())
-            show("paper layout (Section 6.3; the accounting is ours)",
-                 paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), request->model.surface_side,
-                              request->model.view_side));
+        if (!planned.paper.empty()) show("paper layout (Section 6.3; the accounting is ours)", planned.paper);
     });
 }
 

@@ -6,14 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/family.h"
 #include "app/fit_options.h"
-#include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/record.h"
 #include "base/resources.h"
-#include "cpu/texel_fit.h"
 
 namespace radiafit {
 
@@ -27,17 +26,6 @@ void add_fit_options(CommandLine& c, FitRequest& r) {
                  o.read(r, text);
              }).group(o.group);
     }
-}
-
-void settle_options(const CommandLine& command, const Dataset& dataset, FitRequest& request) {
-    if (!request.texel_local()) return;
-    if (uses_of(request) & use::optimizer && !request.on_fragment_engine() && !command.given("--optimizer"))
-        request.optimizer = nullptr;
-    if (request.levenberg_marquardt() && !command.given("--iterations"))
-        request.iterations = TexelFitOptions().iterations;
-    if (!command.given("--surface-side") && !dataset.has_grid())
-        request.model.surface_side =
-            dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;
 }
 
 namespace {
@@ -81,10 +69,6 @@ nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const Fit
     return times;
 }
 
-std::string trace_of(const FitRun& run, const FitRecord& fit, const FitRequest& request) {
-    return trace_csv(run.trace, request.label(), fit.engine);
-}
-
 /// Throws UserError for a fit that means nothing.
 void require_result(const FitRecord& fit, const Dataset& dataset) {
     const auto counts = fit.status_counts();
@@ -97,11 +81,10 @@ void require_result(const FitRecord& fit, const Dataset& dataset) {
 }
 
 /// Streamed images have 16 bits up to the largest value of all: one hot pixel, or one gain, leaves other images few.
-/// Texel-local fits on the CPU read the values themselves.
 void warn_about_range(const Dataset& dataset, const FitRequest& request) {
-    if (request.texel_local() && !request.on_fragment_engine()) return;
-    const bool encoded =
-        !request.texel_local() && request.space == TargetSpace::stored && dataset.encoding == Encoding::u8_srgb;
+    const auto space = family_of(request).streamed(request);
+    if (!space) return;
+    const bool encoded = space == TargetSpace::stored && dataset.encoding == Encoding::u8_srgb;
     constexpr double uneven = 256;  // 8 bits are left
     const View *brightest = nullptr, *darkest = nullptr;
     double largest = 0, smallest = 0;
@@ -119,29 +102,13 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
 }
 
 /// Everything a fit leaves, in one folder.
-void save(const std::string& folder, const Dataset& dataset, const FitRequest& request, FitOutcome& outcome,
-          const Invocation& invocation) {
-    auto times = describe_run(outcome.fit, outcome, request, invocation);
-    if (const ResamplingCounts& r = outcome.resampling; r.entries)
-        times["resampling"] = {
-            {"entries", r.entries},
-            {"outside_hull", r.outside_hull},
-            {"unseen_texels", r.unseen_texels},
-            {"invented_share", r.invented_share()},
-        };
-    outcome.fit.times_json = times.dump();
-    write_fit(folder, outcome.fit, dataset.mesh, [&](const std::filesystem::path& inside) {
-        write_file(inside / "trace.csv", trace_of(outcome, outcome.fit, request));
-    });
-}
-
-void save(const std::string& folder, const FitRequest& request, ReflectanceOutcome& outcome,
-          const Invocation& invocation) {
-    auto times = describe_run(outcome.fit, outcome, request, invocation);
-    times["samples"] = outcome.samples;
-    outcome.fit.times_json = times.dump();
-    write_fit(folder, outcome.fit, *outcome.atlas, [&](const std::filesystem::path& inside) {
-        write_file(inside / "trace.csv", trace_of(outcome, outcome.fit, request));
+void save(const std::string& folder, FinishedFit& done, const FitRequest& request, const Invocation& invocation) {
+    FitRecord& fit = done.fit->record();
+    auto times = describe_run(fit, done.run, request, invocation);
+    if (!done.times_json.empty()) times.update(nlohmann::ordered_json::parse(done.times_json));
+    fit.times_json = times.dump();
+    done.fit->write(folder, [&](const std::filesystem::path& inside) {
+        write_file(inside / "trace.csv", trace_csv(done.run.trace, request.label(), fit.engine));
     });
 }
 
@@ -152,12 +119,6 @@ std::string summary_of(const FitRun& run, const FitRequest& request) {
         line += fmt::format("error {:.6g} -> {:.6g}, ", run.trace.rows.front().error, run.trace.rows.back().error);
     return line;
 }
-std::string problems_of(const FitRecord& fit) {
-    const auto counts = fit.status_counts();
-    return fmt::format("{} problems without samples, {} not finite", counts[size_t(Status::no_samples)],
-                       counts[size_t(Status::not_finite)]);
-}
-
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
     constexpr size_t views_to_count_samples_on = 8;
@@ -166,29 +127,15 @@ void announce_plan(const std::string& out, const Dataset& dataset, const FitRequ
     announce_needs("fit", {total_bytes(planned.memory) + program_bytes, total_bytes(planned.disk)}, out, force);
 }
 
-void fit_light_field(const std::string& out, const Dataset& dataset, const FitRequest& request,
-                     const Invocation& invocation) {
-    Progress progress("fit", size_t(request.iterations) + 1);
-    FitOutcome outcome = solve(dataset, request, nullptr, [&](int, const auto&) { progress.advance(); });
-    progress.finish();
-    require_result(outcome.fit, dataset);
-    save(out, dataset, request, outcome, invocation);
-    std::string line = summary_of(outcome, request);
-    if (const ResamplingCounts& r = outcome.resampling; r.entries)
-        line += fmt::format("{} of {} resampled entries ({:.1f}%) invented, ", r.outside_hull + r.unseen_texels,
-                            r.entries, 100 * r.invented_share());
-    log_info(fmt::format("{}{}; see {}", line, problems_of(outcome.fit), out));
-}
-
-void fit_reflectance(const std::string& out, const Dataset& dataset, const FitRequest& request,
-                     const Invocation& invocation) {
-    ReflectanceOutcome outcome = solve_reflectance(dataset, request);
-    require_result(outcome.fit, dataset);
-    save(out, request, outcome, invocation);
-    const auto counts = outcome.fit.status_counts();
-    log_info(fmt::format("{} {}{} texels, {} underdetermined, {}; see {}", request.kind, summary_of(outcome, request),
-                         outcome.fit.problem_count(), counts[size_t(Status::underdetermined)], problems_of(outcome.fit),
-                         out));
+void fit(const std::string& out, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
+    FinishedFit done = family_of(request).fit(dataset, request);
+    const FitRecord& record = done.fit->record();
+    require_result(record, dataset);
+    save(out, done, request, invocation);
+    const auto counts = record.status_counts();
+    log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
+                         summary_of(done.run, request), done.note, counts[size_t(Status::no_samples)],
+                         counts[size_t(Status::not_finite)], out));
 }
 
 }  // namespace
@@ -210,13 +157,12 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
                      AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end
         check_apart(*out, request->records);
         request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
-        if (!request->texel_local()) reject_idle_options(*request, false);
         const Dataset dataset = open_dataset(*folder);
-        settle_options(command, dataset, *request);
+        family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         announce_plan(*out, dataset, *request, *force);
         warn_about_range(dataset, *request);
-        (request->texel_local() ? fit_reflectance : fit_light_field)(*out, dataset, *request, invocation);
+        fit(*out, dataset, *request, invocation);
     });
 }
 

@@ -2,92 +2,38 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/family.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "dataset/truth.h"
-#include "eval/judge.h"
-#include "eval/reflectance_renderer.h"
-#include "eval/truth_errors.h"
 
 namespace radiafit {
-
-namespace {
-/// FitRequest::validation of the fit.
-int validation_of(const FitRecord& fit) {
-    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
-    if (!options.is_object() || !options.contains("validation")) return 0;
-    const auto& validation = options.at("validation");
-    if (!validation.is_number_unsigned() || validation != validation.get<int>() || validation.get<int>() < 0)
-        throw UserError(fmt::format("the fit of {}: fit.json's options.validation is no number of views; fit again",
-                                    fit.dataset_name));
-    return validation.get<int>();
-}
-}  // namespace
-
-ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset) {
-    FitRequest diffuse;
-    diffuse.kind = "lambert";
-    diffuse.set("optimizer", "lm");
-    diffuse.model.surface_side = fit.options.surface_side;
-    diffuse.clip_above = fit.options.clip_above;
-    diffuse.shadow_below = fit.options.shadow_below;
-    diffuse.validation = validation_of(fit);
-    return solve_reflectance(dataset, diffuse);
-}
-
-LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset) {
-    FitRequest mean;
-    mean.solver = "mean";
-    mean.space = fit.space;
-    mean.model = fit.options;
-    mean.validation = validation_of(fit);
-    return solve(dataset, mean).fit;
-}
 
 namespace {
 
 struct Judgement {
     JudgeResult fit, baseline;
     const char* baseline_name;
-    std::vector<MaterialErrors> truth = {};  ///< of a synthetic dataset
+    std::vector<MaterialErrors> truth;
 };
 
 /// The dataset as a fit is judged on this split of it.
-Dataset judged_dataset(const FitRecord& fit, const Dataset& dataset, Split split) {
-    const int validation = validation_of(fit);
+Dataset judged_dataset(Fitted& fit, Split split) {
+    const int validation = validation_of(fit.record());
     if (split == Split::validation && validation == 0)
         throw UserError("--split validation: the fit left no view out; fit with --validation N");
-    return split == Split::test || validation == 0 ? dataset : for_validation(dataset, validation);
+    return split == Split::test || validation == 0 ? fit.dataset() : for_validation(fit.dataset(), validation);
 }
 
-Judgement judge_light_field(const std::string& folder, const std::string& moved_to, Split split) {
-    const LightFieldFit fit = read_fit(folder).fit;
-    const Dataset dataset = open_fitted_dataset(fit, moved_to), judged = judged_dataset(fit, dataset, split);
-    return {judge(fit, judged, split), judge(baseline_of(fit, dataset), judged, split), light_field_baseline};
-}
-
-Judgement judge_reflectance(const std::string& folder, const std::string& moved_to, Split split) {
-    const StoredReflectance stored = read_reflectance(folder, moved_to);
-    const Dataset &dataset = *stored.dataset, judged = judged_dataset(stored.fit, dataset, split);
-    const Atlas& atlas = *stored.atlas;
-    ReflectanceTruth truth;
-    std::vector<MaterialErrors> errors;
-    SurfaceParts parts;
-    const ReflectanceRenderer renderer(atlas, stored.fit);
-    const bool known = has_truth(dataset);
-    if (known) {
-        truth = read_truth(dataset.folder);
-        errors = truth_errors(stored.fit, truth);
-        for (const TruthMaterial& material : truth.materials) parts.names.push_back(material.name);
-        parts.of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); };
-    }
-    const SurfaceParts* materials = known ? &parts : nullptr;
-    const ReflectanceOutcome baseline = baseline_of(stored.fit, dataset);
-    return {judge(stored.fit, atlas, judged, split, materials), judge(baseline.fit, atlas, judged, split, materials),
-            reflectance_baseline, std::move(errors)};
+Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split) {
+    const auto fit = open_fit(folder, moved_to);
+    const Dataset judged = judged_dataset(*fit, split);
+    std::vector<MaterialErrors> errors = fit->truth_errors();
+    const SurfaceParts parts = fit->parts();
+    const auto baseline = fit->baseline();
+    return {judge(fit->contestant(), judged, split, &parts), judge(baseline->contestant(), judged, split, &parts),
+            fit->baseline_name(), std::move(errors)};
 }
 
 std::string text_of(const ErrorSums& errors) {
@@ -135,8 +81,7 @@ void add_judge(CommandLine& program) {
     command.on_run([=] {
         const Split split = choose_split(o->split);
         if (o->json) set_quiet(true);
-        const Judgement j = fitted_model(o->fit) == "lfm" ? judge_light_field(o->fit, o->dataset, split)
-                                                          : judge_reflectance(o->fit, o->dataset, split);
+        const Judgement j = judge_fit(o->fit, o->dataset, split);
         if (o->json)
             fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth));
         else

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/family.h"
 #include "app/fit_options.h"
-#include "app/solver.h"
 
 namespace radiafit {
 namespace {
@@ -22,15 +22,28 @@ std::string takers(const FitOption& option) {
             request.engine = engine;
             all.push_back("engine " + request.text("engine"));
         }
-    for (const Solver& solver : solvers())
-        if (solver.uses & option.uses) all.emplace_back(solver.name);
+    std::vector<std::string> of_all, of_one;
+    bool alike = true;  // each solver takes it of every family that it fits
+    for (const Family* family : {&light_field_maps, &texel_local_models}) {
+        std::vector<std::string> names;
+        for (const Solver& solver : solvers()) {
+            const bool takes = solver.*family->uses & option.uses;
+            if (takes) names.emplace_back(solver.name);
+            if (takes && std::ranges::find(of_all, solver.name) == of_all.end()) of_all.emplace_back(solver.name);
+            alike = alike && (takes || !(solver.*family->uses) || !((solver.uses | solver.texel_uses) & option.uses));
+        }
+        if (!names.empty()) of_one.push_back(fmt::format("{}: {}", family->name, fmt::join(names, ", ")));
+    }
+    if (alike)
+        all.insert(all.end(), of_all.begin(), of_all.end());
+    else
+        all.push_back(fmt::format("{}", fmt::join(of_one, "; ")));
     for (const Method& method : methods) {
         FitRequest request;
         request.optimizer = &method;
         if (uses_of(request) & ~uses_of(FitRequest()) & option.uses)
             all.push_back("optimizer " + std::string(method.name));
     }
-    if (option.uses & (use::selection | use::sides | use::iterations)) all.emplace_back("texel-local models");
     return fmt::format("{}", fmt::join(all, ", "));
 }
 

@@ -9,15 +9,13 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/family.h"
 #include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "capture/png_file.h"
-#include "eval/judge.h"
-#include "eval/reflectance_renderer.h"
 #include "eval/render.h"
-#include "report/problem_picture.h"
 
 namespace radiafit {
 namespace {
@@ -150,107 +148,45 @@ Light lamp_towards(const std::vector<double>& xyz) {
 
 std::string turn_name(int i) { return fmt::format("turn{:03d}", i); }
 
-/// `picture_from`: camera to LightImage.
-template <class PictureFrom>
-void render_turntable(const RenderOptions& o, const Dataset& dataset, const PictureFrom& picture_from) {
+void render_turntable(const RenderOptions& o, const Dataset& dataset, const Contestant& fit, View shown) {
+    if (dataset.has_grid()) throw UserError("--turntable: a grid is seen from where its camera stood");
     Pictures pictures(o.output);
     for (int i = 0; i < o.turntable; ++i) pictures.check(turn_name(i), {".png", ".exr"});
-    for (int i = 0; i < o.turntable; ++i)
-        pictures.add(turn_name(i), picture_from(turntable_camera(dataset, i, o.turntable)));
+    for (int i = 0; i < o.turntable; ++i) {
+        shown.camera = turntable_camera(dataset, i, o.turntable);
+        pictures.add(turn_name(i), render(fit, dataset, shown));
+    }
     pictures.commit();
 }
 
-std::string sheet_content(const Dataset& dataset, uint32_t view, const char* baseline_name) {
-    return fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, baseline_name);
-}
-
-void render_light_field(const RenderOptions& o) {
-    if (o.problems)
-        throw UserError("--problems: those of a light field map are vertices, with no place of their own on a picture");
-    if (!o.light.empty()) throw UserError("--light: a light field map keeps the light it was photographed under");
-    const StoredFit stored = read_fit(o.fit);
-    const LightFieldFit& fit = stored.fit;
-    const Dataset dataset = open_fitted_dataset(fit, o.dataset);
-    if (o.turntable > 0)
-        return render_turntable(o, dataset,
-                                [&](const Camera& camera) { return render_fit(fit, dataset.mesh, camera); });
-    const uint32_t view = chosen_view(dataset, o.view);
+/// `shown`: view `view`, perhaps under another lamp: only as it was photographed can it be compared.
+void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const View& shown) {
+    const Dataset& dataset = fitted.dataset();
+    const Contestant fit = fitted.contestant();
     const fs::path stem = stem_of(o.output);
     const std::string name = stem.filename().string();
     Pictures pictures(stem.parent_path());
     pictures.check(name, {".png", ".exr", "_sheet.png"});
-    pictures.add(name, render_fit(fit, dataset.mesh, dataset.views[view].camera));
-    const JudgedView baseline = judged_view(baseline_of(fit, dataset), dataset, view);
-    pictures.add_sheet(name, comparison_sheet(judged_view(fit, dataset, view), &baseline, dataset.encoding),
-                       sheet_content(dataset, view, light_field_baseline));
+    pictures.add(name, render(fit, dataset, shown));
+    if (o.light.empty()) {
+        const auto trivial = fitted.baseline();
+        const JudgedView baseline = judged_view(trivial->contestant(), dataset, view);
+        pictures.add_sheet(
+            name, comparison_sheet(judged_view(fit, dataset, view), &baseline, dataset.encoding),
+            fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, fitted.baseline_name()));
+    }
     pictures.commit();
 }
 
-/// Where and why a fit failed, as a picture.
-ProblemPicture problems_of(const StoredReflectance& stored) {
-    const ReflectanceFit& fit = stored.fit;
-    const Atlas& atlas = *stored.atlas;
-    ProblemPicture picture;
-    picture.width = atlas.width();
-    picture.height = atlas.height();
-    for (auto* map : {&picture.status, &picture.iterations, &picture.samples, &picture.rms})
-        map->assign(size_t(picture.width) * size_t(picture.height), NAN);
-    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
-        if (!atlas.usable(t)) continue;
-        const auto [x, y] = atlas.place(t);
-        const size_t at = size_t(y) * size_t(picture.width) + size_t(x);
-        picture.status[at] = float(fit.status[t]);
-        picture.iterations[at] = float(fit.iterations[t]);
-        picture.samples[at] = float(fit.samples[t]);
-        if (fit.samples[t] > 0) picture.rms[at] = std::sqrt(2 * fit.error[t] / (3 * float(fit.samples[t])));
-    }
-    for (size_t s = 0; s < size_t(Status::count); ++s) picture.status_names.push_back(to_string(Status(s)));
-    picture.title = fmt::format("{}: {} by {} on {}, a problem per texel", fit.dataset_name, fit.options.model->name,
-                                fit.solver, fit.engine);
-    picture.unit = "reflectance (white = 1)";
-    picture.mark = picture_mark;
-    return picture;
-}
-
-void render_problems(const RenderOptions& o, const StoredReflectance& stored) {
+void render_problems(const RenderOptions& o, Fitted& fit) {
+    const auto picture = fit.problems();
+    if (!picture)
+        throw UserError("--problems: those of a light field map are vertices, with no place of their own on a picture");
     const fs::path stem = stem_of(o.output);
     Pictures pictures(stem.parent_path());
     pictures.check(stem.filename().string(), {".png", ".svg"});
-    pictures.add(stem.filename().string(), problems_of(stored));
+    pictures.add(stem.filename().string(), *picture);
     pictures.commit();
-}
-
-/// One view of a reflectance fit, beside the photograph if it was lit as that was.
-void render_lit(const RenderOptions& o, const StoredReflectance& stored, uint32_t view, const View& shown) {
-    const Dataset& dataset = *stored.dataset;
-    const fs::path stem = stem_of(o.output);
-    const std::string name = stem.filename().string();
-    Pictures pictures(stem.parent_path());
-    pictures.check(name, {".png", ".exr", "_sheet.png"});
-    pictures.add(name, render_fit(stored.fit, *stored.atlas, dataset, shown));
-    if (o.light.empty()) {
-        const ReflectanceOutcome lambertian = baseline_of(stored.fit, dataset);
-        const JudgedView fit = judged_view(stored.fit, *stored.atlas, dataset, view),
-                         baseline = judged_view(lambertian.fit, *stored.atlas, dataset, view);
-        pictures.add_sheet(name, comparison_sheet(fit, &baseline, dataset.encoding),
-                           sheet_content(dataset, view, reflectance_baseline));
-    }
-    pictures.commit();
-}
-
-void render_reflectance(const RenderOptions& o) {
-    const StoredReflectance stored = read_reflectance(o.fit, o.dataset);
-    if (o.problems) return render_problems(o, stored);
-    const Dataset& dataset = *stored.dataset;
-    const uint32_t view = chosen_view(dataset, o.view);
-    View shown = dataset.views[view];
-    if (!o.light.empty()) shown.light = lamp_towards(o.light);
-    if (o.turntable == 0) return render_lit(o, stored, view, shown);
-    if (dataset.has_grid()) throw UserError("--turntable: a grid is seen from where its camera stood");
-    render_turntable(o, dataset, [&](const Camera& camera) {
-        shown.camera = camera;
-        return render_fit(stored.fit, *stored.atlas, dataset, shown);
-    });
 }
 
 void check_output(const RenderOptions& o) {
@@ -260,9 +196,18 @@ void check_output(const RenderOptions& o) {
         throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));
 }
 
-void render(const RenderOptions& o) {
+void render_fit(const RenderOptions& o) {
     check_output(o);
-    (fitted_model(o.fit) == "lfm" ? render_light_field : render_reflectance)(o);
+    const auto fit = open_fit(o.fit, o.dataset);
+    if (!o.light.empty() && !fit->takes_light())
+        throw UserError("--light: a light field map keeps the light it was photographed under");
+    if (o.problems) return render_problems(o, *fit);
+    const Dataset& dataset = fit->dataset();
+    const uint32_t view = chosen_view(dataset, o.view);
+    View shown = dataset.views[view];
+    if (!o.light.empty()) shown.light = lamp_towards(o.light);
+    if (o.turntable > 0) return render_turntable(o, dataset, fit->contestant(), shown);
+    render_view(o, *fit, view, shown);
 }
 
 }  // namespace
@@ -286,7 +231,7 @@ void add_render(CommandLine& program) {
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
     command.add_text("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
         .required();
-    command.on_run([=] { render(*o); });
+    command.on_run([=] { render_fit(*o); });
 }
 
 }  // namespace radiafit

@@ -30,15 +30,4 @@ void print_dataset(const Dataset& dataset, bool json);
 /// The options of FitRequest, for every command that fits or plans a fit.
 void add_fit_options(CommandLine& command, FitRequest& request);
 
-/// What the user left open and the dataset decides: of a texel-local model the surface side (of a mesh's normals)
-/// and, where it can, Levenberg-Marquardt.
-void settle_options(const CommandLine& command, const Dataset& dataset, FitRequest& request);
-
-inline constexpr const char* light_field_baseline = "mean colour per texel";
-inline constexpr const char* reflectance_baseline = "Lambertian";
-/// The trivial baseline of the views, sides and space that a fit used: one mean colour per texel.
-LightFieldFit baseline_of(const LightFieldFit& fit, const Dataset& dataset);
-/// The same for reflectance: the Lambertian model on the same samples.
-ReflectanceOutcome baseline_of(const ReflectanceFit& fit, const Dataset& dataset);
-
 }  // namespace radiafit

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "app/choose.h"
+#include "app/family.h"
 #include "app/limits.h"
-#include "app/solver.h"
 #include "base/error.h"
 
 namespace radiafit {
@@ -114,12 +114,6 @@ void check_name(const char* what, const std::string& name, const auto& table) {
 }
 void check_solver(const std::string& name) { check_name("solver", name, solvers()); }
 void check_ceres(const std::string& name) { check_name("ceres setting", name, ceres_settings()); }
-void check_model(const std::string& name) {
-    if (name == "lfm" || find_texel_model(name)) return;
-    std::vector<std::string> names = {"lfm"};
-    for (const TexelModel* known : texel_models()) names.emplace_back(known->name);
-    reject_name("model", name, names);
-}
 
 /// "name: help; name: help".
 std::string explained(const auto& table) {
@@ -127,12 +121,6 @@ std::string explained(const auto& table) {
     for (const auto& entry : table) all += fmt::format("{}{}: {}", all.empty() ? "" : "; ", entry.name, entry.help);
     return all;
 }
-std::string explained_models() {
-    std::string all = "lfm: light field map; of datasets with lamps, a texel-local model:";
-    for (const TexelModel* model : texel_models()) all += fmt::format(" {}", model->name);
-    return all;
-}
-
 /// Bytes, with K, M or G for powers of 1024.
 uint64_t parse_bytes(const std::string& text) {
     size_t end = 0;
@@ -174,6 +162,14 @@ FitOption mu_option() {
         if (!(r.mu < 0)) require("mu", r.mu, limits::weight);
     };
     return o;
+}
+
+FitOption model_option() {
+    std::vector<std::pair<std::string, const TexelModel*>> choices = {{lfm_name, nullptr}};
+    for (const TexelModel* model : texel_models()) choices.emplace_back(model->name, model);
+    return choice<const TexelModel*>(
+        "model", 0, [](auto& r) -> auto& { return r.texel_model; }, choices,
+        "lfm is a light field map; the others are texel-local models, of datasets with lamps");
 }
 
 FitOption optimizer_option() {
@@ -224,8 +220,7 @@ std::vector<FitOption> make_fit_options() {
         }
     };
     add("What is fitted, and by what",
-        {text("model", 0, OF(kind), "a name", explained_models(), check_model),
-         text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver),
+        {model_option(), text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver),
          choice<EngineKind>("engine", use::engine, OF(engine),
                             {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}},
                             "what solver stream runs on"),
@@ -318,9 +313,10 @@ const FitOption& find_fit_option(const std::string& name) {
 
 namespace {
 
-/// What the request's optimizer adds to what its solver does.
+/// What the request's optimizer adds to what its solver does, and takes from it.
 uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
-    if (!(uses & use::optimizer) || !request.optimizer) return uses;
+    if (!(uses & use::optimizer)) return uses;
+    if (request.levenberg_marquardt()) return uses & ~(use::bounds | use::residual | use::change);
     if (request.optimizer->history) uses |= use::history;
     if (request.optimizer->learning_rate) uses |= use::learning_rate;
     return request.optimizer->stop_output_change ? uses : uses & ~use::change;
@@ -329,25 +325,18 @@ uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
 }  // namespace
 
 uint32_t uses_of(const FitRequest& request, bool grid) {
-    const Solver& solver = find_solver(request.solver);
-    const bool fits = request.texel_local() ? solver.solve_texels != nullptr : solver.solve != nullptr;
-    if (!fits) {
+    const Family& family = family_of(request);
+    uint32_t uses = find_solver(request.solver).*family.uses;
+    if (uses == 0) {
         std::vector<std::string> others;
         for (const Solver& other : solvers())
-            if (request.texel_local() ? other.solve_texels != nullptr : other.solve != nullptr)
-                others.emplace_back(other.name);
-        throw UserError(fmt::format("solver {} fits {} only; choose one of {} for --model {}", request.solver,
-                                    request.texel_local() ? "light field maps" : "texel-local models",
-                                    fmt::join(others, ", "), request.kind));
+            if (other.*family.uses) others.emplace_back(other.name);
+        throw UserError(fmt::format("solver {} does not fit {}; choose one of {} for --model {}", request.solver,
+                                    family.name, fmt::join(others, ", "), request.text("model")));
     }
-    if (!request.texel_local()) {
-        const uint32_t of_engine = solver.uses & use::engine ? engine_uses(request.engine) : 0;
-        return with_optimizer(solver.uses | of_engine, request);
-    }
-    uint32_t uses = solver.texel_uses | use::selection | use::iterations | use::sides;
     if (uses & use::engine) uses |= engine_uses(request.engine);
-    if (uses & use::optimizer && !request.levenberg_marquardt()) uses |= use::bounds | use::residual | use::change;
     uses = with_optimizer(uses, request);
+    if (uses & use::passes) uses &= ~use::normal_equations;
     if (grid) uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | use::opengl));
     return uses;
 }
@@ -362,9 +351,9 @@ void reject_idle_options(const FitRequest& request, bool grid) {
         std::string what = "solver " + request.solver;
         if (uses & use::optimizer && request.optimizer && o.uses & (use::history | use::learning_rate | use::change))
             what = "optimizer " + request.text("optimizer");
-        else if (request.texel_local())
-            what = "model " + request.kind + " with " + (request.levenberg_marquardt() ? "optimizer lm" : what) +
-                   (grid ? " over a grid" : "");
+        else if (request.texel_model)
+            what = "model " + request.text("model") + " with " +
+                   (request.levenberg_marquardt() ? "optimizer lm" : what) + (grid ? " over a grid" : "");
         else if (uses & use::engine)
             what = "engine " + request.text("engine");
         throw UserError(fmt::format("{} means nothing to {}; leave it out", o.flag.substr(0, o.flag.find(',')), what));

@@ -24,10 +24,10 @@ std::string FitRequest::json() const {
 void FitRequest::check() const {
     for (const FitOption& o : fit_options())
         if (o.check) o.check(*this);
-    uses_of(*this);
+    const uint32_t uses = uses_of(*this);
     model_options();
-    if (texel_local()) texel_options();
-    if (levenberg_marquardt() && (!texel_local() || on_fragment_engine()))
+    if (texel_model) texel_options();
+    if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }
 
@@ -58,9 +58,8 @@ LfmOptions FitRequest::model_options() const {
 }
 
 TexelOptions FitRequest::texel_options() const {
-    find_fit_option("model").check(*this);
     TexelOptions options;
-    options.model = find_texel_model(kind);
+    options.model = texel_model;
     options.surface_side = model.surface_side;
     options.mode = mode;
     options.mu = bounds_weight();

@@ -19,7 +19,7 @@ enum class ImageSource { disk, disk_cold, memory, device };
 /// What to fit with. Every member but the last three is an option of the table in app/fit_options.h, which says what it
 /// means, what values it takes and which fits it means something to.
 struct FitRequest {
-    std::string kind = "lfm";                    ///< of model: lfm, or a texel-local model's name
+    const TexelModel* texel_model = nullptr;     ///< null: a light field map
     std::string solver = "stream";               ///< a name in solvers()
     std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
     EngineKind engine = EngineKind::cpu;
@@ -64,7 +64,6 @@ struct FitRequest {
     LfmOptions model_options() const;    ///< with mode and mu filled in, checked
     TexelOptions texel_options() const;  ///< checked
     FragmentOptions fragment_options() const;
-    bool texel_local() const { return kind != "lfm"; }
     bool levenberg_marquardt() const { return optimizer == nullptr; }
     bool on_fragment_engine() const;  ///< of solvers that run on an engine
     std::string label() const;        ///< "cg-modern", as the trace's solver column

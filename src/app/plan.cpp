@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "app/family.h"
 #include "app/fit_options.h"
-#include "app/solver.h"
 #include "base/parallel.h"
 #include "cpu/texel_solver.h"
 #include "fragment/fragment_plan.h"
@@ -92,6 +92,8 @@ PlanRow held_samples(const FitRequest& request, uint64_t bytes) {
 /// Samples on disk by texel, and once more while they are sorted.
 constexpr uint64_t texel_record_bytes = 2 * sizeof(TexelRadiance);
 
+}  // namespace
+
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views) {
     require_lights(dataset);
     const TexelOptions options = request.texel_options();
@@ -127,6 +129,8 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
              texel_solvers(*options.model).stream_bytes(texels, samples, room_of(request.optimizer_options()))});
     return plan;
 }
+
+namespace {
 
 /// Of a sample in the records of two-step, which stands in three vertices' blocks, and once more in a file in which it
 /// waits to be sorted.
@@ -172,8 +176,7 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
 
 }  // namespace
 
-Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) {
-    if (request.texel_local()) return plan_texels(dataset, request, most_views);
+Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views) {
     require_light_field(dataset);
     const LfmOptions options = request.model_options();
     const uint32_t uses = uses_of(request);
@@ -182,6 +185,8 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     Plan plan;
     add_maps(dataset, atlas, options, rings, plan);
+    plan.paper = paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), options.surface_side,
+                              options.view_side);
     if (request.on_fragment_engine()) {
         plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, request.fragment_options(),
                                                    room_of(request.optimizer_options())));

@@ -100,6 +100,7 @@ struct PlanRow {
 uint64_t total_bytes(const std::vector<PlanRow>& rows);
 struct Plan {
     std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
+    std::vector<PlanRow> paper;         ///< the paper's layout of the same, where it has one
 };
 /// Samples are counted on every eighth fitted view but eight at least, or on `most_views`.
 Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);

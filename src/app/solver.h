@@ -69,8 +69,8 @@ struct Solver {
     /// A light field map: fills out.fit's parameters and problems, and out.times; none: it fits no such.
     void (*solve)(FitTask& task) = nullptr;
     uint32_t uses = 0;                                ///< of solve: bits of app/fit_options.h
-    void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model; none: it fits no such
-    uint32_t texel_uses = 0;                          ///< of solve_texels, besides what all of them do
+    void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model
+    uint32_t texel_uses = 0;
     /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
     uint64_t (*vertex_bytes)(const FitRequest& request, const VertexShape& largest) = nullptr;
 };

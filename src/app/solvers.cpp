@@ -107,6 +107,8 @@ std::span<const Solver> solvers() {
     using namespace use;
     constexpr uint32_t maps_of = sides | space | maps, objective = smoothness | bounds, samples = distribution | opengl;
     constexpr uint32_t of_optimizer = optimizer | iterations | residual | change | random_start | deflation;
+    constexpr uint32_t texels = sides | selection | iterations,
+                       texels_of_optimizer = texels | optimizer | normal_equations | bounds | residual | change;
     constexpr uint32_t vertex_by_vertex = maps_of | objective | samples | iterations | residual | random_start;
     static constexpr Solver table[] = {
         {.name = "stream",
@@ -114,13 +116,13 @@ std::span<const Solver> solvers() {
          .solve = solve_stream,
          .uses = maps_of | objective | of_optimizer | engine,
          .solve_texels = solve_texel_stream,
-         .texel_uses = optimizer | engine},
+         .texel_uses = texels_of_optimizer | engine},
         {.name = "two-step",
          .help = "distributed to disk first, then vertex by vertex (Section 4.3)",
          .solve = solve_two_step,
          .uses = maps_of | objective | of_optimizer | samples | record_kind | records,
          .solve_texels = solve_texel_two_step,
-         .texel_uses = optimizer | samples | records},
+         .texel_uses = texels_of_optimizer | samples | records},
         {.name = "pca",
          .help = "factorization of the resampled light field, Chen et al. 2002",
          .solve = solve_pca,
@@ -131,16 +133,19 @@ std::span<const Solver> solvers() {
          .solve = solve_ceres,
          .uses = vertex_by_vertex | use::ceres,
          .solve_texels = solve_texel_ceres,
-         .texel_uses = samples,
-         .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return ceres_bytes(r.model, v, r.ceres); }},
+         .texel_uses = texels | samples,
+         .vertex_bytes =
+             [](const FitRequest& r, const VertexShape& v) {
+                 return ceres_bytes(r.model, v, find_ceres_setting(r.ceres).memory);
+             }},
         {.name = "ceres-varpro",
          .help = "variable projection by hand, what is left given to Ceres, texel by texel",
          .solve_texels = solve_texel_ceres_varpro,
-         .texel_uses = samples},
+         .texel_uses = texels | samples},
         {.name = "tinysolver",
          .help = "Ceres' TinySolver, texel by texel",
          .solve_texels = solve_texel_tiny,
-         .texel_uses = samples},
+         .texel_uses = texels | samples},
         {.name = "als",
          .help = "alternating least squares, vertex by vertex",
          .solve = solve_als,

@@ -111,20 +111,23 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
     return f;
 }
 
-Contestant contestant_of(LfmRenderer& renderer) {
-    return {[&renderer](const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker) {
-                renderer.shade(view.camera, pixels, rgb, worker);
+}  // namespace
+
+Contestant contestant_of(const LightFieldFit& fit, const Mesh& mesh) {
+    const auto renderer = std::make_shared<LfmRenderer>(mesh, fit);
+    return {[renderer](const View& view, const auto& pixels, std::vector<float>& rgb, int worker) {
+                renderer->shade(view.camera, pixels, rgb, worker);
             },
-            renderer.space()};
+            fit.space};
 }
-Contestant contestant_of(const ReflectanceRenderer& renderer) {
-    return {[&renderer](const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
-                renderer.shade(view, pixels, rgb);
+
+Contestant contestant_of(const ReflectanceFit& fit, const Atlas& atlas) {
+    const auto renderer = std::make_shared<ReflectanceRenderer>(atlas, fit);
+    return {[renderer](const View& view, const auto& pixels, std::vector<float>& rgb, int) {
+                renderer->shade(view, pixels, rgb);
             },
             TargetSpace::linear};
 }
-
-}  // namespace
 
 std::string to_string(Split split) {
     return split == Split::train ? "train" : split == Split::test ? "test" : "validation";
@@ -145,6 +148,7 @@ std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, R
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const SurfaceParts* parts) {
     JudgeResult result;
     result.split = split;
+    if (parts && !parts->of) parts = nullptr;
     const std::vector<uint32_t> views = dataset.split(split != Split::train);
     if (views.empty())
         throw UserError(fmt::format(
@@ -179,33 +183,12 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     return result;
 }
 
-JudgeResult judge(const LightFieldFit& fit, const Dataset& dataset, Split split) {
-    LfmRenderer renderer(dataset.mesh, fit);
-    return judge(contestant_of(renderer), dataset, split);
-}
-
-JudgeResult judge(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, Split split,
-                  const SurfaceParts* parts) {
-    const ReflectanceRenderer renderer(atlas, fit);
-    return judge(contestant_of(renderer), dataset, split, parts);
-}
-
-JudgedView judged_view(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, uint32_t view) {
-    const ReflectanceRenderer renderer(atlas, fit);
-    return judged_view(contestant_of(renderer), dataset, view);
-}
-
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view) {
     if (view >= dataset.views.size())
         throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
                                     dataset.views.size() - 1));
     const Dataset as_stored = without_gains(dataset);
     return Bench(dataset, ImageStream(as_stored, StreamSource::disk)).compare(contestant, view, 0);
-}
-
-JudgedView judged_view(const LightFieldFit& fit, const Dataset& dataset, uint32_t view) {
-    LfmRenderer renderer(dataset.mesh, fit);
-    return judged_view(contestant_of(renderer), dataset, view);
 }
 
 }  // namespace radiafit

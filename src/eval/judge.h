@@ -36,6 +36,10 @@ struct Contestant {
         shade;
     TargetSpace space = TargetSpace::stored;  ///< of the values it hands out
 };
+/// The fit must be of this mesh (open_fitted_dataset() makes sure), of texels in this atlas; both outlive the
+/// contestant.
+Contestant contestant_of(const LightFieldFit& fit, const Mesh& mesh);
+Contestant contestant_of(const ReflectanceFit& fit, const Atlas& atlas);
 
 /// A photograph and its render, ready to be compared or shown. [height][width][3], stored encoding, in [0, 1].
 struct JudgedView {
@@ -56,7 +60,7 @@ struct ImageFigures {
 /// Parts of the surface, such as materials, whose errors are told apart as well.
 struct SurfaceParts {
     std::vector<std::string> names;
-    std::function<size_t(const RasterPixel& pixel)> of;  ///< index into names
+    std::function<size_t(const RasterPixel& pixel)> of;  ///< index into names; none: no parts
 };
 struct PartFigures {
     std::string name;
@@ -76,16 +80,9 @@ struct JudgeResult {
 /// view, or no view of it has a foreground pixel.
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split,
                   const SurfaceParts* parts = nullptr);
-/// The fit must be of this dataset's mesh: open_fitted_dataset() makes sure.
-JudgeResult judge(const LightFieldFit& fit, const Dataset& dataset, Split split);
-/// `atlas`: of the fit's texels.
-JudgeResult judge(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, Split split,
-                  const SurfaceParts* parts = nullptr);
 
 /// One view, as judge() compares it.
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view);
-JudgedView judged_view(const LightFieldFit& fit, const Dataset& dataset, uint32_t view);
-JudgedView judged_view(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, uint32_t view);
 
 /// What the pixels of a view see: of the mesh, by `rasterizer`; or of the grid, where `triangle` is the texel.
 std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer);

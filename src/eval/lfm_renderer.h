@@ -20,8 +20,6 @@ public:
     /// Calls with different `worker` (parallel_for's) may run at once.
     void shade(const Camera& camera, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker = 0);
 
-    TargetSpace space() const { return fit_->space; }
-
 private:
     struct Scratch {
         std::vector<float> view;      ///< [V][K][4]: h_k of the vertices met so far

@@ -6,8 +6,6 @@
 #include <stdexcept>
 
 #include "eval/exposure.h"
-#include "eval/lfm_renderer.h"
-#include "eval/reflectance_renderer.h"
 #include "fit/exr.h"
 
 namespace radiafit {
@@ -32,12 +30,6 @@ Rgb bytes_of_stored(const float* stored, Encoding encoding) {
     for (size_t c = 0; c < 3; ++c)
         shown[c] = encoding == Encoding::u8_srgb ? stored[c] : float(srgb_encode(double(stored[c])));
     return bytes_of(shown);
-}
-
-void cover(LightImage& image, const std::vector<RasterPixel>& seen) {
-    image.coverage.resize(seen.size());
-    std::transform(seen.begin(), seen.end(), image.coverage.begin(),
-                   [](const RasterPixel& pixel) { return pixel.triangle != no_triangle; });
 }
 
 class Sheet {
@@ -66,27 +58,18 @@ private:
 
 }  // namespace
 
-LightImage render_fit(const LightFieldFit& fit, const Mesh& mesh, const Camera& camera) {
-    Rasterizer rasterizer;
-    rasterizer.draw(mesh, camera);
-    LightImage image;
-    image.width = camera.width;
-    image.height = camera.height;
-    LfmRenderer(mesh, fit).shade(camera, rasterizer.pixels(), image.rgb);
-    if (fit.space == TargetSpace::stored)
-        for (float& value : image.rgb) value = float(decode(fit.encoding, value));
-    cover(image, rasterizer.pixels());
-    return image;
-}
-
-LightImage render_fit(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, const View& view) {
+LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view) {
     Rasterizer rasterizer;
     const std::vector<RasterPixel> seen = seen_pixels(dataset, view, rasterizer);
     LightImage image;
     image.width = view.camera.width;
     image.height = view.camera.height;
-    ReflectanceRenderer(atlas, fit).shade(view, seen, image.rgb);
-    cover(image, seen);
+    contestant.shade(view, seen, image.rgb, 0);
+    if (contestant.space == TargetSpace::stored)
+        for (float& value : image.rgb) value = float(decode(dataset.encoding, value));
+    image.coverage.resize(seen.size());
+    std::transform(seen.begin(), seen.end(), image.coverage.begin(),
+                   [](const RasterPixel& pixel) { return pixel.triangle != no_triangle; });
     return image;
 }
 

@@ -15,11 +15,8 @@ struct LightImage {
     std::vector<uint8_t> coverage;  ///< [height][width], 1 where the mesh is seen
 };
 
-/// The fit from any camera, in the exposure that the dataset's gains bring all photographs to.
-LightImage render_fit(const LightFieldFit& fit, const Mesh& mesh, const Camera& camera);
-
-/// A reflectance fit as `view` sees and lights it.
-LightImage render_fit(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset, const View& view);
+/// What `view` (any, not only the dataset's) sees, in the exposure that the dataset's gains bring all photographs to.
+LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view);
 
 /// Stands in render's EXR and SVG files: by it the next run tells its pictures from those of others.
 inline constexpr const char* picture_mark = "radiafit_render";

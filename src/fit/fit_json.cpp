@@ -133,17 +133,17 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
                         const std::vector<std::string>& files) {
     const LfmOptions& o = fit.options;
     const size_t vertices = fit.problem_count() / 3;
-    Json json = head(fit, "lfm");
-    json["lfm"] = {{"terms", o.terms},
-                   {"surface_side", o.surface_side},
-                   {"view_side", o.view_side},
-                   {"lookup", to_string(o.lookup)},
-                   {"mode", to_string(o.mode)},
-                   {"lambda_surface", plain(o.lambda_surface)},
-                   {"lambda_view", plain(o.lambda_view)},
-                   {"mu", plain(o.mu)},
-                   {"lower", plain(o.lower)},
-                   {"upper", plain(o.upper)}};
+    Json json = head(fit, lfm_name);
+    json[lfm_name] = {{"terms", o.terms},
+                      {"surface_side", o.surface_side},
+                      {"view_side", o.view_side},
+                      {"lookup", to_string(o.lookup)},
+                      {"mode", to_string(o.mode)},
+                      {"lambda_surface", plain(o.lambda_surface)},
+                      {"lambda_view", plain(o.lambda_view)},
+                      {"mu", plain(o.mu)},
+                      {"lower", plain(o.lower)},
+                      {"upper", plain(o.upper)}};
     json["surface_maps"] = {
         {"width", atlas.width()}, {"height", atlas.height()}, {"rectangles_per_row", atlas.rectangles_per_row()}};
     json["view_maps"] = {{"columns", table_columns(vertices)}, {"rows", table_rows(vertices)}};
@@ -181,9 +181,9 @@ std::string model_in_json(const std::filesystem::path& path, const std::string& 
 
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit) {
     return reading(path, text, [&](const Json& json) {
-        if (json.at("model") != "lfm") throw std::runtime_error("its model is no light field map");
+        if (json.at("model") != lfm_name) throw std::runtime_error("its model is no light field map");
         LfmOptions& o = fit.options;
-        const Json& lfm = json.at("lfm");
+        const Json& lfm = json.at(lfm_name);
         o.terms = whole(lfm, "terms");
         o.surface_side = whole(lfm, "surface_side");
         o.view_side = whole(lfm, "view_side");

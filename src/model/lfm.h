@@ -10,6 +10,8 @@
 
 namespace radiafit {
 
+inline constexpr const char* lfm_name = "lfm";  ///< of the model in requests and in fit.json
+
 enum class ViewLookup { bilinear, nearest };
 enum class Mode { paper, modern };
 

@@ -31,32 +31,43 @@ struct CeresMethod {
 };
 
 constexpr CeresMethod ceres_methods[] = {
-    {{"sparse-normal-cholesky", "trust region, sparse Cholesky of J'J"}, CeresMethod::trust_region},
-    {{"dense-normal-cholesky", "trust region, dense Cholesky of J'J"},
+    {{"sparse-normal-cholesky", "trust region, sparse Cholesky of J'J", CeresMemory::sparse_factor},
+     CeresMethod::trust_region},
+    {{"dense-normal-cholesky", "trust region, dense Cholesky of J'J", CeresMemory::dense_normal},
      CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::DENSE_NORMAL_CHOLESKY},
-    {{"dense-qr", "trust region, dense QR of J"}, CeresMethod::trust_region, CeresBlocks::texels, ceres::DENSE_QR},
-    {{"dense-schur", "trust region, an independent set of texels eliminated, dense Cholesky of the rest"},
+    {{"dense-qr", "trust region, dense QR of J", CeresMemory::dense_qr},
+     CeresMethod::trust_region,
+     CeresBlocks::texels,
+     ceres::DENSE_QR},
+    {{"dense-schur", "trust region, an independent set of texels eliminated, dense Cholesky of the rest",
+      CeresMemory::dense_schur},
      CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::DENSE_SCHUR},
-    {{"dense-schur-maps", "trust region, whole surface maps eliminated, dense Cholesky of the view map"},
+    {{"dense-schur-maps", "trust region, whole surface maps eliminated, dense Cholesky of the view map",
+      CeresMemory::dense_maps},
      CeresMethod::trust_region,
      CeresBlocks::maps,
      ceres::DENSE_SCHUR},
-    {{"sparse-schur", "trust region, an independent set of texels eliminated, sparse Cholesky of the rest"},
+    {{"sparse-schur", "trust region, an independent set of texels eliminated, sparse Cholesky of the rest",
+      CeresMemory::sparse_factor},
      CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::SPARSE_SCHUR},
-    {{"iterative-schur", "trust region, an independent set of texels eliminated, conjugate gradients on the rest"},
+    {{"iterative-schur", "trust region, an independent set of texels eliminated, conjugate gradients on the rest",
+      CeresMemory::jacobian},
      CeresMethod::trust_region,
      CeresBlocks::texels,
      ceres::ITERATIVE_SCHUR,
      ceres::SCHUR_JACOBI},
-    {{"cgnr", "trust region, conjugate gradients on J'J"}, CeresMethod::trust_region, CeresBlocks::texels, ceres::CGNR},
-    {{"lbfgs", "line search, limited-memory BFGS"}, CeresMethod::line_search},
-    {{"nonlinear-cg", "line search, nonlinear conjugate gradients"},
+    {{"cgnr", "trust region, conjugate gradients on J'J", CeresMemory::jacobian},
+     CeresMethod::trust_region,
+     CeresBlocks::texels,
+     ceres::CGNR},
+    {{"lbfgs", "line search, limited-memory BFGS", CeresMemory::vectors}, CeresMethod::line_search},
+    {{"nonlinear-cg", "line search, nonlinear conjugate gradients", CeresMemory::vectors},
      CeresMethod::line_search,
      CeresBlocks::texels,
      ceres::CGNR,
@@ -225,6 +236,8 @@ std::span<const CeresSetting> ceres_settings() {
     }();
     return faces;
 }
+
+const CeresSetting& find_ceres_setting(const std::string& name) { return find(name).face; }
 
 VertexSolver ceres_solver(const LfmOptions& model, const CeresOptions& options) {
     const CeresMethod& method = find(options.setting);

@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "reference/solver_memory.h"
 #include "reference/vertex_runs.h"
 
 namespace radiafit {
@@ -10,8 +11,11 @@ namespace radiafit {
 struct CeresSetting {
     const char* name;
     const char* help;
+    CeresMemory memory;
 };
 std::span<const CeresSetting> ceres_settings();
+/// Throws UserError for an unknown name.
+const CeresSetting& find_ceres_setting(const std::string& name);
 
 struct CeresOptions {
     std::string setting = "lbfgs";  ///< a name in ceres_settings(); the default is the fastest by measurement

@@ -69,7 +69,7 @@ uint64_t varpro_bytes(const LfmOptions& model, const VertexShape& vertex) {
            cholesky_bytes(s.view_map, view_band(model, s.smooth_view)) + schur + 2 * s.parameters() * lanes;
 }
 
-uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, const std::string& setting) {
+uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, CeresMemory memory) {
     const Sizes s(model, vertex);
     const double n = double(s.parameters()), square = n * n;
     const uint64_t texels = s.maps * s.surface_texels + s.view_texels;
@@ -78,16 +78,16 @@ uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, const s
     const uint64_t view_penalties = penalty_doubles(s.view, s.terms);
     const uint64_t sparse =
         s.samples * (s.terms + look_up) + s.maps * penalty_doubles(s.tile, s.terms) + view_penalties;
-    double doubles = 3 * double(sparse);                // with indices, and copies by block
-    if (setting == "dense-qr") doubles = 3 * rows * n;  // J, by rows and by columns, and its factor
-    if (setting == "dense-normal-cholesky") doubles = rows * n + 2 * square;
-    if (setting == "dense-schur") doubles += 2 * square;  // how many texels are eliminated is Ceres' choice
-    if (setting == "sparse-schur" || setting == "sparse-normal-cholesky") doubles += square;
-    if (setting == "dense-schur-maps")
+    double doubles = 3 * double(sparse);                          // with indices, and copies by block
+    if (memory == CeresMemory::dense_qr) doubles = 3 * rows * n;  // J, by rows and by columns, and its factor
+    if (memory == CeresMemory::dense_normal) doubles = rows * n + 2 * square;
+    if (memory == CeresMemory::dense_schur) doubles += 2 * square;  // how many texels are eliminated is Ceres' choice
+    if (memory == CeresMemory::sparse_factor) doubles += square;
+    if (memory == CeresMemory::dense_maps)
         doubles = double(s.samples * (s.surface + look_up) + s.maps * s.surface_texels * (s.terms + 1) * s.surface +
                          view_penalties + 2 * s.view_map * s.view_map + 2 * s.maps * s.surface * s.surface);
-    if (setting == "lbfgs" || setting == "nonlinear-cg") doubles = 50 * n;  // L-BFGS keeps 20 pairs of vectors
-    constexpr double of_a_block = 800;                                      // of residuals, in Ceres' own structures
+    if (memory == CeresMemory::vectors) doubles = 50 * n;  // L-BFGS keeps 20 pairs of vectors
+    constexpr double of_a_block = 800;                     // of residuals, in Ceres' own structures
     const double bytes = doubles * sizeof(double) + double(s.samples + texels) * of_a_block;
     return uint64_t(std::min(bytes, 1e15));  // times any number of threads it stays within 64 bits
 }

@@ -13,11 +13,13 @@ struct VertexShape {
     size_t samples = 0;  ///< of all of them; may be an estimate
 };
 
-/// Bytes that a thread takes at its fullest, beside the parameters and the list of samples. `setting`: one of
-/// ceres_settings().
+/// What Ceres holds of the normal equations, by setting.
+enum class CeresMemory { jacobian, sparse_factor, dense_qr, dense_normal, dense_schur, dense_maps, vectors };
+
+/// Bytes that a thread takes at its fullest, beside the parameters and the list of samples.
 uint64_t als_bytes(const LfmOptions& model, const VertexShape& vertex);
 uint64_t varpro_bytes(const LfmOptions& model, const VertexShape& vertex);
-uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, const std::string& setting);
+uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, CeresMemory memory);
 uint64_t pca_bytes(const LfmOptions& model, const VertexShape& vertex);
 
 }  // namespace radiafit

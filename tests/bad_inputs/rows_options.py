@@ -44,7 +44,7 @@ for option, below, above, least, most in (
     rows.append((f"fit tiny --iterations 3 {option} {most} -o new", None, 0, " 0 not finite"))
 for solver in ("tinysolver", "ceres-varpro"):
     for command in ("fit tiny --solver {} -o new", "plan tiny --solver {}"):
-        rows.append((command.format(solver), None, 2, f"solver {solver} fits texel-local models only; choose one of stream, "))
+        rows.append((command.format(solver), None, 2, f"solver {solver} does not fit light field maps; choose one of stream, "))
     rows.append((f"fit flat --model lafortune --solver {solver} -o new", None, 0, " 0 not finite"))
     rows.append((f"fit flat --model lafortune --solver {solver} --optimizer sd -o new", None, 2, "--optimizer means nothing to model "))
 refuse("fit tiny --optimizer lbfgs --history {} -o new", "0 9 x ''", "history = ", "choose a whole number from 1 to 8")
@@ -91,10 +91,10 @@ rows += [
     ("plan tiny --engine fragment --distributor gl", None, 2, "--distributor means nothing to engine fragment"),
     ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
     ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),
-    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca fits light field maps only", "choose one of stream, two-step, ceres, ceres-varpro, tinysolver for --model lafortune"),
-    ("fit flat --model lafortune --solver als -o new", None, 2, "solver als fits light field maps only"),
-    ("fit flat --model lafortune --solver varpro -o new", None, 2, "solver varpro fits light field maps only"),
-    ("fit flat --model lambert --solver mean -o new", None, 2, "solver mean fits light field maps only"),
+    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca does not fit texel-local models", "choose one of stream, two-step, ceres, ceres-varpro, tinysolver for --model lafortune"),
+    ("fit flat --model lafortune --solver als -o new", None, 2, "solver als does not fit texel-local models"),
+    ("fit flat --model lafortune --solver varpro -o new", None, 2, "solver varpro does not fit texel-local models"),
+    ("fit flat --model lambert --solver mean -o new", None, 2, "solver mean does not fit texel-local models"),
     ("fit flat --model lafortune --surface-side 9 -o new", None, 2, "--surface-side means nothing to model lafortune", "over a grid"),
     ("fit flat --model lafortune --distributor gl -o new", None, 2, "--distributor means nothing to ", "over a grid"),
     ("fit flat --model lafortune --terms 2 -o new", None, 2, "--terms means nothing to model lafortune"),

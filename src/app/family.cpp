@@ -1,0 +1,40 @@
+#include "app/family.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+
+namespace radiafit {
+
+namespace {
+constexpr const Family* families[] = {&light_field_maps, &texel_local_models};
+
+const Family& family_of(const std::string& model) {
+    return **std::ranges::find_if(families, [&](const Family* family) { return family->owns(model); });
+}
+}  // namespace
+
+const Family& family_of(const FitRequest& request) { return family_of(request.text("model")); }
+
+std::unique_ptr<Fitted> open_fit(const std::filesystem::path& folder, const std::filesystem::path& moved_to) {
+    return family_of(fitted_model(folder)).open(folder, moved_to);
+}
+
+Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+    return family_of(request).plan(dataset, request, most_views);
+}
+
+int validation_of(const FitRecord& fit) {
+    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
+    if (!options.is_object() || !options.contains("validation")) return 0;
+    const auto& validation = options.at("validation");
+    if (!validation.is_number_unsigned() || validation != validation.get<int>() || validation.get<int>() < 0)
+        throw UserError(fmt::format("the fit of {}: fit.json's options.validation is no number of views; fit again",
+                                    fit.dataset_name));
+    return validation.get<int>();
+}
+
+}  // namespace radiafit

@@ -1,0 +1,68 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/solver.h"
+#include "eval/judge.h"
+#include "report/problem_picture.h"
+
+/// The families of models: light field maps and texel-local models. What commands ask of one is said here, once; they
+/// themselves never ask which it is.
+namespace radiafit {
+
+/// A fit of any family, with the dataset that was fitted.
+class Fitted {
+public:
+    virtual ~Fitted() = default;
+    virtual FitRecord& record() = 0;
+    virtual const Dataset& dataset() = 0;
+    virtual std::string description() const = 0;  ///< "lafortune, 9 parameters in each of 4096 texels"
+    /// For the judge and for renders; this fit must outlive it.
+    virtual Contestant contestant() = 0;
+    /// The trivial baseline, of the views, sides, space and samples that this fit used.
+    virtual std::unique_ptr<Fitted> baseline() = 0;
+    virtual const char* baseline_name() const = 0;
+    virtual SurfaceParts parts() { return {}; }                        ///< of a synthetic dataset: its materials
+    virtual std::vector<MaterialErrors> truth_errors() { return {}; }  ///< likewise
+    virtual bool takes_light() const { return false; }                 ///< shows the surface under any lamp
+    virtual std::optional<ProblemPicture> problems() { return {}; }    ///< where they have places on a picture
+    /// As write_fit().
+    virtual void write(const std::filesystem::path& folder,
+                       const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;
+};
+
+struct FinishedFit {
+    FitRun run;
+    std::unique_ptr<Fitted> fit;
+    std::string times_json;  ///< the family's own entries among fit.json's times
+    std::string note;        ///< for the closing line: "4096 texels, 3 underdetermined, "
+};
+
+struct Family {
+    const char* name;                        ///< in messages
+    bool (*owns)(const std::string& model);  ///< by its name in requests and in fit.json
+    uint32_t Solver::*uses;                  ///< what a solver does with this family; 0: it fits no such
+    /// The space of images that are streamed with 16 bits; none where a fit reads the values themselves.
+    std::optional<TargetSpace> (*streamed)(const FitRequest& request);
+    /// What the user left open and the dataset decides. given: whether the user gave an option, such as "--optimizer".
+    void (*settle)(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request);
+    Plan (*plan)(const Dataset& dataset, const FitRequest& request, size_t most_views);
+    FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
+    /// moved_to: where the dataset is now; empty: where the fit says. Throws UserError.
+    std::unique_ptr<Fitted> (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
+};
+extern const Family light_field_maps, texel_local_models;
+
+const Family& family_of(const FitRequest& request);
+/// Throws UserError likewise.
+std::unique_ptr<Fitted> open_fit(const std::filesystem::path& folder, const std::filesystem::path& moved_to = {});
+
+Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
+Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
+
+/// FitRequest::validation of a fit. Throws UserError.
+int validation_of(const FitRecord& fit);
+
+}  // namespace radiafit

@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/family.h"
+#include "base/log.h"
+
+namespace radiafit {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FittedLightField : public Fitted {
+public:
+    FittedLightField(LightFieldFit fit, const Dataset& dataset) : fit_(std::move(fit)), dataset_(&dataset) {}
+    /// The fit brings its mesh along: the dataset is looked at once it is wanted, or where it is said to be.
+    FittedLightField(const fs::path& folder, const fs::path& moved_to)
+        : fit_(read_fit(folder).fit), moved_to_(moved_to) {
+        if (!moved_to.empty()) dataset();
+    }
+
+    FitRecord& record() override { return fit_; }
+    const Dataset& dataset() override {
+        if (!dataset_) {
+            own_ = open_fitted_dataset(fit_, moved_to_);
+            dataset_ = &*own_;
+        }
+        return *dataset_;
+    }
+    std::string description() const override {
+        const LfmOptions& o = fit_.options;
+        return fmt::format("{} terms, surface maps of side {}, view maps of side {}", o.terms, o.surface_side,
+                           o.view_side);
+    }
+    Contestant contestant() override { return contestant_of(fit_, dataset().mesh); }
+    std::unique_ptr<Fitted> baseline() override {
+        FitRequest mean;
+        mean.set("solver", "mean");
+        mean.space = fit_.space;
+        mean.model = fit_.options;
+        mean.validation = validation_of(fit_);
+        return std::make_unique<FittedLightField>(solve(dataset(), mean).fit, dataset());
+    }
+    const char* baseline_name() const override { return "mean colour per texel"; }
+    void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
+        write_fit(folder, fit_, dataset().mesh, add_files);
+    }
+
+private:
+    LightFieldFit fit_;
+    fs::path moved_to_;
+    std::optional<Dataset> own_;
+    const Dataset* dataset_ = nullptr;
+};
+
+FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
+    Progress progress("fit", size_t(request.iterations) + 1);
+    FitOutcome outcome = solve(dataset, request, nullptr, [&](int, const auto&) { progress.advance(); });
+    progress.finish();
+    FinishedFit out;
+    if (const ResamplingCounts& r = outcome.resampling; r.entries) {
+        out.times_json = nlohmann::ordered_json{{"resampling",
+                                                 {{"entries", r.entries},
+                                                  {"outside_hull", r.outside_hull},
+                                                  {"unseen_texels", r.unseen_texels},
+                                                  {"invented_share", r.invented_share()}}}}
+                             .dump();
+        out.note = fmt::format("{} of {} resampled entries ({:.1f}%) invented, ", r.outside_hull + r.unseen_texels,
+                               r.entries, 100 * r.invented_share());
+    }
+    out.fit = std::make_unique<FittedLightField>(std::move(outcome.fit), dataset);
+    out.run = std::move(outcome);
+    return out;
+}
+
+}  // namespace
+
+const Family light_field_maps = {
+    .name = "light field maps",
+    .owns = [](const std::string& model) { return model == lfm_name; },
+    .uses = &Solver::uses,
+    .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
+    .settle = [](const auto&, const Dataset&, FitRequest&) {},
+    .plan = plan_light_field,
+    .fit = fit_light_field,
+    .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {
+        return std::make_unique<FittedLightField>(folder, moved_to);
+    },
+};
+
+}  // namespace radiafit
