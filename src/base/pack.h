@@ -6,9 +6,20 @@
 
 namespace radiafit {
 
+namespace detail {
+#ifdef __AVX512F__
+constexpr int instructions = 3;
+#elif defined(__AVX__)
+constexpr int instructions = 2;
+#else
+constexpr int instructions = 1;
+#endif
+}  // namespace detail
+
 /// Eight numbers that go through arithmetic side by side: `real` of the shared texts where eight problems are lanes.
-/// Comparisons give a mask; max, min and select treat NaN as std::max, std::min and ?: do.
-template <class real>
+/// Which instructions a program is compiled for is part of the type, since it decides how one is passed. Comparisons
+/// give a mask; max, min and select treat NaN as std::max, std::min and ?: do.
+template <class real, int instructions = detail::instructions>
 struct PackOf {
     static constexpr int size = 8;
     using Vector = PairLanes<real>;

@@ -51,6 +51,11 @@ public:
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
+    /// update() by a function of one's own, of `count` vectors, the first `written` of which it changes:
+    /// function(elements, numbers of their problem, constants). Include cpu/lane_engine_impl.h.
+    template <int count, int written, class Function>
+    void update_by(const Function& function, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                   std::initializer_list<float> constants);
     EngineSummary summary() const;
     void outcomes(std::span<ProblemOutcome> out) const;
     void read_errors(std::span<float> out) const;
@@ -83,9 +88,6 @@ private:
     void for_blocks(Life least, const Body& body);
     template <class Function>
     void step_by(const Function& function, const Turn& turn);
-    template <int count, int written, class Function>
-    void update_by(const Function& function, const int* vectors, std::span<const int> numbers,
-                   std::span<const float> constants);
     void set_life(size_t block);
     size_t lanes_of(size_t block) const {
         return std::min(size_t(lanes), problem_->problem_count() - block * size_t(lanes));

@@ -149,15 +149,15 @@ void LaneEngine<Problem>::step(Step which, const Turn& turn) {
 
 template <class Problem>
 template <int count, int written, class Function>
-void LaneEngine<Problem>::update_by(const Function& function, const int* vectors, std::span<const int> numbers,
-                                    std::span<const float> constants) {
+void LaneEngine<Problem>::update_by(const Function& function, std::initializer_list<int> vectors,
+                                    std::initializer_list<int> numbers, std::initializer_list<float> constants) {
     V* x[count];
-    for (int k = 0; k < count; ++k) x[k] = vectors_[size_t(vectors[k])].data();
+    for (int k = 0; k < count; ++k) x[k] = vectors_[size_t(std::data(vectors)[k])].data();
     typename Text::Constants told{};
     std::copy(constants.begin(), constants.end(), told.x);
     for_blocks(Life::ended, [&](size_t b) {
         typename Text::Registers problem{};
-        for (size_t k = 0; k < numbers.size(); ++k) problem.x[k] = number_of(b, numbers[k]);
+        for (size_t k = 0; k < numbers.size(); ++k) problem.x[k] = number_of(b, std::data(numbers)[k]);
         for (size_t i = problem_->begin(b); i < problem_->begin(b + 1); ++i) {
             typename Text::Elements e;
             for (int k = 0; k < count; ++k) e.x[k] = x[k][i];
@@ -171,10 +171,9 @@ template <class Problem>
 void LaneEngine<Problem>::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                                  std::initializer_list<float> constants) {
     switch (which) {
-#define RADIAFIT_CASE(file, function, count, written, ...)                                                 \
-    case Update::function:                                                                                 \
-        return update_by<count, written>([](auto&... all) { Text::function(all...); }, std::data(vectors), \
-                                         {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
+#define RADIAFIT_CASE(file, function, count, written, ...) \
+    case Update::function:                                 \
+        return update_by<count, written>([](auto&... all) { Text::function(all...); }, vectors, numbers, constants);
         RADIAFIT_UPDATES(RADIAFIT_CASE)
 #undef RADIAFIT_CASE
     }

@@ -10,17 +10,23 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "gl/embedded_shaders.h"
 #include "gl/pass_costs.h"
 
 namespace radiafit {
 namespace {
 
 std::string read_shader(const std::string& file) {
-    const std::string path = shader_folder() + "/" + file;
+    const char* folder = std::getenv("RADIAFIT_SHADERS");
+    if (!folder || !*folder) {
+        const auto& all = embedded_shaders();
+        const auto found = std::ranges::find(all, file, &EmbeddedShader::file);
+        if (found == all.end()) throw UserError(fmt::format("{}: no such shader", file));
+        return std::string(found->text);
+    }
+    const std::string path = folder + ("/" + file);
     std::ifstream stream(path, std::ios::binary);
-    if (!stream)
-        throw UserError(
-            fmt::format("{}: cannot be read; set RADIAFIT_SHADERS to the shaders folder of the sources", path));
+    if (!stream) throw UserError(fmt::format("{}: cannot be read; unset RADIAFIT_SHADERS, or complete it", path));
     std::ostringstream text;
     text << stream.rdbuf();
     return text.str();
@@ -114,11 +120,6 @@ GLuint link(std::initializer_list<GLuint> shaders, const std::string& what) {
 }
 
 }  // namespace
-
-std::string shader_folder() {
-    const char* folder = std::getenv("RADIAFIT_SHADERS");
-    return folder && *folder ? folder : RADIAFIT_SHADER_FOLDER;
-}
 
 ShaderText expand_shader(const std::string& file, const Defines& defines) {
     ShaderText result;

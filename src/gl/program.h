@@ -17,11 +17,9 @@ inline Defines operator+(Defines a, const Defines& b) {
 
 struct PassCost;
 
-/// Where shader texts live: RADIAFIT_SHADERS if set, else the shaders/ folder of the sources this was built from.
-std::string shader_folder();
-
-/// A shader with every #include "…" (relative to shader_folder()) expanded once, and #line kept, so that errors name
-/// the real file. Where the name of a file is a definition's, that definition takes its place: "model/MODEL.glsl".
+/// A shader with every #include "…" (relative to shaders/) expanded once, and #line kept, so that errors name the real
+/// file. Texts are part of the library; those of a folder named by RADIAFIT_SHADERS stand in for them all. Where the
+/// name of a file is a definition's, that definition takes its place: "model/MODEL.glsl".
 struct ShaderText {
     std::string text;
     std::vector<std::string> files;  ///< #line's second number is an index into this

@@ -1,14 +1,13 @@
 #pragma once
 #include <array>
+#include <concepts>
 #include <cstddef>
 
 /// Reflectance models whose problems are single texels. For each colour channel c
 ///     m_c = sum_k a[k][c] basis_k(terms; shape),
 /// where the last basis function alone depends on the shape, which the channels share. `Text` is a model's shared text
-/// (shaders/model/NAME.glsl): sample_terms() once per sample; basis(), shape_slope() and shape_bend() at every
-/// parameter; for C++, names and bounds, and for a model with a shape its starts and gauge. A text without a shape
-/// (SHAPE_COUNT 0) needs basis(), and the coefficients' names and bounds, only. The texts that there are:
-/// model/texel_texts.h, made from the list in src/model/CMakeLists.txt.
+/// (shaders/model/NAME.glsl); docs/texel-models.md lists what one holds. The texts that there are: model/texel_texts.h,
+/// made from the list in src/model/CMakeLists.txt.
 ///
 /// Parameters of a texel: a[basis][3], then the shape: Lafortune's rho_d, rho_s, Cx, Cz, log n (Eq. 16).
 namespace radiafit {
@@ -24,8 +23,67 @@ struct TexelSample {
     float weight = 1;
 };
 
+/// Says by name what a text lacks.
 template <class Text>
-struct TexelLocal {
+struct CompleteText {
+    static_assert(
+        requires {
+            typename Text::Terms;
+            typename Text::Basis;
+            typename Text::Shape;
+        },
+        "a texel model's text must define the structs Terms, Basis and Shape");
+    static_assert(
+        requires(typename Text::real3 u) {
+            { Text::sample_terms(u, u) } -> std::same_as<typename Text::Terms>;
+        },
+        "a texel model's text must define Terms sample_terms(real3 u, real3 v)");
+    static_assert(
+        requires(typename Text::Shape s, typename Text::Terms t) {
+            { Text::basis(s, t) } -> std::same_as<typename Text::Basis>;
+        },
+        "a texel model's text must define Basis basis(Shape, Terms)");
+    static_assert(
+        requires { Text::coefficient_names[Text::basis_count - 1]; },
+        "a texel model's text must define coefficient_names[BASIS_COUNT]");
+    static_assert(
+        requires { Text::coefficient_bounds[Text::basis_count - 1][1]; },
+        "a texel model's text must define coefficient_bounds[BASIS_COUNT][2]");
+    static constexpr bool no_shape = Text::shape_count == 0;
+    static_assert(
+        no_shape ||
+            requires(typename Text::Shape s, typename Text::Terms t) {
+                { Text::shape_slope(s, t) } -> std::same_as<typename Text::Slope>;
+            },
+        "a texel model with a shape must define Slope shape_slope(Shape, Terms)");
+    static_assert(
+        no_shape ||
+            requires(typename Text::Shape s, typename Text::Terms t) {
+                { Text::shape_bend(s, s, t) } -> std::same_as<typename Text::real2>;
+            },
+        "a texel model with a shape must define real2 shape_bend(Shape, Shape, Terms)");
+    static_assert(
+        no_shape ||
+            requires {
+                Text::shape_names[0];
+                Text::shape_bounds[0][1];
+            },
+        "a texel model with a shape must define shape_names[SHAPE_COUNT] and shape_bounds[SHAPE_COUNT][2]");
+    static_assert(
+        no_shape || requires { Text::starts[Text::start_count - 1][0]; },
+        "a texel model with a shape must define start_count and starts[start_count][SHAPE_COUNT]");
+    static_assert(
+        no_shape ||
+            requires(typename Text::Shape s) {
+                Text::gauge_count;
+                Text::fix_gauge(s);
+                Text::gauge_tangent(s);
+            },
+        "a texel model with a shape must define gauge_count, real fix_gauge(Shape&) and Shape gauge_tangent(Shape)");
+};
+
+template <class Text>
+struct TexelLocal : CompleteText<Text> {
     using real = typename Text::real;
     using Terms = typename Text::Terms;
     static constexpr int basis = Text::basis_count, shape = Text::shape_count;

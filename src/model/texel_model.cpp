@@ -1,56 +1,16 @@
 #include "model/texel_model.h"
 
-#include <algorithm>
-
-#include "model/texel_local.h"
+#include "model/texel_model_of.h"
 #include "model/texel_texts.h"
 
 namespace radiafit {
-namespace {
-
-template <class Text>
-class ModelOf final : public TexelModel {
-    using Model = TexelLocal<Text>;
-    using Parameters = typename Model::Parameters;
-
-public:
-    ModelOf() {
-        name = Text::name;
-        terms = Text::term_count;
-        basis = Model::basis;
-        shape = Model::shape;
-        parameters = Model::parameters;
-        independent = Model::independent;
-        coefficient_names.assign(std::begin(Text::coefficient_names), std::end(Text::coefficient_names));
-        if constexpr (Model::shape > 0) {
-            shape_names.assign(std::begin(Text::shape_names), std::end(Text::shape_names));
-            for (const auto& start : Text::starts) starts.emplace_back(std::begin(start), std::end(start));
-        }
-        for (int i = 0; i < parameters; ++i) bounds.push_back(Model::bounds(i));
-    }
-    std::array<float, 3> value(std::span<const float> p, const Vec3f& u, const Vec3f& v) const override {
-        if (!(u.z() > 0 && v.z() > 0)) return {};
-        Parameters q;
-        std::copy_n(p.begin(), q.size(), q.begin());
-        return Model::value(q, Text::sample_terms({u.x(), u.y(), u.z()}, {v.x(), v.y(), v.z()}));
-    }
-    void make_canonical(std::span<float> p) const override {
-        Parameters q;
-        std::copy_n(p.begin(), q.size(), q.begin());
-        q = Model::canonical(q);
-        std::copy(q.begin(), q.end(), p.begin());
-    }
-};
-
-}  // namespace
-
 std::string TexelModel::parameter_name(int i) const {
     if (i >= 3 * basis) return shape_names[size_t(i - 3 * basis)];
     return coefficient_names[size_t(i / 3)] + "." + "RGB"[i % 3];
 }
 
 std::span<const TexelModel* const> texel_models() {
-#define EACH(NAME) static const ModelOf<texel_text::NAME<float>> NAME;
+#define EACH(NAME) static const TexelModelOf<texel_text::NAME<float>> NAME;
     RADIAFIT_TEXEL_MODELS(EACH)
 #undef EACH
 #define EACH(NAME) &NAME,

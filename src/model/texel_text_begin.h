@@ -4,9 +4,12 @@
 
 #include "model/prelude.h"
 
-/// model/texel_texts.h holds, for every model named in src/model/CMakeLists.txt, `texel_text::NAME<real>`: its shared
-/// text for any scalar type; and RADIAFIT_TEXEL_MODELS(EACH), which expands to EACH(NAME) of all. What a text gives is
-/// described in model/texel_local.h.
+/// What a texel-local model's text may call (docs/texel-models.md). model/texel_texts.h holds `texel_text::NAME<real>`
+/// for every model named in src/model/CMakeLists.txt, and RADIAFIT_TEXEL_MODELS(EACH), which expands to EACH(NAME) of
+/// all.
 namespace radiafit::texel_text {
-using std::exp, std::log, std::max, std::min;
+using std::exp, std::log, std::max, std::min, std::sqrt;
 }
+
+#define RADIAFIT_TEXEL_STRING(NAME) RADIAFIT_TEXEL_STRING_OF(NAME)
+#define RADIAFIT_TEXEL_STRING_OF(NAME) #NAME

@@ -7,11 +7,16 @@
 
 namespace radiafit {
 
-namespace detail {
-
+/// Any optimizer: what with_schedule() hands out, or one's own. Each problem accepts, restarts, halves and stops by
+/// itself; the loop ends when none is active. Row k of the trace holds the state after k trials, row 0 the start. Call
+/// engine.count() and engine.reset() before. `each_iteration`, if given, is called after every row, outside the trace's
+/// clock.
 template <Engine E, class Schedule>
-Trace run(E& engine, const Schedule& schedule, int iterations,
-          const std::function<void(int iteration)>& each_iteration) {
+requires requires(const Schedule& s) {
+    { s.room() } -> std::same_as<Room>;
+}
+Trace optimize(E& engine, const Schedule& schedule, int iterations,
+               const std::function<void(int iteration)>& each_iteration = {}) {
     engine.make_room(schedule.room());
     Trace trace;
     Stopwatch clock;
@@ -30,18 +35,12 @@ Trace run(E& engine, const Schedule& schedule, int iterations,
     }
 }
 
-}  // namespace detail
-
-/// An optimizer of optim/methods.h for all problems of an engine at once. Each problem accepts, restarts, halves and
-/// stops by itself; the loop ends when none is active. Row k of the trace holds the state after k trials, row 0 the
-/// start. Call engine.count() and engine.reset() before. `each_iteration`, if given, is called after every row, outside
-/// the trace's clock.
+/// The same by an optimizer of optim/methods.h.
 template <Engine E>
 Trace optimize(E& engine, const OptimizerOptions& options,
                const std::function<void(int iteration)>& each_iteration = {}) {
-    return with_schedule(options, [&](const auto& schedule) {
-        return detail::run(engine, schedule, options.iterations, each_iteration);
-    });
+    return with_schedule(
+        options, [&](const auto& schedule) { return optimize(engine, schedule, options.iterations, each_iteration); });
 }
 
 /// The model's terms together, or with `deflate` one after another, the earlier ones frozen. Call engine.count()

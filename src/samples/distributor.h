@@ -41,6 +41,7 @@ struct DistributionStatistics {
 /// Distributes the given views and groups what they leave. `workers` holds one distributor per thread to use
 /// (parallel_for's workers), or a single one that is then used from the calling thread only.
 SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
-                             std::vector<Distributor*> workers, TargetSpace space, DistributionStatistics* statistics);
+                             std::vector<Distributor*> workers, TargetSpace space = TargetSpace::stored,
+                             DistributionStatistics* statistics = nullptr);
 
 }  // namespace radiafit

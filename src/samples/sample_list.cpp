@@ -59,7 +59,7 @@ SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const s
     }
     if (samples > std::numeric_limits<uint32_t>::max())
         throw UserError(dataset.folder.string() +
-                        ": more than 2^32 samples; import it with a smaller --max-size, or fit fewer views");
+                        ": more than 2^32 samples; import it with a smaller max-size, or fit fewer views");
     for (uint32_t tile = 0; tile < tiles; ++tile) {
         list.tile_groups[tile + 1] += list.tile_groups[tile];
         tile_samples[tile + 1] += tile_samples[tile];

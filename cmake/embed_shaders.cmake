@@ -1,0 +1,11 @@
+# cmake -DFOLDER=shaders -DOUTPUT=FILE -P embed_shaders.cmake: all texts of the folder as one C++ table (src/gl/program.cpp).
+file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*.glsl ${FOLDER}/*.vert ${FOLDER}/*.frag)
+list(SORT files)
+set(table "#include \"gl/embedded_shaders.h\"\n\nnamespace radiafit {\n\nconst std::vector<EmbeddedShader>& embedded_shaders() {\n")
+string(APPEND table "    static const std::vector<EmbeddedShader> all = {\n")
+foreach(file IN LISTS files)
+  file(READ ${FOLDER}/${file} text)
+  string(APPEND table "        {\"${file}\", R\"text(${text})text\"},\n")
+endforeach()
+string(APPEND table "    };\n    return all;\n}\n\n}  // namespace radiafit\n")
+file(WRITE ${OUTPUT} "${table}")

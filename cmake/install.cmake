@@ -1,0 +1,33 @@
+# find_package(radiafit) gives radiafit::core: problems, optimizers, devices, datasets, the judge, synthetic datasets. Importers
+# and the rivals (Ceres) are apart: they are the program's alone.
+include(CMakePackageConfigHelpers)
+set(core_layers base geometry model dataset synthetic samples optim cpu gl fragment fit eval)
+add_library(radiafit_core INTERFACE)
+target_link_libraries(radiafit_core INTERFACE radiafit_synthetic radiafit_cpu radiafit_fragment radiafit_eval)
+set(core_targets radiafit_core radiafit_headers)
+foreach(layer IN LISTS core_layers)
+  list(APPEND core_targets radiafit_${layer})
+  set_target_properties(radiafit_${layer} PROPERTIES EXPORT_NAME ${layer})
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${layer} DESTINATION include/radiafit FILES_MATCHING PATTERN *.h)
+endforeach()
+set_target_properties(radiafit_core PROPERTIES EXPORT_NAME core)
+set_target_properties(radiafit_headers PROPERTIES EXPORT_NAME headers)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/model ${PROJECT_SOURCE_DIR}/shaders/optimize DESTINATION include/radiafit
+        FILES_MATCHING PATTERN *.glsl)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/src/model/generated/model DESTINATION include/radiafit)
+install(TARGETS ${core_targets} EXPORT radiafit ARCHIVE DESTINATION lib/radiafit)
+install(EXPORT radiafit NAMESPACE radiafit:: FILE radiafit-targets.cmake DESTINATION lib/cmake/radiafit)
+file(WRITE ${PROJECT_BINARY_DIR}/radiafit-config.cmake "include(CMakeFindDependencyMacro)
+foreach(package fmt Threads Eigen3 OpenEXR)
+  find_dependency(\${package})
+endforeach()
+include(\${CMAKE_CURRENT_LIST_DIR}/radiafit-targets.cmake)
+")
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/radiafit-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/radiafit-config.cmake ${PROJECT_BINARY_DIR}/radiafit-config-version.cmake
+        DESTINATION lib/cmake/radiafit)
+
+# The program, and the module that it loads when it reads photographs.
+install(TARGETS radiafit RUNTIME DESTINATION bin)
+install(TARGETS radiafit_oiio LIBRARY DESTINATION lib/radiafit)
+set_target_properties(radiafit PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/radiafit")
