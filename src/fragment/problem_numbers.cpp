@@ -25,7 +25,7 @@ ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<
 const Program& ProblemNumbers::program(Step which) {
     const int layers = ProblemNumbers::layers(room_) - own_layer;
     Program& program = programs_[{which, layers}];
-    if (!program.name()) {
+    if (!program) {
         const StepName& name = steps[int(which)];
         program = Program::draw(
             "common/whole.vert", "optimize/step.frag",
@@ -64,14 +64,13 @@ void ProblemNumbers::reset(std::span<const Status> status) {
 
 void ProblemNumbers::step(PassRunner& run, Step which, const Turn& turn) {
     const Program& step = program(which);
-    step.set(20, turn.rule);
-    step.set(21, turn.restart);
-    step.set2(22, turn.stop.residual, turn.stop.output_change);
-    step.set(23, turn.slot);
+    step.set_if_used("rule", turn.rule);
+    step.set_if_used("restart", turn.restart);
+    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
+    step.set_if_used("slot", turn.slot);
+    step.bind("state", state_);
     gl().TextureBarrier();
-    bind();
-    run.bind(target_, step);
-    run.draw_whole();
+    run.draw_whole(target_, step);
     gl().TextureBarrier();
 }
 
@@ -130,16 +129,20 @@ Program make_update(Update which, const std::string& vertex_file, const std::str
                                            {"PRODUCTS", std::to_string(shape.products)}});
 }
 
-void tell_update(const Program& program, std::span<const int> numbers, std::span<const float> constants) {
-    for (size_t k = 0; k < numbers.size(); ++k) {
-        const int n = numbers[k];  // the optimizer's own begin a layer
-        program.set(24 + int(k), n >= number::first_product ? n - number::first_product
-                                 : n >= number::first_own   ? n - number::first_own + 4 * ProblemNumbers::own_layer
-                                                            : n);
-    }
+void ProblemNumbers::tell_update(const Program& update, const Texture& products, std::span<const int> numbers,
+                                 std::span<const float> constants) const {
+    int indices[4] = {};
     float told[4] = {};
-    std::copy(constants.begin(), constants.end(), told);
-    program.set4(28, 1, told);
+    std::ranges::transform(numbers, indices, [](int n) {  // the optimizer's own begin a layer
+        return n >= number::first_product ? n - number::first_product
+               : n >= number::first_own   ? n - number::first_own + 4 * own_layer
+                                          : n;
+    });
+    std::ranges::copy(constants, told);
+    update.set_if_used("number_indices", std::span<const int>(indices));
+    update.set_if_used("constants", std::span<const float>(told));
+    update.bind_if_used("state", state_);
+    update.bind_if_used("products", products);
 }
 
 }  // namespace radiafit

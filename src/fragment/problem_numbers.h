@@ -15,7 +15,7 @@ public:
     /// place [problems]: row * width + column; empty: problem i stands at place i. problems: the text in
     /// shaders/optimize that says what the passes before a step leave of one, "vertices" or "texels".
     ProblemNumbers(int width, int height, size_t count, std::vector<uint32_t> place, const std::string& problems);
-    /// The optimizer's own, all zero. Its steps are compiled when they are first taken.
+    /// The optimizer's own, all zero.
     void make_room(const Room& room);
     /// Fresh problems; samples(problem): 0 where there is nothing to fit.
     template <class Samples>
@@ -25,9 +25,12 @@ public:
         reset(std::span<const Status>(status));
     }
     void reset(std::span<const Status> status);
-    /// The caller binds what the text of the problems reads.
+    /// What takes a step; the caller binds what the text of the problems reads. Compiled when it is first asked for.
+    const Program& program(Step which);
     void step(PassRunner& run, Step which, const Turn& turn);
-    void bind() const { state_.bind(9); }
+    /// products: a layer each. numbers, constants: as update() of optim/engine.h has them.
+    void tell_update(const Program& update, const Texture& products, std::span<const int> numbers,
+                     std::span<const float> constants) const;
 
     // These wait for the device.
     EngineSummary summary() const;
@@ -40,7 +43,6 @@ public:
     static constexpr int own_layer = (number::first_own + 3) / 4;
 
 private:
-    const Program& program(Step which);
     std::vector<float> read_places(int layer) const;  ///< [height * width][4]
     std::vector<float> read_layer(int layer) const;   ///< [problems][4]
 
@@ -68,8 +70,7 @@ void make_own_vectors(const Room& room, std::vector<Vector>& vectors, Targets& t
     for (size_t v = vector::first_own; v < wanted; ++v) vectors[v].clear();
 }
 
-/// The program of an update, with what it is told. `elements`: "map_elements" or "texel_elements" in shaders/optimize.
+/// The program of an update. `elements`: "map_elements" or "texel_elements" in shaders/optimize.
 Program make_update(Update which, const std::string& vertex_file, const std::string& elements, const Defines& defines);
-void tell_update(const Program& program, std::span<const int> numbers, std::span<const float> constants);
 
 }  // namespace radiafit

@@ -71,10 +71,9 @@ private:
     void sweep(const Body& body);
     void count_samples(std::span<const float> darkness);
     void write_surface(std::span<const float> darkness);
-    void penalty_pass(const Program& program, const TexelVector& x, const TexelVector* d);
+    void penalty_pass(const Program& program, const TexelVector& x);
     void set_bounds(const Program& program) const;
-    template <class Bind>
-    void map_passes(const Program& program, const std::vector<Framebuffer>& targets, const Bind& bind);
+    void map_passes(const Program& program, const std::vector<Framebuffer>& targets);
     const Program& update_program(Update which);  ///< compiled when it is first asked for
     /// Of these vectors together, [map].
     const std::vector<Framebuffer>& targets(std::span<const int> vectors);
