@@ -69,7 +69,7 @@ const MapPasses::Pair& MapPasses::update_pair(Update which) {
 }
 
 const MapPasses::Targets& MapPasses::targets(std::span<const int> vectors) {
-    Targets& targets = targets_[{vectors.begin(), vectors.end()}];
+    Targets& targets = targets_[vector_list(vectors)];
     if (!targets[surface].empty()) return targets;
     const auto add = [&](Site site, const auto& of) {
         std::vector<Target> colours;

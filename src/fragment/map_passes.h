@@ -66,7 +66,7 @@ private:
     Storage storage_;
     Texture smoothed_[2], product_[2];  // [site]: 3 corners, or 1 layer of view maps
     std::vector<Framebuffer> smoothed_targets_[2], product_targets_[2];
-    std::map<std::vector<int>, Targets> targets_;
+    std::map<VectorList, Targets> targets_;
     std::map<Update, Pair> updates_;
     Pair laplacian_, penalty_error_, penalty_curvature_, gradient_, precondition_, floored_, dot_;
 };

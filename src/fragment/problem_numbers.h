@@ -32,13 +32,16 @@ public:
     void tell_update(const Program& update, const Texture& products, std::span<const int> numbers,
                      std::span<const float> constants) const;
 
-    // These wait for the device.
-    EngineSummary summary() const;
+    // These wait for the device. summary() reads few texels back, the others whole layers.
+    EngineSummary summary(PassRunner& run);
     void outcomes(std::span<ProblemOutcome> out) const;  ///< [problems]
     void read_errors(std::span<float> out) const;        ///< [problems]
 
     /// Of four 32-bit floats each.
     static int layers(const Room& room) { return own_layer + (room.numbers + 3) / 4; }
+    /// Widths and heights of the textures that summary() sums into, one from the other.
+    static std::vector<std::array<int, 2>> summary_sizes(int width, int height);
+    static uint64_t summary_texels(int width, int height);
     /// Where the optimizer's own begin; before stand the fields of ProblemState.
     static constexpr int own_layer = (number::first_own + 3) / 4;
 
@@ -53,7 +56,19 @@ private:
     Framebuffer target_;
     std::map<std::pair<Step, int>, Program> programs_;  ///< by layers of own numbers
     Room room_;
+    std::vector<Texture> summaries_;
+    std::vector<Framebuffer> summary_targets_;
+    Program summary_, further_summary_;
 };
+
+/// Vectors by number, as a key.
+using VectorList = std::array<int, MOST_VECTORS>;
+inline VectorList vector_list(std::span<const int> vectors) {
+    VectorList list;
+    list.fill(vector::none);
+    std::ranges::copy(vectors, list.begin());
+    return list;
+}
 
 /// Makes or drops the optimizer's own vectors behind those of optim/verbs.h, and clears them. Framebuffers of vectors
 /// that are gone go from `targets`, whose keys are lists of vectors. make(): one more vector.

@@ -198,7 +198,7 @@ const Program& TexelFragmentEngine::update_program(Update which) {
 }
 
 const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const int> vectors) {
-    std::vector<Framebuffer>& targets = targets_[{vectors.begin(), vectors.end()}];
+    std::vector<Framebuffer>& targets = targets_[vector_list(vectors)];
     for (int map = int(targets.size()); map < shape_.maps(); ++map) {
         std::vector<Target> colours;
         for (const int v : vectors) colours.push_back(vectors_[size_t(v)].target(map));

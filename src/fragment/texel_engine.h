@@ -44,7 +44,7 @@ public:
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    EngineSummary summary() const { return numbers_->summary(); }
+    EngineSummary summary() { return numbers_->summary(*run_); }
     void outcomes(std::span<ProblemOutcome> out) const { numbers_->outcomes(out); }
     void read_errors(std::span<float> out) const { numbers_->read_errors(out); }
     void read_parameters(std::span<float> out) const;  ///< as they are: another gauge than the canonical one may be
@@ -94,7 +94,7 @@ private:
     std::unique_ptr<TexelPasses> passes_;
     Framebuffer penalty_target_;
     std::vector<Framebuffer> product_targets_;
-    std::map<std::vector<int>, std::vector<Framebuffer>> targets_;
+    std::map<VectorList, std::vector<Framebuffer>> targets_;
     std::map<Update, Program> updates_;
     Program penalty_program_, penalty_curvature_, gradient_, precondition_, dot_;
     std::vector<uint32_t> samples_;  ///< [texels], from count()
