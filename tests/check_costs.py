@@ -50,7 +50,7 @@ EACH_COMPONENT = set("""
 NOTHING = set("""
     Load Store AccessChain CompositeExtract CompositeConstruct CompositeInsert VectorShuffle VectorExtractDynamic
     VectorInsertDynamic CopyObject Bitcast Undef Image Phi Variable Label Branch BranchConditional SelectionMerge LoopMerge
-    Return FunctionEnd Function Switch Unreachable""".split())
+    Return FunctionEnd Function Switch Unreachable ImageQuerySizeLod""".split())
 TOOLS = ("glslangValidator", "spirv-opt", "spirv-dis")
 
 
@@ -69,7 +69,7 @@ def spirv_of(text, label):
                 raise CostError(f"{label}: {command[0]}: {(result.stdout + result.stderr).strip()}")
             return result.stdout
 
-        run("glslangValidator", "-G100", "--stdin", "-S", "frag", "-o", path / "plain.spv", input=text)
+        run("glslangValidator", "-G100", "--aml", "--amb", "--stdin", "-S", "frag", "-o", path / "plain.spv", input=text)
         words = list(struct.unpack(f"<{(path / 'plain.spv').stat().st_size // 4}I", (path / "plain.spv").read_bytes()))
         at = 5
         while at < len(words):  # spirv-opt unrolls loops that ask for it

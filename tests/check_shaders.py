@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands explicit locations).
+"""Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands locations: of uniforms any).
 
 #include "..." lines are expanded as src/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
 after the #version line, and where the name of a file is a definition's, that in its place. A stage is compiled
@@ -118,7 +118,7 @@ def found_variants(text):
 
 def compile_text(text, stage, files, label):
     # -G100: SPIR-V for OpenGL. --stdin must come before -S.
-    result = subprocess.run(["glslangValidator", "-G100", "--stdin", "-S", stage, "-o", "/dev/null"], input=text,
+    result = subprocess.run(["glslangValidator", "-G100", "--aml", "--amb", "--stdin", "-S", stage, "-o", "/dev/null"], input=text,
                             capture_output=True, text=True)
     if result.returncode == 0:
         return []

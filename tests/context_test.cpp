@@ -155,6 +155,35 @@ TEST(Program, ErrorsNameTheFile) {
     EXPECT_THROW(expand_shader("no/such.frag"), UserError);
 }
 
+TEST(Program, SaysWhatItIsToldAmissWhileDebugging) {
+    const auto said = [](const auto& body) -> std::string {
+        try {
+            body();
+        } catch (const std::logic_error& e) {
+            return e.what();
+        }
+        return "";
+    };
+    for (const bool debug : {true, false}) {
+        const auto context = make(ContextKind::osmesa, debug);
+        const Texture source(GL_RGBA32F, 2, 2);
+        const auto fetch = [] { return Program::draw("common/whole.vert", "peaks/fetch.frag"); };
+        const auto text = [&](const std::string& what) { return debug ? "peaks/fetch.frag " + what : ""; };
+        const Program program = fetch(), untold = fetch(), unbound = fetch();
+        EXPECT_EQ(said([&] { program.set("turn", 1); }), text("uses no turn"));
+        EXPECT_EQ(said([&] { program.bind("sources", source); }), text("uses no sources"));
+        EXPECT_EQ(said([&] { program.set("factor", 1.0f); }), text("uses no factor")) << "which fused.frag has";
+        program.set_if_used("factor", 1.0f);
+        untold.bind("source", source);
+        EXPECT_EQ(said([&] { untold.use(); }), text("draws without its turns"));
+        unbound.set("turns", 1);
+        EXPECT_EQ(said([&] { unbound.use(); }), text("draws without its source"));
+        program.set("turns", 1);
+        program.bind("source", source);
+        EXPECT_EQ(said([&] { program.use(); }), "");
+    }
+}
+
 // That the kernels did their work measure_gl_peaks() checks itself, and throws.
 TEST(Peaks, AreRatesOfWorkDone) {
     for (ContextKind kind : {ContextKind::egl, ContextKind::osmesa}) {

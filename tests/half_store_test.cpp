@@ -31,7 +31,8 @@ std::vector<float> interesting_values() {
     return values;
 }
 
-void draw(const Program& program, const Framebuffer& target) {
+void draw(const Program& program, const char* sampler, const Texture& from, const Framebuffer& target) {
+    program.bind(sampler, from);
     VertexArray empty;
     empty.bind();
     target.bind();
@@ -53,16 +54,16 @@ TEST_P(HalfStore, RoundsAsF16c) {
     }
     Texture floats(GL_RGBA32F, side, side, 1), halves(GL_RG32UI, side, side, 1), truncated(GL_RGBA16F, side, side, 1);
     floats.upload(GL_RGBA, GL_FLOAT, data.data());
-    floats.bind(2);
-    draw(Program::draw("common/whole.vert", "gather/store.frag", {{"STORAGE", "1"}}), Framebuffer({{&halves, 0}}));
-    draw(Program::draw("common/whole.vert", "gather/store.frag", {{"STORAGE", "2"}}), Framebuffer({{&truncated, 0}}));
+    draw(Program::draw("common/whole.vert", "gather/store.frag", {{"STORAGE", "1"}}), "values", floats,
+         Framebuffer({{&halves, 0}}));
+    draw(Program::draw("common/whole.vert", "gather/store.frag", {{"STORAGE", "2"}}), "values", floats,
+         Framebuffer({{&truncated, 0}}));
     std::vector<uint16_t> rounded(data.size()), cut(data.size());
     halves.download(GL_RG_INTEGER, GL_UNSIGNED_INT, rounded.data(), rounded.size() * 2);
     truncated.download(GL_RGBA, GL_HALF_FLOAT, cut.data(), cut.size() * 2);
     Texture back(GL_RGBA32F, side, side, 1);
-    halves.bind(2);
-    draw(Program::draw("common/whole.vert", "gather/store.frag", {{"STORAGE", "1"}, {"FROM_STORAGE", ""}}),
-         Framebuffer({{&back, 0}}));
+    draw(Program::draw("common/whole.vert", "gather/store.frag", {{"STORAGE", "1"}, {"FROM_STORAGE", ""}}), "maps",
+         halves, Framebuffer({{&back, 0}}));
     std::vector<float> read(data.size());
     back.download(GL_RGBA, GL_FLOAT, read.data(), read.size() * sizeof(float));
 

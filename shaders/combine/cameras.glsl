@@ -1,8 +1,8 @@
 // As distribute/camera.glsl for every image of a batch.
 #include "combine/batch.glsl"
-layout(location = 24) uniform vec4 cameras[3 * BATCH];
+uniform vec4 cameras[3 * BATCH];
 // Width and height in pixels, 0 where the batch has no such image; what a unit of a 16-bit channel stands for.
-layout(location = 40) uniform vec4 pictures[BATCH];
+uniform vec4 image_extents[BATCH];
 
 // Precise, and in the same order: a texel must see the same bits as in every other pass.
 vec3 project(int image, vec3 world) {

@@ -3,7 +3,7 @@
 #include "combine/cameras.glsl"
 #include "combine/pixel_colour.glsl"
 
-vec3 target_of(int image, uvec2 colour) { return pictures[image].z * channels_of(colour); }
+vec3 target_of(int image, uvec2 colour) { return image_extents[image].z * channels_of(colour); }
 
 struct Colours {
     uint part[4];

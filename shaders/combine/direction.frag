@@ -9,7 +9,7 @@
 #include "combine/value_of.glsl"
 #include "combine/take_item.glsl"
 #include "combine/residual3.glsl"
-layout(binding = 2) uniform MAPS surface;
+uniform MAPS surface_maps;
 layout(location = 0) flat in ivec3 frame;
 layout(location = 1 + VALUES) flat in vec3 projected[3 * BATCH];  // as combine/map3.vert has it
 layout(location = 0) out uvec4 taken;
@@ -33,7 +33,7 @@ void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
     vec3 weights = cell_barycentric((place - frame.xy) * frame.z);
     vec3 g[3 * TERMS];
-    for (int i = 0; i < 3 * TERMS; ++i) g[i] = load(texelFetch(surface, ivec3(place, i), 0));
+    for (int i = 0; i < 3 * TERMS; ++i) g[i] = load(texelFetch(surface_maps, ivec3(place, i), 0));
     vec3 sum[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
     Colours colours = Colours(uint[4](0u, 0u, 0u, 0u));
     FOR_EACH_IMAGE(ADD)

@@ -8,9 +8,9 @@
 #include "combine/colours.glsl"
 #include "combine/value_of.glsl"
 #include "combine/residual3.glsl"
-layout(binding = 2) uniform MAPS surface;
-layout(binding = 4) uniform usampler2D colours;
-layout(location = 10) uniform int term;
+uniform MAPS surface_maps;
+uniform usampler2D colours;
+uniform int term;
 layout(location = 0) flat in ivec3 frame;
 layout(location = 0) out vec4 gradient[3];
 
@@ -35,7 +35,7 @@ void main() {
     uvec4 taken = texelFetch(colours, place, 0);
     vec3 weights = cell_barycentric((place - frame.xy) * frame.z);
     vec3 g[3 * TERMS];
-    for (int i = 0; i < 3 * TERMS; ++i) g[i] = load(texelFetch(surface, ivec3(place, i), 0));
+    for (int i = 0; i < 3 * TERMS; ++i) g[i] = load(texelFetch(surface_maps, ivec3(place, i), 0));
     vec3 sum[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
     FOR_EACH_IMAGE(ADD)
     for (int corner = 0; corner < 3; ++corner) gradient[corner] = vec4(sum[corner], 0.0);

@@ -6,10 +6,10 @@
 #include "distribute/cover_tile.glsl"
 #include "gather/maps.glsl"
 #include "combine/values3.glsl"
-layout(location = 6) uniform vec2 layout_size;  // texels
+uniform vec2 layout_size;  // texels
 layout(location = 3) in uint tile;
 layout(location = 4) in uvec3 vertices;
-layout(binding = 5) uniform sampler2DArray view_values;
+uniform sampler2DArray view_values;
 layout(location = 0) flat out ivec3 frame;
 layout(location = 1) flat out vec3 value[VALUES];
 #ifdef PROJECTED

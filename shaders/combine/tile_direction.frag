@@ -12,14 +12,14 @@
 #define FIRST 0
 #define CORNERS 1
 #endif
-layout(binding = 2) uniform MAPS surface;
-layout(binding = 4) uniform usampler2D colours;  // that texels take
-layout(binding = 5) uniform sampler2DArray view_values;
+uniform MAPS surface_maps;
+uniform usampler2D colours;  // that texels take
+uniform sampler2DArray view_values;
 const int columns = COLUMNS;
 #if defined(WITH_ERROR) || TERMS == 1
 const int term = 0;  // a constant, so that residuals and gradient share their look-ups
 #else
-layout(location = 10) uniform int term;
+uniform int term;
 #endif
 layout(location = 0) out vec4 product[BATCH * CORNERS];  // [image][corner]
 #ifdef WITH_ERROR
@@ -74,8 +74,8 @@ void main() {
             vec3 g[CORNERS * TERMS], of_term[CORNERS];
             for (int c = 0; c < CORNERS; ++c) {
                 for (int k = 0; k < TERMS; ++k)
-                    g[c * TERMS + k] = load(texelFetch(surface, ivec3(place, (FIRST + c) * TERMS + k), 0));
-                of_term[c] = load(texelFetch(surface, ivec3(place, (FIRST + c) * TERMS + term), 0));
+                    g[c * TERMS + k] = load(texelFetch(surface_maps, ivec3(place, (FIRST + c) * TERMS + k), 0));
+                of_term[c] = load(texelFetch(surface_maps, ivec3(place, (FIRST + c) * TERMS + term), 0));
             }
             FOR_EACH_IMAGE(ADD)
         }

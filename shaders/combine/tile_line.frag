@@ -14,11 +14,11 @@
 #define FIRST 0
 #define CORNERS 2
 #endif
-layout(binding = 2) uniform MAPS surface;
-layout(binding = 3) uniform MAPS surface_direction;
-layout(binding = 5) uniform sampler2DArray view_values;
-layout(binding = 6) uniform sampler2DArray view_slopes;
-layout(binding = 9) uniform sampler2DArray vertices;     // layer 0: position
+uniform MAPS surface_maps;
+uniform MAPS surface_direction;
+uniform sampler2DArray view_values;
+uniform sampler2DArray view_slopes;
+uniform sampler2DArray vertex_frames;  // layer 0: position
 const int columns = COLUMNS;
 #ifdef COUNT
 layout(location = 0) out vec4 total[CORNERS];
@@ -40,7 +40,7 @@ vec3 projected[3 * BATCH];
 void look_up(int image, uvec4 of_tile) {
     for (int corner = 0; corner < 3; ++corner)
         projected[3 * image + corner] =
-            project(image, texelFetch(vertices, ivec3(problem_of(of_tile[corner]), 0), 0).xyz);
+            project(image, texelFetch(vertex_frames, ivec3(problem_of(of_tile[corner]), 0), 0).xyz);
 #ifndef COUNT
     for (int c = 0; c < CORNERS; ++c)
         for (int k = 0; k < TERMS; ++k) {
@@ -105,7 +105,7 @@ void main() {
             vec3 g[CORNERS * TERMS], dg[CORNERS * TERMS];
 #ifndef COUNT
             for (int c = 0; c < CORNERS * TERMS; ++c) {
-                g[c] = load(texelFetch(surface, ivec3(place, FIRST * TERMS + c), 0));
+                g[c] = load(texelFetch(surface_maps, ivec3(place, FIRST * TERMS + c), 0));
                 dg[c] = load(texelFetch(surface_direction, ivec3(place, FIRST * TERMS + c), 0));
             }
 #endif

@@ -2,7 +2,7 @@
 #include "combine/values3.glsl"
 layout(location = 1) flat in vec3 value[VALUES];
 #ifdef VALUES_FETCHED
-layout(binding = 5) uniform sampler2DArray view_values;
+uniform sampler2DArray view_values;
 vec3 value_of(int image, int corner, int k) {
     return texelFetch(view_values, ivec3(ivec2(value[corner].xy), image * TERMS + k), 0).rgb;
 }

@@ -1,7 +1,7 @@
 // The pinhole camera of the image at hand: rows (u, v, w) of its 3 x 4 matrix, so that pixel = (u, v) / w and w is the
 // camera depth. Image row 0 is framebuffer row 0.
-layout(location = 0) uniform vec4 camera[3];
-layout(location = 3) uniform vec2 image_size;  // pixels
+uniform vec4 camera[3];
+uniform vec2 image_size;  // pixels
 
 // Homogeneous pixel coordinates. Precise: every pass must see the same bits, or a sample is taken here and not there.
 vec3 project(vec3 world) {

@@ -3,12 +3,10 @@
 // a channel, so that a texel finds both in one look-up; pixels outside the mask are seen by none.
 #include "distribute/tiles.glsl"
 
-layout(location = 5) uniform int layout_width;
-
 layout(location = 0) in vec2 barycentric;
 layout(location = 1) flat in ivec3 frame;
 #ifdef COLOUR
-layout(binding = 1) uniform usampler2D image;
+uniform usampler2D image;
 layout(location = 0) out uvec4 item;  // row * layout_width + column, colour
 #else
 layout(location = 0) out uint item;  // row * layout_width + column

@@ -1,10 +1,9 @@
 // Fragment side of pass 2 of Section 5.1.1: the pixel that an SLS texel takes.
 #include "distribute/tiles.glsl"
 
-layout(binding = 0) uniform usampler2D items;
-layout(binding = 1) uniform usampler2D image;
-layout(location = 3) uniform vec2 image_size;    // pixels
-layout(location = 5) uniform int layout_width;
+uniform usampler2D items;
+uniform usampler2D image;
+uniform vec2 image_size;  // pixels
 
 layout(location = 0) flat in vec3 corner0;
 layout(location = 1) flat in vec3 corner1;

@@ -4,7 +4,7 @@
 #include "distribute/tiles.glsl"
 #include "distribute/cover_tile.glsl"
 
-layout(location = 6) uniform vec2 layout_size;  // texels
+uniform vec2 layout_size;  // texels
 layout(location = 3) in uint tile;
 layout(location = 3) flat out ivec3 frame;
 layout(location = 4) flat out int tile_index;

@@ -6,6 +6,7 @@
 #ifndef RECTANGLES
 #define RECTANGLES 64
 #endif
+const int layout_width = SIDE * RECTANGLES;  // texels
 
 // Cell (0, 0) of a tile of side `side` and the sign of its axes: place = xy + z * cell.
 ivec3 tile_frame(int tile, int side) {

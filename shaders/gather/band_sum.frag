@@ -7,7 +7,7 @@
 #ifndef ROWS
 #define ROWS 64
 #endif
-layout(binding = 7) uniform sampler2DArray source;
+uniform sampler2DArray source;
 layout(location = 0) out vec4 total;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);

@@ -4,18 +4,18 @@
 #include "model/prelude_double.glsl"
 #include "model/lfm.glsl"
 #include "gather/maps.glsl"
-layout(binding = 9) uniform sampler2DArray vertices;  // layers: position, tangent, bitangent, normal
-layout(location = 13) uniform vec4 eye[2];            // camera centre, world: upper and lower part of doubles
+uniform sampler2DArray vertex_frames;  // layers: position, tangent, bitangent, normal
+uniform vec4 eye[2];  // camera centre, world: upper and lower part of doubles
 layout(location = 0) out vec4 weights;
 layout(location = 1) out vec4 base;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     dvec3 centre = dvec3(eye[0].xyz) + dvec3(eye[1].xyz);
-    dvec3 to_eye = centre - dvec3(texelFetch(vertices, ivec3(at, 0), 0).xyz);
+    dvec3 to_eye = centre - dvec3(texelFetch(vertex_frames, ivec3(at, 0), 0).xyz);
     to_eye /= sqrt(dot(to_eye, to_eye));
-    dvec3 local = dvec3(dot(dvec3(texelFetch(vertices, ivec3(at, 1), 0).xyz), to_eye),
-                        dot(dvec3(texelFetch(vertices, ivec3(at, 2), 0).xyz), to_eye),
-                        dot(dvec3(texelFetch(vertices, ivec3(at, 3), 0).xyz), to_eye));
+    dvec3 local = dvec3(dot(dvec3(texelFetch(vertex_frames, ivec3(at, 1), 0).xyz), to_eye),
+                        dot(dvec3(texelFetch(vertex_frames, ivec3(at, 2), 0).xyz), to_eye),
+                        dot(dvec3(texelFetch(vertex_frames, ivec3(at, 3), 0).xyz), to_eye));
 #ifdef NEAREST
     dvec4 footprint = lfm_view_nearest(lfm_view_coordinate(local), double(VIEW_SIDE));
 #else

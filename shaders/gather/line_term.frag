@@ -9,10 +9,10 @@
 #define QUANTITY 0
 #endif
 
-layout(binding = 2) uniform MAPS surface;
-layout(binding = 3) uniform MAPS surface_direction;
-layout(binding = 4) uniform sampler2DArray residuals;
-layout(location = 8) uniform int corner;
+uniform MAPS surface_maps;
+uniform MAPS surface_direction;
+uniform sampler2DArray residuals;
+uniform int corner;
 layout(location = 0) out vec4 product;
 
 void main() {
@@ -21,7 +21,7 @@ void main() {
     vec3 a = vec3(0.0);
     vec3 b = vec3(0.0);
     for (int k = 0; k < TERMS; ++k) {
-        vec3 g = load(texelFetch(surface, ivec3(place, corner * TERMS + k), 0));
+        vec3 g = load(texelFetch(surface_maps, ivec3(place, corner * TERMS + k), 0));
         vec3 dg = load(texelFetch(surface_direction, ivec3(place, corner * TERMS + k), 0));
         a += lfm_slope(g, view_value(k), dg, view_slope(k));
         b += lfm_bend(dg, view_slope(k));

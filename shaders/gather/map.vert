@@ -8,17 +8,17 @@
 #define VALUES 0
 #endif
 
-layout(location = 8) uniform int corner;
+uniform int corner;
 const int columns = COLUMNS;
-layout(location = 10) uniform int term;
+uniform int term;
 
 layout(location = 4) in uvec3 vertices;
 layout(location = 5) flat out ivec2 problem;
 #if VALUES > 0
-layout(binding = 5) uniform sampler2DArray view_values;
+uniform sampler2DArray view_values;
 layout(location = 6) flat out vec3 value[VALUES];
 #ifdef ALONG
-layout(binding = 6) uniform sampler2DArray view_slopes;
+uniform sampler2DArray view_slopes;
 layout(location = 14) flat out vec3 slope[VALUES];
 #endif
 #endif

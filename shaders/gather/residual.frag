@@ -7,10 +7,10 @@
 #include "gather/maps.glsl"
 #include "gather/view_values.glsl"
 
-layout(binding = 2) uniform MAPS surface;
-layout(location = 8) uniform int corner;
-layout(location = 11) uniform float target_scale;  // per unit of a 16-bit channel
-layout(location = 12) uniform int widen;           // 257 for 8-bit images, else 1
+uniform MAPS surface_maps;
+uniform int corner;
+uniform float target_scale;  // per unit of a 16-bit channel
+uniform int to_16_bit;  // factor: 257 for 8-bit images, else 1
 layout(location = 0) out vec4 residual;
 
 void main() {
@@ -19,14 +19,14 @@ void main() {
     vec3 weights;
     bool present = take(pixel, channels, weights);
     float weight = corner == 0 ? weights.x : corner == 1 ? weights.y : weights.z;
-    vec3 target = (weight * target_scale) * vec3(channels.rgb * uint(widen));
+    vec3 target = (weight * target_scale) * vec3(channels.rgb * uint(to_16_bit));
 #ifdef TARGET_ONLY
     vec3 r = target;
 #else
     vec3 r = -target;
     ivec2 place = ivec2(gl_FragCoord.xy);
     for (int k = 0; k < TERMS; ++k)
-        r += lfm_value(load(texelFetch(surface, ivec3(place, corner * TERMS + k), 0)), view_value(k));
+        r += lfm_value(load(texelFetch(surface_maps, ivec3(place, corner * TERMS + k), 0)), view_value(k));
 #endif
     residual = present ? vec4(r, 1.0) : vec4(0.0);
 }

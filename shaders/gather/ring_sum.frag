@@ -2,8 +2,8 @@
 // One level of the gather over the triangle rings: a node sums up to 12 entries, whose places three look-ups into a
 // table give (15 look-ups in all). Level 1 reads the corners' tile sums, further levels read nodes; the last has one
 // node per vertex, in the layout of M-texel textures. A place is x | y << 14 | layer << 28; all ones is none.
-layout(binding = 7) uniform sampler2DArray source;
-layout(binding = 8) uniform usampler2DArray table;
+uniform sampler2DArray source;
+uniform usampler2DArray ring_table;
 layout(location = 0) out vec4 total;
 
 vec4 entry(uint place) {
@@ -24,7 +24,7 @@ vec4 add(vec4 a, vec4 x) {
 void main() {
     vec4 sum = vec4(0.0);
     for (int group = 0; group < 3; ++group) {
-        uvec4 places = texelFetch(table, ivec3(ivec2(gl_FragCoord.xy), group), 0);
+        uvec4 places = texelFetch(ring_table, ivec3(ivec2(gl_FragCoord.xy), group), 0);
         sum = add(sum, entry(places.x));
         sum = add(sum, entry(places.y));
         sum = add(sum, entry(places.z));

@@ -1,6 +1,6 @@
 #version 450 core
 // dE/dh_k[j] += w_j sum_ring r g_k. DIAGONAL: w_j^2 sum_ring g_k^2.
-layout(binding = 7) uniform sampler2D ring;
+uniform sampler2D ring_sums;
 layout(location = 0) flat in vec4 weights;
 layout(location = 1) flat in ivec4 place;
 layout(location = 0) out vec4 gradient;
@@ -11,5 +11,5 @@ void main() {
 #ifdef DIAGONAL
     w *= w;
 #endif
-    gradient = vec4(w * texelFetch(ring, place.zw, 0).rgb, 0.0);
+    gradient = vec4(w * texelFetch(ring_sums, place.zw, 0).rgb, 0.0);
 }

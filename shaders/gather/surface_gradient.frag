@@ -5,8 +5,8 @@
 #include "gather/maps.glsl"
 #include "gather/view_values.glsl"
 
-layout(binding = 4) uniform sampler2DArray residuals;
-layout(location = 8) uniform int corner;
+uniform sampler2DArray residuals;
+uniform int corner;
 layout(location = 0) out vec4 gradient;
 
 void main() {

@@ -13,12 +13,12 @@
 #ifndef ROWS
 #define ROWS 64
 #endif
-layout(binding = 7) uniform sampler2DArray source;
-layout(binding = 8) uniform usampler2D drawn;  // 1 + the tile, or 0
-layout(location = 8) uniform int corner;
+uniform sampler2DArray source;
+uniform usampler2D drawn;  // 1 + the tile, or 0
+uniform int corner;
 #ifdef PRODUCT
-layout(binding = 2) uniform MAPS surface;
-layout(location = 10) uniform int term;
+uniform MAPS surface_maps;
+uniform int term;
 #endif
 layout(location = 0) out vec4 total;
 
@@ -43,7 +43,7 @@ void main() {
         ivec2 place = frame.xy + frame.z * cell;
         vec4 x = texelFetch(source, ivec3(place, corner), 0);
 #ifdef PRODUCT
-        vec3 g = load(texelFetch(surface, ivec3(place, corner * TERMS + term), 0));
+        vec3 g = load(texelFetch(surface_maps, ivec3(place, corner * TERMS + term), 0));
 #ifdef DIAGONAL
         x.rgb = x.a * g * g;
 #else

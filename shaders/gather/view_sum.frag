@@ -5,7 +5,7 @@
 #define SOURCE_SIDE 8
 #define TARGET_SIDE 2
 #endif
-layout(binding = 7) uniform sampler2DArray source;
+uniform sampler2DArray source;
 layout(location = 0) out vec4 total;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);

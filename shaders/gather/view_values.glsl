@@ -7,7 +7,7 @@ layout(location = 5) flat in ivec2 problem;
 layout(location = 6) flat in vec3 value[VALUES];
 vec3 view_value(int k) { return value[k]; }
 #else
-layout(binding = 5) uniform sampler2DArray view_values;
+uniform sampler2DArray view_values;
 vec3 view_value(int k) { return texelFetch(view_values, ivec3(problem, k), 0).rgb; }
 #endif
 #ifdef ALONG
@@ -15,7 +15,7 @@ vec3 view_value(int k) { return texelFetch(view_values, ivec3(problem, k), 0).rg
 layout(location = 14) flat in vec3 slope[VALUES];
 vec3 view_slope(int k) { return slope[k]; }
 #else
-layout(binding = 6) uniform sampler2DArray view_slopes;
+uniform sampler2DArray view_slopes;
 vec3 view_slope(int k) { return texelFetch(view_slopes, ivec3(problem, k), 0).rgb; }
 #endif
 #endif

@@ -1,20 +1,20 @@
 #version 450 core
 // One texel's share of a dot product per problem: (a / weight) . b, or a . b.
 #include "optimize/site.glsl"
-layout(binding = 2) uniform MAPS a;
-layout(binding = 3) uniform MAPS b;
-layout(binding = 4) uniform MAPS weights;
-layout(location = 18) uniform int weighted;
+uniform MAPS left;
+uniform MAPS right;
+uniform MAPS weights;
+uniform int weighted;
 layout(location = 0) out vec4 product;
 void main() {
     vec3 sum = vec3(0.0);
     for (int k = 0; k < TERMS; ++k) {
-        vec3 x = load(texelFetch(a, site_texel(k), 0));
+        vec3 x = load(texelFetch(left, site_texel(k), 0));
         if (weighted != 0) {
             vec3 weight = load(texelFetch(weights, site_texel(k), 0));
             x = mix(x, x / weight, notEqual(weight, vec3(0.0)));
         }
-        sum += x * load(texelFetch(b, site_texel(k), 0));
+        sum += x * load(texelFetch(right, site_texel(k), 0));
     }
     product = vec4(sum, 0.0);
 }

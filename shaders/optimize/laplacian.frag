@@ -1,8 +1,8 @@
 #version 450 core
 // L x of one term of one corner's surface maps, or of the view maps (Eq. 9).
 #include "optimize/site.glsl"
-layout(binding = 2) uniform MAPS maps;
-layout(location = 10) uniform int term;
+uniform MAPS maps;
+uniform int term;
 layout(location = 0) out vec4 result;
 vec3 at(ivec2 place) { return load(texelFetch(maps, ivec3(place, site_corner * TERMS + term), 0)); }
 void main() {

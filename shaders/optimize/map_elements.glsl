@@ -1,6 +1,6 @@
 // Elements of light field maps: three problems' entries, a vertex's colour channels.
 #include "optimize/site.glsl"
-layout(location = 10) uniform int term;
+uniform int term;
 
 ivec3 element_place() { return site_texel(term); }
 vec3 number_of(int number) {

@@ -7,9 +7,9 @@ layout(location = 0) out STORED precondition;
 layout(location = 0) out vec4 precondition;
 #endif
 void main() {
-    vec3 entry = texelFetch(gathered, site_texel(term), 0).rgb * inverse_density() + 20.0 * smoothness();
+    vec3 entry = texelFetch(sample_sums, site_texel(term), 0).rgb * inverse_density() + 20.0 * smoothness();
 #ifdef FLOORED
-    vec3 least = 1.0e-4 * texelFetch(largest, site_problem(), 0).rgb + 1.0e-30;
+    vec3 least = 1.0e-4 * texelFetch(largest_diagonal, site_problem(), 0).rgb + 1.0e-30;
 #if STORAGE != 0
     least = max(least, vec3(6.0e-5));  // binary16 ends there, and a zero would divide
 #endif

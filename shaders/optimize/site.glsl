@@ -12,7 +12,7 @@ bool site_holds(ivec2 cell) { return min(cell.x, cell.y) >= 0 && max(cell.x, cel
 #else
 layout(location = 3) flat in ivec3 frame;
 layout(location = 5) flat in ivec2 problem;
-layout(location = 8) uniform int corner;
+uniform int corner;
 ivec2 site_place() { return ivec2(gl_FragCoord.xy); }
 ivec2 site_problem() { return problem; }
 ivec2 site_cell() { return (site_place() - frame.xy) * frame.z; }

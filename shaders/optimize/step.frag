@@ -5,10 +5,10 @@
 #include "optimize/numbers.glsl"
 #include "optimize/PROBLEMS.glsl"
 #include "optimize/TEXT.glsl"
-layout(location = 20) uniform int rule;
-layout(location = 21) uniform int restart;
-layout(location = 22) uniform vec2 stop;  // residual, output change
-layout(location = 23) uniform int slot;
+uniform int rule;
+uniform int restart;
+uniform vec2 stop;  // residual, output change
+uniform int slot;
 layout(location = 0) out vec4 numbers[3 + OWN_LAYERS];
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);

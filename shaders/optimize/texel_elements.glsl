@@ -1,6 +1,6 @@
 // Elements of single texels: three entries of one problem.
 #include "gather/maps.glsl"
-layout(location = 10) uniform int map;
+uniform int map;
 
 ivec3 element_place() { return ivec3(ivec2(gl_FragCoord.xy), map); }
 vec3 number_of(int number) { return vec3(number_at(number, ivec2(gl_FragCoord.xy))); }

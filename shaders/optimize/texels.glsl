@@ -1,8 +1,8 @@
 // Problems that are single texels.
-layout(binding = 11) uniform sampler2DArray gradient_sums;  // over samples: of r^2 in the first layer's alpha
-layout(binding = 12) uniform sampler2D density;             // 1 / S-bar
-layout(binding = 13) uniform sampler2D penalties;           // mu E_b, or its second derivative along d
-layout(binding = 14) uniform sampler2DArray line_sums;      // over samples along d: of a^2, of a^2 + r b
+uniform sampler2DArray gradient_sums;  // over samples: of r^2 in the first layer's alpha
+uniform sampler2D density;  // 1 / S-bar
+uniform sampler2D penalties;  // mu E_b, or its second derivative along d
+uniform sampler2DArray line_sums;  // over samples along d: of a^2, of a^2 + r b
 
 Given given_of(ivec2 at) {
     float inverse = texelFetch(density, at, 0).r, penalty = texelFetch(penalties, at, 0).r;

@@ -6,18 +6,18 @@
 #include "optimize/numbers.glsl"
 #include "optimize/ELEMENTS.glsl"
 #include "optimize/TEXT.glsl"
-layout(binding = 0) uniform MAPS vectors[VECTORS];
-layout(location = 24) uniform int numbers[MOST_REGISTERS];
-layout(location = 28) uniform vec4 told;
+uniform MAPS vectors[VECTORS];
+uniform int number_indices[MOST_REGISTERS];
+uniform vec4 constants;
 layout(location = 0) out STORED written[WRITTEN];
 void main() {
     Elements e;
     for (int k = 0; k < VECTORS; ++k) e.x[k] = load(texelFetch(vectors[k], element_place(), 0));
     Registers of_problem;
-    for (int k = 0; k < NUMBERS; ++k) of_problem.x[k] = number_of(numbers[k]);
-    for (int k = 0; k < PRODUCTS; ++k) of_problem.x[NUMBERS + k] = product_of(numbers[NUMBERS + k]);
-    Constants constants;
-    for (int k = 0; k < MOST_CONSTANTS; ++k) constants.x[k] = told[k];
-    UPDATE(e, of_problem, constants);
+    for (int k = 0; k < NUMBERS; ++k) of_problem.x[k] = number_of(number_indices[k]);
+    for (int k = 0; k < PRODUCTS; ++k) of_problem.x[NUMBERS + k] = product_of(number_indices[NUMBERS + k]);
+    Constants told;
+    for (int k = 0; k < MOST_CONSTANTS; ++k) told.x[k] = constants[k];
+    UPDATE(e, of_problem, told);
     for (int k = 0; k < WRITTEN; ++k) written[k] = store(e.x[k]);
 }

@@ -1,8 +1,8 @@
 #version 450 core
 // A device's peak of texture reads: 16 a turn, of 16 bytes each, from a texture of 32 x 32 texels that caches hold. With
 // ones in the texture the result is 16 * turns.
-layout(binding = 0) uniform sampler2D source;
-layout(location = 0) uniform int turns;
+uniform sampler2D source;
+uniform int turns;
 layout(location = 0) out vec4 result;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);

@@ -1,9 +1,9 @@
 #version 450 core
 // A device's peak of arithmetic: multiply-adds in twelve chains a fragment, which registers hold. With factor and term 1
 // the result is 3 * 16 * turns.
-layout(location = 0) uniform int turns;
-layout(location = 1) uniform float factor;
-layout(location = 2) uniform float term;
+uniform int turns;
+uniform float factor;
+uniform float term;
 layout(location = 0) out vec4 result;
 void main() {
     vec4 a[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));

@@ -5,7 +5,7 @@
 // of the shape without the last coefficients' factor.
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
-layout(binding = 5) uniform MAPS parameters;
+uniform MAPS parameters;
 #ifdef DIAGONAL
 #define RESULTS (MAP_COUNT + (BASIS_COUNT + SHAPE_COUNT + 3) / 4)
 #else

@@ -4,8 +4,8 @@
 // of the model's value (C++: TexelLocal::bend).
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
-layout(binding = 5) uniform MAPS parameters;
-layout(binding = 6) uniform MAPS direction;
+uniform MAPS parameters;
+uniform MAPS direction;
 #define RESULTS 1
 #include "reflect/output.glsl"
 

@@ -7,7 +7,7 @@
 #endif
 #include "reflect/sample.glsl"
 #ifdef KEPT
-layout(binding = 8) uniform sampler2D kept;
+uniform sampler2D kept;
 Sample kept_sample(ivec2 place, Site site) {
     vec4 left = texelFetch(kept, place, 0);
     Sample s = sample_of(view_at(0), site, vec3(0.0));
@@ -21,7 +21,7 @@ vec3 residual_of(Parameters p, Basis b, Sample s) { return s.counts ? s.target :
     ADD(s);
 #else
 #include "reflect/pixel.glsl"
-layout(location = 50) uniform int image_count;
+uniform int image_count;
 #define EACH_SAMPLE(ADD)                                                       \
     PLACE at = in_first_image(place);                                          \
     int end = 3 * (first_view + image_count);                                  \

@@ -3,8 +3,8 @@
 // mu E_b of each texel, or ALONG d its second derivative.
 #include "reflect/parameters.glsl"
 #include "reflect/bounds.glsl"
-layout(binding = 5) uniform MAPS parameters;
-layout(binding = 6) uniform MAPS direction;
+uniform MAPS parameters;
+uniform MAPS direction;
 layout(location = 0) out vec4 penalty;
 void main() {
     vec3 sum = vec3(0.0);

@@ -11,9 +11,9 @@ struct Pixel {
 Pixel pixel_of(uvec2 words) { return Pixel(channels_of(words), is_marked(words)); }
 
 #if defined(GRID)
-layout(binding = 1) uniform usamplerBuffer images;  // words of colour, and the mask in what b leaves
-layout(location = 48) uniform int blocks_per_row;   // of 4 x 4 pixels
-layout(location = 49) uniform int images_per_block;
+uniform usamplerBuffer images;  // words of colour, and the mask in what b leaves
+uniform int blocks_per_row;  // of 4 x 4 pixels
+uniform int images_per_block;
 #define PLACE int
 const int next_image = 16;
 int in_first_image(ivec2 place) {
@@ -23,7 +23,7 @@ int in_first_image(ivec2 place) {
 Pixel take_pixel(int at) { return pixel_of(texelFetch(images, at).rg); }
 #elif defined(ONE_IMAGE)
 #include "distribute/take.glsl"
-layout(location = 56) uniform int widen;  // 257 for 8-bit images, else 1
+uniform int to_16_bit;  // factor: 257 for 8-bit images, else 1
 #define PLACE ivec2
 ivec2 in_first_image(ivec2 place) { return place; }
 Pixel take_pixel(ivec2 place) {
@@ -31,10 +31,10 @@ Pixel take_pixel(ivec2 place) {
     uvec4 channels;
     vec3 weights;
     bool present = take(at, channels, weights);
-    return Pixel(vec3(ivec3(channels.rgb) * widen), present);
+    return Pixel(vec3(ivec3(channels.rgb) * to_16_bit), present);
 }
 #else
-layout(binding = 1) uniform usampler2DArray taken;
+uniform usampler2DArray taken;
 #define PLACE ivec3
 const ivec3 next_image = ivec3(0, 0, 1);
 ivec3 in_first_image(ivec2 place) { return ivec3(place, 0); }

@@ -2,14 +2,14 @@
 // variants: MODEL=* STORAGE=0,1
 // One map of P = diag(J'J) / S-bar, not below 1e-4 of the texel's largest entry.
 #include "reflect/parameters.glsl"
-layout(binding = 5) uniform MAPS parameters;
-layout(binding = 11) uniform sampler2DArray sums;  // direction.frag's DIAGONAL
-layout(binding = 12) uniform sampler2D density;    // 1 / S-bar
-layout(location = 10) uniform int map;
+uniform MAPS parameters;
+uniform sampler2DArray sample_sums;  // direction.frag's DIAGONAL
+uniform sampler2D density;  // 1 / S-bar
+uniform int map;
 layout(location = 0) out STORED precondition;
 
 vec3 entries[MAP_COUNT];
-float sum_of(int column) { return texelFetch(sums, ivec3(ivec2(gl_FragCoord.xy), column / 4), 0)[column % 4]; }
+float sum_of(int column) { return texelFetch(sample_sums, ivec3(ivec2(gl_FragCoord.xy), column / 4), 0)[column % 4]; }
 
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);

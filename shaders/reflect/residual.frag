@@ -4,7 +4,7 @@
 #include "reflect/parameters.glsl"
 #define ONE_IMAGE
 #include "reflect/pixel.glsl"
-layout(binding = 5) uniform MAPS parameters;
+uniform MAPS parameters;
 layout(location = 0) out vec4 residual;
 void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);

@@ -5,14 +5,14 @@
 #ifndef ONE_EYE
 #define ONE_EYE
 #endif
-layout(location = 44) uniform vec4 lamp;
-layout(location = 45) uniform vec4 exposure;
+uniform vec4 lamp;
+uniform vec4 exposure;
 #else
-layout(binding = 2) uniform samplerBuffer views;  // of each image: lamp, exposure, eye
-layout(location = 47) uniform int first_view;
+uniform samplerBuffer views;  // of each image: lamp, exposure, eye
+uniform int first_view;
 #endif
 #ifdef ONE_EYE
-layout(location = 46) uniform vec4 eye;
+uniform vec4 eye;
 #endif
 
 struct View {

@@ -1,5 +1,5 @@
 // Where a texel lies. C++: geometry/mesh.h, make_frame().
-layout(binding = 7) uniform sampler2DArray surface;  // 0: position, 1 where it may be fitted; 1: unit normal, darkness
+uniform sampler2DArray surface;  // 0: position, 1 where it may be fitted; 1: unit normal, darkness
 
 struct Site {
     vec3 position;

@@ -13,7 +13,7 @@
 #define PLAIN (BASIS_COUNT - 1)
 #define NUMBERS (PLAIN * (PLAIN + 1) / 2 + 3 * PLAIN + CANDIDATES * (BASIS_COUNT + 3))
 #if SHAPE_COUNT > 0
-layout(location = 14) uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
+uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
 #endif
 
 // Those of basis function k and what stands before it, behind `at` numbers of others.

@@ -7,6 +7,8 @@
 namespace radiafit {
 namespace {
 
+constexpr int most_batch = 4;
+
 // Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS keeps the colours and
 // blends the gradients of all corners; one fragment per tile then loops over the tile's texels; what need not be told
 // apart by image is summed per tile over the whole sweep and gathered over the rings once, at its end.
@@ -43,13 +45,10 @@ private:
                                       const std::function<unsigned(int, int, std::vector<Target>&)>& targets);
     void begin_images(const std::vector<ImageOnDevice>& images, const std::vector<const Program*>& programs);
     void look_up(size_t images, const MapVector& x, std::vector<Framebuffer> InImage::*targets);
-    void further_terms(size_t images, const MapVector& x, const std::vector<Framebuffer>& targets, MapSums& sums,
-                       bool squares, int first_term);
+    void further_terms(size_t images, const std::vector<Framebuffer>& targets, MapSums& sums, bool squares,
+                       int first_term);
     void ring_to_view(size_t images, MapSums& sums, int term, bool squares);
     void draw_tiles(const std::vector<TilePass>& passes, int term = 0);
-    static void add_to(std::vector<const Program*>& programs, const std::vector<TilePass>& passes) {
-        for (const TilePass& pass : passes) programs.push_back(&pass.program);
-    }
 
     PassWorld w_;
     int batch_;
@@ -64,6 +63,7 @@ private:
     std::vector<Framebuffer> direction_target_, term_targets_, square_targets_;              // [term]
     Program footprint_program_, look_up_program_, direction_program_, gradient_program_[2];  // [1]: squares
     Program scatter_program_[2];
+    std::vector<const Program*> direction_programs_, line_programs_;  ///< line_programs_: those of count(), too
     bool dirty_[tile_sums] = {};
 };
 
@@ -123,10 +123,29 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
         gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", what);
         scatter_program_[squares] =
             Program::draw("gather/scatter.vert", "gather/scatter.frag", squares ? maps + square : maps);
-        scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
+        scatter_program_[squares].set("layout_size", float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
+        scatter_program_[squares].bind("ring_sums", w_.problems.ring);
     }
-    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1]})
+    footprint_program_.bind("vertex_frames", w_.vertices);
+    for (Program* program : {&direction_program_, &gradient_program_[0], &gradient_program_[1]}) {
         w_.mesh.set_layout(*program);
+        direction_programs_.push_back(program);
+    }
+    const auto list = [](std::vector<const Program*>& programs, const std::vector<TilePass>& passes) {
+        for (const TilePass& pass : passes) programs.push_back(&pass.program);
+    };
+    for (const auto* passes : {&error_passes_, &product_passes_[0], &product_passes_[1]})
+        list(direction_programs_, *passes);
+    for (const auto* passes : {&count_passes_, &line_passes_, &quartic_passes_}) list(line_programs_, *passes);
+    for (const auto* programs : {&direction_programs_, &line_programs_})
+        for (const Program* program : *programs) {
+            program->bind_if_used("items", items_.items());
+            program->bind_if_used("colours", taken_);
+            program->bind_if_used("view_values", view_values_);
+            program->bind_if_used("view_slopes", view_slopes_);
+            program->bind_if_used("tile_vertices", tile_vertices_);
+            program->bind_if_used("vertex_frames", w_.vertices);
+        }
 }
 
 // targets(first corner, corners, list): fills the list, returns how many are not blended.
@@ -142,7 +161,6 @@ std::vector<CombinedPasses::TilePass> CombinedPasses::tile_passes(
         const Defines which{{"FIRST", std::to_string(first)}, {"CORNERS", std::to_string(corners)}};
         passes.push_back({Program::draw("common/whole.vert", shader, defines + which), Framebuffer(list), own,
                           unsigned(list.size())});
-        w_.mesh.set_layout(passes.back().program);
     }
     return passes;
 }
@@ -177,7 +195,7 @@ void CombinedPasses::begin_sweep(MapSums* gradient, MapSums* squares) {
     const int terms = w_.shape.terms();
     const auto three = [&](MapSums& sums, int term) {
         return std::vector<Target>{
-            {&sums.surface, term}, {&sums.surface, terms + term}, {&sums.surface, 2 * terms + term}};
+            {&sums.surface(), term}, {&sums.surface(), terms + term}, {&sums.surface(), 2 * terms + term}};
     };
     // The engine keeps its sums where they are, so framebuffers are made in its first sweep only.
     if (gradient && term_targets_.empty()) {
@@ -199,91 +217,76 @@ void CombinedPasses::end_sweep() {
 
 void CombinedPasses::begin_images(const std::vector<ImageOnDevice>& images,
                                   const std::vector<const Program*>& programs) {
-    std::vector<float> cameras, pictures(4 * size_t(batch_), 0.0f);
-    std::vector<const Camera*> eyes;
+    std::array<float, 12 * most_batch> cameras{};
+    std::array<float, 4 * most_batch> extents{};
+    std::array<const Camera*, most_batch> eyes;
     for (size_t i = 0; i < images.size(); ++i) {
-        const auto rows = SlsMesh::camera_rows(*images[i].camera);
-        cameras.insert(cameras.end(), rows.begin(), rows.end());
-        pictures[4 * i] = float(images[i].camera->width);
-        pictures[4 * i + 1] = float(images[i].camera->height);
-        pictures[4 * i + 2] = images[i].target_scale;
-        eyes.push_back(images[i].camera);
+        const Camera& camera = *(eyes[i] = images[i].camera);
+        std::ranges::copy(SlsMesh::camera_rows(camera), &cameras[12 * i]);
+        std::ranges::copy(std::array{float(camera.width), float(camera.height), images[i].target_scale},
+                          &extents[4 * i]);
     }
     for (const Program* program : programs) {
-        program->set4(24, int(cameras.size() / 4), cameras.data());
-        program->set4(40, batch_, pictures.data());
+        program->set_if_used("cameras", std::span<const float>(cameras).first(12 * size_t(batch_)));
+        program->set_if_used("image_extents", std::span<const float>(extents).first(4 * size_t(batch_)));
     }
-    w_.mesh.select(eyes);
+    w_.mesh.select(std::span(eyes).first(images.size()));
     w_.gathers.mark_tiles(w_.mesh);
-    w_.vertices.bind(9);
     for (size_t i = 0; i < images.size(); ++i) {
-        images[i].texture->bind(1);
+        items_.program().bind("image", *images[i].texture);
         w_.run.draw_items(items_, *images[i].camera, int(i));
     }
     for (size_t i = 0; i < images.size(); ++i) {
         set_eye(footprint_program_, *images[i].camera);
-        w_.run.bind(in_image_[i].footprint_target, footprint_program_);
-        w_.run.draw_whole();
+        w_.run.draw_whole(in_image_[i].footprint_target, footprint_program_);
     }
 }
 
 void CombinedPasses::look_up(size_t images, const MapVector& x, std::vector<Framebuffer> InImage::*targets) {
-    x.view().bind(2);
+    look_up_program_.bind("view_maps", x.view());
     for (size_t i = 0; i < images; ++i) {
-        in_image_[i].footprint.bind(10);
+        look_up_program_.bind("footprints", in_image_[i].footprint);
         for (int term = 0; term < w_.shape.terms(); ++term) {
-            look_up_program_.set(10, term);
-            w_.run.bind((in_image_[i].*targets)[size_t(term)], look_up_program_);
-            w_.run.draw_whole();
+            look_up_program_.set("term", term);
+            w_.run.draw_whole((in_image_[i].*targets)[size_t(term)], look_up_program_);
         }
     }
 }
 
 void CombinedPasses::draw_tiles(const std::vector<TilePass>& passes, int term) {
-    w_.gathers.marks().bind(8);
-    w_.vertices.bind(9);
-    tile_vertices_.bind(10);
     for (const TilePass& pass : passes) {
-        pass.program.set(10, term);
-        w_.run.bind(pass.target, pass.program);
+        pass.program.bind("drawn", w_.gathers.marks().texture());
+        pass.program.set_if_used("term", term);
         w_.run.blend_from(pass.own, pass.all);
-        w_.run.draw_whole(w_.run.tile_texels());
+        w_.run.draw_whole(pass.target, pass.program, w_.run.tile_texels());
         w_.run.no_blend();
     }
 }
 
 void CombinedPasses::count(const std::vector<ImageOnDevice>& images) {
     dirty_[target] = true;
-    std::vector<const Program*> programs;
-    add_to(programs, count_passes_);
-    begin_images(images, programs);
-    items_.items().bind(0);
+    begin_images(images, line_programs_);
     draw_tiles(count_passes_);
 }
 
 void CombinedPasses::ring_to_view(size_t images, MapSums& sums, int term, bool squares) {
     for (size_t i = 0; i < images; ++i) {
         w_.gathers.rings(w_.run, in_image_[i].product, w_.problems.ring_target, Gather::sum, false);
-        w_.problems.ring.bind(7);
-        in_image_[i].footprint.bind(10);
-        w_.run.bind(sums.view_targets[size_t(term)], scatter_program_[squares]);
+        scatter_program_[squares].bind("footprints", in_image_[i].footprint);
         w_.run.blend();
-        w_.run.draw_points(w_.shape.layout->problem_count());
+        w_.run.draw_points(sums.view_targets[size_t(term)], scatter_program_[squares],
+                           w_.shape.layout->problem_count());
         w_.run.no_blend();
     }
 }
 
-void CombinedPasses::further_terms(size_t images, const MapVector& x, const std::vector<Framebuffer>& targets,
-                                   MapSums& sums, bool squares, int first_term) {
+void CombinedPasses::further_terms(size_t images, const std::vector<Framebuffer>& targets, MapSums& sums, bool squares,
+                                   int first_term) {
     const Program& surface = gradient_program_[squares];
     for (int term = first_term; term < w_.shape.terms(); ++term) {
-        taken_.bind(4);
-        view_values_.bind(5);
-        x.surface().bind(2);
-        surface.set(10, term);
-        w_.run.bind(targets[size_t(term)], surface);
+        surface.set("term", term);
         w_.run.blend();
-        w_.run.draw_tiles();
+        w_.run.draw_tiles(targets[size_t(term)], surface);
         w_.run.no_blend();
         draw_tiles(product_passes_[squares], term);
         ring_to_view(images, sums, term, squares);
@@ -293,23 +296,16 @@ void CombinedPasses::further_terms(size_t images, const MapVector& x, const std:
 void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
                                MapSums* squares) {
     dirty_[error] = true;
-    std::vector<const Program*> programs{&direction_program_, &gradient_program_[0], &gradient_program_[1]};
-    for (const std::vector<TilePass>* passes : {&error_passes_, &product_passes_[0], &product_passes_[1]})
-        add_to(programs, *passes);
-    begin_images(images, programs);
+    for (const Program* program : direction_programs_) program->bind_if_used("surface_maps", x.surface());
+    begin_images(images, direction_programs_);
     look_up(images.size(), x, &InImage::value_targets);
-    items_.items().bind(0);
-    x.surface().bind(2);
-    view_values_.bind(5);
-    w_.run.bind(direction_target_.front(), direction_program_);
     w_.run.blend_from(1, 4);
-    w_.run.draw_tiles();
+    w_.run.draw_tiles(direction_target_.front(), direction_program_);
     w_.run.no_blend();
-    taken_.bind(4);
     draw_tiles(error_passes_);
     ring_to_view(images.size(), gradient, 0, false);
-    further_terms(images.size(), x, term_targets_, gradient, false, 1);
-    if (squares) further_terms(images.size(), x, square_targets_, *squares, true, 0);
+    further_terms(images.size(), term_targets_, gradient, false, 1);
+    if (squares) further_terms(images.size(), square_targets_, *squares, true, 0);
 }
 
 void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
@@ -317,16 +313,13 @@ void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVec
     dirty_[gauss_newton] = dirty_[curvature] = true;
     dirty_[third] = dirty_[fourth] = quartic;
     const std::vector<TilePass>& passes = quartic ? quartic_passes_ : line_passes_;
-    std::vector<const Program*> programs;
-    add_to(programs, passes);
-    begin_images(images, programs);
+    begin_images(images, line_programs_);
     look_up(images.size(), x, &InImage::value_targets);
     look_up(images.size(), d, &InImage::slope_targets);
-    items_.items().bind(0);
-    x.surface().bind(2);
-    d.surface().bind(3);
-    view_values_.bind(5);
-    view_slopes_.bind(6);
+    for (const TilePass& pass : passes) {
+        pass.program.bind("surface_maps", x.surface());
+        pass.program.bind("surface_direction", d.surface());
+    }
     draw_tiles(passes);
 }
 
@@ -336,7 +329,7 @@ void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVec
 // the corners and their values in map3.vert.
 int combined_batch(int terms, int bits, int varying_components) {
     const int locations = std::min(31, varying_components / 4);
-    return std::clamp((locations - 1) / (3 * (terms + 1)), 1, bits == 8 ? 4 : 2);
+    return std::clamp((locations - 1) / (3 * (terms + 1)), 1, bits == 8 ? most_batch : 2);
 }
 
 std::unique_ptr<ImagePasses> make_combined_passes(const PassWorld& world) {

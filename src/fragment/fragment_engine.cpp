@@ -146,7 +146,7 @@ void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
 }
 
 void FragmentEngine::step(Step which, const Turn& turn) {
-    problems_.bind();
+    problems_.bind_to(numbers_.program(which));
     numbers_.step(run_, which, turn);
 }
 

@@ -57,7 +57,7 @@ public:
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    EngineSummary summary() const { return numbers_.summary(); }
+    EngineSummary summary() { return numbers_.summary(run_); }
     void outcomes(std::span<ProblemOutcome> out) const { numbers_.outcomes(out); }
     void read_errors(std::span<float> out) const { numbers_.read_errors(out); }
     void read_parameters(std::span<float> out) const;

@@ -93,6 +93,7 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("state of problems",
              fmt::format("(4 + 3 x {}) x {} x {}", ProblemNumbers::layers(room), grid.columns, grid.rows),
              (4 + 3 * uint64_t(ProblemNumbers::layers(room))) * problems, float4);
+    plan.add("summary of problems", "levels", ProblemNumbers::summary_texels(3 * grid.columns, grid.rows), 16);
     plan.add("dot products", fmt::format("{} x {} x {}", room.product_count(), grid.columns, grid.rows),
              uint64_t(room.product_count()) * problems, float4);
     plan.add("sums of problems over samples", fmt::format("5 x {} x {}", grid.columns, grid.rows), 5 * problems,

@@ -131,29 +131,29 @@ void Gathers::gather_tiles(PassRunner& run, TileGather& gather, const Program& f
     const auto target = [&](size_t level) -> const Framebuffer& {
         return level < gather.levels.size() ? gather.levels[level].target : tile_targets_[size_t(corner)];
     };
-    marks_.bind(8);
-    first.set(8, corner);
-    run.bind(target(0), first);
-    run.draw_whole(run.tile_texels());
+    first.bind("drawn", marks_.texture());
+    first.set("corner", corner);
+    run.draw_whole(target(0), first, run.tile_texels());
     for (size_t i = 0; i < gather.levels.size(); ++i) {
         const Texture& bands = gather.levels[i].sums;
-        bands.bind(7);
-        run.bind(target(i + 1), gather.further[i][maximum]);
-        run.draw_whole(uint64_t(bands.width()) * bands.height());  // every band is an entry once
+        const Program& program = gather.further[i][maximum];
+        program.bind("source", bands);
+        run.draw_whole(target(i + 1), program, uint64_t(bands.width()) * bands.height());  // a band is an entry once
     }
 }
 
 void Gathers::tiles(PassRunner& run, const Texture& source, int corner, Gather gather) {
-    source.bind(7);
-    gather_tiles(run, tile_gather_, tile_gather_.first[int(gather)], corner, gather == Gather::maximum);
+    const Program& program = tile_gather_.first[int(gather)];
+    program.bind("source", source);
+    gather_tiles(run, tile_gather_, program, corner, gather == Gather::maximum);
 }
 
 void Gathers::tile_products(PassRunner& run, const Texture& residuals, const Texture& surface, int corner, int term,
                             bool squares) {
-    residuals.bind(7);
-    surface.bind(2);
     const Program& program = product_gather_.first[squares];
-    program.set(10, term);
+    program.bind("source", residuals);
+    program.bind("surface_maps", surface);
+    program.set("term", term);
     gather_tiles(run, product_gather_, program, corner, false);
 }
 
@@ -163,11 +163,10 @@ void Gathers::rings(PassRunner& run, const Texture& source, const Framebuffer& t
     for (size_t i = 0; i < ring_levels_.size(); ++i) {
         RingLevel& level = ring_levels_[i];
         const bool last = i + 1 == ring_levels_.size();
-        from->bind(7);
-        level.table.bind(8);
-        run.bind(last ? target : level.target, program);
+        program.bind("source", *from);
+        program.bind("ring_table", level.table);
         if (last && blend) run.blend(gather == Gather::maximum ? GL_MAX : GL_FUNC_ADD);
-        run.draw_whole();
+        run.draw_whole(last ? target : level.target, program);
         if (last && blend) run.no_blend();
         from = &level.nodes;
     }
@@ -178,10 +177,10 @@ void Gathers::views(PassRunner& run, const Texture& source, const Framebuffer& t
     for (size_t i = 0; i < view_levels_.size(); ++i) {
         ViewLevel& level = view_levels_[i];
         const bool last = i + 1 == view_levels_.size();
-        from->bind(7);
-        run.bind(last ? target : level.target, level.programs[int(gather)]);
+        const Program& program = level.programs[int(gather)];
+        program.bind("source", *from);
         if (last) run.blend(gather == Gather::maximum ? GL_MAX : GL_FUNC_ADD);
-        run.draw_whole();
+        run.draw_whole(last ? target : level.target, program);
         if (last) run.no_blend();
         from = &level.sums;
     }

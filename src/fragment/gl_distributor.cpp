@@ -35,8 +35,8 @@ void GlDistributor::distribute(const Camera& camera, const TargetImage& image, D
     framebuffer_.bind();
     const GLuint none[4] = {no_pixel, no_pixel, no_pixel, no_pixel};
     gl().ClearNamedFramebufferuiv(framebuffer_.name(), GL_COLOR, 0, none);
-    items_->items().bind(0);
-    slot_->texture().bind(1);
+    program_.bind("items", items_->items());
+    program_.bind("image", slot_->texture());
     program_.use();
     mesh_.draw();
 

@@ -8,12 +8,17 @@
 namespace radiafit {
 
 /// What the passes over images work on: N-texel arrays, sums, and where they accumulate.
-struct MapSums {
-    Texture surface, view;  ///< layers as MapVector's
+class MapSums {
+public:
     std::vector<Framebuffer> surface_targets, view_targets;
     MapSums() = default;
     MapSums(const MapShape& shape, Sums sums);
     void clear(PassRunner& run) const;
+    const Texture& surface() const { return surface_; }  ///< layers as MapVector's
+    const Texture& view() const { return view_; }
+
+private:
+    Texture surface_, view_;
 };
 
 /// Sums over the samples of images, one or several at a time: the part of the engine that is written twice, once as

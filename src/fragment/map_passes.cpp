@@ -48,18 +48,20 @@ MapPasses::Pair MapPasses::make(
     pair.program[surface] = program("gather/map.vert", defines);
     mesh_.set_layout(pair.program[surface]);
     pair.program[view] = program("common/whole.vert", defines + Defines{{"VIEW_MAPS", ""}});
+    for (const int site : {surface, view}) pair.program[site].bind_if_used("laplacian", smoothed_[site]);
     for (const Program& made : pair.program) {
-        made.set(14, options_.lambda_surface);
-        made.set(15, options_.mu);
-        made.set2(16, options_.lower, options_.upper);
-        made.set(17, options_.mode == Mode::paper ? 1 : 0);
+        made.set_if_used("lambda_surface", options_.lambda_surface);
+        made.set_if_used("bounds", options_.lower, options_.upper);
+        made.set_if_used("paper_penalty", options_.mode == Mode::paper);
+        made.bind_if_used("problem_constants", problems_.constants);
+        made.bind_if_used("largest_diagonal", problems_.largest);
     }
     return pair;
 }
 
 const MapPasses::Pair& MapPasses::update_pair(Update which) {
     Pair& pair = updates_[which];
-    if (!pair.program[surface].name())
+    if (!pair.program[surface])
         pair = make([&](const std::string& vertex_file, const Defines& defines) {
             return make_update(which, vertex_file, "map_elements", defines);
         });
@@ -67,7 +69,7 @@ const MapPasses::Pair& MapPasses::update_pair(Update which) {
 }
 
 const MapPasses::Targets& MapPasses::targets(std::span<const int> vectors) {
-    Targets& targets = targets_[{vectors.begin(), vectors.end()}];
+    Targets& targets = targets_[vector_list(vectors)];
     if (!targets[surface].empty()) return targets;
     const auto add = [&](Site site, const auto& of) {
         std::vector<Target> colours;
@@ -88,125 +90,91 @@ void MapPasses::make_own_vectors(const Room& room) {
 
 void MapPasses::set_term(const Pair& pair, int term) {
     for (const Program& program : pair.program) {
-        program.set(10, term);
-        program.set(15, term == 0 ? options_.mu : 0.0f);
+        program.set_if_used("term", term);
+        program.set_if_used("mu", term == 0 ? options_.mu : 0.0f);
     }
 }
 
-namespace {
-// Which array a fragment stage reads: the surface or the view part, by site.
-const Texture& part(const MapVector& x, int site) { return site == 0 ? x.surface() : x.view(); }
-const Texture& part(const MapSums& x, int site) { return site == 0 ? x.surface : x.view; }
-}  // namespace
+void MapPasses::draw(const Pair& pair, int site, const Framebuffer& target, size_t corner) {
+    const Program& program = pair.program[site];
+    if (site == view) return run_.draw_whole(target, program);
+    program.set("corner", int(corner));
+    run_.draw_tiles(target, program);
+}
 
 void MapPasses::laplacian(const MapVector& maps, int term) {
     set_term(laplacian_, term);
-    for (int site = 0; site < 2; ++site) {
-        part(maps, site).bind(2);
-        for (size_t corner = 0; corner < smoothed_targets_[site].size(); ++corner) {
-            laplacian_.program[site].set(8, int(corner));
-            run_.bind(smoothed_targets_[site][corner], laplacian_.program[site]);
-            site == surface ? run_.draw_tiles() : run_.draw_whole();
-        }
-    }
-}
-
-// The caller's bind(site) puts the arrays in place.
-template <class Bind>
-void MapPasses::gather_pass(const Pair& pair, const Framebuffer& sum, Gather gather, int term, const Bind& bind) {
-    set_term(pair, term);
-    for (int site = 0; site < 2; ++site) {
-        const auto& targets = product_targets_[site];
-        for (size_t corner = 0; corner < targets.size(); ++corner) {
-            bind(site);
-            pair.program[site].set(8, int(corner));
-            run_.bind(targets[corner], pair.program[site]);
-            site == surface ? run_.draw_tiles() : run_.draw_whole();
-            if (site == surface) gathers_.tiles(run_, product_[surface], int(corner), gather);
-        }
-        if (site == surface)
-            gathers_.rings(run_, gathers_.tile_sums(), sum, gather, true);
-        else
-            gathers_.views(run_, product_[view], sum, gather);
-    }
-}
-
-template <class Bind>
-void MapPasses::store_pass(const Pair& pair, const Targets& targets, int term, const Bind& bind) {
-    set_term(pair, term);
+    bind(laplacian_, "maps", maps);
     for (int site = 0; site < 2; ++site)
-        for (int corner = 0; corner < (site == surface ? 3 : 1); ++corner) {
-            bind(site);
-            pair.program[site].set(8, corner);
-            run_.bind(targets[site][size_t(corner * shape_.terms() + term)], pair.program[site]);
-            site == surface ? run_.draw_tiles() : run_.draw_whole();
-        }
+        for (size_t corner = 0; corner < smoothed_targets_[site].size(); ++corner)
+            draw(laplacian_, site, smoothed_targets_[site][corner], corner);
+}
+
+void MapPasses::gather_pass(const Pair& pair, const Framebuffer& sum, Gather gather, int term) {
+    set_term(pair, term);
+    for (size_t corner = 0; corner < 3; ++corner) {
+        draw(pair, surface, product_targets_[surface][corner], corner);
+        gathers_.tiles(run_, product_[surface], int(corner), gather);
+    }
+    gathers_.rings(run_, gathers_.tile_sums(), sum, gather, true);
+    draw(pair, view, product_targets_[view][0]);
+    gathers_.views(run_, product_[view], sum, gather);
+}
+
+void MapPasses::store_pass(const Pair& pair, const Targets& targets, int term) {
+    set_term(pair, term);
+    for (size_t corner = 0; corner < 3; ++corner)
+        draw(pair, surface, targets[surface][corner * size_t(shape_.terms()) + size_t(term)], corner);
+    draw(pair, view, targets[view][size_t(term)]);
 }
 
 void MapPasses::finish_direction(const MapVector& x, const MapSums& sums, int first_term, int last_term) {
+    for (const Pair* pair : {&penalty_error_, &gradient_}) bind(*pair, "parameters", x);
+    bind(gradient_, "sample_sums", sums);
     for (int term = 0; term < shape_.terms(); ++term) {
         laplacian(x, term);
-        const auto bind = [&](int site) {
-            part(x, site).bind(2);
-            smoothed_[site].bind(7);
-            part(sums, site).bind(11);
-            problems_.constants.bind(12);
-        };
-        gather_pass(penalty_error_, problems_.sum_target(Sum::penalty), Gather::sum, term, bind);
-        for (const Program& program : gradient_.program)
-            program.set(23, term >= first_term && term < last_term ? 1 : 0);
-        store_pass(gradient_, targets({{vector::trial_g}}), term, bind);
+        gather_pass(penalty_error_, problems_.sum_target(Sum::penalty), Gather::sum, term);
+        for (const Program& program : gradient_.program) program.set("fitted", term >= first_term && term < last_term);
+        store_pass(gradient_, targets({{vector::trial_g}}), term);
     }
 }
 
 void MapPasses::finish_precondition(const MapSums& squares) {
-    const auto bind = [&](int site) {
-        part(squares, site).bind(11);
-        problems_.constants.bind(12);
-        problems_.largest.bind(13);
-    };
+    for (const Pair* pair : {&precondition_, &floored_}) bind(*pair, "sample_sums", squares);
     run_.clear(problems_.largest_target);
     for (int term = 0; term < shape_.terms(); ++term)
-        gather_pass(precondition_, problems_.largest_target, Gather::maximum, term, bind);
-    for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, targets({{vector::fresh}}), term, bind);
+        gather_pass(precondition_, problems_.largest_target, Gather::maximum, term);
+    for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, targets({{vector::fresh}}), term);
 }
 
 void MapPasses::finish_line(const MapVector& x, const MapVector& d) {
+    bind(penalty_curvature_, "parameters", x);
+    bind(penalty_curvature_, "direction", d);
     for (int term = 0; term < shape_.terms(); ++term) {
         laplacian(d, term);
-        gather_pass(penalty_curvature_, problems_.sum_target(Sum::penalty_curvature), Gather::sum, term, [&](int site) {
-            part(x, site).bind(2);
-            part(d, site).bind(3);
-            smoothed_[site].bind(7);
-            problems_.constants.bind(12);
-        });
+        gather_pass(penalty_curvature_, problems_.sum_target(Sum::penalty_curvature), Gather::sum, term);
     }
 }
 
 void MapPasses::dot(const DotProduct& product) {
     const Framebuffer& sum = problems_.product_target(product.into);
     const bool weighted = product.weight != vector::none;
-    for (const Program& program : dot_.program) program.set(18, weighted ? 1 : 0);
+    for (const Program& program : dot_.program) program.set("weighted", weighted);
+    bind(dot_, "left", vectors_[size_t(product.a)]);
+    bind(dot_, "right", vectors_[size_t(product.b)]);
+    bind(dot_, "weights", vectors_[size_t(weighted ? product.weight : product.a)]);
     run_.clear(sum);
-    gather_pass(dot_, sum, Gather::sum, 0, [&](int site) {
-        part(vectors_[size_t(product.a)], site).bind(2);
-        part(vectors_[size_t(product.b)], site).bind(3);
-        part(vectors_[size_t(weighted ? product.weight : product.a)], site).bind(4);
-    });
+    gather_pass(dot_, sum, Gather::sum, 0);
 }
 
 void MapPasses::update(Update which, std::span<const int> vectors, std::span<const int> numbers,
                        std::span<const float> constants) {
     const Pair& pair = update_pair(which);
+    for (const Program& program : pair.program) numbers_.tell_update(program, problems_.products(), numbers, constants);
+    for (size_t k = 0; k < vectors.size(); ++k) bind(pair, "vectors", vectors_[size_t(vectors[k])], k);
     const Targets& written = targets(vectors.first(size_t(updates[int(which)].written)));
-    for (const Program& program : pair.program) tell_update(program, numbers, constants);
     gl().TextureBarrier();
-    for (int term = 0; term < shape_.terms(); ++term)
-        store_pass(pair, written, term, [&](int site) {
-            for (size_t k = 0; k < vectors.size(); ++k) part(vectors_[size_t(vectors[k])], site).bind(unsigned(k));
-            numbers_.bind();
-            problems_.bind_products();
-        });
+    for (int term = 0; term < shape_.terms(); ++term) store_pass(pair, written, term);
     gl().TextureBarrier();
 }
 

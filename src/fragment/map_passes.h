@@ -38,14 +38,18 @@ private:
         Program program[2];
     };
     void set_term(const Pair& pair, int term);
+    /// A MapVector or MapSums, to each program the part of its site.
+    static void bind(const Pair& pair, std::string_view sampler, const auto& arrays, size_t index = 0) {
+        pair.program[surface].bind(sampler, arrays.surface(), index);
+        pair.program[view].bind(sampler, arrays.view(), index);
+    }
     /// laplacian of `maps` at `term` into smoothed_
     void laplacian(const MapVector& maps, int term);
-    /// One value per texel by `pair`, gathered and blended into `sum`. bind(site) puts the arrays in place.
-    template <class Bind>
-    void gather_pass(const Pair& pair, const Framebuffer& sum, Gather gather, int term, const Bind& bind);
+    /// One value per texel by `pair`, gathered and blended into `sum`.
+    void gather_pass(const Pair& pair, const Framebuffer& sum, Gather gather, int term);
     /// One value per texel by `pair` into `targets`.
-    template <class Bind>
-    void store_pass(const Pair& pair, const Targets& targets, int term, const Bind& bind);
+    void store_pass(const Pair& pair, const Targets& targets, int term);
+    void draw(const Pair& pair, int site, const Framebuffer& target, size_t corner = 0);
     Pair make(const std::function<Program(const std::string& vertex_file, const Defines& defines)>& program) const;
     const Pair& update_pair(Update which);  ///< compiled when it is first asked for
     /// Of these vectors together.
@@ -62,7 +66,7 @@ private:
     Storage storage_;
     Texture smoothed_[2], product_[2];  // [site]: 3 corners, or 1 layer of view maps
     std::vector<Framebuffer> smoothed_targets_[2], product_targets_[2];
-    std::map<std::vector<int>, Targets> targets_;
+    std::map<VectorList, Targets> targets_;
     std::map<Update, Pair> updates_;
     Pair laplacian_, penalty_error_, penalty_curvature_, gradient_, precondition_, floored_, dot_;
 };

@@ -6,11 +6,12 @@
 namespace radiafit {
 
 MapSums::MapSums(const MapShape& shape, Sums sums)
-    : surface(sums_format(sums), shape.atlas->width(), shape.atlas->height(), shape.surface_layers()),
-      view(sums_format(sums), shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side,
-           shape.terms()) {
-    for (int layer = 0; layer < surface.layers(); ++layer) surface_targets.push_back(Framebuffer({{&surface, layer}}));
-    for (int layer = 0; layer < view.layers(); ++layer) view_targets.push_back(Framebuffer({{&view, layer}}));
+    : surface_(sums_format(sums), shape.atlas->width(), shape.atlas->height(), shape.surface_layers()),
+      view_(sums_format(sums), shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side,
+            shape.terms()) {
+    for (int layer = 0; layer < surface_.layers(); ++layer)
+        surface_targets.push_back(Framebuffer({{&surface_, layer}}));
+    for (int layer = 0; layer < view_.layers(); ++layer) view_targets.push_back(Framebuffer({{&view_, layer}}));
 }
 
 void MapSums::clear(PassRunner& run) const {
@@ -27,7 +28,7 @@ void set_eye(const Program& program, const Camera& camera) {
         parts[i] = float(upper);
         parts[4 + i] = float(eye[i] - upper);
     }
-    program.set4(13, 2, parts);
+    program.set("eye", parts);
 }
 
 namespace {
@@ -93,7 +94,9 @@ PaperPasses::PaperPasses(const PassWorld& world)
         surface_program_[squares] = Program::draw("gather/map.vert", "gather/surface_gradient.frag", what + one);
         scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
         const int m = w_.shape.grid.view_side;
-        scatter_program_[squares].set2(6, float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
+        scatter_program_[squares].set("layout_size", float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
+        scatter_program_[squares].bind("ring_sums", w_.problems.ring);
+        scatter_program_[squares].bind("footprints", footprint_);
     }
     for (int quantity = 0; quantity < 4; ++quantity)
         line_program_[quantity] =
@@ -102,7 +105,14 @@ PaperPasses::PaperPasses(const PassWorld& world)
     for (Program* program : {&target_program_, &residual_program_, &surface_program_[0], &surface_program_[1],
                              &line_program_[0], &line_program_[1], &line_program_[2], &line_program_[3]}) {
         w_.mesh.set_layout(*program);
+        program->set_if_used("term", 0);  // but for the surface gradient's
+        program->bind_if_used("view_values", view_values_);
+        program->bind_if_used("view_slopes", view_slopes_);
+        program->bind_if_used("residuals", residual_);
     }
+    footprint_program_.bind("vertex_frames", w_.vertices);
+    look_up_program_.bind("footprints", footprint_);
+    for (Program* program : {&target_program_, &residual_program_}) program->bind("items", items_.items());
 }
 
 void PaperPasses::begin_image(const ImageOnDevice& image) {
@@ -110,32 +120,26 @@ void PaperPasses::begin_image(const ImageOnDevice& image) {
     w_.mesh.select({{image.camera}});
     w_.run.draw_items(items_, *image.camera);
     set_eye(footprint_program_, *image.camera);
-    w_.vertices.bind(9);
-    w_.run.bind(footprint_target_, footprint_program_);
-    w_.run.draw_whole();
+    w_.run.draw_whole(footprint_target_, footprint_program_);
     w_.gathers.mark_tiles(w_.mesh);
 }
 
 // h_k of every vertex, one pass per term.
 void PaperPasses::look_up(const MapVector& x, const std::vector<Framebuffer>& targets) {
-    x.view().bind(2);
-    footprint_.bind(10);
+    look_up_program_.bind("view_maps", x.view());
     for (int term = 0; term < w_.shape.terms(); ++term) {
-        look_up_program_.set(10, term);
-        w_.run.bind(targets[size_t(term)], look_up_program_);
-        w_.run.draw_whole();
+        look_up_program_.set("term", term);
+        w_.run.draw_whole(targets[size_t(term)], look_up_program_);
     }
 }
 
 void PaperPasses::residuals(const ImageOnDevice& image, const Program& program) {
-    items_.items().bind(0);
-    image.texture->bind(1);
-    program.set(11, image.target_scale);
-    program.set(12, image.bits == 8 ? 257 : 1);
+    program.bind("image", *image.texture);
+    program.set("target_scale", image.target_scale);
+    program.set("to_16_bit", image.bits == 8 ? 257 : 1);
     for (int corner = 0; corner < 3; ++corner) {
-        program.set(8, corner);
-        w_.run.bind(residual_targets_[size_t(corner)], program);
-        w_.run.draw_tiles();
+        program.set("corner", corner);
+        w_.run.draw_tiles(residual_targets_[size_t(corner)], program);
     }
 }
 
@@ -151,27 +155,21 @@ void PaperPasses::count(const std::vector<ImageOnDevice>& images) {
 // Figure 5: surface maps by blending, view maps by gathers and a scatter of one value per vertex.
 void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
     const int terms = w_.shape.terms();
-    residual_.bind(4);
-    view_values_.bind(5);
     const Program& surface = surface_program_[squares];
     const Program& scatter = scatter_program_[squares];
     for (int term = 0; term < terms; ++term) {
-        surface.set(10, term);
+        surface.set("term", term);
         w_.run.blend();
         for (int corner = 0; corner < 3; ++corner) {
-            surface.set(8, corner);
-            w_.run.bind(sums.surface_targets[size_t(corner * terms + term)], surface);
-            w_.run.draw_tiles();
+            surface.set("corner", corner);
+            w_.run.draw_tiles(sums.surface_targets[size_t(corner * terms + term)], surface);
         }
         w_.run.no_blend();
         for (int corner = 0; corner < 3; ++corner)
             w_.gathers.tile_products(w_.run, residual_, x.surface(), corner, term, squares);
         w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.ring_target, Gather::sum, false);
-        w_.problems.ring.bind(7);
-        footprint_.bind(10);
-        w_.run.bind(sums.view_targets[size_t(term)], scatter);
         w_.run.blend();
-        w_.run.draw_points(w_.shape.layout->problem_count());
+        w_.run.draw_points(sums.view_targets[size_t(term)], scatter, w_.shape.layout->problem_count());
         w_.run.no_blend();
     }
 }
@@ -181,8 +179,7 @@ void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapV
     for (const ImageOnDevice& image : images) {
         begin_image(image);
         look_up(x, value_targets_);
-        x.surface().bind(2);
-        view_values_.bind(5);
+        residual_program_.bind("surface_maps", x.surface());
         residuals(image, residual_program_);
         for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::squares);
         w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::residual), Gather::sum, true);
@@ -197,20 +194,15 @@ void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector
         begin_image(image);
         look_up(x, value_targets_);
         look_up(d, slope_targets_);
-        x.surface().bind(2);
-        view_values_.bind(5);
+        residual_program_.bind("surface_maps", x.surface());
         residuals(image, residual_program_);
         for (int quantity = 0; quantity < (quartic ? 4 : 2); ++quantity) {
             const Program& program = line_program_[quantity];
+            program.bind_if_used("surface_maps", x.surface());
+            program.bind("surface_direction", d.surface());
             for (int corner = 0; corner < 3; ++corner) {
-                x.surface().bind(2);
-                d.surface().bind(3);
-                residual_.bind(4);
-                view_values_.bind(5);
-                view_slopes_.bind(6);
-                program.set(8, corner);
-                w_.run.bind(product_targets_[size_t(corner)], program);
-                w_.run.draw_tiles();
+                program.set("corner", corner);
+                w_.run.draw_tiles(product_targets_[size_t(corner)], program);
                 w_.gathers.tiles(w_.run, product_, corner, Gather::sum);
             }
             const auto add = [&](Sum sum) {

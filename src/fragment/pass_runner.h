@@ -35,30 +35,25 @@ public:
     PassRunner(const PassRunner&) = delete;
     PassRunner& operator=(const PassRunner&) = delete;
 
-    void bind(const Framebuffer& target, const Program& program) {
-        target.bind();
-        program.use();
-        target_ = &target;
-        program_ = &program;
-        ++counters.framebuffer_switches;
-        ++counters.program_switches;
-    }
     void clear(const Framebuffer& target) {
         target.clear();
         counters.cleared_texels += uint64_t(target.width()) * target.height();
         if (tallying_) cleared_bytes_ += uint64_t(target.texel_bytes()) * target.width() * target.height();
     }
     /// Every texel of the target. entries: turns of the program's loop in all fragments together, if it has one.
-    void draw_whole(uint64_t entries = 0) {
+    void draw_whole(const Framebuffer& target, const Program& program, uint64_t entries = 0) {
+        use(target, program);
         empty_.bind();
         draw(entries, [] { gl().DrawArrays(GL_TRIANGLES, 0, 3); });
     }
     /// The tiles of the mesh (those that the program's vertex stage doesn't cull).
-    void draw_tiles() {
+    void draw_tiles(const Framebuffer& target, const Program& program) {
+        use(target, program);
         draw(0, [&] { mesh_->draw(); });
     }
     /// Points of the size that the vertex stage gives them.
-    void draw_points(size_t count) {
+    void draw_points(const Framebuffer& target, const Program& program, size_t count) {
+        use(target, program);
         empty_.bind();
         gl().Enable(GL_PROGRAM_POINT_SIZE);
         draw(0, [&] { gl().DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count)); });
@@ -103,6 +98,14 @@ public:
 
 private:
     static constexpr int all_targets = 1 << 10;
+    void use(const Framebuffer& target, const Program& program) {
+        target.bind();
+        program.use();
+        target_ = &target;
+        program_ = &program;
+        ++counters.framebuffer_switches;
+        ++counters.program_switches;
+    }
     template <class Draw>
     void draw(uint64_t entries, const Draw& issue) {
         ++counters.draws;

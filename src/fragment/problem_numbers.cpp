@@ -1,7 +1,11 @@
 #include "fragment/problem_numbers.h"
 
+#include <bit>
+
 namespace radiafit {
 namespace {
+
+constexpr int most_summaries = 64;
 
 Framebuffer all_layers(const Texture& texture) {
     std::vector<Target> targets;
@@ -20,12 +24,18 @@ ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<
       target_(all_layers(state_)) {
     program(Step::after_direction);
     program(Step::after_line);
+    for (const auto& [columns, rows] : summary_sizes(width, height)) {
+        summaries_.emplace_back(GL_RGBA32UI, columns, rows);
+        summary_targets_.push_back(Framebuffer({{&summaries_.back()}}));
+    }
+    summary_ = Program::draw("common/whole.vert", "optimize/summary.frag");
+    further_summary_ = Program::draw("common/whole.vert", "optimize/summary.frag", {{"FURTHER", ""}});
 }
 
 const Program& ProblemNumbers::program(Step which) {
     const int layers = ProblemNumbers::layers(room_) - own_layer;
     Program& program = programs_[{which, layers}];
-    if (!program.name()) {
+    if (!program) {
         const StepName& name = steps[int(which)];
         program = Program::draw(
             "common/whole.vert", "optimize/step.frag",
@@ -64,14 +74,13 @@ void ProblemNumbers::reset(std::span<const Status> status) {
 
 void ProblemNumbers::step(PassRunner& run, Step which, const Turn& turn) {
     const Program& step = program(which);
-    step.set(20, turn.rule);
-    step.set(21, turn.restart);
-    step.set2(22, turn.stop.residual, turn.stop.output_change);
-    step.set(23, turn.slot);
+    step.set_if_used("rule", turn.rule);
+    step.set_if_used("restart", turn.restart);
+    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
+    step.set_if_used("slot", turn.slot);
+    step.bind("state", state_);
     gl().TextureBarrier();
-    bind();
-    run.bind(target_, step);
-    run.draw_whole();
+    run.draw_whole(target_, step);
     gl().TextureBarrier();
 }
 
@@ -89,15 +98,36 @@ std::vector<float> ProblemNumbers::read_layer(int layer) const {
     return out;
 }
 
-EngineSummary ProblemNumbers::summary() const {
-    using real = float;
-    const std::vector<float> first = read_layer(0), second = read_layer(1);
+std::vector<std::array<int, 2>> ProblemNumbers::summary_sizes(int width, int height) {
+    std::vector<std::array<int, 2>> sizes;
+    do {
+        width = (width + 15) / 16, height = (height + 15) / 16;
+        sizes.push_back({width, height});
+    } while (width * height > most_summaries);
+    return sizes;
+}
+
+uint64_t ProblemNumbers::summary_texels(int width, int height) {
+    uint64_t texels = 0;
+    for (const auto& [columns, rows] : summary_sizes(width, height)) texels += uint64_t(columns) * uint64_t(rows);
+    return texels;
+}
+
+EngineSummary ProblemNumbers::summary(PassRunner& run) {
+    const Texture* from = &state_;
+    for (size_t level = 0; level < summaries_.size(); ++level) {
+        const Program& program = level == 0 ? summary_ : further_summary_;
+        program.bind("source", *from);
+        run.draw_whole(summary_targets_[level], program, uint64_t(from->width()) * uint64_t(from->height()));
+        from = &summaries_[level];
+    }
+    std::array<std::array<uint32_t, 4>, most_summaries> parts;
+    from->download(GL_RGBA_INTEGER, GL_UNSIGNED_INT, parts.data(), sizeof parts);
     EngineSummary sum;
-    for (size_t at = 0; at < 4 * count_; at += 4) {
-        const float error = first[at + number::error];
-        sum.active += second[at + number::status % 4] == float(Status::active);
-        sum.accepted += second[at + number::accepted % 4] != 0;
-        if (error < HUGE_ERROR) sum.error += double(error);  // else never evaluated, or not finite
+    for (const auto& [active, accepted, low, high] : std::span(parts).first(size_t(from->width() * from->height()))) {
+        sum.active += active;
+        sum.accepted += accepted;
+        sum.error += std::bit_cast<double>(uint64_t(high) << 32 | low);
     }
     return sum;
 }
@@ -130,16 +160,20 @@ Program make_update(Update which, const std::string& vertex_file, const std::str
                                            {"PRODUCTS", std::to_string(shape.products)}});
 }
 
-void tell_update(const Program& program, std::span<const int> numbers, std::span<const float> constants) {
-    for (size_t k = 0; k < numbers.size(); ++k) {
-        const int n = numbers[k];  // the optimizer's own begin a layer
-        program.set(24 + int(k), n >= number::first_product ? n - number::first_product
-                                 : n >= number::first_own   ? n - number::first_own + 4 * ProblemNumbers::own_layer
-                                                            : n);
-    }
+void ProblemNumbers::tell_update(const Program& update, const Texture& products, std::span<const int> numbers,
+                                 std::span<const float> constants) const {
+    int indices[4] = {};
     float told[4] = {};
-    std::copy(constants.begin(), constants.end(), told);
-    program.set4(28, 1, told);
+    std::ranges::transform(numbers, indices, [](int n) {  // the optimizer's own begin a layer
+        return n >= number::first_product ? n - number::first_product
+               : n >= number::first_own   ? n - number::first_own + 4 * own_layer
+                                          : n;
+    });
+    std::ranges::copy(constants, told);
+    update.set_if_used("number_indices", std::span<const int>(indices));
+    update.set_if_used("constants", std::span<const float>(told));
+    update.bind_if_used("state", state_);
+    update.bind_if_used("products", products);
 }
 
 }  // namespace radiafit

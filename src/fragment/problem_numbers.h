@@ -15,7 +15,7 @@ public:
     /// place [problems]: row * width + column; empty: problem i stands at place i. problems: the text in
     /// shaders/optimize that says what the passes before a step leave of one, "vertices" or "texels".
     ProblemNumbers(int width, int height, size_t count, std::vector<uint32_t> place, const std::string& problems);
-    /// The optimizer's own, all zero. Its steps are compiled when they are first taken.
+    /// The optimizer's own, all zero.
     void make_room(const Room& room);
     /// Fresh problems; samples(problem): 0 where there is nothing to fit.
     template <class Samples>
@@ -25,22 +25,27 @@ public:
         reset(std::span<const Status>(status));
     }
     void reset(std::span<const Status> status);
-    /// The caller binds what the text of the problems reads.
+    /// What takes a step; the caller binds what the text of the problems reads. Compiled when it is first asked for.
+    const Program& program(Step which);
     void step(PassRunner& run, Step which, const Turn& turn);
-    void bind() const { state_.bind(9); }
+    /// products: a layer each. numbers, constants: as update() of optim/engine.h has them.
+    void tell_update(const Program& update, const Texture& products, std::span<const int> numbers,
+                     std::span<const float> constants) const;
 
-    // These wait for the device.
-    EngineSummary summary() const;
+    // These wait for the device. summary() reads few texels back, the others whole layers.
+    EngineSummary summary(PassRunner& run);
     void outcomes(std::span<ProblemOutcome> out) const;  ///< [problems]
     void read_errors(std::span<float> out) const;        ///< [problems]
 
     /// Of four 32-bit floats each.
     static int layers(const Room& room) { return own_layer + (room.numbers + 3) / 4; }
+    /// Widths and heights of the textures that summary() sums into, one from the other.
+    static std::vector<std::array<int, 2>> summary_sizes(int width, int height);
+    static uint64_t summary_texels(int width, int height);
     /// Where the optimizer's own begin; before stand the fields of ProblemState.
     static constexpr int own_layer = (number::first_own + 3) / 4;
 
 private:
-    const Program& program(Step which);
     std::vector<float> read_places(int layer) const;  ///< [height * width][4]
     std::vector<float> read_layer(int layer) const;   ///< [problems][4]
 
@@ -51,7 +56,19 @@ private:
     Framebuffer target_;
     std::map<std::pair<Step, int>, Program> programs_;  ///< by layers of own numbers
     Room room_;
+    std::vector<Texture> summaries_;
+    std::vector<Framebuffer> summary_targets_;
+    Program summary_, further_summary_;
 };
+
+/// Vectors by number, as a key.
+using VectorList = std::array<int, MOST_VECTORS>;
+inline VectorList vector_list(std::span<const int> vectors) {
+    VectorList list;
+    list.fill(vector::none);
+    std::ranges::copy(vectors, list.begin());
+    return list;
+}
 
 /// Makes or drops the optimizer's own vectors behind those of optim/verbs.h, and clears them. Framebuffers of vectors
 /// that are gone go from `targets`, whose keys are lists of vectors. make(): one more vector.
@@ -68,8 +85,7 @@ void make_own_vectors(const Room& room, std::vector<Vector>& vectors, Targets& t
     for (size_t v = vector::first_own; v < wanted; ++v) vectors[v].clear();
 }
 
-/// The program of an update, with what it is told. `elements`: "map_elements" or "texel_elements" in shaders/optimize.
+/// The program of an update. `elements`: "map_elements" or "texel_elements" in shaders/optimize.
 Program make_update(Update which, const std::string& vertex_file, const std::string& elements, const Defines& defines);
-void tell_update(const Program& program, std::span<const int> numbers, std::span<const float> constants);
 
 }  // namespace radiafit

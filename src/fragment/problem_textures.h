@@ -31,13 +31,13 @@ public:
     /// Dot products, so many.
     void make_products(int count);
     const Framebuffer& product_target(int product) const { return product_targets_[size_t(product)]; }
-    void bind_products() const { products_.bind(15); }
+    const Texture& products() const { return products_; }
     /// All that a step reads of a problem but its numbers.
-    void bind() const {
-        map_sums_.bind(7);
-        sample_sums_.bind(8);
-        constants.bind(12);
-        bind_products();
+    void bind_to(const Program& step) const {
+        step.bind_if_used("map_sums", map_sums_);
+        step.bind_if_used("sample_sums", sample_sums_);
+        step.bind_if_used("problem_constants", constants);
+        step.bind_if_used("products", products_);
     }
     /// [vertices][4]. Waits.
     std::vector<float> read(Sum sum) const;

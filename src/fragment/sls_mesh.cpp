@@ -72,11 +72,6 @@ void SlsMesh::draw() const {
         gl().DrawArrays(GL_TRIANGLES, 0, count_);
 }
 
-void SlsMesh::set_layout(const Program& program) const {
-    program.set(5, atlas_->width());
-    program.set2(6, float(atlas_->width()), float(atlas_->height()));
-}
-
 std::array<float, 12> SlsMesh::camera_rows(const Camera& camera) {
     Mat3d intrinsics;
     intrinsics << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
@@ -91,8 +86,8 @@ std::array<float, 12> SlsMesh::camera_rows(const Camera& camera) {
 }
 
 void SlsMesh::set_camera(const Program& program, const Camera& camera) {
-    program.set4(0, 3, camera_rows(camera).data());
-    program.set2(3, float(camera.width), float(camera.height));
+    program.set("camera", camera_rows(camera));
+    program.set("image_size", float(camera.width), float(camera.height));
 }
 
 ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits, int layers)
@@ -106,7 +101,6 @@ ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int b
                              bits ? mesh.defines() + Defines{{"COLOUR", std::to_string(bits)}} : mesh.defines())) {
     for (int layer = 0; layer < std::max(1, layers); ++layer)
         framebuffers_.push_back(Framebuffer({{&items_, layer}}, &depth_));
-    mesh.set_layout(program_);
 }
 
 void ItemBuffer::draw(const Camera& camera, int layer) const {

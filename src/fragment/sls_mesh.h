@@ -24,8 +24,10 @@ public:
     Defines defines() const {
         return {{"SIDE", std::to_string(atlas_->side())}, {"RECTANGLES", std::to_string(atlas_->rectangles_per_row())}};
     }
-    /// Sets the uniforms of shaders/distribute/*: those of the atlas once, those of the camera per image.
-    void set_layout(const Program& program) const;
+    /// For shaders/distribute/*: the texels of the layout once, the camera per image.
+    void set_layout(const Program& program) const {
+        program.set("layout_size", float(atlas_->width()), float(atlas_->height()));
+    }
     static void set_camera(const Program& program, const Camera& camera);
     /// The rows that shaders/distribute/camera.glsl describes.
     static std::array<float, 12> camera_rows(const Camera& camera);
@@ -49,8 +51,8 @@ public:
     /// << 16, b), and a pixel outside the mask is none. 0: items alone, R32UI.
     /// layers: 0, or that many in an array, which one depth buffer serves.
     ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int bits = 0, int layers = 0);
-    /// Draws into rows [0, height) and columns [0, width); image row 0 is framebuffer row 0. Colours come from the
-    /// image bound to unit 1.
+    /// Draws into rows [0, height) and columns [0, width); image row 0 is framebuffer row 0. Colours come from what the
+    /// program has as its image.
     void draw(const Camera& camera, int layer = 0) const;
     const Texture& items() const { return items_; }
     const Framebuffer& framebuffer(int layer) const { return framebuffers_[size_t(layer)]; }

@@ -42,7 +42,7 @@ public:
     void download(const TexelShape& shape, std::span<float> values) const;  ///< waits
     void clear() { maps_.clear(); }
     Storage storage() const { return storage_; }
-    void bind(unsigned unit) const { maps_.bind(unit); }
+    const Texture& maps() const { return maps_; }
     Target target(int map) const { return {&maps_, map}; }
 
 private:

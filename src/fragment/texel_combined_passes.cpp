@@ -74,14 +74,20 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
         take_ = Program::draw("distribute/tile.vert", "reflect/take.frag",
                               w_.mesh->defines() + w_.colour() + Defines{{"PROJECTED", ""}});
         w_.mesh->set_layout(take_);
+        take_.bind("items", items_->items());
     }
     Defines here = w_.shape.defines(w_.storage) + w_.colour();
     if (!w_.mesh) here.push_back({"GRID", ""});
     if (one_eye) here.push_back({"ONE_EYE", ""});
     const auto make = [&](const char* shader, const Defines& what) {
         Program program = Program::draw("common/whole.vert", std::string("reflect/") + shader, here + what);
-        if (one_eye) program.set4(46, 1, numbers.data() + 8);
-        w_.set_stack(program, room_);
+        if (one_eye) program.set("eye", std::span<const float>(numbers).subspan(8, 4));
+        program.bind("views", views_);
+        program.bind("surface", w_.surface);
+        if (w_.mesh)
+            program.bind("taken", taken_);
+        else
+            w_.set_stack(program, room_);
         return program;
     };
     gradient_ = make("direction.frag", {});
@@ -102,18 +108,16 @@ void CombinedTexelPasses::take(const ImageOnDevice& image, int layer) {
     SlsMesh::set_camera(take_, *image.camera);
     w_.mesh->select({{image.camera}});
     w_.run.draw_items(*items_, *image.camera);
-    items_->items().bind(0);
-    image.texture->bind(1);
+    take_.bind("image", *image.texture);
     w_.run.clear(layers_[size_t(layer)]);
-    w_.run.bind(layers_[size_t(layer)], take_);
-    w_.run.draw_tiles();
+    w_.run.draw_tiles(layers_[size_t(layer)], take_);
 }
 
 void CombinedTexelPasses::add(const std::vector<ImageOnDevice>& images, const Program& program,
                               const Framebuffer& target) {
     if (waiting_.images == 0) waiting_ = {&program, &target, images[0].position, 0};
     if (!w_.mesh) {
-        images[0].texture->bind(1);
+        program.bind("images", *images[0].texture);
         waiting_.images = int(images.size());
         return sum();
     }
@@ -124,14 +128,11 @@ void CombinedTexelPasses::add(const std::vector<ImageOnDevice>& images, const Pr
 }
 
 void CombinedTexelPasses::sum() {
-    if (w_.mesh) taken_.bind(1);
-    views_.bind(2);
-    w_.surface.bind(7);
-    waiting_.program->set(47, int(waiting_.first));
-    waiting_.program->set(50, waiting_.images);
-    w_.run.bind(*waiting_.target, *waiting_.program);
+    waiting_.program->set("first_view", int(waiting_.first));
+    waiting_.program->set("image_count", waiting_.images);
     w_.run.blend();
-    w_.run.draw_whole(uint64_t(w_.shape.width()) * uint64_t(w_.shape.height()) * uint64_t(waiting_.images));
+    w_.run.draw_whole(*waiting_.target, *waiting_.program,
+                      uint64_t(w_.shape.width()) * uint64_t(w_.shape.height()) * uint64_t(waiting_.images));
     w_.run.no_blend();
     waiting_.images = 0;
 }
@@ -149,16 +150,14 @@ void CombinedTexelPasses::start(const std::vector<ImageOnDevice>& images, int gr
 }
 
 void CombinedTexelPasses::direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
-    x.bind(5);
-    if (diagonal)
-        add(images, gradient_and_diagonal_, with_diagonal_);
-    else
-        add(images, gradient_, w_.sums.gradient.all);
+    const Program& program = diagonal ? gradient_and_diagonal_ : gradient_;
+    program.bind("parameters", x.maps());
+    add(images, program, diagonal ? with_diagonal_ : w_.sums.gradient.all);
 }
 
 void CombinedTexelPasses::line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) {
-    x.bind(5);
-    d.bind(6);
+    line_.bind_if_used("parameters", x.maps());
+    line_.bind("direction", d.maps());
     add(images, line_, w_.sums.line.all);
 }
 

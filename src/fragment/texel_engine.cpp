@@ -61,6 +61,9 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     dot_ = whole("dot.frag");
     for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
+    gradient_.bind("sample_sums", sums_.gradient.layers);
+    precondition_.bind("sample_sums", sums_.diagonal.layers);
+    for (const Program* program : {&gradient_, &precondition_}) program->bind("density", density_);
     write_surface({});
     bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
 }
@@ -76,10 +79,10 @@ void TexelFragmentEngine::set_bounds(const Program& program) const {
         lowest[at] = float(shape_.model->bounds[size_t(i)][0]);
         highest[at] = float(shape_.model->bounds[size_t(i)][1]);
     }
-    program.set(14, options_.mu);
-    program.set(15, options_.mode == Mode::paper ? 1 : 0);
-    program.set4(16, shape_.maps(), lowest.data());
-    program.set4(32, shape_.maps(), highest.data());
+    program.set("mu", options_.mu);
+    program.set("paper_penalty", options_.mode == Mode::paper);
+    program.set("lowest", std::span<const float>(lowest));
+    program.set("highest", std::span<const float>(highest));
 }
 
 // darkness [texels], or none: samples whose channels' sum is below that share of u_z lie in shadow.
@@ -189,13 +192,13 @@ void TexelFragmentEngine::make_room(const Room& room) {
 
 const Program& TexelFragmentEngine::update_program(Update which) {
     Program& program = updates_[which];
-    if (!program.name())
+    if (!program)
         program = make_update(which, "common/whole.vert", "texel_elements", shape_.defines(vectors_[0].storage()));
     return program;
 }
 
 const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const int> vectors) {
-    std::vector<Framebuffer>& targets = targets_[{vectors.begin(), vectors.end()}];
+    std::vector<Framebuffer>& targets = targets_[vector_list(vectors)];
     for (int map = int(targets.size()); map < shape_.maps(); ++map) {
         std::vector<Target> colours;
         for (const int v : vectors) colours.push_back(vectors_[size_t(v)].target(map));
@@ -204,23 +207,16 @@ const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const int
     return targets;
 }
 
-void TexelFragmentEngine::penalty_pass(const Program& program, const TexelVector& x, const TexelVector* d) {
-    x.bind(5);
-    if (d) d->bind(6);
-    run_->bind(penalty_target_, program);
-    run_->draw_whole();
+void TexelFragmentEngine::penalty_pass(const Program& program, const TexelVector& x) {
+    program.bind("parameters", x.maps());
+    run_->draw_whole(penalty_target_, program);
 }
 
-// A pass for each map into targets [map], with textures bound by bind().
-template <class Bind>
-void TexelFragmentEngine::map_passes(const Program& program, const std::vector<Framebuffer>& targets,
-                                     const Bind& bind) {
-    bind();
-    density_.bind(12);
+// A pass for each map into targets [map].
+void TexelFragmentEngine::map_passes(const Program& program, const std::vector<Framebuffer>& targets) {
     for (int map = 0; map < shape_.maps(); ++map) {
-        program.set(10, map);
-        run_->bind(targets[size_t(map)], program);
-        run_->draw_whole();
+        program.set_if_used("map", map);
+        run_->draw_whole(targets[size_t(map)], program);
     }
 }
 
@@ -229,43 +225,38 @@ void TexelFragmentEngine::direction_pass(bool diagonal) {
     sums_.gradient.clear(*run_);
     if (diagonal) sums_.diagonal.clear(*run_);
     sweep([&](const std::vector<ImageOnDevice>& images) { passes_->direction(images, trial, diagonal); });
-    penalty_pass(penalty_program_, trial, nullptr);
-    map_passes(gradient_, targets({{vector::trial_g}}), [&] {
-        trial.bind(5);
-        sums_.gradient.layers.bind(11);
-    });
-    if (diagonal)
-        map_passes(precondition_, targets({{vector::fresh}}), [&] {
-            trial.bind(5);
-            sums_.diagonal.layers.bind(11);
-        });
+    penalty_pass(penalty_program_, trial);
+    for (const Program* program : {&gradient_, &precondition_}) program->bind_if_used("parameters", trial.maps());
+    map_passes(gradient_, targets({{vector::trial_g}}));
+    if (diagonal) map_passes(precondition_, targets({{vector::fresh}}));
 }
 
 void TexelFragmentEngine::line_pass() {
     const TexelVector &p = vectors_[vector::p], &d = vectors_[vector::d];
     sums_.line.clear(*run_);
     sweep([&](const std::vector<ImageOnDevice>& images) { passes_->line(images, p, d); });
-    penalty_pass(penalty_curvature_, p, &d);
+    penalty_curvature_.bind("direction", d.maps());
+    penalty_pass(penalty_curvature_, p);
 }
 
 void TexelFragmentEngine::dot(std::initializer_list<DotProduct> products) {
     for (const DotProduct& product : products) {
         const bool weighted = product.weight != vector::none;
-        vectors_[size_t(product.a)].bind(1);
-        vectors_[size_t(product.b)].bind(2);
-        vectors_[size_t(weighted ? product.weight : product.a)].bind(4);
-        dot_.set(18, weighted ? 1 : 0);
-        run_->bind(product_targets_[size_t(product.into)], dot_);
-        run_->draw_whole();
+        dot_.bind("left", vectors_[size_t(product.a)].maps());
+        dot_.bind("right", vectors_[size_t(product.b)].maps());
+        dot_.bind("weights", vectors_[size_t(weighted ? product.weight : product.a)].maps());
+        dot_.set("weighted", weighted);
+        run_->draw_whole(product_targets_[size_t(product.into)], dot_);
     }
 }
 
 void TexelFragmentEngine::step(Step which, const Turn& turn) {
-    sums_.gradient.layers.bind(11);
-    density_.bind(12);
-    penalty_.bind(13);
-    sums_.line.layers.bind(14);
-    products_.bind(15);
+    const Program& program = numbers_->program(which);
+    program.bind_if_used("gradient_sums", sums_.gradient.layers);
+    program.bind_if_used("density", density_);
+    program.bind_if_used("penalties", penalty_);
+    program.bind_if_used("line_sums", sums_.line.layers);
+    program.bind_if_used("products", products_);
     numbers_->step(*run_, which, turn);
 }
 
@@ -273,13 +264,10 @@ void TexelFragmentEngine::update(Update which, std::initializer_list<int> vector
                                  std::initializer_list<float> constants) {
     const std::span<const int> list(vectors.begin(), vectors.end());
     const Program& program = update_program(which);
-    tell_update(program, {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
+    numbers_->tell_update(program, products_, {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
+    for (size_t k = 0; k < list.size(); ++k) program.bind("vectors", vectors_[size_t(list[k])].maps(), k);
     gl().TextureBarrier();
-    map_passes(program, targets(list.first(size_t(updates[int(which)].written))), [&] {
-        for (size_t k = 0; k < list.size(); ++k) vectors_[size_t(list[k])].bind(unsigned(k));
-        numbers_->bind();
-        products_.bind(15);
-    });
+    map_passes(program, targets(list.first(size_t(updates[int(which)].written))));
     gl().TextureBarrier();
 }
 

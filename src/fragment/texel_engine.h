@@ -44,7 +44,7 @@ public:
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    EngineSummary summary() const { return numbers_->summary(); }
+    EngineSummary summary() { return numbers_->summary(*run_); }
     void outcomes(std::span<ProblemOutcome> out) const { numbers_->outcomes(out); }
     void read_errors(std::span<float> out) const { numbers_->read_errors(out); }
     void read_parameters(std::span<float> out) const;  ///< as they are: another gauge than the canonical one may be
@@ -71,10 +71,9 @@ private:
     void sweep(const Body& body);
     void count_samples(std::span<const float> darkness);
     void write_surface(std::span<const float> darkness);
-    void penalty_pass(const Program& program, const TexelVector& x, const TexelVector* d);
+    void penalty_pass(const Program& program, const TexelVector& x);
     void set_bounds(const Program& program) const;
-    template <class Bind>
-    void map_passes(const Program& program, const std::vector<Framebuffer>& targets, const Bind& bind);
+    void map_passes(const Program& program, const std::vector<Framebuffer>& targets);
     const Program& update_program(Update which);  ///< compiled when it is first asked for
     /// Of these vectors together, [map].
     const std::vector<Framebuffer>& targets(std::span<const int> vectors);
@@ -95,7 +94,7 @@ private:
     std::unique_ptr<TexelPasses> passes_;
     Framebuffer penalty_target_;
     std::vector<Framebuffer> product_targets_;
-    std::map<std::vector<int>, std::vector<Framebuffer>> targets_;
+    std::map<VectorList, std::vector<Framebuffer>> targets_;
     std::map<Update, Program> updates_;
     Program penalty_program_, penalty_curvature_, gradient_, precondition_, dot_;
     std::vector<uint32_t> samples_;  ///< [texels], from count()

@@ -18,11 +18,8 @@ public:
 private:
     void keep(const ImageOnDevice& image, const Program& program);
     void add(const Program& program, const Framebuffer& target);
-    void draw() {
-        if (w_.mesh)
-            w_.run.draw_tiles();
-        else
-            w_.run.draw_whole();
+    void draw(const Framebuffer& target, const Program& program) {
+        w_.mesh ? w_.run.draw_tiles(target, program) : w_.run.draw_whole(target, program);
     }
 
     TexelWorld w_;
@@ -63,36 +60,39 @@ PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
     all_ = {&target_, &residual_, &line_};
     for (const auto* programs : {&gradient_, &diagonal_, &start_, &count_})
         for (const Program& program : *programs) all_.push_back(&program);
-    if (w_.mesh)
-        for (const Program* program : all_) w_.mesh->set_layout(*program);
+    for (const Program* program : all_) {
+        if (w_.mesh) w_.mesh->set_layout(*program);
+        program->bind_if_used("surface", w_.surface);
+        program->bind_if_used("kept", kept_);
+    }
     for (const Program* program : {&target_, &residual_}) {
-        w_.set_stack(*program, 1);
-        program->set(56, w_.images.bits() == 8 ? 257 : 1);
+        if (!w_.mesh) {
+            w_.set_stack(*program, 1);
+            continue;
+        }
+        program->bind("items", items_->items());
+        program->set("to_16_bit", w_.images.bits() == 8 ? 257 : 1);
     }
 }
 
 // Into SLS, with one of the two programs for it.
 void PaperTexelPasses::keep(const ImageOnDevice& image, const Program& program) {
     const std::array<float, 12> numbers = w_.numbers_of(*image.view);
+    constexpr const char* names[] = {"lamp", "exposure", "eye"};
     for (const Program* each : all_)
-        for (int i = 0; i < 3; ++i) each->set4(44 + i, 1, numbers.data() + 4 * i);
+        for (size_t i = 0; i < 3; ++i) each->set_if_used(names[i], std::span<const float>(numbers).subspan(4 * i, 4));
     if (w_.mesh) {
         SlsMesh::set_camera(program, *image.camera);
         w_.mesh->select({{image.camera}});
         w_.run.draw_items(*items_, *image.camera);
-        items_->items().bind(0);
     }
-    image.texture->bind(1);
-    w_.surface.bind(7);
-    w_.run.bind(kept_target_, program);
-    draw();
-    kept_.bind(8);
+    program.bind(w_.mesh ? "image" : "images", *image.texture);
+    draw(kept_target_, program);
 }
 
 void PaperTexelPasses::add(const Program& program, const Framebuffer& target) {
-    w_.run.bind(target, program);
     w_.run.blend();
-    draw();
+    draw(target, program);
     w_.run.no_blend();
 }
 
@@ -117,8 +117,8 @@ void PaperTexelPasses::start(const std::vector<ImageOnDevice>& images, int group
 }
 
 void PaperTexelPasses::direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
+    for (const Program* program : all_) program->bind_if_used("parameters", x.maps());
     for (const ImageOnDevice& image : images) {
-        x.bind(5);
         keep(image, residual_);
         for (size_t map = 0; map < gradient_.size(); ++map) add(gradient_[map], w_.sums.gradient.each[map]);
         for (size_t layer = 0; layer < diagonal_.size() && diagonal; ++layer)
@@ -127,9 +127,9 @@ void PaperTexelPasses::direction(const std::vector<ImageOnDevice>& images, const
 }
 
 void PaperTexelPasses::line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) {
+    for (const Program* program : {&residual_, &line_}) program->bind_if_used("parameters", x.maps());
+    line_.bind("direction", d.maps());
     for (const ImageOnDevice& image : images) {
-        x.bind(5);
-        d.bind(6);
         keep(image, residual_);
         add(line_, w_.sums.line.each[0]);
     }

@@ -36,8 +36,8 @@ std::array<float, 12> TexelWorld::numbers_of(const View& view) const {
 }
 
 void TexelWorld::set_stack(const Program& program, int images_in_it) const {
-    program.set(48, ImageStack::blocks(shape.width()));
-    program.set(49, images_in_it);
+    program.set("blocks_per_row", ImageStack::blocks(shape.width()));
+    program.set("images_per_block", images_in_it);
 }
 
 void TexelWorld::set_shapes(const Program& program, int group) const {
@@ -52,7 +52,7 @@ void TexelWorld::set_shapes(const Program& program, int group) const {
                                      ? float(shape.model->starts[start][size_t(3 * j + c)])
                                      : 0.0f);
     }
-    program.set4(14, layout.candidates * shape.shape_maps(), shapes.data());
+    program.set_if_used("shapes", std::span<const float>(shapes));
 }
 
 }  // namespace radiafit

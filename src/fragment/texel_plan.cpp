@@ -31,6 +31,8 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("positions and normals", 2, float4);
     if (room.vectors > 0) layers("vectors of the optimizer", room.vectors * shape.maps(), stored);
     layers("state of problems", ProblemNumbers::layers(room), float4);
+    const uint64_t summaries = ProblemNumbers::summary_texels(shape.width(), shape.height());
+    plan.push_back({"summary of problems", "levels", summaries, summaries * 16});
     layers("dot products, density, penalty", room.product_count() + 2, 4);
     if (!combined) layers("residuals", 1, float4);
 

@@ -24,7 +24,7 @@ public:
     explicit TileMarks(TilePlaces places);
     /// Whenever the mesh draws others than before.
     void update(const SlsMesh& mesh);
-    void bind(unsigned unit) const { marks_[turn_].bind(unit); }
+    const Texture& texture() const { return marks_[turn_]; }
     const TilePlaces& places() const { return places_; }
 
 private:

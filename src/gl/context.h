@@ -15,8 +15,9 @@ ContextKind context_kind_from(const std::string& name);  ///< throws UserError t
 
 struct ContextOptions {
     ContextKind kind = ContextKind::egl;
-    int device = -1;     ///< EGL: index as list_devices() gives it; -1: a GPU if there is one, else software
-    bool debug = false;  ///< KHR_debug: a failing call throws SystemError that quotes it. Also by RADIAFIT_GL_DEBUG=1
+    int device = -1;  ///< EGL: index as list_devices() gives it; -1: a GPU if there is one, else software
+    /// KHR_debug: a failing call throws SystemError that quotes it; Program checks names. Also by RADIAFIT_GL_DEBUG=1.
+    bool debug = false;
     int minimum_version = 45;  ///< 10 * major + minor; tests ask for more than exists
 };
 

@@ -25,15 +25,15 @@ namespace radiafit {
     X(ClearNamedFramebufferuiv) X(CreateFramebuffers) X(DeleteFramebuffers) X(NamedFramebufferDrawBuffers) \
     X(NamedFramebufferTexture) X(NamedFramebufferTextureLayer) \
     /* buffers and vertex arrays */ \
-    X(BindBufferBase) X(BindVertexArray) \
+    X(BindVertexArray) \
     X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
     X(EnableVertexArrayAttrib) X(GetNamedBufferSubData) X(MapNamedBufferRange) X(NamedBufferStorage) \
     X(NamedBufferSubData) X(UnmapNamedBuffer) X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) \
     X(VertexArrayAttribIFormat) X(VertexArrayBindingDivisor) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) \
     /* programs */ \
     X(AttachShader) X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteProgram) X(DeleteShader) X(DetachShader) \
-    X(GetProgramInfoLog) X(GetProgramInterfaceiv) X(GetProgramResourceiv) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(LinkProgram) X(ProgramUniform1f) \
-    X(ProgramUniform1i) X(ProgramUniform2f) X(ProgramUniform2i) X(ProgramUniform3f) \
+    X(GetProgramInfoLog) X(GetProgramInterfaceiv) X(GetProgramResourceName) X(GetProgramResourceiv) X(GetProgramiv) \
+    X(GetShaderInfoLog) X(GetShaderiv) X(LinkProgram) X(ProgramUniform1f) X(ProgramUniform1iv) X(ProgramUniform2f) \
     X(ProgramUniform4fv) X(ShaderSource) X(UseProgram) \
     /* drawing */ \
     X(DrawArrays) X(DrawElements) \

@@ -68,6 +68,8 @@ constexpr PassCost table[] = {
     {"optimize/step.frag", "OWN_LAYERS=0 PROBLEMS=texels STEP=after_line TEXT=after_line", 3, {225, 5, 80}, {}},
     {"optimize/step.frag", "OWN_LAYERS=0 PROBLEMS=vertices STEP=after_direction TEXT=after_direction", 3, {77, 9, 144}, {}},
     {"optimize/step.frag", "OWN_LAYERS=0 PROBLEMS=vertices STEP=after_line TEXT=after_line", 3, {283, 8, 128}, {}},
+    {"optimize/summary.frag", "", 1, {10, 0, 0}, {12, 2, 32}},
+    {"optimize/summary.frag", "FURTHER", 1, {10, 0, 0}, {6, 1, 16}},
     {"optimize/update.frag", "ELEMENTS=map_elements NUMBERS=1 PRODUCTS=0 STORAGE=0 TERMS=1 TEXT=advance UPDATE=advance VECTORS=3 VIEW_MAPS WRITTEN=1", 1, {18, 5, 80}, {}},
     {"optimize/update.frag", "ELEMENTS=map_elements NUMBERS=1 PRODUCTS=0 STORAGE=0 TERMS=1 TEXT=advance UPDATE=advance VECTORS=3 WRITTEN=1", 1, {17, 5, 80}, {}},
     {"optimize/update.frag", "ELEMENTS=map_elements NUMBERS=2 PRODUCTS=0 STORAGE=0 TERMS=1 TEXT=update_direction UPDATE=update_direction VECTORS=7 VIEW_MAPS WRITTEN=4", 4, {46, 13, 208}, {}},

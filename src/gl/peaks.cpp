@@ -61,11 +61,11 @@ Work rate_of_loop(const std::string& shader, float per_turn) {
     const Framebuffer target({{&result}});
     const Program program = Program::draw("common/whole.vert", shader);
     const VertexArray empty;
-    program.set(1, 1.0f);
-    program.set(2, 1.0f);
+    program.set_if_used("factor", 1.0f);
+    program.set_if_used("term", 1.0f);
+    program.bind_if_used("source", source);
     const auto [seconds, turns] = time_enough([&](int n) {
-        source.bind(0);
-        program.set(0, n);
+        program.set("turns", n);
         target.bind();
         program.use();
         draw_whole(empty);
@@ -89,11 +89,11 @@ double bytes_per_second(bool blend) {
         gl().Enable(GL_BLEND);
         gl().BlendEquation(GL_MAX);  // sums would grow beyond all floats
     }
-    program.use();
     const auto [seconds, draws] = time_enough([&](int n) {
         for (int i = 0; i < n; ++i)
             for (int to = 0; to < 2; ++to) {
-                textures[1 - to].bind(0);
+                program.bind("source", textures[1 - to]);
+                program.use();
                 targets[to].bind();
                 draw_whole(empty);
             }

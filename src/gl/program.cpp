@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <regex>
 #include <sstream>
+#include <stdexcept>
 
 #include "base/error.h"
 #include "gl/embedded_shaders.h"
@@ -132,32 +135,76 @@ Program Program::draw(const std::string& vertex_file, const std::string& fragmen
     const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_file, defines);
     const GLuint fragment = compile(GL_FRAGMENT_SHADER, fragment_file, defines);
     program.name_ = link({vertex, fragment}, vertex_file + " and " + fragment_file);
-    program.find_locations();
+    program.find_inputs();
     const std::string variant = pass_variant(defines);
     program.label_ = variant.empty() ? fragment_file : fragment_file + " " + variant;
     program.cost_ = find_pass_cost(fragment_file, variant);
     return program;
 }
 
-Program Program::compute(const std::string& file, const Defines& defines) {
-    Program program;
-    program.name_ = link({compile(GL_COMPUTE_SHADER, file, defines)}, file);
-    program.find_locations();
-    return program;
-}
-
-void Program::find_locations() {
+// Gives samplers their units, one after another.
+void Program::find_inputs() {
+    constexpr GLenum plain[] = {GL_FLOAT, GL_FLOAT_VEC2, GL_FLOAT_VEC4, GL_INT};  // all others are samplers
+    constexpr GLenum properties[] = {GL_LOCATION, GL_TYPE, GL_ARRAY_SIZE};
     int count = 0;
     gl().GetProgramInterfaceiv(name_, GL_UNIFORM, GL_ACTIVE_RESOURCES, &count);
-    const GLenum properties[] = {GL_LOCATION, GL_TYPE, GL_ARRAY_SIZE};
-    for (int i = 0; i < count; ++i) {
-        int values[3] = {-1, 0, 0};
-        gl().GetProgramResourceiv(name_, GL_UNIFORM, static_cast<GLuint>(i), 3, properties, 3, nullptr, values);
-        if (values[0] < 0 || values[0] + values[2] > 64) continue;
-        // Samplers get locations too, wherever the linker finds room, and are bound by unit.
-        for (int type : {GL_FLOAT, GL_FLOAT_VEC2, GL_FLOAT_VEC3, GL_FLOAT_VEC4, GL_INT, GL_INT_VEC2})
-            for (int k = 0; values[1] == type && k < values[2]; ++k) locations_ |= uint64_t(1) << (values[0] + k);
+    for (GLuint i = 0; i < GLuint(count); ++i) {
+        int values[3] = {};
+        char name[64];
+        gl().GetProgramResourceiv(name_, GL_UNIFORM, i, 3, properties, 3, nullptr, values);
+        gl().GetProgramResourceName(name_, GL_UNIFORM, i, sizeof name, nullptr, name);
+        Input input{std::string(name, std::strcspn(name, "[")), values[0]};
+        if (std::ranges::find(plain, GLenum(values[1])) == std::end(plain)) {
+            input.unit = int(textures_.size());
+            std::vector<int> units(static_cast<size_t>(values[2]));
+            textures_.resize(textures_.size() + units.size());
+            std::iota(units.begin(), units.end(), input.unit);
+            gl().ProgramUniform1iv(name_, input.location, values[2], units.data());
+        }
+        inputs_.push_back(std::move(input));
     }
+}
+
+Program::Input* Program::find(std::string_view name) const {
+    const auto found = std::ranges::find(inputs_, name, &Input::name);
+    return found == inputs_.end() ? nullptr : &*found;
+}
+
+Program::Input* Program::used(std::string_view name) const {
+    Input* input = find(name);
+    if (!input && detail::check_gl_calls) throw std::logic_error(fmt::format("{} uses no {}", label_, name));
+    if (input) input->told = true;
+    return input;
+}
+
+void Program::set(std::string_view uniform, float value) const {
+    if (const Input* input = used(uniform)) gl().ProgramUniform1f(name_, input->location, value);
+}
+
+void Program::set(std::string_view uniform, float x, float y) const {
+    if (const Input* input = used(uniform)) gl().ProgramUniform2f(name_, input->location, x, y);
+}
+
+void Program::set(std::string_view uniform, std::span<const int> values) const {
+    if (const Input* input = used(uniform))
+        gl().ProgramUniform1iv(name_, input->location, GLsizei(values.size()), values.data());
+}
+
+void Program::set(std::string_view uniform, std::span<const float> vec4s) const {
+    if (const Input* input = used(uniform))
+        gl().ProgramUniform4fv(name_, input->location, GLsizei(vec4s.size() / 4), vec4s.data());
+}
+
+void Program::bind(std::string_view sampler, const Texture& texture, size_t index) const {
+    if (const Input* input = used(sampler)) textures_.at(size_t(input->unit) + index) = texture.name();
+}
+
+void Program::use() const {
+    gl().UseProgram(name_);
+    for (GLuint unit = 0; unit < textures_.size(); ++unit) gl().BindTextureUnit(unit, textures_[unit]);
+    if (!detail::check_gl_calls) return;
+    for (const Input& input : inputs_)
+        if (!input.told) throw std::logic_error(fmt::format("{} draws without its {}", label_, input.name));
 }
 
 Program::~Program() {

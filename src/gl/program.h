@@ -1,10 +1,11 @@
 #pragma once
-#include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "gl/functions.h"
+#include "gl/texture.h"
 
 namespace radiafit {
 
@@ -27,59 +28,63 @@ struct ShaderText {
 /// `file` begins with a #version line; `defines` follow it. Throws UserError for a file that cannot be read.
 ShaderText expand_shader(const std::string& file, const Defines& defines = {});
 
-/// A linked program of the current context. Uniforms are set by explicit location; a location that the program doesn't
-/// use is passed over, so that passes which share an interface are set up alike.
+/// A linked program of the current context. What it is told goes by the names in its text: uniforms by set(), textures
+/// by bind(), both until they are told otherwise. While a debugging context is current, a name that the linked program
+/// doesn't use is a std::logic_error, and so is a draw with something untold; else either is passed over, for which
+/// names are in use is the compiler's to say. Passes that share an interface and are told alike say so: ..._if_used().
 class Program {
 public:
     Program() = default;
-    /// Throw SystemError with the compiler's messages, file names put in.
+    /// Throws SystemError with the compiler's messages, file names put in.
     static Program draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines = {});
-    static Program compute(const std::string& file, const Defines& defines = {});
     ~Program();
-    Program(Program&& other) noexcept
-        : name_(std::exchange(other.name_, 0)),
-          locations_(other.locations_),
-          label_(std::move(other.label_)),
-          cost_(other.cost_) {}
+    Program(Program&& other) noexcept { *this = std::move(other); }
     Program& operator=(Program&& other) noexcept {
         std::swap(name_, other.name_);
-        std::swap(locations_, other.locations_);
+        std::swap(inputs_, other.inputs_);
+        std::swap(textures_, other.textures_);
         std::swap(label_, other.label_);
         std::swap(cost_, other.cost_);
         return *this;
     }
 
-    void use() const { gl().UseProgram(name_); }
-    void set(int location, int value) const {
-        if (uses(location)) gl().ProgramUniform1i(name_, location, value);
+    void set(std::string_view uniform, int value) const { set(uniform, {&value, 1}); }
+    void set(std::string_view uniform, float value) const;
+    void set(std::string_view uniform, float x, float y) const;
+    void set(std::string_view uniform, std::span<const int> values) const;   ///< of an array
+    void set(std::string_view uniform, std::span<const float> vec4s) const;  ///< a vec4, or several of an array
+    /// For a sampler, or one of an array of them. The texture may move, and must live at every draw to come.
+    void bind(std::string_view sampler, const Texture& texture, size_t index = 0) const;
+    void set_if_used(std::string_view uniform, const auto&... values) const {
+        if (find(uniform)) set(uniform, values...);
     }
-    void set(int location, float value) const {
-        if (uses(location)) gl().ProgramUniform1f(name_, location, value);
+    void bind_if_used(std::string_view sampler, const Texture& texture) const {
+        if (find(sampler)) bind(sampler, texture);
     }
-    void set2(int location, int x, int y) const {
-        if (uses(location)) gl().ProgramUniform2i(name_, location, x, y);
-    }
-    void set2(int location, float x, float y) const {
-        if (uses(location)) gl().ProgramUniform2f(name_, location, x, y);
-    }
-    void set3(int location, float x, float y, float z) const {
-        if (uses(location)) gl().ProgramUniform3f(name_, location, x, y, z);
-    }
-    /// count vec4s of an array uniform.
-    void set4(int location, int count, const float* values) const {
-        if (uses(location)) gl().ProgramUniform4fv(name_, location, count, values);
-    }
-    bool uses(int location) const { return location < 64 && (locations_ >> location & 1) != 0; }
-    unsigned name() const { return name_; }
+    /// Draws are with this program, its uniforms and its textures, all of which it has been told.
+    void use() const;
+
+    explicit operator bool() const { return name_ != 0; }
     /// The fragment stage and what its cost depends on, such as "gather/look_up.frag STORAGE=0 TERMS=1".
     const std::string& label() const { return label_; }
     /// What a fragment declares to cost; null where none is declared (gl/pass_costs.h).
     const PassCost* cost() const { return cost_; }
 
 private:
-    void find_locations();
+    /// A uniform in use, or samplers in an array.
+    struct Input {
+        std::string name;
+        int location = 0, unit = -1;  ///< unit: of its first texture; -1 for a uniform
+        bool told = false;
+    };
+    void find_inputs();
+    Input* find(std::string_view name) const;
+    Input* used(std::string_view name) const;  ///< the same; null only where that is passed over
+
     GLuint name_ = 0;
-    uint64_t locations_ = 0;  ///< bit i: a uniform at location i is active
+    // What the program's object holds is not this handle's.
+    mutable std::vector<Input> inputs_;
+    mutable std::vector<GLuint> textures_;  ///< by unit
     std::string label_;
     const PassCost* cost_ = nullptr;
 };

@@ -24,7 +24,6 @@ public:
         return *this;
     }
 
-    void bind(unsigned unit) const { gl().BindTextureUnit(unit, name_); }
     /// The whole of one layer; `format` and `type` describe the host's data, e.g. GL_RGBA, GL_FLOAT.
     void upload(GLenum format, GLenum type, const void* data, int layer = 0);
     /// The rectangle [0, width) x [0, height) of a plain 2-D texture.
@@ -121,7 +120,6 @@ public:
     void* map();
     void unmap();
     void read(size_t offset, size_t bytes, void* data) const;
-    void bind_storage(unsigned binding) const { gl().BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_); }
     GLuint name() const { return name_; }
     size_t bytes() const { return bytes_; }
 
