@@ -103,6 +103,44 @@ TEST(CpuEngine, DoubleMatchesOracle) {
     for (int terms : {1, 2, 4}) against_oracle<double>(plain(terms), 1e-12);
     against_oracle<double>(plain(1, ViewLookup::nearest), 1e-12);
 }
+TEST(CpuEngine, RobustLossesMatchTheOracle) {
+    for (const LossKind kind : {LossKind::huber, LossKind::cauchy})
+        for (const int terms : {1, 5}) {
+            LfmOptions options = plain(terms);
+            options.loss = {kind, 0.4f};
+            against_oracle<float>(options, 1e-5);
+            against_oracle<double>(options, 1e-12);
+        }
+}
+/// A tenth of the samples is nonsense: a robust fit is near the one without them, a fit of squares is not.
+TEST(CpuEngine, RobustLossesLeaveOutliersAside) {
+    const LfmOptions options = plain(1);
+    Scene scene(options);
+    for (Sample& s : scene.samples.samples)
+        for (uint16_t& x : s.rgb) x = 20000;
+    SampleList clean = scene.samples;
+    for (size_t i = 0; i < scene.samples.samples.size(); i += 10)
+        for (uint16_t& x : scene.samples.samples[i].rgb) x = 65535;
+    const auto fitted = [&](const SampleList& samples, const Loss& loss) {
+        LfmOptions with = options;
+        with.loss = loss;
+        LfmProblem<float> problem(scene.dataset, scene.atlas, scene.rings, samples, with);
+        StreamEngine<float> engine(problem);
+        engine.reset(lfm_start(problem.layout(), engine.count().mean, 1));
+        optimize(engine, {.iterations = 40});
+        LfmProblem<double> truth(scene.dataset, scene.atlas, scene.rings, clean, options);
+        StreamEngine<double> judge(truth);
+        judge.count();
+        std::vector<float> p(problem.layout().size());
+        engine.read_parameters(p);
+        judge.reset(p);
+        return optimize(judge, {.iterations = 0}).rows[0].error;
+    };
+    const float scale = 0.02f * float(clean.scale) * 65535;
+    const double squares = fitted(scene.samples, {});
+    EXPECT_LT(fitted(scene.samples, {LossKind::huber, scale}), squares / 2);  // outliers go on pulling, by a constant
+    EXPECT_LT(fitted(scene.samples, {LossKind::cauchy, scale}), squares / 10);
+}
 
 TEST(CpuEngine, FiniteDifferencesInDouble) {
     for (Mode mode : {Mode::paper, Mode::modern})

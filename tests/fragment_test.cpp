@@ -72,6 +72,7 @@ struct Case {
     Passes passes = Passes::paper;
     Encoding encoding = Encoding::u8_linear;
     int levels = 1;
+    Loss loss = {};
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
@@ -101,6 +102,7 @@ TEST_P(FragmentAgreement, WithTheOracle) {
     options.surface_side = c.surface_side;
     options.view_side = c.view_side;
     options.lookup = c.lookup;
+    options.loss = c.loss;
     options.lambda_surface = options.lambda_view = options.mu = 0;  // the oracle has no penalties
     FragmentOptions fragment;
     fragment.passes = c.passes;
@@ -177,6 +179,7 @@ TEST_P(FragmentAgreement, WithTheCpuEngineOverIterations) {
         options.surface_side = c.surface_side;
         options.view_side = c.view_side;
         options.lookup = c.lookup;
+        options.loss = c.loss;
         options.lambda_surface = 0.01f;
         options.lambda_view = 0.02f;
         options.upper = 0.5f;  // so that bounds matter
@@ -233,6 +236,8 @@ std::vector<Case> cases() {
                         .encoding = Encoding::u16_linear});
         list.push_back(
             {.name = prefix + "_large_sides", .surface_side = 22, .view_side = 17, .passes = passes, .levels = 0});
+        list.push_back({.name = prefix + "_huber", .terms = 2, .passes = passes, .loss = {LossKind::huber, 0.4f}});
+        list.push_back({.name = prefix + "_cauchy", .passes = passes, .loss = {LossKind::cauchy, 0.4f}});
         list.push_back({.name = prefix + "_small_sides_many_terms",
                         .terms = 9,
                         .surface_side = 2,

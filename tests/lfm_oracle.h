@@ -4,6 +4,7 @@
 
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
+#include "loss_oracle.h"
 #include "model/lfm.h"
 #include "samples/sample_list.h"
 
@@ -69,29 +70,31 @@ inline LfmOracle lfm_oracle(const Dataset& dataset, const TriangleAtlas& atlas, 
                                 if (!d.empty()) dh += term(f.weight[j] * d[view(k, j)]);
                             }
                             r += term(p[surface(k)]) * h;
-                            out.diagonal[surface(k)] += h * h;
                             if (d.empty()) continue;
                             a += term(d[surface(k)]) * h;
                             a += term(p[surface(k)]) * dh;
                             b += term(d[surface(k)]) * dh;
                         }
+                        const LossOracle loss(options.loss, r.value, r.magnitude);
+                        const Sum weight{loss.weight, loss.weight * (1 + loss.sensitivity)};
                         for (int k = 0; k < options.terms; ++k) {
                             Sum h;
                             for (int j = 0; j < 4; ++j) {
                                 h += term(f.weight[j] * p[view(k, j)]);
                                 const Sum by_view = term(f.weight[j] * p[surface(k)]);
-                                out.gradient[view(k, j)] += r * by_view;
-                                out.diagonal[view(k, j)] += by_view * by_view;
+                                out.gradient[view(k, j)] += weight * r * by_view;
+                                out.diagonal[view(k, j)] += weight * by_view * by_view;
                             }
-                            out.gradient[surface(k)] += r * h;
+                            out.gradient[surface(k)] += weight * r * h;
+                            out.diagonal[surface(k)] += weight * h * h;
                         }
                         const size_t i = 3 * v + c;
-                        out.error[i] += term(0.5) * r * r;
-                        out.gauss_newton[i] += a * a;
-                        out.curvature[i] += a * a;
-                        out.curvature[i] += term(2) * r * b;
-                        out.third[i] += a * b;
-                        out.fourth[i] += b * b;
+                        out.error[i] += {loss.value, weight.magnitude * r.magnitude * r.magnitude / 2};
+                        out.gauss_newton[i] += weight * a * a;
+                        out.curvature[i] += weight * a * a;
+                        out.curvature[i] += weight * term(2) * r * b;
+                        out.third[i] += weight * a * b;
+                        out.fourth[i] += weight * b * b;
                     }
                 }
     return out;

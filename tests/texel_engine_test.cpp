@@ -12,6 +12,7 @@
 #include "cpu/texel_models.h"
 #include "cpu/texel_solver.h"
 #include "dataset/truth.h"
+#include "loss_oracle.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
 #include "samples/record_description.h"
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 // --- the engine against its definition ---
 
 template <template <class> class Text>
-void check_engine(Mode mode, uint64_t seed) {
+void check_engine(Mode mode, uint64_t seed, const Loss& loss = {}) {
     using Texels = TexelBatches<Text<Pack>>;
     using Model = TexelLocal<Text<double>>;
     constexpr size_t N = Texels::N, texels = 21;
@@ -59,6 +60,7 @@ void check_engine(Mode mode, uint64_t seed) {
     TexelOptions options;
     options.mode = mode;
     options.mu = 0.3f;
+    options.loss = loss;
     Texels problem(batches, texels, options);
     const ProblemStatistics statistics = problem.count();
     std::vector<Pack> x(problem.begin(batches.size()), Pack{}), along = x, g = x, preconditioner = x;
@@ -82,17 +84,24 @@ void check_engine(Mode mode, uint64_t seed) {
         // sums, and sums of their terms' magnitudes
         double error = 0, first = 0, whole = 0, error_size = 0, whole_size = 0;
         std::array<double, N> gradient{}, gradient_size{}, diagonal{};
-        const double scale = 1 / double(samples[t].size());
+        const double count = double(samples[t].size());
         for (const auto& s : samples[t]) {
             typename Model::Terms terms;
             for (int k = 0; k < Text<double>::term_count; ++k) terms.x[k] = double(s.term[size_t(k)]);
             const auto value = Model::value(at, terms);
             const auto q = Model::columns(Model::shape_of(at), terms);
             const auto bend = Model::bend(at, along, terms);
+            double squared = 0, squared_size = 0;
+            for (size_t c = 0; c < 3; ++c) {
+                squared += std::pow(value[c] - double(s.target[c]), 2);
+                squared_size += std::pow(std::abs(value[c]) + std::abs(double(s.target[c])), 2);
+            }
+            const testing::LossOracle cost(loss, std::sqrt(squared), std::sqrt(squared_size));
+            error += cost.value / count, error_size += squared_size / 2 / count;
+            const double scale = cost.weight / count, sure = 1 + cost.sensitivity;
             for (size_t c = 0; c < 3; ++c) {
                 const double r = value[c] - double(s.target[c]);
-                const double r_size = std::abs(value[c]) + std::abs(double(s.target[c]));
-                error += scale * r * r / 2, error_size += scale * r_size * r_size / 2;
+                const double r_size = sure * (std::abs(value[c]) + std::abs(double(s.target[c])));
                 const auto add = [&](size_t i, double slope) {
                     gradient[i] += scale * slope * r, gradient_size[i] += scale * std::abs(slope) * r_size;
                     diagonal[i] += scale * slope * slope;
@@ -141,6 +150,11 @@ TEST(TexelEngine, EvaluatesLafortuneAsDefined) {
     for (const Mode mode : {Mode::modern, Mode::paper})
         for (uint64_t seed = 1; seed < 4; ++seed) check_engine<texel_text::lafortune>(mode, seed);
 }
+TEST(TexelEngine, EvaluatesRobustLossesAsDefined) {
+    for (const LossKind kind : {LossKind::huber, LossKind::cauchy})
+        check_engine<texel_text::lafortune>(Mode::modern, 7, {kind, 0.3f});
+}
+
 TEST(TexelEngine, EvaluatesLambertAsDefined) { check_engine<texel_text::lambert>(Mode::modern, 9); }
 
 // --- over a dataset ---

@@ -5,6 +5,7 @@
 
 #include "fragment/gl_distributor.h"
 #include "gl_scene.h"
+#include "loss_oracle.h"
 #include "model/texel_local.h"
 #include "model/texel_options.h"
 #include "model/texel_texts.h"
@@ -192,7 +193,7 @@ struct ExactTexel {
     ExactTexel(const std::vector<ExactSample<Text>>& samples, const TexelOptions& options,
                const typename Model::Parameters& p, const typename Model::Parameters& d) {
         constexpr int B = Model::basis, Q = Model::shape;
-        const double each = samples.empty() ? 0 : 1 / double(samples.size());
+        const double per_sample = samples.empty() ? 0 : 1 / double(samples.size());
         for (const ExactSample<Text>& s : samples) {
             const auto columns_at = [&](const auto& terms) { return Model::columns(Model::shape_of(p), terms); };
             const auto bend_at = [&](const auto& terms) {
@@ -203,28 +204,36 @@ struct ExactTexel {
             const auto columns = columns_at(s.terms), column_size = sizes(s.terms, columns_at);
             const auto bend = bend_at(s.terms), bend_size = sizes(s.terms, bend_at);
             const auto value = Model::value(p, s.terms);
+            std::array<double, 3> residual, residual_size;
+            double squared = 0, squared_size = 0;
             for (size_t c = 0; c < 3; ++c) {
-                const double r = value[c] - s.target[c];
-                double size = s.target[c], first_size = bend_size[c];
-                for (size_t k = 0; k < size_t(B); ++k) {
-                    size += std::abs(p[3 * k + c]) * column_size[k];
-                    first_size += std::abs(d[3 * k + c]) * column_size[k];
-                }
+                residual[c] = value[c] - s.target[c];
+                residual_size[c] = s.target[c];
+                for (size_t k = 0; k < size_t(B); ++k) residual_size[c] += std::abs(p[3 * k + c]) * column_size[k];
+                squared += residual[c] * residual[c], squared_size += residual_size[c] * residual_size[c];
+            }
+            const LossOracle loss(options.loss, std::sqrt(squared), std::sqrt(squared_size));
+            error.add(per_sample * loss.value, per_sample * 0.5 * squared_size * loss.weight * (1 + loss.sensitivity));
+            const double each = per_sample * loss.weight, uncertain = each * (1 + loss.sensitivity);
+            for (size_t c = 0; c < 3; ++c) {
+                const double r = residual[c], size = residual_size[c];
+                double first_size = bend_size[c];
+                for (size_t k = 0; k < size_t(B); ++k) first_size += std::abs(d[3 * k + c]) * column_size[k];
                 const double first = bend[c], second = bend[3 + c], second_size = bend_size[3 + c];
-                error.add(0.5 * each * r * r, 0.5 * each * size * size);
-                gauss_newton.add(each * first * first, each * first_size * first_size);
+                gauss_newton.add(each * first * first, uncertain * first_size * first_size);
                 curvature.add(each * (first * first + r * second),
-                              each * (first_size * first_size + size * second_size));
+                              uncertain * (first_size * first_size + size * second_size));
                 for (size_t k = 0; k < size_t(B); ++k) {
-                    gradient[3 * k + c].add(each * r * columns[k], each * size * column_size[k]);
-                    diagonal[3 * k + c].add(each * columns[k] * columns[k], each * column_size[k] * column_size[k]);
+                    gradient[3 * k + c].add(each * r * columns[k], uncertain * size * column_size[k]);
+                    diagonal[3 * k + c].add(each * columns[k] * columns[k],
+                                            uncertain * column_size[k] * column_size[k]);
                 }
                 const double last = p[3 * size_t(B - 1) + c];
                 for (size_t i = 0; i < size_t(Q); ++i) {
                     const double column = last * columns[size_t(B) + i],
                                  of_size = std::abs(last) * column_size[size_t(B) + i];
-                    gradient[3 * size_t(B) + i].add(each * r * column, each * size * of_size);
-                    diagonal[3 * size_t(B) + i].add(each * column * column, each * of_size * of_size);
+                    gradient[3 * size_t(B) + i].add(each * r * column, uncertain * size * of_size);
+                    diagonal[3 * size_t(B) + i].add(each * column * column, uncertain * of_size * of_size);
                 }
             }
         }

@@ -27,6 +27,7 @@ struct Case {
     Mode mode = Mode::modern;
     float clip_above = 0, shadow_below = 0;
     int together = 0;
+    Loss loss = {};
     TexelOptions options() const {
         TexelOptions options;
         options.model = find_texel_model(model);
@@ -34,6 +35,7 @@ struct Case {
         options.mu = 0.3f;
         options.clip_above = clip_above;
         options.shadow_below = shadow_below;
+        options.loss = loss;
         return options;
     }
 };
@@ -212,6 +214,16 @@ std::vector<Case> cases() {
                                     .passes = passes,
                                     .together = 3});
         }
+        list.push_back({.name = prefix + "_huber",
+                        .model = "lafortune",
+                        .scene = {.light = Light::Kind::near},
+                        .passes = passes,
+                        .loss = {LossKind::huber, 0.3f}});
+        list.push_back({.name = prefix + "_cauchy",
+                        .model = "lafortune",
+                        .scene = {.grid = true},
+                        .passes = passes,
+                        .loss = {LossKind::cauchy, 0.3f}});
         list.push_back({.name = prefix + "_mesh_distant_8_bit",
                         .model = "lafortune",
                         .scene = {.encoding = Encoding::u8_linear, .views = 8},

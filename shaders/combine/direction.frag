@@ -3,6 +3,8 @@
 // One pass into SLS for a batch of images: the colours that each texel takes, and the surface gradient of the first term
 // for all three corners, summed over the batch and blended.
 #include "model/prelude.glsl"
+#define element vec3
+#include "model/loss.glsl"
 #include "model/lfm.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
@@ -24,7 +26,7 @@ void add(int image, ivec2 place, vec3 weights, vec3 g[3 * TERMS], inout vec3 sum
     vec3 target = target_of(image, colour);
     for (int corner = 0; corner < 3; ++corner) {
         vec3 r = residual_of(image, corner, target, weights, g);
-        vec3 slope = lfm_gradient_surface(r, value_of(image, corner, 0));
+        vec3 slope = lfm_gradient_surface(LOSS_WEIGHTED(r * r, r), value_of(image, corner, 0));
         sum[corner] += present ? slope : vec3(0.0);
     }
 }

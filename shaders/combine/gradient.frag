@@ -2,6 +2,8 @@
 // variants: BATCH=1,2 TERMS=1,2,9 COLOUR=8,16 DIAGONAL=-,1
 // The surface gradient of a further term, from colours in SLS, for all corners. DIAGONAL: h_k^2 where a sample is.
 #include "model/prelude.glsl"
+#define element vec3
+#include "model/loss.glsl"
 #include "model/lfm.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
@@ -21,10 +23,11 @@ void add(int image, uvec4 taken, vec3 weights, vec3 g[3 * TERMS], inout vec3 sum
     vec3 target = target_of(image, colour);
     for (int corner = 0; corner < 3; ++corner) {
         vec3 h = value_of(image, corner, term);
+        vec3 r = residual_of(image, corner, target, weights, g);
 #ifdef DIAGONAL
-        vec3 slope = h * h;
+        vec3 slope = LOSS_WEIGHTED(r * r, h * h);
 #else
-        vec3 slope = lfm_gradient_surface(residual_of(image, corner, target, weights, g), h);
+        vec3 slope = lfm_gradient_surface(LOSS_WEIGHTED(r * r, r), h);
 #endif
         sum[corner] += present ? slope : vec3(0.0);
     }

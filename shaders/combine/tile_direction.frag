@@ -3,6 +3,8 @@
 // Corners [FIRST, FIRST + CORNERS) of tiles, over their texels: for every image of a batch the sum of r g_k of one term;
 // and with WITH_ERROR the sum of r^2 over all of them, blended. DIAGONAL: sum of g_k^2 where a sample is.
 #include "model/prelude.glsl"
+#define element vec3
+#include "model/loss.glsl"
 #include "model/lfm.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
@@ -45,15 +47,15 @@ void add(int image, uvec4 taken, vec3 weights, vec3 g[CORNERS * TERMS], vec3 of_
     bool present = kept(taken, image, colour);
     vec3 target = target_of(image, colour);
     for (int c = 0; c < CORNERS; ++c) {
-#ifdef DIAGONAL
-        products[image * CORNERS + c] += present ? of_term[c] * of_term[c] : vec3(0.0);
-#else
         vec3 r = -weights[FIRST + c] * target;
         for (int k = 0; k < TERMS; ++k)
             r += lfm_value(g[c * TERMS + k], values[(image * CORNERS + c) * TERMS + k]);
         r = present ? r : vec3(0.0);
-        products[image * CORNERS + c] += lfm_gradient_view(r, of_term[c]);
-        errors[c] += r * r;
+#ifdef DIAGONAL
+        products[image * CORNERS + c] += present ? LOSS_WEIGHTED(r * r, of_term[c] * of_term[c]) : vec3(0.0);
+#else
+        products[image * CORNERS + c] += lfm_gradient_view(LOSS_WEIGHTED(r * r, r), of_term[c]);
+        errors[c] += LOSS_VALUE(r * r);
 #endif
     }
 }

@@ -4,6 +4,8 @@
 // fragment projects each of its texels, takes its pixels and adds its terms (Eq. 13). QUARTIC: with the two further sums.
 // COUNT: sum of L t and samples.
 #include "model/prelude.glsl"
+#define element vec3
+#include "model/loss.glsl"
 #include "model/lfm.glsl"
 #include "combine/cameras.glsl"
 #include "distribute/tiles.glsl"
@@ -78,11 +80,11 @@ void add(int image, ivec2 place, vec3 weights, vec3 g[CORNERS * TERMS], vec3 dg[
         r = present ? r : vec3(0.0);
         a = present ? a : vec3(0.0);
         b = present ? b : vec3(0.0);
-        sums.aa[c].rgb += a * a;
-        sums.arb[c] += a * a + 2.0 * r * b;
+        sums.aa[c].rgb += LOSS_WEIGHTED(r * r, a * a);
+        sums.arb[c] += LOSS_WEIGHTED(r * r, a * a + 2.0 * r * b);
 #ifdef QUARTIC
-        sums.ab[c] += a * b;
-        sums.bb[c] += b * b;
+        sums.ab[c] += LOSS_WEIGHTED(r * r, a * b);
+        sums.bb[c] += LOSS_WEIGHTED(r * r, b * b);
 #endif
 #endif
     }

@@ -2,6 +2,8 @@
 // One term of a sum along d for one corner (Eq. 13), before the gather. QUANTITY 0: a^2; 1: 2 r b, which with a^2 is d'Hd; 2: a b; 3: b^2.
 #define ALONG
 #include "model/prelude.glsl"
+#define element vec3
+#include "model/loss.glsl"
 #include "model/lfm.glsl"
 #include "gather/maps.glsl"
 #include "gather/view_values.glsl"
@@ -35,5 +37,6 @@ void main() {
 #else
     vec3 q = b * b;
 #endif
-    product = sample_at.a > 0.0 ? vec4(q, 0.0) : vec4(0.0);
+    vec3 r = sample_at.rgb;
+    product = sample_at.a > 0.0 ? vec4(LOSS_WEIGHTED(r * r, q), 0.0) : vec4(0.0);
 }

@@ -3,8 +3,11 @@
 // First level of the gather of Section 5.2.1 inside the tiles of one corner, at most 16 look-ups: a fragment sums ENTRIES
 // texels of one tile, row after row. Band k of the target holds every tile's k-th share, each in ROWS rows; tiles that the
 // mesh didn't draw loop over nothing and leave zero.
-// SQUARE: the sum of squares. MAXIMUM: the largest instead of the sum. PRODUCT: the sum of r g_k ("multiplying the surface
+// SQUARE: of a residual's loss. MAXIMUM: the largest instead of the sum. PRODUCT: the sum of r g_k ("multiplying the surface
 // map gradient texture by the surface map texture and summing all products"); with DIAGONAL of g_k^2 where a sample is.
+#include "model/prelude.glsl"
+#define element vec3
+#include "model/loss.glsl"
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
 #ifndef ENTRIES
@@ -44,14 +47,15 @@ void main() {
         vec4 x = texelFetch(source, ivec3(place, corner), 0);
 #ifdef PRODUCT
         vec3 g = load(texelFetch(surface_maps, ivec3(place, corner * TERMS + term), 0));
+        vec3 r = x.rgb;
 #ifdef DIAGONAL
-        x.rgb = x.a * g * g;
+        x.rgb = LOSS_WEIGHTED(r * r, x.a * g * g);
 #else
-        x.rgb *= g;
+        x.rgb = LOSS_WEIGHTED(r * r, r) * g;
 #endif
 #endif
 #ifdef SQUARE
-        x *= x;
+        x = vec4(LOSS_VALUE(x.rgb * x.rgb), x.a);
 #endif
 #ifdef MAXIMUM
         sum = vec4(x.r > sum.r ? x.r : sum.r, x.g > sum.g ? x.g : sum.g, x.b > sum.b ? x.b : sum.b, 0.0);

@@ -5,6 +5,8 @@
 // of the shape without the last coefficients' factor.
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
+#define element float
+#include "model/loss.glsl"
 uniform MAPS parameters;
 #ifdef DIAGONAL
 #define RESULTS (MAP_COUNT + (BASIS_COUNT + SHAPE_COUNT + 3) / 4)
@@ -17,7 +19,9 @@ uniform MAPS parameters;
 void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     Basis b = basis(p.shape, s.terms);
     vec3 r = residual_of(p, b, s);
-    results[0].a += dot(r, r);
+    float squared = dot(r, r);
+    results[0].a += LOSS_VALUE(squared);
+    r = LOSS_WEIGHTED(squared, r);
     float columns[BASIS_COUNT + SHAPE_COUNT];
     for (int k = 0; k < BASIS_COUNT; ++k) {
         columns[k] = s.counts ? b.x[k] : 0.0;
@@ -32,7 +36,7 @@ void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     }
 #endif
 #ifdef DIAGONAL
-    for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i) results[MAP_COUNT + i / 4][i % 4] += columns[i] * columns[i];
+    for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i) results[MAP_COUNT + i / 4][i % 4] += LOSS_WEIGHTED(squared, columns[i] * columns[i]);
 #endif
 }
 

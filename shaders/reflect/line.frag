@@ -4,6 +4,8 @@
 // of the model's value (C++: TexelLocal::bend).
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
+#define element float
+#include "model/loss.glsl"
 uniform MAPS parameters;
 uniform MAPS direction;
 #define RESULTS 1
@@ -21,8 +23,8 @@ void add(Sample s, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
 #endif
     a = s.counts ? a : vec3(0.0);
     b = s.counts ? b : vec3(0.0);
-    float squares = dot(a, a);
-    results[0].rg += vec2(squares, squares + dot(r, b));
+    float squares = dot(a, a), squared = dot(r, r);
+    results[0].rg += LOSS_WEIGHTED(squared, vec2(squares, squares + dot(r, b)));
 }
 
 void main() {

@@ -172,6 +172,14 @@ FitOption model_option() {
         "lfm is a light field map; the others are texel-local models, of datasets with lamps");
 }
 
+FitOption loss_option() {
+    std::vector<std::pair<std::string, LossKind>> choices;
+    for (size_t i = 0; i < std::size(loss_names); ++i) choices.emplace_back(loss_names[i], LossKind(i));
+    return choice<LossKind>(
+        "loss", use::loss, [](auto& r) -> auto& { return r.model.loss.kind; }, choices,
+        "what a residual costs: its square, or less where it is large (robust)");
+}
+
 FitOption optimizer_option() {
     std::vector<std::pair<std::string, const Method*>> choices;
     std::string help;
@@ -228,7 +236,9 @@ std::vector<FitOption> make_fit_options() {
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),
          validation_option()});
-    add("Optimizer", {optimizer_option(),
+    add("Optimizer", {optimizer_option(), loss_option(),
+                      number("loss_scale", use::loss, OF(model.loss.scale), limits::loss_scale,
+                             "residuals well below it cost their square by a robust loss; in units of pixel values"),
                       choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
                                    "of the optimizer and of the bounds' penalty"),
                       number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
@@ -316,7 +326,7 @@ namespace {
 /// What the request's optimizer adds to what its solver does, and takes from it.
 uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
     if (!(uses & use::optimizer)) return uses;
-    if (request.levenberg_marquardt()) return uses & ~(use::bounds | use::residual | use::change);
+    if (request.levenberg_marquardt()) return uses & ~(use::bounds | use::residual | use::change | use::loss);
     if (request.optimizer->history) uses |= use::history;
     if (request.optimizer->learning_rate) uses |= use::learning_rate;
     return request.optimizer->stop_output_change ? uses : uses & ~use::change;

@@ -65,6 +65,7 @@ TexelOptions FitRequest::texel_options() const {
     options.mu = bounds_weight();
     options.clip_above = clip_above;
     options.shadow_below = shadow_below;
+    options.loss = model.loss;
     check_options(options);
     return options;
 }

@@ -62,6 +62,10 @@ struct PackOf {
         for (int lane = 0; lane < size; ++lane) x.v[lane] = std::sqrt(x.v[lane]);
         return x;
     }
+    friend PackOf log(PackOf x) requires(std::is_same_v<real, double>) {
+        for (int lane = 0; lane < size; ++lane) x.v[lane] = std::log(x.v[lane]);
+        return x;
+    }
     friend void set_lane(PackOf& to, int lane, real x) { to.set(lane, x); }
     /// Lane by lane a where `condition` is not zero, b elsewhere.
     friend PackOf select_nonzero(const PackOf& condition, const PackOf& a, const PackOf& b) {

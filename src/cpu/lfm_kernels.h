@@ -1,6 +1,7 @@
 #pragma once
 #include <type_traits>
 
+#include "base/pack.h"
 #include "cpu/lfm_objective.h"
 #include "model/lfm_text.h"
 #include "model/with_terms.h"
@@ -67,8 +68,8 @@ private:
     size_t row_;  ///< lanes of a view map's row
 };
 
-/// Sums of r^2 / 2, of the gradient and, with Diagonal, of diag(J'J).
-template <class real, int K, bool Diagonal>
+/// Sums of r^2 / 2 (or of the loss), of the gradient and, with Diagonal, of diag(J'J).
+template <class real, int K, bool Diagonal, class Loss>
 class DirectionKernel : LfmKernel<real, K> {
     using Base = LfmKernel<real, K>;
     using Base::corner, Base::terms;
@@ -77,7 +78,7 @@ class DirectionKernel : LfmKernel<real, K> {
 
 public:
     using V = Lanes<real>;
-    DirectionKernel(int terms, int view_side) : Base(terms, view_side) {}
+    DirectionKernel(int terms, int view_side, Loss loss) : Base(terms, view_side), loss_(loss) {}
 
     void begin(const Footprint<real>& f, const V* view) {
         Base::look_up(f, view, now_.h);
@@ -90,7 +91,20 @@ public:
         Base::for_pairs(samples, size_t(terms()), [&](size_t first, size_t second, const Pair& target, auto two) {
             Pair r = -target;
             for (int k = 0; k < terms(); ++k) r += Text::lfm_value(Base::load(surface + k, first, second, two), s.h[k]);
-            s.part += r * r;
+            [[maybe_unused]] Pair weight;
+            if constexpr (Loss::robust) {
+                const PackOf<real> squared(r * r);
+                const PackOf<real> value = loss_.value(squared), factor = loss_.weight(squared);
+                s.part += value.v;
+                weight = factor.v;
+                r *= weight;
+            } else {
+                s.part += r * r;
+            }
+            const auto weighted = [&](const Pair& x) {
+                if constexpr (Loss::robust) return Pair(weight * x);
+                return x;
+            };
             const auto accumulate = [&](V* sums, const Pair& x) {
                 sums[first] += lower<real>(x);
                 if constexpr (decltype(two)::value) sums[second] += upper<real>(x);
@@ -100,8 +114,8 @@ public:
                 accumulate(gradient + k, Text::lfm_gradient_surface(r, s.h[k]));
                 s.scatter[k] += Text::lfm_gradient_view(r, g);
                 if constexpr (Diagonal) {
-                    accumulate(diagonal + k, s.h[k] * s.h[k]);
-                    s.squares[k] += g * g;
+                    accumulate(diagonal + k, weighted(s.h[k] * s.h[k]));
+                    s.squares[k] += weighted(g * g);
                 }
             }
         });
@@ -122,10 +136,11 @@ private:
         Pair h[Base::most], part, scatter[Base::most], squares[Base::most];
     };
     Sums now_;
+    [[no_unique_address]] Loss loss_;
 };
 
-/// Sums along d: a^2, r b, a b, b^2 with r(alpha) = r + alpha a + alpha^2 b.
-template <class real, int K>
+/// Sums along d: a^2, r b, a b, b^2 with r(alpha) = r + alpha a + alpha^2 b, each sample by its weight in the loss.
+template <class real, int K, class Loss>
 class LineKernel : LfmKernel<real, K> {
     using Base = LfmKernel<real, K>;
     using Base::terms;
@@ -134,7 +149,7 @@ class LineKernel : LfmKernel<real, K> {
 
 public:
     using V = Lanes<real>;
-    LineKernel(int terms, int view_side) : Base(terms, view_side) {}
+    LineKernel(int terms, int view_side, Loss loss) : Base(terms, view_side), loss_(loss) {}
 
     void begin(const Footprint<real>& f, const V* view, const V* view_direction) {
         Base::look_up(f, view, now_.h);
@@ -152,6 +167,10 @@ public:
                 r += Text::lfm_value(g, s.h[k]);
                 a += Text::lfm_slope(g, s.h[k], dg, s.dh[k]);
                 b += Text::lfm_bend(dg, s.dh[k]);
+            }
+            if constexpr (Loss::robust) {
+                const PackOf<real> squared(r * r), root = sqrt(loss_.weight(squared));
+                r *= root.v, a *= root.v, b *= root.v;
             }
             s.sum[0] += a * a;
             s.sum[1] += r * b;
@@ -173,6 +192,18 @@ private:
         Pair h[Base::most], dh[Base::most], sum[4];
     };
     Sums now_;
+    [[no_unique_address]] Loss loss_;
 };
+
+/// body(terms, loss): K of the kernels where it is compiled in, and the loss of the fit.
+template <class Body>
+void with_kernels(const LfmOptions& options, const Body& body) {
+    with_loss(options.loss, [&](auto loss) {
+        if constexpr (decltype(loss)::robust)
+            body(std::integral_constant<int, 0>{}, loss);
+        else
+            with_terms(options.terms, [&](auto terms) { body(terms, loss); });
+    });
+}
 
 }  // namespace radiafit

@@ -101,11 +101,11 @@ void LfmProblem<real>::direction(size_t v, const V* x, V* gradient, V* diagonal,
             map += tile;
         }
     };
-    with_terms(options_.terms, [&](auto terms) {
+    with_kernels(options_, [&](auto terms, auto loss) {
         if (diagonal)
-            sum(DirectionKernel<real, terms, true>(options_.terms, options_.view_side));
+            sum(DirectionKernel<real, terms, true, decltype(loss)>(options_.terms, options_.view_side, loss));
         else
-            sum(DirectionKernel<real, terms, false>(options_.terms, options_.view_side));
+            sum(DirectionKernel<real, terms, false, decltype(loss)>(options_.terms, options_.view_side, loss));
     });
     objective_.finish_direction(scales_[v], maps, x, gradient, diagonal, data);
     for (int c = 0; c < 3; ++c) error[c] = data[c];
@@ -115,8 +115,8 @@ template <class real>
 void LfmProblem<real>::line(size_t v, const V* x, const V* d, LineLanes& sums) const {
     sums = {};
     const size_t tile = layout_.tile_size() / 4, maps = rings_->ring(v).size();
-    with_terms(options_.terms, [&](auto terms) {
-        LineKernel<real, terms> kernel(options_.terms, options_.view_side);
+    with_kernels(options_, [&](auto terms, auto loss) {
+        LineKernel<real, terms, decltype(loss)> kernel(options_.terms, options_.view_side, loss);
         size_t map = 0;
         for (const Corner& corner : rings_->ring(v)) {
             for (uint32_t group = samples_->tile_groups[corner.triangle];

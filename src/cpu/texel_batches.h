@@ -27,7 +27,7 @@ public:
 
     /// batches: the samples of texels 8 i to 8 i + 7; must outlive this. texels: how many there are.
     TexelBatches(std::span<const Batch> batches, size_t texels, const TexelOptions& options)
-        : batches_(batches), texels_(texels), mode_(options.mode), mu_(options.mu) {}
+        : batches_(batches), texels_(texels), mode_(options.mode), mu_(options.mu), loss_(options.loss) {}
 
     size_t problem_count() const { return texels_; }
     size_t block_count() const { return batches_.size(); }
@@ -54,6 +54,7 @@ private:
     size_t texels_;
     Mode mode_;
     float mu_;
+    Loss loss_;
     std::vector<Pack> inverse_samples_;  ///< 1 / S-bar
 };
 

@@ -76,15 +76,16 @@ class TexelSolversOf final : public TexelSolvers {
 
     /// What the engine ended with; problem i is texel texel_of(i).
     template <class TexelOf>
-    static void take(const Engine& engine, const TexelModel& model, std::span<const Batch> batches, TexelResult& out,
-                     const TexelOf& texel_of) {
+    static void take(const Engine& engine, const TexelOptions& options, std::span<const Batch> batches,
+                     TexelResult& out, const TexelOf& texel_of) {
         const size_t count = engine.problem_count();
         std::vector<ProblemOutcome> outcomes(count);
         std::vector<float> p(count * N), errors(count);
         engine.outcomes(outcomes);
         engine.read_parameters(p);
-        for (size_t i = 0; i < count; ++i) model.make_canonical({&p[i * N], N});
-        parallel_for(batches.size(), 16, [&](size_t b, int) { batch_errors(batches[b], p, b, errors.data()); });
+        for (size_t i = 0; i < count; ++i) options.model->make_canonical({&p[i * N], N});
+        parallel_for(batches.size(), 16,
+                     [&](size_t b, int) { batch_errors(batches[b], p, b, options.loss, errors.data()); });
         for (size_t i = 0; i < count; ++i) {
             const size_t t = texel_of(i);
             out.status[t] = outcomes[i].status;
@@ -95,13 +96,13 @@ class TexelSolversOf final : public TexelSolvers {
         }
     }
     /// Raw E of batch b of `p` and `errors`, which begin at batch 0.
-    static void batch_errors(const Batch& batch, std::span<const float> p, size_t b, float* errors) {
+    static void batch_errors(const Batch& batch, std::span<const float> p, size_t b, const Loss& loss, float* errors) {
         const size_t first = lanes * b, count = std::min(lanes, p.size() / N - first);
         typename TexelLocal<Text>::Parameters packed;
         packed.fill(Pack{});
         for (size_t t = 0; t < count; ++t)
             for (size_t i = 0; i < N; ++i) packed[i].set(int(t), p[(first + t) * N + i]);
-        const WidePack error = texel_error<Text>(batch.rows(), packed);
+        const WidePack error = with_loss(loss, [&](auto of) { return texel_error<Text>(batch.rows(), packed, of); });
         for (size_t t = 0; t < count; ++t) errors[first + t] = batch.count(int(t)) ? float(error[int(t)]) : 0.0f;
     }
 
@@ -165,7 +166,7 @@ public:
                 for (size_t i = 0; i < texels; ++i) to[texel_of[i]] = errors[i];
             });
         });
-        take(engine, *problem.options.model, batches, out, [&](size_t i) { return texel_of[i]; });
+        take(engine, problem.options, batches, out, [&](size_t i) { return texel_of[i]; });
         for (size_t t = 0; t < texels; ++t) out.sample_iterations += uint64_t(out.samples[t]) * out.iterations[t];
         out.engine_bytes = engine.bytes();
         for (const Batch& batch : batches) out.engine_bytes += batch.rows().size_bytes();
@@ -174,21 +175,20 @@ public:
 
     TexelResult solve(const TexelProblem& problem, const OptimizerOptions& optimizer,
                       const std::function<void()>& progress) const override {
-        return for_blocks(problem, progress,
-                          [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
-                              for (size_t b = 0; b < batches; ++b) {
-                                  const std::span<const Batch> one(&w.batches[b], 1);
-                                  Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
-                                  Engine engine(texels);
-                                  engine.count();
-                                  std::vector<float> start(engine.problem_count() * N);
-                                  put_start(w.batches[b], start, 0);
-                                  engine.reset(start);
-                                  trace.add(optimize(engine, optimizer).rows);
-                                  take(engine, *problem.options.model, one, out,
-                                       [&](size_t i) { return begin + w.order[lanes * b + i]; });
-                              }
-                          });
+        return for_blocks(
+            problem, progress, [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
+                for (size_t b = 0; b < batches; ++b) {
+                    const std::span<const Batch> one(&w.batches[b], 1);
+                    Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
+                    Engine engine(texels);
+                    engine.count();
+                    std::vector<float> start(engine.problem_count() * N);
+                    put_start(w.batches[b], start, 0);
+                    engine.reset(start);
+                    trace.add(optimize(engine, optimizer).rows);
+                    take(engine, problem.options, one, out, [&](size_t i) { return begin + w.order[lanes * b + i]; });
+                }
+            });
     }
 
     TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& options,
@@ -204,7 +204,7 @@ public:
                                   for (size_t lane = 0; lane < lanes; ++lane)
                                       std::copy_n(outcomes[lane].parameters.begin(), N, &p[(lanes * b + lane) * N]);
                                   // its own error is E's model at the coefficients' optimum, off where that is ill-held
-                                  batch_errors(w.batches[b], p, b, errors.data());
+                                  batch_errors(w.batches[b], p, b, problem.options.loss, errors.data());
                                   for (size_t i = lanes * b; i < std::min(lanes * (b + 1), w.order.size()); ++i) {
                                       const size_t t = begin + w.order[i];
                                       const auto& o = outcomes[i % lanes];
@@ -235,7 +235,7 @@ public:
                 std::vector<float> p(w.order.size() * N), e(w.order.size());
                 for (size_t i = 0; i < w.order.size(); ++i)
                     std::copy_n(&parameters[(begin + w.order[i]) * N], N, &p[i * N]);
-                for (size_t b = 0; b < batches; ++b) batch_errors(w.batches[b], p, b, e.data());
+                for (size_t b = 0; b < batches; ++b) batch_errors(w.batches[b], p, b, problem.options.loss, e.data());
                 for (size_t i = 0; i < w.order.size(); ++i) out[begin + w.order[i]] = e[i];
             });
         if (load_s) *load_s += visit.load_s;

@@ -1,5 +1,6 @@
 #pragma once
 #include "cpu/texel_batch.h"
+#include "model/loss.h"
 #include "model/small_solve.h"
 
 /// The loops over samples of texel-local models, a lane per texel.
@@ -35,10 +36,11 @@ typename Text::Terms terms_of(const typename TexelBatch<Text::term_count>::Row& 
 }
 }  // namespace detail
 
-/// `Text`: a model's text with real = Pack. p: TexelLocal's parameters, a lane per texel.
-template <class Text>
+/// `Text`: a model's text with real = Pack. p: TexelLocal's parameters, a lane per texel. By a robust loss the weights
+/// w are the samples' times their own in the loss, and the error is the loss.
+template <class Text, class Loss = SquareLoss>
 TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>::Row> rows,
-                           const typename TexelLocal<Text>::Parameters& p) {
+                           const typename TexelLocal<Text>::Parameters& p, Loss loss = {}) {
     using Model = TexelLocal<Text>;
     constexpr size_t B = size_t(Model::basis), C = size_t(Model::shared);
     const typename Text::Shape shape = Model::shape_of(p);
@@ -47,6 +49,7 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
     struct Computed {
         Pack q[C];
         Pack weighted[3];  ///< w r_c
+        Pack weight;
     };
     std::array<Computed, detail::run_length> computed;
     detail::for_runs(rows, [&](auto run) {
@@ -56,11 +59,21 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
             const auto q = Model::columns(shape, detail::terms_of<Text>(row));
             for (size_t i = 0; i < C; ++i)
                 computed[n].q[i] = q[i];  // one by one: a copy of all reads what was just written
+            computed[n].weight = row.weight;
+            Pack residual[3];
             for (size_t c = 0; c < 3; ++c) {
                 Pack r = p[c] * q[0] - row.target[c];
                 for (size_t k = 1; k < B; ++k) r += p[3 * k + c] * q[k];
                 computed[n].weighted[c] = row.weight * r;
-                error += computed[n].weighted[c] * r;
+                if constexpr (!Loss::robust) error += computed[n].weighted[c] * r;
+                residual[c] = r;
+            }
+            if constexpr (Loss::robust) {
+                const Pack squared = residual[0] * residual[0] + residual[1] * residual[1] + residual[2] * residual[2];
+                error += row.weight * loss.value(squared);
+                const Pack weight = loss.weight(squared);
+                computed[n].weight = row.weight * weight;
+                for (Pack& pull : computed[n].weighted) pull *= weight;
             }
         }
         out.error += WidePack(0.5) * widen(error);
@@ -75,7 +88,7 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
         Pack shared[C * (C + 1) / 2] = {};
         for (size_t n = 0; n < run.size(); ++n)
             for (size_t i = 0, at = 0; i < C; ++i) {
-                const Pack weighted = run[n].weight * computed[n].q[i];
+                const Pack weighted = computed[n].weight * computed[n].q[i];
                 for (size_t j = 0; j <= i; ++j) shared[at++] += weighted * computed[n].q[j];
             }
         for (size_t i = 0, at = 0; i < C; ++i)
@@ -84,16 +97,20 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
     return out;
 }
 
-/// 1/2 sum w r_c^2 alone.
-template <class Text>
+/// Its error alone.
+template <class Text, class Loss = SquareLoss>
 WidePack texel_error(std::span<const typename TexelBatch<Text::term_count>::Row> rows,
-                     const typename TexelLocal<Text>::Parameters& p) {
+                     const typename TexelLocal<Text>::Parameters& p, Loss loss = {}) {
     WidePack error(0.0);
     detail::for_runs(rows, [&](auto run) {
         Pack sum{};
         for (const auto& row : run) {
-            const auto value = TexelLocal<Text>::value(p, detail::terms_of<Text>(row));
-            for (size_t c = 0; c < 3; ++c) sum += row.weight * (value[c] - row.target[c]) * (value[c] - row.target[c]);
+            auto r = TexelLocal<Text>::value(p, detail::terms_of<Text>(row));
+            for (size_t c = 0; c < 3; ++c) r[c] -= row.target[c];
+            if constexpr (Loss::robust)
+                sum += row.weight * loss.value(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+            else
+                for (size_t c = 0; c < 3; ++c) sum += row.weight * r[c] * r[c];
         }
         error += WidePack(0.5) * widen(sum);
     });

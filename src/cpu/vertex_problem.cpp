@@ -97,11 +97,11 @@ void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, doub
             kernel.end(groups_[g].footprint, gradient + view, diagonal ? diagonal + view : nullptr, data);
         }
     };
-    with_terms(options_.terms, [&](auto terms) {
+    with_kernels(options_, [&](auto terms, auto loss) {
         if (diagonal)
-            sum(DirectionKernel<float, terms, true>(options_.terms, options_.view_side));
+            sum(DirectionKernel<float, terms, true, decltype(loss)>(options_.terms, options_.view_side, loss));
         else
-            sum(DirectionKernel<float, terms, false>(options_.terms, options_.view_side));
+            sum(DirectionKernel<float, terms, false, decltype(loss)>(options_.terms, options_.view_side, loss));
     });
     objective_.finish_direction(scale_, maps_, x, gradient, diagonal, data);
     for (int c = 0; c < 3; ++c) error[c] = data[c];
@@ -110,8 +110,8 @@ void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, doub
 void VertexProblem::line(size_t, const V* x, const V* d, LineLanes& sums) const {
     sums = {};
     const size_t view = maps_ * tile_texels_ * size_t(options_.terms);
-    with_terms(options_.terms, [&](auto terms) {
-        LineKernel<float, terms> kernel(options_.terms, options_.view_side);
+    with_kernels(options_, [&](auto terms, auto loss) {
+        LineKernel<float, terms, decltype(loss)> kernel(options_.terms, options_.view_side, loss);
         for (size_t g = 0; g + 1 < groups_.size(); ++g) {
             kernel.begin(groups_[g].footprint, x + view, d + view);
             kernel.add(of_group(g), x, d);

@@ -14,7 +14,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     : options_((check_options(options), options)),
       fragment_options_(fragment_options),
       layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
-      shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side)},
+      shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side), options.loss},
       images_(dataset, std::move(views), fragment_options.source, fragment_options.space, fragment_options.resident),
       mesh_(atlas),
       run_(mesh_),

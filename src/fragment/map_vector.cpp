@@ -1,5 +1,7 @@
 #include "fragment/map_vector.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,13 +18,22 @@ ProblemGrid::ProblemGrid(size_t vertices, int side) : view_side(side) {
     rows = std::max(1, static_cast<int>((vertices + columns - 1) / columns));
 }
 
+Defines loss_defines(const Loss& loss) {
+    if (!loss.robust()) return {};
+    const std::string name = loss_names[size_t(loss.kind)];
+    return {{"LOSS_VALUE_OF", name + "_value"},
+            {"LOSS_WEIGHT_OF", name + "_weight"},
+            {"LOSS_SCALE", fmt::format("{:.9e}", loss.scale)}};
+}
+
 Defines MapShape::defines(Storage storage) const {
-    return {{"TERMS", std::to_string(terms())},
-            {"VIEW_SIDE", std::to_string(grid.view_side)},
-            {"COLUMNS", std::to_string(grid.columns)},
-            {"SIDE", std::to_string(atlas->side())},
-            {"RECTANGLES", std::to_string(atlas->rectangles_per_row())},
-            {"STORAGE", std::to_string(int(storage))}};
+    const Defines all{{"TERMS", std::to_string(terms())},
+                      {"VIEW_SIDE", std::to_string(grid.view_side)},
+                      {"COLUMNS", std::to_string(grid.columns)},
+                      {"SIDE", std::to_string(atlas->side())},
+                      {"RECTANGLES", std::to_string(atlas->rectangles_per_row())},
+                      {"STORAGE", std::to_string(int(storage))}};
+    return all + loss_defines(loss);
 }
 
 MapVector::MapVector(const MapShape& shape, Storage storage) : storage_(storage), terms_(shape.terms()) {

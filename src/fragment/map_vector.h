@@ -36,15 +36,19 @@ struct ProblemGrid {
     std::array<int, 2> at(size_t v) const { return {int(v) % columns, int(v) / columns}; }
 };
 
+/// What shaders/model/loss.glsl is told of a robust loss; empty: squares.
+Defines loss_defines(const Loss& loss);
+
 /// Everything that fixes the shape of an N-texel array.
 struct MapShape {
     const TriangleAtlas* atlas;
     const VertexRings* rings;
     const LfmLayout* layout;
     ProblemGrid grid;
+    Loss loss;
     int terms() const { return layout->terms(); }
     int surface_layers() const { return 3 * terms(); }
-    /// TERMS, VIEW_SIDE, COLUMNS, SIDE, RECTANGLES, STORAGE
+    /// TERMS, VIEW_SIDE, COLUMNS, SIDE, RECTANGLES, STORAGE, and of loss_defines()
     Defines defines(Storage storage) const;
 };
 

@@ -4,7 +4,8 @@
 
 namespace radiafit {
 
-TexelShape::TexelShape(const Atlas& texels, const TexelModel& of) : atlas(&texels), model(&of) {
+TexelShape::TexelShape(const Atlas& texels, const TexelModel& of, const Loss& its_loss)
+    : atlas(&texels), model(&of), loss(its_loss) {
     place.reserve(texels.texel_count());
     for (uint32_t texel = 0; texel < texels.texel_count(); ++texel) {
         const auto [x, y] = texels.place(texel);

@@ -17,7 +17,9 @@ struct TexelShape {
     const TexelModel* model;
     std::vector<uint32_t> place;  ///< [texels] row * width + column
 
-    TexelShape(const Atlas& atlas, const TexelModel& model);
+    Loss loss;
+
+    TexelShape(const Atlas& atlas, const TexelModel& model, const Loss& loss = {});
     size_t texels() const { return place.size(); }
     int width() const { return atlas->width(); }
     int height() const { return atlas->height(); }
@@ -25,9 +27,9 @@ struct TexelShape {
     int maps() const { return model->basis + shape_maps(); }
     /// Layers for the numbers that the channels share on the diagonal of J'J, four each.
     int diagonal_layers() const { return (model->basis + model->shape + 3) / 4; }
-    /// MODEL, STORAGE
+    /// MODEL, STORAGE, and of loss_defines()
     Defines defines(Storage storage) const {
-        return {{"MODEL", model->name}, {"STORAGE", std::to_string(int(storage))}};
+        return Defines{{"MODEL", model->name}, {"STORAGE", std::to_string(int(storage))}} + loss_defines(loss);
     }
     /// Where parameter i stands: its layer and channel. See shaders/reflect/parameters.glsl.
     static std::array<int, 2> map_of(int parameter) { return {parameter / 3, parameter % 3}; }

@@ -16,7 +16,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     : allocated_before_(Context::current().allocated_bytes()),
       dataset_((require_lights(dataset), &dataset)),
       options_((check_options(options), options)),
-      shape_(atlas, *options.model),
+      shape_(atlas, *options.model, options.loss),
       images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear, fragment_options.resident) {
     if (const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas)) {
         mesh_.emplace(*triangles);

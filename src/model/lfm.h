@@ -7,6 +7,7 @@
 #include "base/linear.h"
 #include "geometry/mesh.h"
 #include "geometry/vertex_rings.h"
+#include "model/loss.h"
 
 namespace radiafit {
 
@@ -28,6 +29,7 @@ struct LfmOptions {
     float lambda_view = 1e-3f;     ///< on view maps, before its scaling to the problem
     float mu = 1;                  ///< weight of E_b, first term only
     float lower = 0, upper = 16;   ///< bounds of the first term's maps
+    Loss loss = {};
 };
 /// Throws UserError unless all is within model/limits.h, and lower < upper.
 void check_options(const LfmOptions& options);

@@ -21,6 +21,7 @@ struct TexelOptions {
     /// albedo_c u_z with albedo_c = sum t_c u_z / sum u_z^2 over the samples that the rules above leave: cast shadows.
     /// 0: off.
     float shadow_below = 0;
+    Loss loss = {};  ///< of streamed optimizers
 };
 /// Throws UserError unless side, weights and shares are in range.
 void check_options(const TexelOptions& options);
