@@ -30,6 +30,9 @@ struct PolynomialText {
     static Basis basis(Shape, Terms t) {
         return {{t.x[0] * t.x[0], t.x[1] * t.x[1], t.x[0] * t.x[1], t.x[0], t.x[1], real(1.0)}};
     }
+    using real3 = shared_text::real3_t<real>;
+    static Terms sample_terms(real3 u, real3) { return {{u.x, u.y}}; }
+    static constexpr const char* coefficient_names[6] = {"xx", "yy", "xy", "x", "y", "one"};
     static constexpr double coefficient_bounds[6][2] = {{-1e30, 1e30}, {-1e30, 1e30}, {-1e30, 1e30},
                                                         {-1e30, 1e30}, {-1e30, 1e30}, {-1e30, 1e30}};
 };

@@ -217,6 +217,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t 
     add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
         rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * 20);
     add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
+    add("samples by image, until they are sorted", "once more", pixels, 8 * pixels);
     add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
     return plan;
 }

@@ -64,13 +64,13 @@ ProblemStatistics LfmProblem<real>::count() {
         Lanes<double> sum{};
         uint32_t count = 0;
         for (const Corner& c : rings_->ring(v)) {
-            const uint32_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
-            const uint32_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
+            const uint64_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
+            const uint64_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
             V part{};
-            for (uint32_t s = first; s < last; ++s)
+            for (uint64_t s = first; s < last; ++s)
                 part += target_weight_[c.corner][samples_->samples[s].local] * load_sample<real>(samples_->samples[s]);
             sum += widen<real>(part);
-            count += last - first;
+            count += uint32_t(last - first);
         }
         statistics.samples[v] = count;
         for (int c = 0; c < 3 && count; ++c) statistics.mean[3 * v + size_t(c)] = float(sum[c] / count);

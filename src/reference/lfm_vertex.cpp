@@ -40,11 +40,11 @@ void LfmVertices::count() {
         V sum{};
         uint32_t count = 0;
         for (const Corner& c : rings_->ring(v)) {
-            const uint32_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
-            const uint32_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
-            for (uint32_t s = first; s < last; ++s)
+            const uint64_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
+            const uint64_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
+            for (uint64_t s = first; s < last; ++s)
                 sum += target_weight_[c.corner][samples_->samples[s].local] * colour(samples_->samples[s]);
-            count += last - first;
+            count += uint32_t(last - first);
         }
         statistics_.samples[v] = count;
         for (int c = 0; c < 3 && count; ++c) statistics_.mean[3 * v + size_t(c)] = float(sum[c] / count);

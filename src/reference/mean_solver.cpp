@@ -25,9 +25,9 @@ std::vector<float> mean_solver(const TriangleAtlas& atlas, const VertexRings& ri
 
     std::vector<Mean> texels(atlas.texel_count()), tiles(atlas.tile_count());
     for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile) {
-        const uint32_t first = samples.groups[samples.tile_groups[tile]].first;
-        const uint32_t last = samples.groups[samples.tile_groups[tile + 1]].first;
-        for (uint32_t i = first; i < last; ++i) {
+        const uint64_t first = samples.groups[samples.tile_groups[tile]].first;
+        const uint64_t last = samples.groups[samples.tile_groups[tile + 1]].first;
+        for (uint64_t i = first; i < last; ++i) {
             const Sample& s = samples.samples[i];
             Mean one{{double(s.rgb[0]), double(s.rgb[1]), double(s.rgb[2])}, 1};
             texels[tile * atlas.texels_per_tile() + s.local].add(one);

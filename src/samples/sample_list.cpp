@@ -1,9 +1,7 @@
 #include "samples/sample_list.h"
 
 #include <algorithm>
-#include <limits>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "samples/image_samples.h"
@@ -19,10 +17,10 @@ void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vect
     statistics.samples = statistics.kept_pixels = list.samples.size();
     statistics.samples_per_texel.assign(atlas.texel_count(), 0);
     for (size_t tile = 0; tile < list.tile_count(); ++tile) {
-        const uint32_t begin = list.groups[list.tile_groups[tile]].first;
-        const uint32_t end = list.groups[list.tile_groups[tile + 1]].first;
+        const uint64_t begin = list.groups[list.tile_groups[tile]].first;
+        const uint64_t end = list.groups[list.tile_groups[tile + 1]].first;
         uint32_t* counts = statistics.samples_per_texel.data() + tile * atlas.texels_per_tile();
-        for (uint32_t s = begin; s < end; ++s) ++counts[list.samples[s].local];
+        for (uint64_t s = begin; s < end; ++s) ++counts[list.samples[s].local];
     }
 
     std::vector<double> usable;
@@ -48,7 +46,7 @@ SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const s
     // Counting sort by tile, stable in the image: count, sum, place.
     const uint32_t tiles = atlas.tile_count();
     list.tile_groups.assign(tiles + 1, 0);
-    std::vector<uint32_t> tile_samples(tiles + 1, 0);  // where a tile's samples begin
+    std::vector<uint64_t> tile_samples(tiles + 1, 0);  // where a tile's samples begin
     uint64_t samples = 0;
     for (const ImageSamples& image : images) {
         samples += image.samples.size();
@@ -57,30 +55,27 @@ SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const s
             tile_samples[image.runs[r].tile + 1] += image.runs[r + 1].first - image.runs[r].first;
         }
     }
-    if (samples > std::numeric_limits<uint32_t>::max())
-        throw UserError(dataset.folder.string() +
-                        ": more than 2^32 samples; import it with a smaller max-size, or fit fewer views");
     for (uint32_t tile = 0; tile < tiles; ++tile) {
         list.tile_groups[tile + 1] += list.tile_groups[tile];
         tile_samples[tile + 1] += tile_samples[tile];
     }
     list.groups.resize(size_t(list.tile_groups[tiles]) + 1);
-    list.groups.back() = {static_cast<uint32_t>(views.size()), static_cast<uint32_t>(samples)};
+    list.groups.back() = {static_cast<uint32_t>(views.size()), samples};
     list.samples.resize(samples);
 
     // Each range of tiles is one worker's alone, and sees the images in order.
     parallel_chunks(tiles, 256, [&](size_t begin, size_t end, int) {
         std::vector<uint32_t> next_group(list.tile_groups.begin() + begin, list.tile_groups.begin() + end);
-        std::vector<uint32_t> next_sample(tile_samples.begin() + begin, tile_samples.begin() + end);
+        std::vector<uint64_t> next_sample(tile_samples.begin() + begin, tile_samples.begin() + end);
         for (uint32_t k = 0; k < images.size(); ++k) {
             const ImageSamples& image = images[k];
             auto run = std::lower_bound(image.runs.begin(), image.runs.end() - 1, begin,
                                         [](const ImageSamples::Run& r, size_t tile) { return r.tile < tile; });
             for (; run->tile < end; ++run) {  // the sentinel's tile is `tiles`
-                uint32_t& first = next_sample[run->tile - begin];
+                uint64_t& first = next_sample[run->tile - begin];
                 list.groups[next_group[run->tile - begin]++] = {k, first};
                 std::copy(image.samples.begin() + run[0].first, image.samples.begin() + run[1].first,
-                          list.samples.begin() + first);
+                          list.samples.begin() + ptrdiff_t(first));
                 first += run[1].first - run[0].first;
             }
         }

@@ -14,7 +14,7 @@ struct Sample {
 /// The samples that one tile takes from one image, in ascending texel order.
 struct SampleGroup {
     uint32_t image;  ///< position in SampleList::views
-    uint32_t first;  ///< into samples; ends where the next group begins
+    uint64_t first;  ///< into samples; ends where the next group begins
 };
 
 /// Every radiance sample of a set of views, grouped by tile, then image, then texel: the order problems read them in.
