@@ -23,7 +23,8 @@ ReadOiioPixels* load_reader() {
 RawImage read_oiio_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) {
     static ReadOiioPixels* const read = load_reader();
     if (header.format == ImageFormat::tiff) bytes = plain_tiff(file, std::move(bytes));
-    OiioPixels pixels = read(file.filename().string(), bytes, header);
+    OiioPixels pixels;
+    read(file.filename().string(), bytes, header, pixels);
     if (!pixels.failure.empty()) throw SystemError(pixels.failure);
     if (pixels.damage) fail_damaged_image(file, *pixels.damage);
     if (!pixels.channel_type.empty())

@@ -62,22 +62,20 @@ double l2_reads() {
            1e-9;
 }
 
-// The compiler may fuse here, and here alone: the rest of the library keeps its roundings apart.
-__attribute__((optimize("fp-contract=fast"))) double fused() {
+double fused() {
     const int rounds = 200'000, chains = 16;
-    return best_rate(
-               2.0 * 16 * chains * rounds,
-               [&]() __attribute__((optimize("fp-contract=fast"))) {
-                   Wide sum[chains];
-                   Wide factor, term;
-                   for (int i = 0; i < 16; ++i) factor[i] = 0.999f, term[i] = 1e-3f;
-                   keep(factor);
-                   keep(term);
-                   for (Wide& s : sum) s = factor;
-                   for (int r = 0; r < rounds; ++r)
-                       for (Wide& s : sum) s = s * factor + term;
-                   for (Wide& s : sum) keep(s);
-               }) *
+    return best_rate(2.0 * 16 * chains * rounds,
+                     [&] {
+                         Wide sum[chains];
+                         Wide factor, term;
+                         for (int i = 0; i < 16; ++i) factor[i] = 0.999f, term[i] = 1e-3f;
+                         keep(factor);
+                         keep(term);
+                         for (Wide& s : sum) s = factor;
+                         for (int r = 0; r < rounds; ++r)
+                             for (Wide& s : sum) s = s * factor + term;
+                         for (Wide& s : sum) keep(s);
+                     }) *
            1e-9;
 }
 

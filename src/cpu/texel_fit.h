@@ -71,12 +71,15 @@ private:
     static Point best_start(const Batch& batch);
     Outcomes run(const Batch& batch, const Point& start, Trace* trace) const;
     static void evaluate(const Batch& batch, Point& p);
-    // Of models with a shape.
-    static Quadratic along_shape(const Point& p) requires(Q > 0);
-    static Step propose(const Point& p, const WidePack& damping) requires(Q > 0);
-    static Point moved(const Point& from, const Step& step) requires(Q > 0);
-    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s,
-                                               const SmallMatrix<WidePack, Q>& of) requires(Q > 0);
+    // Of models with a shape: templates, so that only they have them.
+    template <class = Text>
+    static Quadratic along_shape(const Point& p);
+    template <class = Text>
+    static Step propose(const Point& p, const WidePack& damping);
+    template <class = Text>
+    static Point moved(const Point& from, const Step& step);
+    template <class = Text>
+    static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of);
     static WidePack least_pivot(const Point& p);
     static Parameters parameters_of(const Point& p, int lane, bool fitted);
     static typename Text::Shape shape_of(const SmallVector<WidePack, Q>& s) {

@@ -74,7 +74,8 @@ void TexelFit<Text>::evaluate(const Batch& batch, Point& p) {
 /// E's Gauss-Newton model along the shape, with the coefficients at their optimum throughout: those within their bounds
 /// follow, the others stay.
 template <class Text>
-auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic requires(Q > 0) {
+template <class>
+auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic {
     Quadratic out{};
     const auto& shared = p.sums.shared;
     for (size_t c = 0; c < 3; ++c) {
@@ -103,7 +104,8 @@ auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic requires(Q > 0) {
 
 /// The directions in which E has a slope or a curvature, the gauge's tangent made stiff: it has neither.
 template <class Text>
-auto TexelFit<Text>::propose(const Point& p, const WidePack& damping) -> Step requires(Q > 0) {
+template <class>
+auto TexelFit<Text>::propose(const Point& p, const WidePack& damping) -> Step {
     const Quadratic model = along_shape(p);
     SmallMatrix<WidePack, Q> full = with_gauge(p.s, model.curvature);
     SmallVector<WidePack, Q> down;
@@ -127,9 +129,9 @@ auto TexelFit<Text>::propose(const Point& p, const WidePack& damping) -> Step re
 
 /// The gauge's tangent has no curvature of its own.
 template <class Text>
+template <class>
 auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of)
-    -> SmallMatrix<WidePack, Q>
-requires(Q > 0) {
+    -> SmallMatrix<WidePack, Q> {
     SmallMatrix<WidePack, Q> m = of;
     const typename Text::Shape tangent = Text::gauge_tangent(shape_of(s));
     WidePack trace(0.0);
@@ -140,7 +142,8 @@ requires(Q > 0) {
 }
 
 template <class Text>
-auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point requires(Q > 0) {
+template <class>
+auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point {
     Point to{from.a, from.s, {}};
     for (size_t i = 0; i < size_t(Q); ++i)
         to.s[i] =

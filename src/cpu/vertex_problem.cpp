@@ -7,8 +7,7 @@ namespace radiafit {
 
 VertexProblem::VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                              const DiskRecords& records, const LfmOptions& options)
-    : dataset_(&dataset),
-      atlas_(&atlas),
+    : atlas_(&atlas),
       rings_(&rings),
       records_(&records),
       options_((check_options(options), options)),

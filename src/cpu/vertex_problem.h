@@ -58,7 +58,6 @@ private:
     void take_compact(const VertexRecord& record, const uint8_t* from);
     void take_full(const uint8_t* from);
 
-    const Dataset* dataset_;
     const TriangleAtlas* atlas_;
     const VertexRings* rings_;
     const DiskRecords* records_;

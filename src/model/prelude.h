@@ -11,11 +11,15 @@ namespace radiafit::shared_text {
 template <class real>
 struct real2_t {
     real x, y;
+    real2_t() = default;
+    real2_t(const real& a, const real& b) : x(a), y(b) {}
 };
 
 template <class real>
 struct real3_t {
     real x, y, z;
+    real3_t() = default;
+    real3_t(const real& a, const real& b, const real& c) : x(a), y(b), z(c) {}
     friend real3_t operator+(const real3_t& a, const real3_t& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend real3_t operator-(const real3_t& a, const real3_t& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend real3_t operator*(const real3_t& a, const real3_t& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
@@ -26,6 +30,8 @@ struct real3_t {
 template <class real>
 struct real4_t {
     real x, y, z, w;
+    real4_t() = default;
+    real4_t(const real& a, const real& b, const real& c, const real& d) : x(a), y(b), z(c), w(d) {}
 };
 
 /// A SIMD pack compares to a mask and has its own select.

@@ -30,13 +30,12 @@ void read_values(oiio::ImageInput& input, oiio::TypeDesc type, OiioPixels& out) 
     if (!complete || input.has_error()) out.damage = input.geterror();
 }
 
-OiioPixels read_pixels(const std::string& name, std::string_view bytes, const ImageHeader& header) {
-    OiioPixels out;
+void read_pixels(const std::string& name, std::string_view bytes, const ImageHeader& header, OiioPixels& out) {
     oiio::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());  // it only reads
     const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::create(reader_name(header.format));
     if (!input) {
         out.failure = std::string("OpenImageIO has no reader for ") + reader_name(header.format);
-        return out;
+        return;
     }
     oiio::ImageSpec config, spec;
     config["oiio:UnassociatedAlpha"] = 1;
@@ -53,7 +52,6 @@ OiioPixels read_pixels(const std::string& name, std::string_view bytes, const Im
         read_values<float>(*input, oiio::TypeDesc::FLOAT, out);
     else
         out.channel_type = input->spec().format.c_str();
-    return out;
 }
 
 }  // namespace
@@ -61,7 +59,7 @@ OiioPixels read_pixels(const std::string& name, std::string_view bytes, const Im
 
 extern "C" radiafit::ReadOiioPixels radiafit_read_oiio_pixels;  // NOLINT: its name is looked up
 
-extern "C" radiafit::OiioPixels radiafit_read_oiio_pixels(const std::string& name, std::string_view bytes,
-                                                          const radiafit::ImageHeader& header) {
-    return radiafit::read_pixels(name, bytes, header);
+extern "C" void radiafit_read_oiio_pixels(const std::string& name, std::string_view bytes,
+                                          const radiafit::ImageHeader& header, radiafit::OiioPixels& out) {
+    radiafit::read_pixels(name, bytes, header, out);
 }

@@ -19,7 +19,8 @@ struct OiioPixels {
 
 /// `name` is told to OpenImageIO only; `header` is what read_image_header found in the same bytes. Throws nothing of
 /// ours.
-using ReadOiioPixels = OiioPixels(const std::string& name, std::string_view bytes, const ImageHeader& header);
+using ReadOiioPixels = void(const std::string& name, std::string_view bytes, const ImageHeader& header,
+                            OiioPixels& out);
 
 inline constexpr const char* oiio_module = "radiafit_oiio.so";
 inline constexpr const char* oiio_function = "radiafit_read_oiio_pixels";
