@@ -16,6 +16,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/half.h"
+#include "base/hash.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/record.h"
@@ -256,6 +257,13 @@ TEST(Half, EqualsF16C) {
 }
 
 // ---- random numbers ------------------------------------------------------------------------------------------------
+
+TEST(Hash, BytesAreThePublishedFnv1a) {
+    EXPECT_EQ(hash_byte_by_byte("", 0), 0xcbf29ce484222325u);
+    EXPECT_EQ(hash_byte_by_byte("a", 1), 0xaf63dc4c8601ec8cu);
+    EXPECT_EQ(hash_byte_by_byte("foobar", 6), 0x85944171f73967e8u);
+    EXPECT_EQ(hash_byte_by_byte("bar", 3, hash_byte_by_byte("foo", 3)), 0x85944171f73967e8u);
+}
 
 TEST(Rng, GivesThePublishedSequence) {
     // The first numbers of PCG's own demonstration program (pcg32-demo, seed 42, stream 54).
