@@ -93,7 +93,7 @@ std::unique_ptr<Atlas> texel_atlas(const Dataset& dataset, int side);
 /// empty folder too; anything else that stands at `folder` is a UserError, raised by the constructor.
 class DatasetWriter {
 public:
-    explicit DatasetWriter(std::filesystem::path folder);
+    explicit DatasetWriter(const std::filesystem::path& folder);
     ~DatasetWriter();
     DatasetWriter(const DatasetWriter&) = delete;
     DatasetWriter& operator=(const DatasetWriter&) = delete;

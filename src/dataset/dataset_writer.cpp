@@ -89,7 +89,7 @@ struct DatasetWriter::State {
         : folder(f), output(f, AtomicFolder::Existing::replace), images(output.path() / dataset_images_name) {}
 };
 
-DatasetWriter::DatasetWriter(fs::path folder) {
+DatasetWriter::DatasetWriter(const fs::path& folder) {
     check_replaceable(folder);
     state_ = std::make_unique<State>(folder);
 }

@@ -31,7 +31,7 @@ struct Header {
 };
 
 /// Type names of PLY's original description and of later writers mean the same.
-std::string canonical(std::string line) {
+std::string canonical(const std::string& line) {
     static const std::array<std::array<const char*, 2>, 4> synonyms = {
         {{"float32", "float"}, {"uint8", "uchar"}, {"uint32", "uint"}, {"vertex_index", "vertex_indices"}}};
     std::istringstream in(line);

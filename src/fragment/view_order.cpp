@@ -24,7 +24,7 @@ std::vector<uint32_t> batches_of_neighbours(const Dataset& dataset, const std::v
         // The first of equals.
         const auto best =
             std::max_element(left.begin(), left.end(), [](const Left& a, const Left& b) { return a.near < b.near; });
-        const Vec3d found = best->direction;
+        Vec3d found = best->direction;
         order.push_back(best->view);
         left.erase(best);
         return found;

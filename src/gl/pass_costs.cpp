@@ -202,7 +202,7 @@ std::string pass_variant(const Defines& defines) {
             items.push_back(value.empty() ? name : name + "=" + value);
     std::sort(items.begin(), items.end());
     std::string variant;
-    for (const std::string& item : items) variant += (variant.empty() ? "" : " ") + item;
+    for (const std::string& item : items) variant.append(variant.empty() ? "" : " ").append(item);
     return variant;
 }
 

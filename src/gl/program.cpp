@@ -99,9 +99,10 @@ GLuint compile(GLenum stage, const std::string& file, const Defines& defines) {
     if (compiled) return shader;
     gl().GetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
     std::string log(static_cast<size_t>(std::max(length, 1)), 0);
-    gl().GetShaderInfoLog(shader, length, nullptr, log.data());
+    gl().GetShaderInfoLog(shader, length, &length, log.data());
+    log.resize(static_cast<size_t>(length));
     gl().DeleteShader(shader);
-    throw SystemError("glCompileShader failed:" + name_files(log.c_str(), shader_text.files));
+    throw SystemError("glCompileShader failed:" + name_files(log, shader_text.files));
 }
 
 GLuint link(std::initializer_list<GLuint> shaders, const std::string& what) {
@@ -117,9 +118,10 @@ GLuint link(std::initializer_list<GLuint> shaders, const std::string& what) {
     if (linked) return program;
     gl().GetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
     std::string log(static_cast<size_t>(std::max(length, 1)), 0);
-    gl().GetProgramInfoLog(program, length, nullptr, log.data());
+    gl().GetProgramInfoLog(program, length, &length, log.data());
+    log.resize(static_cast<size_t>(length));
     gl().DeleteProgram(program);
-    throw SystemError(fmt::format("glLinkProgram failed for {}: {}", what, log.c_str()));
+    throw SystemError(fmt::format("glLinkProgram failed for {}: {}", what, log));
 }
 
 }  // namespace

@@ -14,12 +14,12 @@ class TexelModel {
 public:
     virtual ~TexelModel() = default;
 
-    const char* name;  ///< of shaders/model/NAME.glsl
-    int terms;         ///< numbers of a sample that no parameter enters
-    int basis;         ///< coefficients per channel; those of basis function k are parameters 3 k + channel
-    int shape;         ///< parameters that the channels share, behind the coefficients
-    int parameters;    ///< 3 basis + shape
-    int independent;   ///< so many samples a texel needs at least
+    const char* name = "";  ///< of shaders/model/NAME.glsl
+    int terms = 0;          ///< numbers of a sample that no parameter enters
+    int basis = 0;          ///< coefficients per channel; those of basis function k are parameters 3 k + channel
+    int shape = 0;          ///< parameters that the channels share, behind the coefficients
+    int parameters = 0;     ///< 3 basis + shape
+    int independent = 0;    ///< so many samples a texel needs at least
     std::vector<std::string> coefficient_names;  ///< [basis]
     std::vector<std::string> shape_names;        ///< [shape]
     std::vector<std::array<double, 2>> bounds;   ///< [parameters] lowest and highest value

@@ -196,7 +196,8 @@ private:
 }  // namespace
 
 TexelDistributionStatistics write_texel_records(const fs::path& folder, const Dataset& dataset, const Atlas& atlas,
-                                                const std::vector<uint32_t>& views, std::vector<Distributor*> workers,
+                                                const std::vector<uint32_t>& views,
+                                                const std::vector<Distributor*>& workers,
                                                 const TexelDistributionOptions& options) {
     TexelDistributionStatistics statistics;
     const uint32_t texels = atlas.texel_count();

@@ -74,7 +74,7 @@ private:
 }  // namespace
 
 std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& atlas,
-                                           const std::vector<uint32_t>& views, std::vector<Distributor*> workers,
+                                           const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
                                            TexelDistributionStatistics& statistics) {
     if (views.size() > ~uint32_t(0) / TexelSource::block) throw std::invalid_argument("gather_texels: too many views");
     auto out = std::make_unique<TexelsInMemory>(atlas.texel_count());

@@ -53,7 +53,7 @@ struct TexelDistributionStatistics {
 
 /// Distributes `views` in linear light, in memory. `workers` as for SampleCollector.
 std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& atlas,
-                                           const std::vector<uint32_t>& views, std::vector<Distributor*> workers,
+                                           const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
                                            TexelDistributionStatistics& statistics);
 
 /// Step 1 of the two-step baseline (Section 4.3): the same to texels.bin, texels_index.bin and texels.json in `folder`,
@@ -61,7 +61,7 @@ std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& 
 /// UserError if the disk is full or the folder not writable.
 TexelDistributionStatistics write_texel_records(const std::filesystem::path& folder, const Dataset& dataset,
                                                 const Atlas& atlas, const std::vector<uint32_t>& views,
-                                                std::vector<Distributor*> workers,
+                                                const std::vector<Distributor*>& workers,
                                                 const TexelDistributionOptions& options);
 /// Throws UserError if `folder` holds no whole records, damaged ones, or those of another key. Blocks are checked when
 /// they are read.
