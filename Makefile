@@ -17,7 +17,7 @@ BENCH_FLAGS ?=
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check fuzz faults sanitized experiments bench smoke configure packages format format-check clean
+.PHONY: build test check clang fuzz faults sanitized experiments bench smoke configure packages format format-check clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -28,13 +28,19 @@ test: configure
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
 
-# What `make test` has no time for: faults (kills, full disks, several writers, inputs that change), sanitizers.
+# What `make test` has no time for: clang, faults (kills, full disks, several writers, inputs that change), sanitizers;
+# the texts' own checks first.
 check: configure
-	@tests/check_format
-	@python3 -B tests/check_layers.py
+	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
+	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
+
+# That clang warns of nothing, and clang-tidy finds nothing.
+clang:
+	@scripts/install-packages.sh check
+	@scripts/run-clang-tidy.sh $(JOBS)
 
 # ONLY=TEXT: kinds of faults and commands whose line contains it.
 faults: configure

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs every Debian package that the build, the tests and the figures need: the only list of them.
-# `install-packages.sh fuzz`: what `make fuzz` needs, too.
+# `install-packages.sh fuzz` or `check`: what `make fuzz` or `make check` needs, too.
 # Says nothing and changes nothing where all are there. RADIAFIT_SKIP_PACKAGES=1 leaves the system alone.
 set -eu
 
@@ -15,6 +15,7 @@ packages="
     clang-format glslang-tools spirv-tools python3
 "
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"
+[ "${1:-}" != check ] || packages="$packages clang clang-tidy"
 
 [ "${RADIAFIT_SKIP_PACKAGES:-0}" = 1 ] && exit 0
 
