@@ -153,8 +153,8 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
     command.on_run([=, &command] {
         request->check();
         check_fit_target(*out);
-        AtomicFolder(*out,
-                     AtomicFolder::Existing::replace);  // an output that cannot be written shows now, not at the end
+        // an output that cannot be written shows now, not at the end
+        { const AtomicFolder tried(*out, AtomicFolder::Existing::replace); }
         check_apart(*out, request->records);
         request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         const Dataset dataset = open_dataset(*folder);

@@ -101,8 +101,8 @@ bool CommandLine::parse(int argc, const char* const* argv) {
 bool CommandLine::given(const std::string& name) const { return app_->count(name) > 0; }
 
 CommandOption CommandLine::add(const std::string& name, const std::string& type, const std::string& default_text,
-                               const std::string& help, std::function<void(const std::string&)> read) {
-    CLI::Option* option = app_->add_option_function<std::string>(name, std::move(read), help);
+                               const std::string& help, const std::function<void(const std::string&)>& read) {
+    CLI::Option* option = app_->add_option_function<std::string>(name, read, help);
     option->type_name(type);
     if (!default_text.empty()) option->default_str(default_text);
     return CommandOption(*option);

@@ -61,7 +61,7 @@ public:
     // line is parsed, and must outlive that.
     /// Hands over what stands in the command line.
     CommandOption add(const std::string& name, const std::string& type, const std::string& default_text,
-                      const std::string& help, std::function<void(const std::string&)> read);
+                      const std::string& help, const std::function<void(const std::string&)>& read);
     /// Any text.
     CommandOption add_word(const std::string& name, std::string& value, const std::string& help);
     /// Any texts, one per time that the option is given.

@@ -52,7 +52,7 @@ struct Loaded {
 };
 
 fs::path find_mask(const fs::path& folder, const std::string& name) {
-    const fs::path stem = folder / fs::path(name).replace_extension(".png"), appended = folder / (name + ".png");
+    fs::path stem = folder / fs::path(name).replace_extension(".png"), appended = folder / (name + ".png");
     if (stands(stem)) return stem;
     if (stands(appended)) return appended;
     throw UserError(fmt::format("{}: no mask for image '{}': expected {} or {}", folder.string(), name,

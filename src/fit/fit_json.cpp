@@ -24,7 +24,7 @@ double plain(float value) { return std::stod(fmt::format("{}", value)); }
 
 Json object_of(const std::string& text, const char* what) {
     if (text.empty()) return Json::object();
-    const Json parsed = Json::parse(text, nullptr, false);
+    Json parsed = Json::parse(text, nullptr, false);
     if (!parsed.is_object()) throw std::invalid_argument(fmt::format("the fit's {} are no JSON object", what));
     return parsed;
 }

@@ -22,9 +22,9 @@ RingResampler::RingResampler(const Dataset& dataset, const TriangleAtlas& atlas,
       neighbours_(MapNeighbours::triangle(atlas.side())),
       frames_(vertex_frames(atlas.mesh())),
       view_texels_(reachable_view_texels(view_side)) {
+    const auto center = [&](uint32_t at) { return (at + 0.5) / view_side; };
     for (uint32_t texel : view_texels_)
-        view_centers_.push_back(
-            {(texel % uint32_t(view_side) + 0.5) / view_side, (texel / uint32_t(view_side) + 0.5) / view_side});
+        view_centers_.push_back({center(texel % uint32_t(view_side)), center(texel / uint32_t(view_side))});
     for (uint32_t view : tiles.views) cameras_.push_back(dataset.views[view].camera.center());
 }
 

@@ -44,7 +44,7 @@ public:
         int left = 0, bytes = 0;
         qh_memfreeshort(&state_, &left, &bytes);
         std::fclose(messages_);
-        std::free(text_);
+        std::free(text_);  // NOLINT(cppcoreguidelines-no-malloc): open_memstream took it
     }
     Hull(const Hull&) = delete;
     Hull& operator=(const Hull&) = delete;
