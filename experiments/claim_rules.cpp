@@ -262,7 +262,7 @@ Judgement utilization(const FinishedRun& run) {
         j.values[problem][passes][optimizer] = {
             {"computation", computation}, {"bandwidth", bandwidth}, {"reads", reads}};
         j.renderer = t.text(i, "renderer");
-        if (passes == paper_passes && optimizer == optimizers[1])
+        if (passes == "paper" && optimizer == optimizers[1])
             j.measures.push_back(fmt::format("{}: computation {}, texture reads {}, memory bandwidth {}", problem,
                                              percent(computation), percent(reads), percent(bandwidth)));
         else

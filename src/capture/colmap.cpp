@@ -250,7 +250,7 @@ ColmapModel read_colmap(const std::filesystem::path& folder) {
         read_images_text(model, read_cameras_text(model.cameras_file));
     } else {
         throw UserError(
-            fmt::format("{}: no COLMAP model here: model takes the folder that holds cameras.bin and images.bin, or "
+            fmt::format("{}: no COLMAP model here: --model takes the folder that holds cameras.bin and images.bin, or "
                         "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
                         folder.string()));
     }

@@ -117,7 +117,7 @@ private:
 }  // namespace
 
 std::vector<double> read_gains(const std::filesystem::path& file, const std::vector<std::string>& names) {
-    TextFile text(file, "gain table (gains takes none, estimate or such a file)");
+    TextFile text(file, "gain table (--gains takes none, estimate or such a file)");
     std::unordered_map<std::string, double> table;
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);

@@ -71,12 +71,12 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
     const ImageFile first = read_image(file, true);
     if (depth != 0 && first.bits != depth)
         throw UserError(
-            fmt::format("{}: has {} channels, but depth {} was declared: export the image again, or mend "
+            fmt::format("{}: has {} channels, but --depth {} was declared: export the image again, or mend "
                         "the declaration",
                         file.string(), depth_name(first.bits), depth));
     const bool srgb = transfer == "srgb" || (transfer == "auto" && first.bits == 8);
     if (srgb && first.bits == 32)
-        throw UserError(fmt::format("{}: holds floats, which are linear: leave transfer srgb out", file.string()));
+        throw UserError(fmt::format("{}: holds floats, which are linear: leave --transfer srgb out", file.string()));
     ImageSetFormat format{file, first.width, first.height, first.bits};
     format.decode_srgb = srgb && first.bits == 16;
     format.encoding = first.bits == 32   ? Encoding::f32_linear

@@ -75,9 +75,9 @@ Camera scaled_camera(Camera camera, int max_size) {
 std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel& model,
                                  const std::vector<uint8_t>& held_out) {
     if (!folder_stands(options.images))
-        throw UserError(fmt::format("{}: no such folder of photographs: check images", options.images.string()));
+        throw UserError(fmt::format("{}: no such folder of photographs: check --images", options.images.string()));
     if (!options.masks.empty() && !folder_stands(options.masks))
-        throw UserError(fmt::format("{}: no such folder of masks: check masks", options.masks.string()));
+        throw UserError(fmt::format("{}: no such folder of masks: check --masks", options.masks.string()));
     std::vector<Source> sources(model.images.size());
     for (size_t i = 0; i < sources.size(); ++i) {
         Source& source = sources[i];
@@ -87,12 +87,12 @@ std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel
         source.camera = scaled_camera(source.calibrated, options.max_size);
         source.held_out = held_out[i] != 0;
         if (!stands(source.image))
-            throw UserError(fmt::format("{}: no such image, but {} lists it: check images", source.image.string(),
+            throw UserError(fmt::format("{}: no such image, but {} lists it: check --images", source.image.string(),
                                         model.images_file.string()));
         check_readable(source.image, "image file");
         if (!options.masks.empty()) source.mask = find_mask(options.masks, source.name);
         if (std::max(source.camera.width, source.camera.height) > largest_side)
-            throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give max-size",
+            throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give --max-size",
                                         source.image.string(), source.camera.width, source.camera.height,
                                         largest_side));
     }
@@ -167,7 +167,7 @@ void drop_blind_views(std::vector<Source>& sources, const ImportOptions& options
                                            report.dropped.size(), all, fmt::join(report.dropped, ", ")));
     if (std::all_of(sources.begin(), sources.end(), [](const Source& s) { return s.held_out; }))
         throw UserError(
-            fmt::format("{}: every image that sees the mesh is held out: change holdout", options.model.string()));
+            fmt::format("{}: every image that sees the mesh is held out: change --holdout", options.model.string()));
 }
 
 std::vector<double> choose_gains(std::vector<Source>& sources, const ImportOptions& options, ImportReport& report) {
@@ -279,7 +279,7 @@ std::string provenance(const ImportOptions& options) {
 
 ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     if (options.max_size < 0)
-        throw UserError(fmt::format("max-size {}: give a number of pixels from 1 on", options.max_size));
+        throw UserError(fmt::format("--max-size {}: give a number of pixels from 1 on", options.max_size));
     const ColmapModel model = read_colmap(options.model);
     std::vector<std::string> names;
     for (const ColmapImage& image : model.images) names.push_back(image.name);

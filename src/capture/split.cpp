@@ -19,10 +19,10 @@ std::vector<uint8_t> choose_held_out(const std::vector<std::string>& names, cons
         const auto parsed = std::from_chars(rule.data() + 6, end, step);
         if (parsed.ec != std::errc() || parsed.ptr != end || step < 2)
             throw UserError(
-                fmt::format("holdout {}: N is to be a whole number from 2 on, as in every:8 (or none)", rule));
+                fmt::format("--holdout {}: N is to be a whole number from 2 on, as in every:8 (or none)", rule));
         for (size_t i = 0; i < names.size(); i += step) held_out[i] = 1;
     } else {
-        TextFile text(rule, "list of held-out images (holdout takes every:N, none or such a file)");
+        TextFile text(rule, "list of held-out images (--holdout takes every:N, none or such a file)");
         bool any = false;
         for (std::string_view line; text.next_entry(line); any = true) {
             const auto at = std::find(names.begin(), names.end(), line);
@@ -31,11 +31,11 @@ std::vector<uint8_t> choose_held_out(const std::vector<std::string>& names, cons
                     fmt::format("no image is named '{}': write one name per line, as the images have them", line));
             held_out[size_t(at - names.begin())] = 1;
         }
-        if (!any) throw UserError(fmt::format("{}: names no image: write one per line, or holdout none", rule));
+        if (!any) throw UserError(fmt::format("{}: names no image: write one per line, or --holdout none", rule));
     }
     if (std::find(held_out.begin(), held_out.end(), 0) == held_out.end())
-        throw UserError(fmt::format("holdout {}: holds out all {} images and leaves none to fit: hold out fewer", rule,
-                                    names.size()));
+        throw UserError(fmt::format("--holdout {}: holds out all {} images and leaves none to fit: hold out fewer",
+                                    rule, names.size()));
     return held_out;
 }
 

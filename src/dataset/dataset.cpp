@@ -109,7 +109,7 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
     const NormalMap& map = dataset.normal_map;
     if (map.side == 0) return atlas;
     if (map.side != side)
-        throw UserError(fmt::format("{}: its normals were made for surface side {}, not {}; fit with surface-side {}",
+        throw UserError(fmt::format("{}: its normals were made for surface side {}, not {}; fit with --surface-side {}",
                                     dataset.folder.string(), map.side, side, map.side));
     atlas.set_normals(map.normals);
     return atlas;
@@ -127,16 +127,16 @@ void require_light_field(const Dataset& dataset) {
     if (why)
         throw UserError(
             fmt::format("{}: {}, made for reflectance models; a light field map needs a mesh under light that "
-                        "stays, as imports from COLMAP do",
+                        "stays, as `radiafit import colmap` packs it",
                         dataset.folder.string(), why));
 }
 
 void require_lights(const Dataset& dataset) {
     if (dataset.light_moves()) return;
-    throw UserError(fmt::format(
-        "{}: no image says what lit it; a reflectance model needs a lamp per image, as imports of lights and the "
-        "ornament have; or fit a light field map (model lfm)",
-        dataset.folder.string()));
+    throw UserError(
+        fmt::format("{}: no image says what lit it; a reflectance model needs a lamp per image, as `radiafit import "
+                    "lights` and `radiafit generate ornament` pack them; or fit a light field map (--model lfm)",
+                    dataset.folder.string()));
 }
 
 namespace {

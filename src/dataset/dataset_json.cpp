@@ -213,7 +213,7 @@ Encoding encoding_from(const Fields& fields) {
 }  // namespace
 
 void throw_damaged(const fs::path& file, const std::string& what) {
-    throw UserError(fmt::format("{}: {}; generate or import it again", file.string(), what));
+    throw UserError(fmt::format("{}: {}; run radiafit generate or import again", file.string(), what));
 }
 
 bool is_gain(double value) { return value >= 1e-12 && value <= 1e12; }
@@ -229,12 +229,13 @@ std::string read_dataset_file(const fs::path& file) {
     const fs::path folder = file.parent_path();
     restore_interrupted(folder);
     if (!stands(folder))
-        throw UserError(fmt::format("{}: no such folder; generate or import a dataset", folder.string()));
+        throw UserError(
+            fmt::format("{}: no such folder; radiafit generate or import makes a dataset", folder.string()));
     if (!folder_stands(folder))
         throw UserError(fmt::format("{}: a dataset is a folder, this is a file; give the folder", folder.string()));
     if (!stands(file))
-        throw UserError(fmt::format("{}: not a packed dataset, it has no {}; generate or import one", folder.string(),
-                                    dataset_json_name));
+        throw UserError(fmt::format("{}: not a packed dataset, it has no {}; radiafit generate or import makes one",
+                                    folder.string(), dataset_json_name));
     std::string text = read_file(file, "dataset's description");
     if (text.empty()) throw_damaged(file, "the file is empty");
     return text;

@@ -23,7 +23,7 @@ constexpr size_t vertex_bytes = 3 * sizeof(float);
 constexpr size_t face_bytes = 1 + 3 * sizeof(uint32_t);
 
 [[noreturn]] void damaged(const fs::path& path, const std::string& what) {
-    throw UserError(fmt::format("{}: {}; generate or import it again", path.string(), what));
+    throw UserError(fmt::format("{}: {}; run radiafit generate or import again", path.string(), what));
 }
 
 struct Header {

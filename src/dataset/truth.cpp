@@ -23,7 +23,7 @@ constexpr int format_version = 1;
 using TruthParameters = decltype(ReflectanceTruth::parameters)::value_type;
 
 [[noreturn]] void damaged(const fs::path& file, const std::string& what) {
-    throw UserError(fmt::format("{}: {}; generate it again", file.string(), what));
+    throw UserError(fmt::format("{}: {}; run radiafit generate again", file.string(), what));
 }
 
 size_t count_in(const Json& json, const char* key, uint64_t most, const fs::path& file) {

@@ -151,10 +151,9 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     if (parts && !parts->of) parts = nullptr;
     const std::vector<uint32_t> views = dataset.split(split != Split::train);
     if (views.empty())
-        throw UserError(fmt::format("{}: no view belongs to the {} split; {}", dataset.folder.string(),
-                                    to_string(split),
-                                    split == Split::test ? "hold some out when it is imported, or judge the train split"
-                                                         : "judge the test split"));
+        throw UserError(fmt::format(
+            "{}: no view belongs to the {} split; {}", dataset.folder.string(), to_string(split),
+            split == Split::test ? "hold some out (import --holdout), or judge --split train" : "judge --split test"));
     const Dataset as_stored = without_gains(dataset);
     const ImageStream stream(as_stored, StreamSource::disk);
     std::vector<std::unique_ptr<Bench>> benches;

@@ -26,7 +26,7 @@ std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
 std::string read_text(const fs::path& path) {
     std::error_code ignored;
     if (fs::symlink_status(path, ignored).type() == fs::file_type::not_found)
-        throw UserError(fmt::format("{}: no such file; give a folder that holds a fit", path.string()));
+        throw UserError(fmt::format("{}: no such file; give a folder that radiafit fit wrote", path.string()));
     return read_file(path, "fit's description");
 }
 
@@ -52,7 +52,7 @@ void require_problems(const FitRecord& fit, size_t problems) {
 void require_folder(const fs::path& folder) {
     restore_interrupted(folder);
     if (!folder_stands(folder))
-        throw UserError(fmt::format("{}: no such folder; give one that holds a fit", folder.string()));
+        throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
 }
 
 void check_promises(const FitRecord& fit, const FitPromises& promises, const fs::path& problems) {
@@ -225,7 +225,7 @@ Dataset open_fitted_dataset(const FitRecord& fit, const fs::path& moved_to) {
     if (!stands(path))
         throw UserError(
             fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its folder by "
-                        "dataset",
+                        "--dataset",
                         path.string(), fit.dataset_name));
     Dataset dataset = open_dataset(path);
     if (fingerprint(dataset) != fit.dataset_fingerprint)

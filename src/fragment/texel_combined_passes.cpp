@@ -55,7 +55,7 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
     if (targets_needed > most)
         throw UserError(
             fmt::format("the model {} has too many parameters for combined passes: they take {} render "
-                        "targets, and this device has {}; choose passes paper",
+                        "targets, and this device has {}; choose --passes paper",
                         w_.shape.model->name, targets_needed, most));
     std::vector<float> numbers;
     for (const uint32_t view : w_.images.views())

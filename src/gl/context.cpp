@@ -107,8 +107,8 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
         if (10 * major + minor < needed) {
             const auto* renderer = reinterpret_cast<const char*>(get_string(GL_RENDERER));
             throw UserError(fmt::format(
-                "{} ({}) offers OpenGL {}.{}, but {}.{} core is needed: update the driver, or choose another context "
-                "or device",
+                "{} ({}) offers OpenGL {}.{}, but {}.{} core is needed: update the driver, or choose another --context "
+                "or --device (see `radiafit devices`)",
                 library, renderer ? renderer : "unknown renderer", major, minor, needed / 10, needed % 10));
         }
         functions_.load(resolve, library);

@@ -100,17 +100,17 @@ class EglContext final : public Context {
 public:
     explicit EglContext(const ContextOptions& options) : Context(options) {
         const Egl* egl = Egl::get();
-        if (!egl) throw UserError("context egl needs libEGL.so.1: install libegl1, or use context osmesa");
+        if (!egl) throw UserError("--context egl needs libEGL.so.1: install libegl1, or use --context osmesa");
         const std::vector<EglDevice> devices = egl_devices(*egl);
         if (options.device >= static_cast<int>(devices.size())) {
             std::string list;
             for (size_t i = 0; i < devices.size(); ++i) list += fmt::format(" {} ({})", i, devices[i].description);
-            throw UserError(fmt::format("device {} is out of range: EGL has{}", options.device,
-                                        list.empty() ? " no devices" : list));
+            throw UserError(fmt::format("--device {} is out of range: EGL has{} (see `radiafit devices`)",
+                                        options.device, list.empty() ? " no devices" : list));
         }
         if (options.device >= 0) {
             if (!open(*egl, EGL_PLATFORM_DEVICE_EXT, devices[options.device].handle))
-                throw UserError(fmt::format("device {} ({}) gives no OpenGL core context: choose another device",
+                throw UserError(fmt::format("--device {} ({}) gives no OpenGL core context: choose another --device",
                                             options.device, devices[options.device].description));
         } else {
             open_any(*egl, devices);
@@ -134,7 +134,7 @@ private:
         for (const EglDevice& device : devices)
             if (device.software && open(egl, EGL_PLATFORM_DEVICE_EXT, device.handle)) return;
         throw UserError(
-            "EGL gives no OpenGL core context without a window system: install Mesa, or use context osmesa");
+            "EGL gives no OpenGL core context without a window system: install Mesa, or use --context osmesa");
     }
 
     bool open(const Egl& egl, EGLenum platform, void* native) {

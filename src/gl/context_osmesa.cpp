@@ -41,8 +41,10 @@ class OsMesaContext final : public Context {
 public:
     explicit OsMesaContext(const ContextOptions& options) : Context(options) {
         const OsMesa* library = OsMesa::get();
-        if (!library) throw UserError("context osmesa needs libOSMesa.so.8: install libosmesa6, or use context egl");
-        if (options.device > 0) throw UserError("device is out of range: context osmesa has one device, 0");
+        if (!library)
+            throw UserError("--context osmesa needs libOSMesa.so.8: install libosmesa6, or use --context egl");
+        if (options.device > 0)
+            throw UserError("--device is out of range: --context osmesa has one device, 0 (see `radiafit devices`)");
         // Any core context first; finish_creation() compares its version and can say what it is.
         for (const std::array<int, 2> version : {std::array{4, 5}, std::array{3, 2}}) {
             const int attributes[] = {OSMESA_FORMAT,
@@ -61,7 +63,7 @@ public:
             context_ = library->create(attributes, nullptr);
             if (context_) break;
         }
-        if (!context_) throw UserError("OSMesa gives no OpenGL 4.5 core context: update Mesa, or use context egl");
+        if (!context_) throw UserError("OSMesa gives no OpenGL 4.5 core context: update Mesa, or use --context egl");
         finish_creation(resolve, "OSMesa");
     }
     ~OsMesaContext() override {

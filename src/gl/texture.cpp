@@ -52,7 +52,7 @@ Texture::Texture(GLenum format, int width, int height, int layers)
     if (width > limit || height > limit)
         throw UserError(
             fmt::format("a texture of {} x {} texels is beyond this device's limit of {}: use a smaller "
-                        "surface-side or view-side, or a smaller mesh",
+                        "--surface-side or --view-side, or a smaller mesh",
                         width, height, limit));
     gl().CreateTextures(layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &name_);
     if (layers)

@@ -113,7 +113,7 @@ VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options
     const int unknowns = model.view_side * model.view_side * model.terms;
     if (unknowns > 1024)  // some tenths of a second a step, growing with the cube
         throw UserError(fmt::format(
-            "solver 'varpro' factors a dense matrix of view-side^2 times terms = {} rows; choose a smaller view-side "
+            "solver 'varpro' factors a dense matrix of view-side^2 times terms = {} rows; choose a smaller --view-side "
             "(1024 rows at most) or another solver",
             unknowns));
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));

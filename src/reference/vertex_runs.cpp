@@ -67,8 +67,8 @@ void JointRows::finish() {
 void require_modern_penalty(const LfmOptions& model, const char* solver) {
     if (model.mode == Mode::paper && model.mu > 0)
         throw UserError(fmt::format(
-            "solver '{}' minimizes sums of squares, and the paper's bounds penalty is none; choose mode modern, or "
-            "mu 0",
+            "solver '{}' minimizes sums of squares, and the paper's bounds penalty is none; choose --mode modern, or "
+            "--mu 0",
             solver));
 }
 
