@@ -13,7 +13,7 @@ struct RADIAFIT_TEXEL_MODEL {
     using real3 = shared_text::real3_t<real>;
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"  // a model need not look at all that it is given
-#pragma GCC diagnostic ignored "-Wpsabi"           // its types say for which instructions they are (base/pack.h)
+#pragma GCC diagnostic ignored "-Wpsabi"             // its types say for which instructions they are (base/pack.h)
 #include RADIAFIT_TEXEL_FILE
 #pragma GCC diagnostic pop
 #if !defined(TERM_COUNT) || !defined(BASIS_COUNT) || !defined(SHAPE_COUNT)
