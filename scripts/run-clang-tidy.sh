@@ -10,7 +10,8 @@ cmake --build build/clang --parallel "$jobs"
 
 log=build/clang/clang-tidy.log
 if ! run-clang-tidy -p build/clang -quiet -j "$jobs" "^$PWD/src/.*${2:-}" >"$log" 2>&1; then
-    grep -A 4 -E ': (error|warning): ' "$log" || tail -n 20 "$log"
+    sed -i 's/\x1b\[[0-9;]*m//g' "$log"  # it colours files, too
+    sort -u "$log" | grep -E ': (error|warning): ' || tail -n 20 "$log"
     echo "clang-tidy has findings; all that it says: $log" >&2
     exit 1
 fi

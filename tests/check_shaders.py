@@ -9,7 +9,7 @@ after the #version line, and where the name of a file is a definition's, that in
   - with every combination on each line of its first ten, "-" being "not defined":
         // variants: TERMS=1,3 STORAGE=0,1,2 ALONG=-,1
     MODEL=* stands for every texel-local model: those texts in shaders/model that define BASIS_COUNT. STEP=* and UPDATE=*
-    stand for every step and update of an optimizer, with what belongs to it.
+    stand for every step and update of an optimizer, with what belongs to it; LOSS=* for none and every one in loss.glsl.
 
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, and any
 other .glsl file that no stage reaches is an error: it would be untested.
@@ -84,6 +84,12 @@ def optimizer_texts(shaders, axis):
     return found
 
 
+def losses(shaders):
+    names = re.findall(r"^SHARED_FN element (\w+)_weight\(", (shaders / "model/loss.glsl").read_text(encoding="utf-8"), re.M)
+    return [[]] + [[("LOSS_VALUE_OF", name + "_value"), ("LOSS_WEIGHT_OF", name + "_weight"), ("LOSS_SCALE", "0.1")]
+                   for name in names]
+
+
 def declared_variants(shaders, path):
     variants = []
     for line in path.read_text(encoding="utf-8").splitlines()[:10]:
@@ -93,6 +99,8 @@ def declared_variants(shaders, path):
         for name, values in (item.split("=", 1) for item in line.split(":", 1)[1].split()):
             if values == "*" and name in ("STEP", "UPDATE"):
                 axes.append(optimizer_texts(shaders, name))
+            elif (name, values) == ("LOSS", "*"):
+                axes.append(losses(shaders))
             else:
                 values = texel_models(shaders) if (name, values) == ("MODEL", "*") else values.split(",")
                 axes.append([[(name, value)] if value != "-" else [] for value in values])

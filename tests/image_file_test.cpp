@@ -346,9 +346,10 @@ TEST_F(Images, HeadersThatPromiseTooMuchTakeNoMemory) {
     getrusage(RUSAGE_SELF, &before);
     for (const auto& [name, bytes] : files) {
         SCOPED_TRACE(name);
-        write_bytes(root_ / name, bytes);
-        expect_in(name, complaint([&] { read_image(root_ / name, true); }));
-        expect_in(name, complaint([&] { read_mask(root_ / name); }));
+        const fs::path file = root_ / name;
+        write_bytes(file, bytes);
+        expect_in(name, complaint([&] { read_image(file, true); }));
+        expect_in(name, complaint([&] { read_mask(file); }));
     }
     getrusage(RUSAGE_SELF, &after);
     EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100 << 10);  // KiB; the smallest of these would be 1.2 GB
@@ -374,9 +375,10 @@ TEST_F(Images, OtherFormatsAreRefused) {
         {"x.hdr", "#?RADIANCE\n" + std::string(100, '\n')},
     };
     for (const auto& [name, bytes] : files) {
-        write_bytes(root_ / name, bytes);
-        expect_in(name + ": neither PNG, JPEG", complaint([&] { read_image(root_ / name, true); }));
-        expect_in("convert the image to PNG", complaint([&] { read_mask(root_ / name); }));
+        const fs::path file = root_ / name;
+        write_bytes(file, bytes);
+        expect_in(name + ": neither PNG, JPEG", complaint([&] { read_image(file, true); }));
+        expect_in("convert the image to PNG", complaint([&] { read_mask(file); }));
     }
     expect_in("it is a folder", complaint([&] { read_image(root_); }));
     ASSERT_EQ(mkfifo((root_ / "pipe.png").c_str(), 0600), 0);
@@ -410,8 +412,9 @@ TEST_F(Images, LibrariesPrintNothing) {
     ::testing::internal::CaptureStdout();
     for (const auto& [name, bytes] : files) {
         SCOPED_TRACE(name);
-        write_bytes(root_ / name, bytes);
-        expect_in("truncated or corrupt", complaint([&] { read_image(root_ / name, true); }));
+        const fs::path file = root_ / name;
+        write_bytes(file, bytes);
+        expect_in("truncated or corrupt", complaint([&] { read_image(file, true); }));
     }
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
     EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");

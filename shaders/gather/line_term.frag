@@ -1,4 +1,5 @@
 #version 450 core
+// variants: LOSS=* QUANTITY=0,1,2,3 STORAGE=0,1 VALUES=0,1
 // One term of a sum along d for one corner (Eq. 13), before the gather. QUANTITY 0: a^2; 1: 2 r b, which with a^2 is d'Hd; 2: a b; 3: b^2.
 #define ALONG
 #include "model/prelude.glsl"

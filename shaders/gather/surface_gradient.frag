@@ -1,4 +1,5 @@
 #version 450 core
+// variants: LOSS=* DIAGONAL=-,1 STORAGE=0,1 VALUES=0,1
 // Top of Figure 5: dE/dg_k = r h_k, blended into the corner's gradient. DIAGONAL: its square for diag(J'J), h_k^2.
 #include "model/prelude.glsl"
 #define element vec3

@@ -7,7 +7,7 @@ SHARED_FN void lbfgs_keep(INOUT(Elements) e, Registers problem, Constants told) 
     const int p = 0, g = 1, precondition = 2, s = 3, y = 4, trial = 5, trial_gradient = 6, fresh = 7;
     element accepted = problem.x[0];
     bool refreshed = told.x[0] != real(0.0);
-    element moved = e.x[trial] - e.x[p], changed = e.x[trial_gradient] - e.x[g], nothing = accepted - accepted;
+    element moved = e.x[trial] - e.x[p], changed = e.x[trial_gradient] - e.x[g], nothing = accepted - accepted;  // NOLINT: zero, of any type
     e.x[s] = where(accepted, moved, nothing);
     e.x[y] = where(accepted, changed, nothing);
     e.x[p] = where(accepted, e.x[trial], e.x[p]);

@@ -46,7 +46,7 @@ constexpr PassCost table[] = {
     {"gather/tile_texels.frag", "DIAGONAL PRODUCT STORAGE=0 TERMS=1", 1, {33, 1, 4}, {22, 2, 32}},
     {"gather/tile_texels.frag", "MAXIMUM STORAGE=0 TERMS=1", 1, {33, 1, 4}, {17, 1, 16}},
     {"gather/tile_texels.frag", "PRODUCT STORAGE=0 TERMS=1", 1, {33, 1, 4}, {19, 2, 32}},
-    {"gather/tile_texels.frag", "SQUARE STORAGE=0 TERMS=1", 1, {33, 1, 4}, {19, 1, 16}},
+    {"gather/tile_texels.frag", "SQUARE STORAGE=0 TERMS=1", 1, {33, 1, 4}, {18, 1, 16}},
     {"gather/tile_texels.frag", "STORAGE=0 TERMS=1", 1, {33, 1, 4}, {15, 1, 16}},
     {"gather/view_sum.frag", "", 1, {264, 16, 256}, {}},
     {"gather/view_sum.frag", "MAXIMUM", 1, {248, 16, 256}, {}},
