@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/standard_streams.h"
+#include "base/wording.h"
 #include "gl/context.h"
 #include "report/figures.h"
 #include "synthetic/synthetic.h"
@@ -151,6 +152,7 @@ std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count
 
 int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body) {
+    name_options_by_flag();
     prepare_standard_streams();
     try {
         Experiment experiment(name, argc, argv);

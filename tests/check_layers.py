@@ -3,7 +3,8 @@
 gl on base, and fragment on it; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; app on all, and
 below nothing but experiments.
 
-Also: which folder may include which foreign library, and that heavy headers stay out of our headers.
+Also: which folder may include which foreign library, that heavy headers stay out of our headers, and that no message below
+app names options and commands as the command line has them, which mean nothing to a caller of the library.
 Usage: check_layers.py [ROOT]"""
 import pathlib
 import re
@@ -46,6 +47,16 @@ LIBRARIES = [
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 
+# What only a user of the program knows; base/wording.h says it to them, and to others in other words.
+TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:devices|fit|generate|import|info|judge|options|plan|render)\b")
+# No messages: these functions put down, in a dataset, the command that makes it again.
+PROVENANCE = {"src/capture/import.cpp": "provenance", "src/capture/import_lights.cpp": "provenance",
+              "src/synthetic/synthetic.cpp": "synthetic_source"}
+TOKEN = re.compile(r"""(?P<skip>\s+|//[^\n]*|/\*.*?\*/)
+    | (?:u8|[uUL])?R"(?P<mark>[^()\s]*)\((?P<raw>.*?)\)(?P=mark)"
+    | (?:u8|[uUL])?"(?P<text>(?:\\.|[^"\\\n])*)"
+    | (?P<other>'(?:\\.|[^'\\\n])+' | \d[\w.']* | \w+ | .)""", re.X | re.S)
+
 
 def includes(path):
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
@@ -83,6 +94,38 @@ def check_include(layer, path, own, foreign):
     return None
 
 
+def literals(text):
+    """(place, content, whether it is the first argument of at_command_line) of each string literal; adjacent ones are one."""
+    place, parts, before = 0, [], ["", ""]
+    for token in TOKEN.finditer(text):
+        if token["skip"]:
+            continue
+        if token["other"] is None:
+            place = place if parts else token.start()
+            parts.append(token["raw"] if token["text"] is None else token["text"])
+            continue
+        if parts:
+            yield place, "".join(parts), before == ["at_command_line", "("]
+        parts, before = [], [before[1], token["other"]]
+
+
+def check_words(root, path):
+    text, name = path.read_text(encoding="utf-8"), path.relative_to(root).as_posix()
+    exempt = range(0)
+    if name in PROVENANCE:
+        function = re.search(rf"^\S[^\n;]*\b{PROVENANCE[name]}\([^;{{]*{{$.*?^}}", text, re.M | re.S)
+        if function is None:
+            return [f"{name}: has no function {PROVENANCE[name]}; mend PROVENANCE in tests/check_layers.py"]
+        exempt = range(*function.span())
+    errors = []
+    for place, content, chosen in literals(text):
+        typed = TYPED.search(content)
+        if typed and not chosen and place not in exempt:
+            errors.append(f"{name}:{text.count(chr(10), 0, place) + 1}: '{typed[0]}' means nothing to a caller of the library: "
+                          "say it by option_name() or at_command_line() (base/wording.h)")
+    return errors
+
+
 def check_sources(root):
     errors, count = [], 0
     for folder in sorted((root / "src").iterdir()):
@@ -98,6 +141,8 @@ def check_sources(root):
                 if wrong:
                     errors.append(f"{path.relative_to(root)}:{number}: {own or foreign}: {wrong}")
                 count += own is not None
+            if layer != "app":
+                errors += check_words(root, path)
     # Experiments stand above app and may include all of src, but bring in none of the libraries that have a place.
     for path in sources(root / "experiments") if (root / "experiments").is_dir() else []:
         for number, _, foreign in includes(path):

@@ -89,6 +89,39 @@ class Layers(Tree):
                 if line:
                     self.assertTrue(errors[0].startswith(f"{path}:2: "), errors[0])
 
+    def test_words_of_the_command_line_below_app_are_named(self):
+        found = [
+            ('throw UserError("choose a smaller --view-side");', "--view-side"),
+            ('throw UserError(fmt::format("{}: use -"  // broken\n    "-mu 0", 1\'000));', "--mu"),
+            ('log(R"(see "radiafit\n devices" or\n--force)");', "--force"),
+            ("log(\"see `radiafit \"\n    \"devices`\");", "radiafit devices"),
+            ('log(option_name("--mu"));', "--mu"),
+            ('log(at_command_line("judge --split test", "judge --split test"));', "--split"),
+        ]
+        for line, word in found:
+            with self.subTest(line=line):
+                self.write("src/gl/a.cpp", "// first\n" + line + "\n")
+                errors = self.errors()
+                self.assertEqual(len(errors), 1, errors)
+                self.assertTrue(errors[0].startswith(f"src/gl/a.cpp:2: '{word}' "), errors[0])
+        for line in ("// --mu of \"--mu\"", "/* '\"' --mu */", 'log("a -- b, c--d, ---e, radiafit fitted");', "int c = '\"'; --c; // \"",
+                     'log(option_name("mu"), at_command_line("see `radiafit devices` " "or --mu", "see list()"));'):
+            with self.subTest(line=line):
+                self.write("src/gl/a.cpp", line + "\n")
+                self.assertEqual(self.errors(), [])
+        self.write("src/app/a.cpp", 'log("--mu");\n')
+        self.assertEqual(self.errors(), [])
+
+    def test_only_the_function_that_puts_a_command_down_is_free(self):
+        path, function = "src/capture/import.cpp", 'std::string provenance(const A& a) {\n    return " --gains";\n}\n'
+        self.write(path, function)
+        self.assertEqual(self.errors(), [])
+        self.write(path, function + 'void f() { provenance(" --gains"); }\n')
+        self.assertEqual(len(self.errors()), 1)
+        self.assertTrue(self.errors()[0].startswith(path + ":4: '--gains'"), self.errors())
+        self.write(path, "int x;\n")
+        self.assertIn("has no function provenance", self.errors()[0])
+
     def test_link_lists(self):
         self.write("src/base/CMakeLists.txt", "radiafit_layer(base)\n")
         self.write("src/geometry/CMakeLists.txt", "# radiafit_gl\nradiafit_layer(geometry LINKS radiafit_base)\n")

@@ -114,7 +114,7 @@ TEST_F(ConfigTest, AnUnknownKeyNamesFileLineAndTheNearest) {
     EXPECT_EQ(error("name = 'x'\niteratons = 3\n"), "FILE:2: unknown key 'iteratons'; did you mean 'iterations'?");
     EXPECT_EQ(error("[profile.smoke]\nrat = 3\n"), "FILE:2: unknown key 'rat'; did you mean 'rate'?")
         << "also in a profile that isn't chosen";
-    EXPECT_EQ(error("", "", {"sidez=[1]"}), "--set sidez=[1]: unknown key 'sidez'; did you mean 'sides'?");
+    EXPECT_EQ(error("", "", {"sidez=[1]"}), "override sidez=[1]: unknown key 'sidez'; did you mean 'sides'?");
     EXPECT_EQ(error("[rate]\nx = 1\n"), "FILE:1: 'rate' must be a finite number, not a table");
 }
 
@@ -130,7 +130,7 @@ TEST_F(ConfigTest, AWrongTypeNamesFileAndLine) {
     EXPECT_EQ(error("iterations = 1\n[profile.other]\niterations = 'x'\n"),
               "FILE:3: 'iterations' must be an integer of 32 bits, not a string");
     EXPECT_EQ(error("", "", {"iterations=many"}),
-              "--set iterations=many: 'iterations' must be an integer of 32 bits, not a string");
+              "override iterations=many: 'iterations' must be an integer of 32 bits, not a string");
 }
 
 TEST_F(ConfigTest, ARuleHoldsForEveryValueInAnyProfile) {
@@ -162,7 +162,7 @@ TEST_F(ConfigTest, ARuleHoldsForEveryValueInAnyProfile) {
     EXPECT_EQ(refusal("shapes = ['star', 'moon']"), "FILE:1: no shape moon");
     for (const char* key : {"sides", "levels", "shapes"})
         EXPECT_EQ(refusal(std::string(key) + " = []"), "FILE:1: " + std::string(key) + " = []: give one or more");
-    EXPECT_EQ(refusal("", {"sides=[]"}), "--set sides=[]: sides = []: give one or more");
+    EXPECT_EQ(refusal("", {"sides=[]"}), "override sides=[]: sides = []: give one or more");
 }
 
 TEST_F(ConfigTest, AMalformedFileProfileOrOverride) {
@@ -178,8 +178,8 @@ TEST_F(ConfigTest, AMalformedFileProfileOrOverride) {
     EXPECT_EQ(error("rate = 1", "smoke"), "FILE: no profile 'smoke'; add a table [profile.smoke]");
     EXPECT_EQ(error("profile = 3", "smoke"), "FILE:1: 'profile' must hold tables such as [profile.smoke]");
     EXPECT_EQ(error("[profile]\nsmoke = 1"), "FILE:2: 'profile.smoke' must be a table");
-    EXPECT_EQ(error("", "", {"iterations"}), "--set iterations: write it as key=value");
-    EXPECT_EQ(error("", "", {"=3"}), "--set =3: write it as key=value");
+    EXPECT_EQ(error("", "", {"iterations"}), "override iterations: write it as key=value");
+    EXPECT_EQ(error("", "", {"=3"}), "override =3: write it as key=value");
     EXPECT_THROW(Config("no/such/file.toml"), UserError);
 }
 

@@ -43,7 +43,7 @@ TEST_F(DamagedTest, MissingFiles) {
 
 TEST_F(DamagedTest, Json) {
     write_text(json_, "");
-    expect_in("run radiafit generate or import again", open_complaint());
+    expect_in("make the dataset again", open_complaint());
     expect_in("line 3 ", open_with("\"version\": 4", "\"version\" 4"));
     expect_in("\"version\" is 5", open_with("\"version\": 4", "\"version\": 5"));
     expect_in("\"format\" is \"gltf\"", open_with("radiafit-dataset", "gltf"));
@@ -82,7 +82,7 @@ TEST_F(DamagedTest, Cameras) {
 TEST_F(DamagedTest, ImagesThatDoNotFit) {
     const fs::path images = folder_ / "images.bin";
     const uint64_t bytes = fs::file_size(images);
-    expect_in("run radiafit generate or import again", open_with("\"pixel_offset\":4096", "\"pixel_offset\":4000"));
+    expect_in("make the dataset again", open_with("\"pixel_offset\":4096", "\"pixel_offset\":4000"));
     write_text(json_, text_);
     expect_in("multiple of 4096", open_with("\"pixel_offset\":4096", "\"pixel_offset\":4000"));
     expect_in("ends at byte", open_with("\"pixel_offset\":4096", "\"pixel_offset\":81920"));
@@ -107,7 +107,7 @@ TEST_F(DamagedTest, Meshes) {
     for (const size_t length : {size_t(0), size_t(3), size_t(40), ply.size() / 2, ply.size() - 1}) {
         const std::string text = open_with_mesh(ply.substr(0, length));
         expect_in("mesh.ply", text);
-        expect_in("generate or import", text);
+        expect_in("make the dataset again", text);
     }
     expect_in("binary_little_endian", open_with_mesh(replaced(ply, "binary_little_endian", "ascii")));
     expect_in("counts", open_with_mesh(replaced(ply, "vertex 4", "vertex x")));

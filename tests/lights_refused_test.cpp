@@ -37,7 +37,7 @@ TEST_F(LightsTest, LightsMustPointSomewhere) {
         expect_in("intensities.txt:1: the light's intensity is ", refused());
     }
     options_.lights.clear();
-    expect_in("--light-positions", refused());
+    expect_in("'light-positions'", refused());
 }
 
 TEST_F(LightsTest, ImagesMustBeAlike) {
@@ -50,11 +50,11 @@ TEST_F(LightsTest, ImagesMustBeAlike) {
         write_bytes(options_.images / name(i), encode_png(width, height, 3, 8, std::vector<uint16_t>(3 * pixels, 9)));
     options_.depth = 16;
     const std::string text = refused();
-    expect_in("00.png: has 8-bit channels, but --depth 16 was declared", text);
+    expect_in("00.png: has 8-bit channels, but 'depth' 16 was declared", text);
     expect_in("export the image again", text);
     options_.depth = 0;
     options_.transfer = "gamma";
-    expect_in("--transfer gamma", refused());
+    expect_in("'transfer' gamma", refused());
 }
 
 TEST_F(LightsTest, NoImageIsPackedTwice) {

@@ -53,7 +53,7 @@ TEST(Resources, TooLittleIsRefusedUnlessForced) {
     EXPECT_NE(memory.find("choose smaller sizes"), std::string::npos) << memory;
     EXPECT_NE(disk.find("of disk for out"), std::string::npos) << disk;
     EXPECT_NE(disk.find("make room"), std::string::npos) << disk;
-    EXPECT_NE(disk.find("--force"), std::string::npos) << disk;
+    EXPECT_NE(disk.find("'force'"), std::string::npos) << disk;
     EXPECT_NO_THROW(announce_needs("fit", {far_too_much, far_too_much}, "out", true));
 }
 

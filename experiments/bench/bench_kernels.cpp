@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "cpu/lfm_engine.h"
 #include "cpu/peaks.h"
 #include "cpu/two_step_solver.h"
@@ -289,6 +290,7 @@ BENCHMARK(resampling)->Unit(benchmark::kMillisecond);
 }  // namespace radiafit
 
 int main(int argc, char** argv) {
+    radiafit::name_options_by_flag();
     benchmark::Initialize(&argc, argv);
     if (argc != 2) {
         radiafit::log_error("bench_kernels",

@@ -6,11 +6,13 @@
 #include "base/parallel.h"
 #include "base/record.h"
 #include "base/standard_streams.h"
+#include "base/wording.h"
 
 using namespace radiafit;
 
 /// Exit status: 0 done, 1 the machine failed (GL, I/O), 2 the user's mistake.
 int main(int argc, char** argv) {
+    name_options_by_flag();
     prepare_standard_streams();
     CommandLine program("radiafit",
                         "radiafit fits image-based models to posed photographs by streaming them through OpenGL.",

@@ -18,11 +18,16 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/wording.h"
 
 namespace radiafit {
 namespace {
 
-/// One key as given somewhere: `where` is "FILE:LINE", or "--set KEY=VALUE" with the value's text in `override_text`.
+std::string as_given(const std::string& override_text) {
+    return fmt::format("{} {}", at_command_line("--set", "override"), override_text);
+}
+
+/// One key as given somewhere: `where` is "FILE:LINE", or as_given() with the value's text in `override_text`.
 struct Entry {
     std::string key;
     const toml::node* node;
@@ -221,7 +226,7 @@ struct Config::Sources {
     void add_override(const std::string& text) {
         const size_t equals = text.find('=');
         if (equals == std::string::npos || equals == 0)
-            throw UserError(fmt::format("--set {}: write it as key=value", text));
+            throw UserError(fmt::format("{}: write it as key=value", as_given(text)));
         const std::string value = text.substr(equals + 1);
         toml::table table;
         try {
@@ -232,7 +237,7 @@ struct Config::Sources {
         overrides.push_back(std::move(table));
         entries.push_back({.key = text.substr(0, equals),
                            .node = nullptr,
-                           .where = fmt::format("--set {}", text),
+                           .where = as_given(text),
                            .override_text = value,
                            .applies = true});
     }

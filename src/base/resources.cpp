@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/wording.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -92,7 +93,7 @@ void announce_needs(const std::string& task, const Needs& needs, const fs::path&
     if (needs.memory <= memory && needs.disk <= disk) return log_info(line);
     const char* cure =
         needs.memory > memory ? "close other programs or choose smaller sizes" : "make room or choose another disk";
-    if (!force) throw UserError(fmt::format("{}: {}, or go on all the same with --force", line, cure));
+    if (!force) throw UserError(fmt::format("{}: {}, or go on all the same with {}", line, cure, option_name("force")));
     log_warning(line);
 }
 

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "base/wording.h"
 #include "capture/text_file.h"
 
 namespace radiafit {
@@ -250,9 +251,9 @@ ColmapModel read_colmap(const std::filesystem::path& folder) {
         read_images_text(model, read_cameras_text(model.cameras_file));
     } else {
         throw UserError(
-            fmt::format("{}: no COLMAP model here: --model takes the folder that holds cameras.bin and images.bin, or "
+            fmt::format("{}: no COLMAP model here: {} takes the folder that holds cameras.bin and images.bin, or "
                         "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
-                        folder.string()));
+                        folder.string(), option_name("model")));
     }
     if (model.images.empty())
         throw UserError(fmt::format("{}: holds no image: register photographs first", model.images_file.string()));

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/statistics.h"
+#include "base/wording.h"
 #include "capture/image_scale.h"
 #include "capture/text_file.h"
 
@@ -117,7 +118,7 @@ private:
 }  // namespace
 
 std::vector<double> read_gains(const std::filesystem::path& file, const std::vector<std::string>& names) {
-    TextFile text(file, "gain table (--gains takes none, estimate or such a file)");
+    TextFile text(file, fmt::format("gain table ({} takes none, estimate or such a file)", option_name("gains")));
     std::unordered_map<std::string, double> table;
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
 
@@ -71,12 +72,13 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
     const ImageFile first = read_image(file, true);
     if (depth != 0 && first.bits != depth)
         throw UserError(
-            fmt::format("{}: has {} channels, but --depth {} was declared: export the image again, or mend "
+            fmt::format("{}: has {} channels, but {} {} was declared: export the image again, or mend "
                         "the declaration",
-                        file.string(), depth_name(first.bits), depth));
+                        file.string(), depth_name(first.bits), option_name("depth"), depth));
     const bool srgb = transfer == "srgb" || (transfer == "auto" && first.bits == 8);
     if (srgb && first.bits == 32)
-        throw UserError(fmt::format("{}: holds floats, which are linear: leave --transfer srgb out", file.string()));
+        throw UserError(fmt::format("{}: holds floats, which are linear: leave {} srgb out", file.string(),
+                                    option_name("transfer")));
     ImageSetFormat format{file, first.width, first.height, first.bits};
     format.decode_srgb = srgb && first.bits == 16;
     format.encoding = first.bits == 32   ? Encoding::f32_linear

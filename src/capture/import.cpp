@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/resources.h"
+#include "base/wording.h"
 #include "capture/colmap.h"
 #include "capture/file_names.h"
 #include "capture/gains.h"
@@ -75,9 +76,11 @@ Camera scaled_camera(Camera camera, int max_size) {
 std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel& model,
                                  const std::vector<uint8_t>& held_out) {
     if (!folder_stands(options.images))
-        throw UserError(fmt::format("{}: no such folder of photographs: check --images", options.images.string()));
+        throw UserError(
+            fmt::format("{}: no such folder of photographs: check {}", options.images.string(), option_name("images")));
     if (!options.masks.empty() && !folder_stands(options.masks))
-        throw UserError(fmt::format("{}: no such folder of masks: check --masks", options.masks.string()));
+        throw UserError(
+            fmt::format("{}: no such folder of masks: check {}", options.masks.string(), option_name("masks")));
     std::vector<Source> sources(model.images.size());
     for (size_t i = 0; i < sources.size(); ++i) {
         Source& source = sources[i];
@@ -87,14 +90,14 @@ std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel
         source.camera = scaled_camera(source.calibrated, options.max_size);
         source.held_out = held_out[i] != 0;
         if (!stands(source.image))
-            throw UserError(fmt::format("{}: no such image, but {} lists it: check --images", source.image.string(),
-                                        model.images_file.string()));
+            throw UserError(fmt::format("{}: no such image, but {} lists it: check {}", source.image.string(),
+                                        model.images_file.string(), option_name("images")));
         check_readable(source.image, "image file");
         if (!options.masks.empty()) source.mask = find_mask(options.masks, source.name);
         if (std::max(source.camera.width, source.camera.height) > largest_side)
-            throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give --max-size",
-                                        source.image.string(), source.camera.width, source.camera.height,
-                                        largest_side));
+            throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give {}", source.image.string(),
+                                        source.camera.width, source.camera.height, largest_side,
+                                        option_name("max-size")));
     }
     return sources;
 }
@@ -166,8 +169,8 @@ void drop_blind_views(std::vector<Source>& sources, const ImportOptions& options
         report.notes.push_back(fmt::format("dropped {} of {} images, which see nothing of the mesh: {}",
                                            report.dropped.size(), all, fmt::join(report.dropped, ", ")));
     if (std::all_of(sources.begin(), sources.end(), [](const Source& s) { return s.held_out; }))
-        throw UserError(
-            fmt::format("{}: every image that sees the mesh is held out: change --holdout", options.model.string()));
+        throw UserError(fmt::format("{}: every image that sees the mesh is held out: change {}", options.model.string(),
+                                    option_name("holdout")));
 }
 
 std::vector<double> choose_gains(std::vector<Source>& sources, const ImportOptions& options, ImportReport& report) {
@@ -279,7 +282,8 @@ std::string provenance(const ImportOptions& options) {
 
 ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     if (options.max_size < 0)
-        throw UserError(fmt::format("--max-size {}: give a number of pixels from 1 on", options.max_size));
+        throw UserError(
+            fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), options.max_size));
     const ColmapModel model = read_colmap(options.model);
     std::vector<std::string> names;
     for (const ColmapImage& image : model.images) names.push_back(image.name);

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/resources.h"
+#include "base/wording.h"
 #include "capture/file_names.h"
 #include "capture/image_file.h"
 #include "capture/image_set.h"
@@ -31,22 +32,27 @@ struct Source {
 
 void check_options(const LightImportOptions& o) {
     if (o.lights.empty() == o.light_positions.empty())
-        throw UserError("give the lights either as directions (--lights) or as places (--light-positions)");
+        throw UserError(fmt::format("give the lights either as directions ({}) or as places ({})",
+                                    option_name("lights"), option_name("light-positions")));
     if (!(o.sample_width >= 0 && std::isfinite(o.sample_width)))
-        throw UserError(fmt::format("--sample-width {}: give what an image's width covers, above 0", o.sample_width));
+        throw UserError(fmt::format("{} {}: give what an image's width covers, above 0", option_name("sample-width"),
+                                    o.sample_width));
     const bool near = !o.light_positions.empty() || !o.camera_positions.empty();
     if (near && o.sample_width == 0)
         throw UserError(
-            "places of lights or cameras mean nothing without the sample's size: give --sample-width, what an image's "
-            "width covers in the same unit");
+            fmt::format("places of lights or cameras mean nothing without the sample's size: give {}, what an image's "
+                        "width covers in the same unit",
+                        option_name("sample-width")));
     if (!near && o.sample_width > 0)
-        throw UserError("--sample-width says nothing about directions: give places, or leave it out");
+        throw UserError(
+            fmt::format("{} says nothing about directions: give places, or leave it out", option_name("sample-width")));
     if (o.transfer != "auto" && o.transfer != "linear" && o.transfer != "srgb")
-        throw UserError(fmt::format("--transfer {}: choose auto, linear or srgb", o.transfer));
+        throw UserError(fmt::format("{} {}: choose auto, linear or srgb", option_name("transfer"), o.transfer));
     if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
-        throw UserError(fmt::format("--depth {}: choose 8, 16 or 32 (floats)", o.depth));
+        throw UserError(fmt::format("{} {}: choose 8, 16 or 32 (floats)", option_name("depth"), o.depth));
     if (!folder_stands(o.images))
-        throw UserError(fmt::format("{}: no such folder of images: check --images", o.images.string()));
+        throw UserError(
+            fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
 
 std::vector<std::string> list_images(const fs::path& folder) {
@@ -74,8 +80,8 @@ fs::path find_image(const fs::path& folder, const std::string& name, const fs::p
     const std::string base = name.substr(name.find_last_of("/\\") + 1);
     for (const fs::path& file : {folder / name, folder / base})
         if (stands(file)) return file;
-    throw UserError(fmt::format("{}: no such image, but {} names it: check --images, or take its line out",
-                                (folder / base).string(), list.string()));
+    throw UserError(fmt::format("{}: no such image, but {} names it: check {}, or take its line out",
+                                (folder / base).string(), list.string(), option_name("images")));
 }
 
 /// Entry i of a list that has one entry per image or one for all.
@@ -96,13 +102,15 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
     LightFile lights = read_lights(lights_file);
     fs::path named_by = lights_file;
     if (!lights.names.empty() && !o.names.empty())
-        throw UserError(fmt::format("{}: names its images itself: leave --names out", lights_file.string()));
+        throw UserError(
+            fmt::format("{}: names its images itself: leave {} out", lights_file.string(), option_name("names")));
     const std::vector<std::string> found = list_images(o.images);
     std::vector<std::string> names = std::move(lights.names);
     const bool listed = !names.empty() || !o.names.empty();
     if (!o.names.empty()) names = read_names(named_by = o.names);
     if (!listed) names = found;
-    if (names.empty()) throw UserError(fmt::format("{}: no images here: check --images", o.images.string()));
+    if (names.empty())
+        throw UserError(fmt::format("{}: no images here: check {}", o.images.string(), option_name("images")));
     if (lights.vectors.size() != names.size())
         throw UserError(fmt::format("{}: {} lights, but {} {} {} images: write one line per image, in the same order",
                                     lights_file.string(), lights.vectors.size(),

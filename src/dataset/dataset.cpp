@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
@@ -109,8 +110,8 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side) {
     const NormalMap& map = dataset.normal_map;
     if (map.side == 0) return atlas;
     if (map.side != side)
-        throw UserError(fmt::format("{}: its normals were made for surface side {}, not {}; fit with --surface-side {}",
-                                    dataset.folder.string(), map.side, side, map.side));
+        throw UserError(fmt::format("{}: its normals were made for surface side {}, not {}; fit with {} {}",
+                                    dataset.folder.string(), map.side, side, option_name("surface-side"), map.side));
     atlas.set_normals(map.normals);
     return atlas;
 }
@@ -126,17 +127,17 @@ void require_light_field(const Dataset& dataset) {
                                               : nullptr;
     if (why)
         throw UserError(
-            fmt::format("{}: {}, made for reflectance models; a light field map needs a mesh under light that "
-                        "stays, as `radiafit import colmap` packs it",
-                        dataset.folder.string(), why));
+            fmt::format("{}: {}, made for reflectance models; a light field map needs a mesh under light that stays{}",
+                        dataset.folder.string(), why, at_command_line(", as `radiafit import colmap` packs it", "")));
 }
 
 void require_lights(const Dataset& dataset) {
     if (dataset.light_moves()) return;
-    throw UserError(
-        fmt::format("{}: no image says what lit it; a reflectance model needs a lamp per image, as `radiafit import "
-                    "lights` and `radiafit generate ornament` pack them; or fit a light field map (--model lfm)",
-                    dataset.folder.string()));
+    throw UserError(fmt::format("{}: no image says what lit it; a reflectance model needs a lamp per image{}",
+                                dataset.folder.string(),
+                                at_command_line(", as `radiafit import lights` and `radiafit generate ornament` pack "
+                                                "them; or fit a light field map (--model lfm)",
+                                                "; or fit a light field map")));
 }
 
 namespace {

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/leftovers.h"
 #include "base/read_file.h"
+#include "base/wording.h"
 #include "dataset/encoding.h"
 
 namespace radiafit {
@@ -213,7 +214,8 @@ Encoding encoding_from(const Fields& fields) {
 }  // namespace
 
 void throw_damaged(const fs::path& file, const std::string& what) {
-    throw UserError(fmt::format("{}: {}; run radiafit generate or import again", file.string(), what));
+    throw UserError(fmt::format("{}: {}; {}", file.string(), what,
+                                at_command_line("run radiafit generate or import again", "make the dataset again")));
 }
 
 bool is_gain(double value) { return value >= 1e-12 && value <= 1e12; }
@@ -230,12 +232,14 @@ std::string read_dataset_file(const fs::path& file) {
     restore_interrupted(folder);
     if (!stands(folder))
         throw UserError(
-            fmt::format("{}: no such folder; radiafit generate or import makes a dataset", folder.string()));
+            fmt::format("{}: no such folder; {}", folder.string(),
+                        at_command_line("radiafit generate or import makes a dataset", "give a dataset's folder")));
     if (!folder_stands(folder))
         throw UserError(fmt::format("{}: a dataset is a folder, this is a file; give the folder", folder.string()));
     if (!stands(file))
-        throw UserError(fmt::format("{}: not a packed dataset, it has no {}; radiafit generate or import makes one",
-                                    folder.string(), dataset_json_name));
+        throw UserError(
+            fmt::format("{}: not a packed dataset, it has no {}; {}", folder.string(), dataset_json_name,
+                        at_command_line("radiafit generate or import makes one", "give a dataset's folder")));
     std::string text = read_file(file, "dataset's description");
     if (text.empty()) throw_damaged(file, "the file is empty");
     return text;

@@ -12,6 +12,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/wording.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -23,7 +24,8 @@ constexpr size_t vertex_bytes = 3 * sizeof(float);
 constexpr size_t face_bytes = 1 + 3 * sizeof(uint32_t);
 
 [[noreturn]] void damaged(const fs::path& path, const std::string& what) {
-    throw UserError(fmt::format("{}: {}; run radiafit generate or import again", path.string(), what));
+    throw UserError(fmt::format("{}: {}; {}", path.string(), what,
+                                at_command_line("run radiafit generate or import again", "make the dataset again")));
 }
 
 struct Header {

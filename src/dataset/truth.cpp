@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/read_file.h"
+#include "base/wording.h"
 #include "dataset/value_file.h"
 
 namespace radiafit {
@@ -23,7 +24,8 @@ constexpr int format_version = 1;
 using TruthParameters = decltype(ReflectanceTruth::parameters)::value_type;
 
 [[noreturn]] void damaged(const fs::path& file, const std::string& what) {
-    throw UserError(fmt::format("{}: {}; run radiafit generate again", file.string(), what));
+    throw UserError(fmt::format("{}: {}; {}", file.string(), what,
+                                at_command_line("run radiafit generate again", "make the dataset again")));
 }
 
 size_t count_in(const Json& json, const char* key, uint64_t most, const fs::path& file) {

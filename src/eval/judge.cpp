@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "eval/exposure.h"
 #include "eval/lfm_renderer.h"
 #include "eval/reflectance_renderer.h"
@@ -153,7 +154,9 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     if (views.empty())
         throw UserError(fmt::format(
             "{}: no view belongs to the {} split; {}", dataset.folder.string(), to_string(split),
-            split == Split::test ? "hold some out (import --holdout), or judge --split train" : "judge --split test"));
+            split == Split::test ? at_command_line("hold some out (import --holdout), or judge --split train",
+                                                   "hold some out, or judge the train split")
+                                 : at_command_line("judge --split test", "judge the test split")));
     const Dataset as_stored = without_gains(dataset);
     const ImageStream stream(as_stored, StreamSource::disk);
     std::vector<std::unique_ptr<Bench>> benches;

@@ -10,6 +10,7 @@
 #include "base/leftovers.h"
 #include "base/parallel.h"
 #include "base/read_file.h"
+#include "base/wording.h"
 #include "dataset/mesh_ply.h"
 #include "fit/fit_json.h"
 #include "fit/fit_maps.h"
@@ -26,7 +27,8 @@ std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
 std::string read_text(const fs::path& path) {
     std::error_code ignored;
     if (fs::symlink_status(path, ignored).type() == fs::file_type::not_found)
-        throw UserError(fmt::format("{}: no such file; give a folder that radiafit fit wrote", path.string()));
+        throw UserError(fmt::format("{}: no such file; {}", path.string(),
+                                    at_command_line("give a folder that radiafit fit wrote", "give a fit's folder")));
     return read_file(path, "fit's description");
 }
 
@@ -52,7 +54,8 @@ void require_problems(const FitRecord& fit, size_t problems) {
 void require_folder(const fs::path& folder) {
     restore_interrupted(folder);
     if (!folder_stands(folder))
-        throw UserError(fmt::format("{}: no such folder; radiafit fit writes one", folder.string()));
+        throw UserError(fmt::format("{}: no such folder; {}", folder.string(),
+                                    at_command_line("radiafit fit writes one", "give a fit's folder")));
 }
 
 void check_promises(const FitRecord& fit, const FitPromises& promises, const fs::path& problems) {
@@ -224,9 +227,8 @@ Dataset open_fitted_dataset(const FitRecord& fit, const fs::path& moved_to) {
     const fs::path path = moved_to.empty() ? fit.dataset_path : moved_to;
     if (!stands(path))
         throw UserError(
-            fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its folder by "
-                        "--dataset",
-                        path.string(), fit.dataset_name));
+            fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its folder{}",
+                        path.string(), fit.dataset_name, at_command_line(" by --dataset", "")));
     Dataset dataset = open_dataset(path);
     if (fingerprint(dataset) != fit.dataset_fingerprint)
         throw UserError(fmt::format(

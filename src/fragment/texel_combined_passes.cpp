@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "fragment/texel_passes.h"
 #include "gl/context.h"
 
@@ -55,8 +56,8 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
     if (targets_needed > most)
         throw UserError(
             fmt::format("the model {} has too many parameters for combined passes: they take {} render "
-                        "targets, and this device has {}; choose --passes paper",
-                        w_.shape.model->name, targets_needed, most));
+                        "targets, and this device has {}; choose {} paper",
+                        w_.shape.model->name, targets_needed, most, option_name("passes")));
     std::vector<float> numbers;
     for (const uint32_t view : w_.images.views())
         for (const float number : w_.numbers_of(w_.dataset.views[view])) numbers.push_back(number);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/wording.h"
 
 namespace radiafit {
 namespace {
@@ -106,10 +107,12 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
         const int needed = options_.minimum_version;
         if (10 * major + minor < needed) {
             const auto* renderer = reinterpret_cast<const char*>(get_string(GL_RENDERER));
-            throw UserError(fmt::format(
-                "{} ({}) offers OpenGL {}.{}, but {}.{} core is needed: update the driver, or choose another --context "
-                "or --device (see `radiafit devices`)",
-                library, renderer ? renderer : "unknown renderer", major, minor, needed / 10, needed % 10));
+            throw UserError(
+                fmt::format("{} ({}) offers OpenGL {}.{}, but {}.{} core is needed: update the driver, or choose "
+                            "another {} or {} (see {})",
+                            library, renderer ? renderer : "unknown renderer", major, minor, needed / 10, needed % 10,
+                            option_name("context"), option_name("device"),
+                            at_command_line("`radiafit devices`", "list_devices()")));
         }
         functions_.load(resolve, library);
     } catch (...) {

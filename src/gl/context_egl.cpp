@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "gl/context.h"
 
 namespace radiafit::detail {
@@ -100,18 +101,22 @@ class EglContext final : public Context {
 public:
     explicit EglContext(const ContextOptions& options) : Context(options) {
         const Egl* egl = Egl::get();
-        if (!egl) throw UserError("--context egl needs libEGL.so.1: install libegl1, or use --context osmesa");
+        if (!egl)
+            throw UserError(
+                fmt::format("{0} egl needs libEGL.so.1: install libegl1, or use {0} osmesa", option_name("context")));
         const std::vector<EglDevice> devices = egl_devices(*egl);
         if (options.device >= static_cast<int>(devices.size())) {
             std::string list;
             for (size_t i = 0; i < devices.size(); ++i) list += fmt::format(" {} ({})", i, devices[i].description);
-            throw UserError(fmt::format("--device {} is out of range: EGL has{} (see `radiafit devices`)",
-                                        options.device, list.empty() ? " no devices" : list));
+            throw UserError(fmt::format("{} {} is out of range: EGL has{} (see {})", option_name("device"),
+                                        options.device, list.empty() ? " no devices" : list,
+                                        at_command_line("`radiafit devices`", "list_devices()")));
         }
         if (options.device >= 0) {
             if (!open(*egl, EGL_PLATFORM_DEVICE_EXT, devices[options.device].handle))
-                throw UserError(fmt::format("--device {} ({}) gives no OpenGL core context: choose another --device",
-                                            options.device, devices[options.device].description));
+                throw UserError(fmt::format("{0} {1} ({2}) gives no OpenGL core context: choose another {0}",
+                                            option_name("device"), options.device,
+                                            devices[options.device].description));
         } else {
             open_any(*egl, devices);
         }
@@ -134,7 +139,8 @@ private:
         for (const EglDevice& device : devices)
             if (device.software && open(egl, EGL_PLATFORM_DEVICE_EXT, device.handle)) return;
         throw UserError(
-            "EGL gives no OpenGL core context without a window system: install Mesa, or use --context osmesa");
+            fmt::format("EGL gives no OpenGL core context without a window system: install Mesa, or use {} osmesa",
+                        option_name("context")));
     }
 
     bool open(const Egl& egl, EGLenum platform, void* native) {

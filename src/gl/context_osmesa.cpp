@@ -2,10 +2,12 @@
 #define GL_GLEXT_PROTOTYPES  // osmesa.h brings its own gl.h, which would leave out what functions.h names
 #include <GL/osmesa.h>
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include <array>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "gl/context.h"
 
 namespace radiafit::detail {
@@ -42,9 +44,12 @@ public:
     explicit OsMesaContext(const ContextOptions& options) : Context(options) {
         const OsMesa* library = OsMesa::get();
         if (!library)
-            throw UserError("--context osmesa needs libOSMesa.so.8: install libosmesa6, or use --context egl");
+            throw UserError(fmt::format("{0} osmesa needs libOSMesa.so.8: install libosmesa6, or use {0} egl",
+                                        option_name("context")));
         if (options.device > 0)
-            throw UserError("--device is out of range: --context osmesa has one device, 0 (see `radiafit devices`)");
+            throw UserError(fmt::format("{} is out of range: {} osmesa has one device, 0 (see {})",
+                                        option_name("device"), option_name("context"),
+                                        at_command_line("`radiafit devices`", "list_devices()")));
         // Any core context first; finish_creation() compares its version and can say what it is.
         for (const std::array<int, 2> version : {std::array{4, 5}, std::array{3, 2}}) {
             const int attributes[] = {OSMESA_FORMAT,
@@ -63,7 +68,9 @@ public:
             context_ = library->create(attributes, nullptr);
             if (context_) break;
         }
-        if (!context_) throw UserError("OSMesa gives no OpenGL 4.5 core context: update Mesa, or use --context egl");
+        if (!context_)
+            throw UserError(fmt::format("OSMesa gives no OpenGL 4.5 core context: update Mesa, or use {} egl",
+                                        option_name("context")));
         finish_creation(resolve, "OSMesa");
     }
     ~OsMesaContext() override {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "gl/context.h"
 
 namespace radiafit {
@@ -51,9 +52,9 @@ Texture::Texture(GLenum format, int width, int height, int layers)
     const int limit = Context::current().limits().texture_size;
     if (width > limit || height > limit)
         throw UserError(
-            fmt::format("a texture of {} x {} texels is beyond this device's limit of {}: use a smaller "
-                        "--surface-side or --view-side, or a smaller mesh",
-                        width, height, limit));
+            fmt::format("a texture of {} x {} texels is beyond this device's limit of {}: use a smaller {} or {}, "
+                        "or a smaller mesh",
+                        width, height, limit, option_name("surface-side"), option_name("view-side")));
     gl().CreateTextures(layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &name_);
     if (layers)
         gl().TextureStorage3D(name_, 1, format, width, height, layers);

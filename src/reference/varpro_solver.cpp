@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "reference/projected_energy.h"
 
 namespace radiafit {
@@ -113,9 +114,9 @@ VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options
     const int unknowns = model.view_side * model.view_side * model.terms;
     if (unknowns > 1024)  // some tenths of a second a step, growing with the cube
         throw UserError(fmt::format(
-            "solver 'varpro' factors a dense matrix of view-side^2 times terms = {} rows; choose a smaller --view-side "
+            "solver 'varpro' factors a dense matrix of view-side^2 times terms = {} rows; choose a smaller {} "
             "(1024 rows at most) or another solver",
-            unknowns));
+            unknowns, option_name("view-side")));
     const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "model/lfm_start.h"
 
 namespace radiafit {
@@ -67,9 +68,8 @@ void JointRows::finish() {
 void require_modern_penalty(const LfmOptions& model, const char* solver) {
     if (model.mode == Mode::paper && model.mu > 0)
         throw UserError(fmt::format(
-            "solver '{}' minimizes sums of squares, and the paper's bounds penalty is none; choose --mode modern, or "
-            "--mu 0",
-            solver));
+            "solver '{}' minimizes sums of squares, and the paper's bounds penalty is none; choose {} modern, or {} 0",
+            solver, option_name("mode"), option_name("mu")));
 }
 
 RunsResult solve_vertices(const LfmVertices& vertices, uint64_t seed, const VertexSolver& solver,

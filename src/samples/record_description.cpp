@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/nesting.h"
 #include "base/read_file.h"
+#include "base/wording.h"
 
 namespace radiafit {
 namespace {
@@ -49,11 +50,12 @@ std::string read_description(const std::filesystem::path& file, const std::strin
         return json.is_object() && json.contains(name) && json.at(name) == value;
     };
     if (!is("format", format) || !is("version", 1))
-        throw UserError(fmt::format("{}: holds no whole records; choose another --records folder", file.string()));
+        throw UserError(
+            fmt::format("{}: holds no whole records; choose another {} folder", file.string(), option_name("records")));
     if (!is("checksum", checksum_of(json))) throw_damaged_records(file);
     if (!is("key", key))
-        throw UserError(fmt::format(
-            "{}: records of another dataset or of other options; choose another --records folder", file.string()));
+        throw UserError(fmt::format("{}: records of another dataset or of other options; choose another {} folder",
+                                    file.string(), option_name("records")));
     return json.dump();
 }
 

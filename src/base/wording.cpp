@@ -1,0 +1,24 @@
+#include "base/wording.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+
+namespace radiafit {
+namespace {
+
+std::atomic<bool> by_flag = false;
+
+}  // namespace
+
+void name_options_by_flag() { by_flag = true; }
+
+std::string option_name(std::string_view name) {
+    return by_flag ? fmt::format("--{}", name) : fmt::format("'{}'", name);
+}
+
+std::string at_command_line(std::string_view typed, std::string_view otherwise) {
+    return std::string(by_flag ? typed : otherwise);
+}
+
+}  // namespace radiafit
