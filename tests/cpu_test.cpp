@@ -112,6 +112,15 @@ TEST(CpuEngine, RobustLossesMatchTheOracle) {
             against_oracle<double>(options, 1e-12);
         }
 }
+TEST(CpuEngine, WeightsMatchTheOracle) {
+    for (const LossKind kind : {LossKind::square, LossKind::huber, LossKind::cauchy})
+        for (const int terms : {1, 2}) {
+            LfmOptions options = plain(terms);
+            options.loss = {kind, 0.4f, SampleWeights::facing};
+            against_oracle<float>(options, 1e-5);
+            against_oracle<double>(options, 1e-6);  // the oracle's look-ups are weighted in float
+        }
+}
 /// A tenth of the samples is nonsense: a robust fit is near the one without them, a fit of squares is not.
 TEST(CpuEngine, RobustLossesLeaveOutliersAside) {
     const LfmOptions options = plain(1);

@@ -238,6 +238,17 @@ std::vector<Case> cases() {
             {.name = prefix + "_large_sides", .surface_side = 22, .view_side = 17, .passes = passes, .levels = 0});
         list.push_back({.name = prefix + "_huber", .terms = 2, .passes = passes, .loss = {LossKind::huber, 0.4f}});
         list.push_back({.name = prefix + "_cauchy", .passes = passes, .loss = {LossKind::cauchy, 0.4f}});
+        list.push_back({.name = prefix + "_facing", .passes = passes, .loss = {.weights = SampleWeights::facing}});
+        list.push_back({.name = prefix + "_huber_facing",
+                        .terms = 2,
+                        .passes = passes,
+                        .loss = {LossKind::huber, 0.4f, SampleWeights::facing}});
+        list.push_back({.name = prefix + "_facing_many_terms",
+                        .terms = 9,
+                        .surface_side = 4,
+                        .view_side = 3,
+                        .passes = passes,
+                        .loss = {.weights = SampleWeights::facing}});
         list.push_back({.name = prefix + "_small_sides_many_terms",
                         .terms = 9,
                         .surface_side = 2,

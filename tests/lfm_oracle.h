@@ -51,10 +51,17 @@ inline LfmOracle lfm_oracle(const Dataset& dataset, const TriangleAtlas& atlas, 
                     const uint32_t v = dataset.mesh.triangles[tile][corner];
                     ++out.samples[v];
                     const Camera& camera = dataset.views[list.views[list.groups[group].image]].camera;
-                    const ViewFootprint f =
+                    ViewFootprint f =
                         view_footprint(frames[v], dataset.mesh.positions[v], camera.center(), m, options.lookup);
                     const int texel[4] = {f.texel, f.texel + 1, f.texel + m, f.texel + m + 1};
-                    const double lambda = double(atlas.barycentric(s.local)[corner]);
+                    double lambda = double(atlas.barycentric(s.local)[corner]);
+                    if (options.loss.weights == SampleWeights::facing) {
+                        const Vec3d to_camera = camera.center() - dataset.mesh.positions[v].cast<double>();
+                        const double along = to_camera.dot(frames[v].normal.cast<double>());
+                        const double root = along > 0 ? std::sqrt(along / to_camera.norm()) : 0;
+                        for (float& w : f.weight) w = float(w * root);
+                        lambda *= root;
+                    }
                     for (int c = 0; c < 3; ++c) {
                         const auto surface = [&](int k) {
                             return layout.map_offset(uint32_t(tile), corner) + s.local * layout.stride() + 4 * k + c;

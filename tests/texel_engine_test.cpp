@@ -44,6 +44,7 @@ void check_engine(Mode mode, uint64_t seed, const Loss& loss = {}) {
             TexelSample<Text<double>::term_count> s;
             for (int k = 0; k < Text<double>::term_count; ++k) s.term[size_t(k)] = float(terms.x[k]);
             for (float& x : s.target) x = rng.uniform();
+            if (loss.weighted()) s.weight = rng.uniform(0.05f, 1);
             samples[t].push_back(s);
             batches[t / 8].push(int(t % 8), s);
         }
@@ -96,9 +97,10 @@ void check_engine(Mode mode, uint64_t seed, const Loss& loss = {}) {
                 squared += std::pow(value[c] - double(s.target[c]), 2);
                 squared_size += std::pow(std::abs(value[c]) + std::abs(double(s.target[c])), 2);
             }
-            const testing::LossOracle cost(loss, std::sqrt(squared), std::sqrt(squared_size));
-            error += cost.value / count, error_size += squared_size / 2 / count;
-            const double scale = cost.weight / count, sure = 1 + cost.sensitivity;
+            const auto weight = double(s.weight);
+            const testing::LossOracle cost(loss, std::sqrt(weight * squared), std::sqrt(weight * squared_size));
+            error += cost.value / count, error_size += weight * squared_size / 2 / count;
+            const double scale = weight * cost.weight / count, sure = 1 + cost.sensitivity;
             for (size_t c = 0; c < 3; ++c) {
                 const double r = value[c] - double(s.target[c]);
                 const double r_size = sure * (std::abs(value[c]) + std::abs(double(s.target[c])));
@@ -153,6 +155,10 @@ TEST(TexelEngine, EvaluatesLafortuneAsDefined) {
 TEST(TexelEngine, EvaluatesRobustLossesAsDefined) {
     for (const LossKind kind : {LossKind::huber, LossKind::cauchy})
         check_engine<texel_text::lafortune>(Mode::modern, 7, {kind, 0.3f});
+}
+TEST(TexelEngine, EvaluatesWeightsAsDefined) {
+    for (const LossKind kind : {LossKind::square, LossKind::huber, LossKind::cauchy})
+        check_engine<texel_text::lafortune>(Mode::modern, 7, {kind, 0.3f, SampleWeights::facing});
 }
 
 TEST(TexelEngine, EvaluatesLambertAsDefined) { check_engine<texel_text::lambert>(Mode::modern, 9); }

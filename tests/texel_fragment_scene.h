@@ -94,6 +94,7 @@ struct ExactSample {
     typename Text::Terms terms;
     std::array<double, 3> target;
     double cosine;  ///< u_z
+    double facing;  ///< v_z
 };
 
 /// sum t u_z / sum u_z^2
@@ -138,7 +139,7 @@ std::vector<std::vector<ExactSample<Text>>> exact_samples(const TexelDataset& da
             const real3 u = local(view.light->direction_from(x)), to_camera = local(view.direction_to_camera(x));
             const auto channels = image.channel16(pixel);
             bool counts = u.z > 0 && to_camera.z > 0;
-            ExactSample<Text> s{Text::sample_terms(u, to_camera), {}, u.z};
+            ExactSample<Text> s{Text::sample_terms(u, to_camera), {}, u.z, to_camera.z};
             for (size_t c = 0; c < 3; ++c) {
                 const float value = float(channels[c]) * image.scale16();
                 counts = counts && !(options.clip_above > 0 && value >= options.clip_above);
@@ -212,9 +213,12 @@ struct ExactTexel {
                 for (size_t k = 0; k < size_t(B); ++k) residual_size[c] += std::abs(p[3 * k + c]) * column_size[k];
                 squared += residual[c] * residual[c], squared_size += residual_size[c] * residual_size[c];
             }
-            const LossOracle loss(options.loss, std::sqrt(squared), std::sqrt(squared_size));
-            error.add(per_sample * loss.value, per_sample * 0.5 * squared_size * loss.weight * (1 + loss.sensitivity));
-            const double each = per_sample * loss.weight, uncertain = each * (1 + loss.sensitivity);
+            const double weight = options.loss.weights == SampleWeights::facing ? s.facing : 1;
+            // a weight that is wrong by 5e-7
+            const double sure = 1 + (options.loss.weighted() ? 0.05 / weight : 0);
+            const LossOracle loss(options.loss, std::sqrt(weight * squared), std::sqrt(weight * squared_size));
+            const double each = per_sample * weight * loss.weight, uncertain = each * (sure + loss.sensitivity);
+            error.add(per_sample * loss.value, 0.5 * squared_size * uncertain);
             for (size_t c = 0; c < 3; ++c) {
                 const double r = residual[c], size = residual_size[c];
                 double first_size = bend_size[c];

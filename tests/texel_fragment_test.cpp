@@ -224,6 +224,16 @@ std::vector<Case> cases() {
                         .scene = {.grid = true},
                         .passes = passes,
                         .loss = {LossKind::cauchy, 0.3f}});
+        list.push_back({.name = prefix + "_facing",
+                        .model = "lafortune",
+                        .scene = {.light = Light::Kind::near},
+                        .passes = passes,
+                        .loss = {.weights = SampleWeights::facing}});
+        list.push_back({.name = prefix + "_huber_facing",
+                        .model = "lafortune",
+                        .scene = {.grid = true, .one_eye = true},
+                        .passes = passes,
+                        .loss = {LossKind::huber, 0.3f, SampleWeights::facing}});
         list.push_back({.name = prefix + "_mesh_distant_8_bit",
                         .model = "lafortune",
                         .scene = {.encoding = Encoding::u8_linear, .views = 8},

@@ -147,6 +147,10 @@ TEST(VertexProblem, AgreesWithTheListFromCompactRecords) {
     against_list({.memory = 60'000}, model(2));
     against_list({.space = TargetSpace::linear}, model(1, 5));  // 16-bit channels
     against_list({}, model(5, 16));                             // places of two bytes, terms in a loop
+    LfmOptions facing = model(2);
+    facing.loss.weights = SampleWeights::facing;
+    against_list({}, facing);
+    against_list({.kind = RecordKind::full}, facing);
 }
 TEST(VertexProblem, AgreesWithTheListFromFullRecords) {
     against_list({.kind = RecordKind::full}, model());

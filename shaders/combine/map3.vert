@@ -11,7 +11,7 @@ layout(location = 3) in uint tile;
 layout(location = 4) in uvec3 vertices;
 uniform sampler2DArray view_values;
 layout(location = 0) flat out ivec3 frame;
-layout(location = 1) flat out vec3 value[VALUES];
+layout(location = 1) flat out VIEW_VALUE value[VALUES];
 #ifdef PROJECTED
 #include "combine/cameras.glsl"
 layout(location = 0) in vec3 position0;
@@ -27,7 +27,7 @@ void hand_on(int image, ivec2 problem[3]) {
     for (int corner = 0; corner < 3; ++corner)
         for (int k = 0; k < TERMS; ++k)
             value[(image * 3 + corner) * TERMS + k] =
-                texelFetch(view_values, ivec3(problem[corner], image * TERMS + k), 0).rgb;
+                VIEW_VALUE(texelFetch(view_values, ivec3(problem[corner], image * TERMS + k), 0));
 #endif
 #ifdef PROJECTED
     projected[3 * image] = project(image, position0);
@@ -42,7 +42,7 @@ void main() {
         int vertex = int(corner == 0 ? vertices.x : corner == 1 ? vertices.y : vertices.z);
         problem[corner] = ivec2(vertex % columns, vertex / columns);
 #ifdef VALUES_FETCHED
-        value[corner] = vec3(problem[corner], 0.0);
+        value[corner] = VIEW_VALUE(vec4(problem[corner], 0.0, 0.0));
 #endif
     }
     FOR_EACH_IMAGE(HAND_ON)

@@ -29,6 +29,12 @@ layout(location = BATCH * CORNERS) out vec4 error[CORNERS];
 #endif
 
 vec3 values[BATCH * CORNERS * TERMS];
+#ifdef WEIGHTED
+float roots[BATCH * CORNERS];  // of the samples' weights
+#define WEIGHTED_TARGET(image, c) (roots[(image) * CORNERS + (c)] * target)
+#else
+#define WEIGHTED_TARGET(image, c) target
+#endif
 
 #define LOOK_UP(image) look_up(image, of_tile)
 void look_up(int image, uvec4 of_tile) {
@@ -37,6 +43,10 @@ void look_up(int image, uvec4 of_tile) {
         for (int k = 0; k < TERMS; ++k)
             values[(image * CORNERS + c) * TERMS + k] =
                 texelFetch(view_values, ivec3(vertex % columns, vertex / columns, image * TERMS + k), 0).rgb;
+#ifdef WEIGHTED
+        roots[image * CORNERS + c] =
+            texelFetch(view_values, ivec3(vertex % columns, vertex / columns, image * TERMS), 0).a;
+#endif
     }
 }
 
@@ -47,7 +57,7 @@ void add(int image, uvec4 taken, vec3 weights, vec3 g[CORNERS * TERMS], vec3 of_
     bool present = kept(taken, image, colour);
     vec3 target = target_of(image, colour);
     for (int c = 0; c < CORNERS; ++c) {
-        vec3 r = -weights[FIRST + c] * target;
+        vec3 r = -weights[FIRST + c] * WEIGHTED_TARGET(image, c);
         for (int k = 0; k < TERMS; ++k)
             r += lfm_value(g[c * TERMS + k], values[(image * CORNERS + c) * TERMS + k]);
         r = present ? r : vec3(0.0);

@@ -37,6 +37,9 @@ ivec2 problem_of(uint vertex) { return ivec2(int(vertex) % columns, int(vertex) 
 
 vec3 values[BATCH * CORNERS * TERMS], slopes[BATCH * CORNERS * TERMS];
 vec3 projected[3 * BATCH];
+#ifdef WEIGHTED
+float roots[BATCH * CORNERS];  // of the samples' weights
+#endif
 
 #define LOOK_UP(image) look_up(image, of_tile)
 void look_up(int image, uvec4 of_tile) {
@@ -49,6 +52,9 @@ void look_up(int image, uvec4 of_tile) {
             ivec3 at = ivec3(problem_of(of_tile[FIRST + c]), image * TERMS + k);
             values[(image * CORNERS + c) * TERMS + k] = texelFetch(view_values, at, 0).rgb;
             slopes[(image * CORNERS + c) * TERMS + k] = texelFetch(view_slopes, at, 0).rgb;
+#ifdef WEIGHTED
+            roots[image * CORNERS + c] = texelFetch(view_values, at, 0).a;
+#endif
         }
 #endif
 }
@@ -69,6 +75,9 @@ void add(int image, ivec2 place, vec3 weights, vec3 g[CORNERS * TERMS], vec3 dg[
 #ifdef COUNT
         sums.aa[c] += present ? vec4(t, 1.0) : vec4(0.0);
 #else
+#ifdef WEIGHTED
+        t *= roots[image * CORNERS + c];
+#endif
         vec3 r = -t, a = vec3(0.0), b = vec3(0.0);
         for (int k = 0; k < TERMS; ++k) {
             vec3 h = values[(image * CORNERS + c) * TERMS + k], dh = slopes[(image * CORNERS + c) * TERMS + k];

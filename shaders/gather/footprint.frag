@@ -1,8 +1,11 @@
 #version 450 core
+// variants: WEIGHTED=-,1 NEAREST=-,1
 // Where the camera falls in each vertex's view map: the lower-left texel of four, and their weights. In double, for
 // there is one per vertex only, and a small weight must keep its relative precision: it may be all that a texel gets.
+// WEIGHTED: times the root of what the vertex's samples in this image weigh, so that its look-ups are, too.
 #include "model/prelude_double.glsl"
 #include "model/lfm.glsl"
+#include "model/weight.glsl"
 #include "gather/maps.glsl"
 uniform sampler2DArray vertex_frames;  // layers: position, tangent, bitangent, normal
 uniform vec4 eye[2];  // camera centre, world: upper and lower part of doubles
@@ -22,5 +25,8 @@ void main() {
     dvec4 footprint = lfm_view_bilinear(lfm_view_coordinate(local), double(VIEW_SIDE));
 #endif
     weights = vec4(lfm_view_weights(footprint));
+#ifdef WEIGHTED
+    weights *= float(sqrt(facing_weight(local.z)));
+#endif
     base = vec4(footprint.xy, 0.0, 0.0);
 }

@@ -1,5 +1,6 @@
 #version 450 core
-// h_k(v) = sum_j w_j h_k[j] in this image, for every vertex.
+// variants: WEIGHTED=-,1
+// h_k(v) = sum_j w_j h_k[j] in this image, for every vertex. WEIGHTED: alpha is the root of what its samples weigh.
 #include "gather/maps.glsl"
 uniform MAPS view_maps;
 uniform sampler2DArray footprints;  // layers: weights, first texel
@@ -12,4 +13,7 @@ void main() {
     value = vec4(w.x * load(texelFetch(view_maps, base, 0)) + w.y * load(texelFetch(view_maps, base + ivec3(1, 0, 0), 0)) +
                      w.z * load(texelFetch(view_maps, base + ivec3(0, 1, 0), 0)) +
                      w.w * load(texelFetch(view_maps, base + ivec3(1, 1, 0), 0)), 0.0);
+#ifdef WEIGHTED
+    value.a = w.x + w.y + w.z + w.w;
+#endif
 }

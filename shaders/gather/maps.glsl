@@ -27,3 +27,8 @@ uvec2 store(vec3 x) { return uvec2(packHalf2x16(x.xy), packHalf2x16(vec2(x.z, 0.
 vec3 load(vec4 texel) { return texel.rgb; }
 vec4 store(vec3 x) { return vec4(x, 0.0); }
 #endif
+#if STORAGE == 0
+STORED store_positive(vec3 x) { return store(x); }
+#else
+STORED store_positive(vec3 x) { return store(max(x, vec3(6.0e-5))); }  // binary16 ends there
+#endif

@@ -1,6 +1,7 @@
 #version 450 core
+// variants: WEIGHTED=-,1 VALUES=0,2
 // Convert-R-To-SLS (Section 5.1.1) for one corner: residuals of the pixels that texels take; alpha 1 where one is.
-// TARGET_ONLY: the weighted target itself, to count samples and find its mean.
+// TARGET_ONLY: the target L t itself, to count samples and find its mean. WEIGHTED: residuals times the root of their weight.
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
 #include "distribute/take.glsl"
@@ -23,6 +24,9 @@ void main() {
 #ifdef TARGET_ONLY
     vec3 r = target;
 #else
+#ifdef WEIGHTED
+    target *= texelFetch(view_values, ivec3(problem, 0), 0).a;
+#endif
     vec3 r = -target;
     ivec2 place = ivec2(gl_FragCoord.xy);
     for (int k = 0; k < TERMS; ++k)

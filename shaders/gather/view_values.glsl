@@ -3,11 +3,11 @@
 #define VALUES 0
 #endif
 layout(location = 5) flat in ivec2 problem;
+uniform sampler2DArray view_values;
 #if VALUES > 0
 layout(location = 6) flat in vec3 value[VALUES];
 vec3 view_value(int k) { return value[k]; }
 #else
-uniform sampler2DArray view_values;
 vec3 view_value(int k) { return texelFetch(view_values, ivec3(problem, k), 0).rgb; }
 #endif
 #ifdef ALONG

@@ -1,5 +1,6 @@
 #version 450 core
-// One texel's share of a dot product per problem: (a / weight) . b, or a . b.
+// variants: STORAGE=0,1 VIEW_MAPS=-,1 TOGETHER=-,1
+// One texel's share of a dot product per problem: (a / weight) . b, or a . b. TOGETHER: channels are of one problem.
 #include "optimize/site.glsl"
 uniform MAPS left;
 uniform MAPS right;
@@ -16,5 +17,8 @@ void main() {
         }
         sum += x * load(texelFetch(right, site_texel(k), 0));
     }
+#ifdef TOGETHER
+    sum = vec3(dot(sum, vec3(1.0)), 0.0, 0.0);
+#endif
     product = vec4(sum, 0.0);
 }

@@ -1,5 +1,6 @@
 #version 450 core
 // variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16 DIAGONAL=-,1
+// variants: MODEL=* WEIGHTED=1 ONE_EYE=-,1
 // Sums over samples of each texel, blended: the gradient, laid out as the parameters are, with the sum of r^2 in the
 // first map's alpha; and with DIAGONAL the squares of the Jacobian's columns that the channels share, four a target, those
 // of the shape without the last coefficients' factor.
@@ -19,9 +20,9 @@ uniform MAPS parameters;
 void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     Basis b = basis(p.shape, s.terms);
     vec3 r = residual_of(p, b, s);
-    float squared = dot(r, r);
+    float squared = SAMPLE_WEIGHTED(s, dot(r, r));
     results[0].a += LOSS_VALUE(squared);
-    r = LOSS_WEIGHTED(squared, r);
+    r = SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, r));
     float columns[BASIS_COUNT + SHAPE_COUNT];
     for (int k = 0; k < BASIS_COUNT; ++k) {
         columns[k] = s.counts ? b.x[k] : 0.0;
@@ -36,7 +37,8 @@ void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     }
 #endif
 #ifdef DIAGONAL
-    for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i) results[MAP_COUNT + i / 4][i % 4] += LOSS_WEIGHTED(squared, columns[i] * columns[i]);
+    for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i)
+        results[MAP_COUNT + i / 4][i % 4] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, columns[i] * columns[i]));
 #endif
 }
 

@@ -1,5 +1,6 @@
 #version 450 core
 // variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16
+// variants: MODEL=* WEIGHTED=1 ONE_EYE=-,1
 // Sums over samples of each texel along d, blended: of a^2 and of a^2 + r b, with a and b the first and second derivative
 // of the model's value (C++: TexelLocal::bend).
 #include "reflect/parameters.glsl"
@@ -23,8 +24,8 @@ void add(Sample s, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
 #endif
     a = s.counts ? a : vec3(0.0);
     b = s.counts ? b : vec3(0.0);
-    float squares = dot(a, a), squared = dot(r, r);
-    results[0].rg += LOSS_WEIGHTED(squared, vec2(squares, squares + dot(r, b)));
+    float squares = dot(a, a), squared = SAMPLE_WEIGHTED(s, dot(r, r));
+    results[0].rg += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, vec2(squares, squares + dot(r, b))));
 }
 
 void main() {

@@ -13,7 +13,7 @@ void main() {
         vec3 x = load(texelFetch(parameters, at, 0));
 #ifdef ALONG
         vec3 d = load(texelFetch(direction, at, 0));
-        sum += bound_curvature(map, x) * d * d;
+        sum += bound_curvature(map, x, d);
 #else
         sum += bound_error(map, x);
 #endif

@@ -1,6 +1,8 @@
 #version 450 core
 // variants: MODEL=* STORAGE=0,1
 // One map of P = diag(J'J) / S-bar, not below 1e-4 of the texel's largest entry.
+#include "model/vec3_element.glsl"
+#include "model/precondition.glsl"
 #include "reflect/parameters.glsl"
 uniform MAPS parameters;
 uniform sampler2DArray sample_sums;  // direction.frag's DIAGONAL
@@ -22,10 +24,5 @@ void main() {
     for (int i = 0; i < MAP_COUNT; ++i)
         largest = max(largest, max(entries[i].r, max(entries[i].g, entries[i].b)));
     float inverse = texelFetch(density, place, 0).r;
-    vec3 entry = entries[map] * inverse;
-    vec3 least = vec3(1.0e-4 * largest * inverse + 1.0e-30);
-#if STORAGE != 0
-    least = max(least, vec3(6.0e-5));  // binary16 ends there, and a zero would divide
-#endif
-    precondition = store(mix(least, entry, greaterThan(entry, least)));
+    precondition = store_positive(preconditioner(entries[map] * inverse, vec3(largest * inverse), vec3(1.0e-30)));
 }

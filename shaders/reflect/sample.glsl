@@ -1,6 +1,8 @@
 // What an image tells a texel (docs/formats.md, "What a light means"; model/texel_options.h says what counts). ONE_IMAGE:
 // the pass has one; else it loops over several. ONE_EYE: all are seen from one place, so that texels know it beforehand.
+// WEIGHTED: samples weigh as model/weight.glsl says.
 #include "reflect/site.glsl"
+#include "model/weight.glsl"
 #ifdef ONE_IMAGE
 #ifndef ONE_EYE
 #define ONE_EYE
@@ -57,6 +59,12 @@ struct Sample {
     vec3 target;
     bool counts;
     Terms terms;
+#ifdef WEIGHTED
+    float weight;
+#define SAMPLE_WEIGHTED(s, x) ((s).weight * (x))
+#else
+#define SAMPLE_WEIGHTED(s, x) (x)
+#endif
 };
 
 // channels: 16-bit units of the pixel that the texel takes.
@@ -71,6 +79,9 @@ Sample sample_of(View view, Site site, vec3 channels) {
 #endif
     s.target = channels * (light.w * view.exposure.rgb);
     s.terms = sample_terms(s.u, v);
+#ifdef WEIGHTED
+    s.weight = facing_weight(v.z);
+#endif
     s.counts = s.u.z > 0.0 && v.z > 0.0 && all(lessThan(channels, vec3(view.exposure.w))) &&
                s.target.r + s.target.g + s.target.b >= site.darkness * s.u.z;
     return s;

@@ -239,6 +239,10 @@ std::vector<FitOption> make_fit_options() {
     add("Optimizer", {optimizer_option(), loss_option(),
                       number("loss_scale", use::loss, OF(model.loss.scale), limits::loss_scale,
                              "residuals well below it cost their square by a robust loss; in units of pixel values"),
+                      choice<SampleWeights>("weights", use::weights, OF(model.loss.weights),
+                                            {{"equal", SampleWeights::equal}, {"facing", SampleWeights::facing}},
+                                            "of squared residuals: facing is the cosine between the surface's normal "
+                                            "and the direction to the camera"),
                       choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
                                    "of the optimizer and of the bounds' penalty"),
                       number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),

@@ -35,8 +35,9 @@ enum : uint32_t {
     selection = 1u << 19,  ///< leaves samples out by their value
     history = 1u << 20,    ///< of lbfgs
     learning_rate = 1u << 21,
-    loss = 1u << 23,
-    normal_equations = 1u << 22  ///< has them, so that Levenberg-Marquardt may be its optimizer
+    loss = 1u << 22,
+    weights = 1u << 23,
+    normal_equations = 1u << 24  ///< has them, so that Levenberg-Marquardt may be its optimizer
 };
 }  // namespace use
 

@@ -106,8 +106,9 @@ void solve_mean(FitTask& task) {
 std::span<const Solver> solvers() {
     using namespace use;
     constexpr uint32_t maps_of = sides | space | maps, objective = smoothness | bounds, samples = distribution | opengl;
-    constexpr uint32_t of_optimizer = optimizer | iterations | residual | change | random_start | deflation | loss;
-    constexpr uint32_t texels = sides | selection | iterations,
+    constexpr uint32_t of_optimizer =
+        optimizer | iterations | residual | change | random_start | deflation | loss | weights;
+    constexpr uint32_t texels = sides | selection | iterations | weights,
                        texels_of_optimizer = texels | optimizer | normal_equations | bounds | residual | change | loss;
     constexpr uint32_t vertex_by_vertex = maps_of | objective | samples | iterations | residual | random_start;
     static constexpr Solver table[] = {

@@ -66,6 +66,11 @@ template <class real>
     return condition != 0 ? a : b;
 }
 
+/// Lane by lane, NaN as std::max has it.
+[[gnu::always_inline]] inline Lanes<float> max(const Lanes<float>& a, const Lanes<float>& b) { return a < b ? b : a; }
+[[gnu::always_inline]] inline Lanes<double> max(const Lanes<double>& a, const Lanes<double>& b) {
+    return a < b ? b : a;
+}
 [[gnu::always_inline]] inline Lanes<float> sqrt(const Lanes<float>& x) {
     return Lanes<float>{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 }

@@ -80,7 +80,9 @@ public:
     using V = Lanes<real>;
     DirectionKernel(int terms, int view_side, Loss loss) : Base(terms, view_side), loss_(loss) {}
 
-    void begin(const Footprint<real>& f, const V* view) {
+    /// weight: of the samples, in a loss that reweighs.
+    void begin(const Footprint<real>& f, const V* view, [[maybe_unused]] real weight) {
+        if constexpr (Loss::reweighs) weight_ = PackOf<real>(weight);
         Base::look_up(f, view, now_.h);
         now_.part = Pair{};
         for (int k = 0; k < terms(); ++k) now_.scatter[k] = now_.squares[k] = Pair{};
@@ -92,9 +94,9 @@ public:
             Pair r = -target;
             for (int k = 0; k < terms(); ++k) r += Text::lfm_value(Base::load(surface + k, first, second, two), s.h[k]);
             [[maybe_unused]] Pair weight;
-            if constexpr (Loss::robust) {
-                const PackOf<real> squared(r * r);
-                const PackOf<real> value = loss_.value(squared), factor = loss_.weight(squared);
+            if constexpr (Loss::reweighs) {
+                const PackOf<real> squared = weight_ * PackOf<real>(r * r);
+                const PackOf<real> value = loss_.value(squared), factor = weight_ * loss_.weight(squared);
                 s.part += value.v;
                 weight = factor.v;
                 r *= weight;
@@ -102,7 +104,7 @@ public:
                 s.part += r * r;
             }
             const auto weighted = [&](const Pair& x) {
-                if constexpr (Loss::robust) return Pair(weight * x);
+                if constexpr (Loss::reweighs) return Pair(weight * x);
                 return x;
             };
             const auto accumulate = [&](V* sums, const Pair& x) {
@@ -137,9 +139,10 @@ private:
     };
     Sums now_;
     [[no_unique_address]] Loss loss_;
+    PackOf<real> weight_{};
 };
 
-/// Sums along d: a^2, r b, a b, b^2 with r(alpha) = r + alpha a + alpha^2 b, each sample by its weight in the loss.
+/// Sums along d: a^2, r b, a b, b^2 with r(alpha) = r + alpha a + alpha^2 b, each sample by its weight.
 template <class real, int K, class Loss>
 class LineKernel : LfmKernel<real, K> {
     using Base = LfmKernel<real, K>;
@@ -151,7 +154,8 @@ public:
     using V = Lanes<real>;
     LineKernel(int terms, int view_side, Loss loss) : Base(terms, view_side), loss_(loss) {}
 
-    void begin(const Footprint<real>& f, const V* view, const V* view_direction) {
+    void begin(const Footprint<real>& f, const V* view, const V* view_direction, [[maybe_unused]] real weight) {
+        if constexpr (Loss::reweighs) weight_ = PackOf<real>(weight);
         Base::look_up(f, view, now_.h);
         Base::look_up(f, view_direction, now_.dh);
         for (Pair& sum : now_.sum) sum = Pair{};
@@ -168,8 +172,9 @@ public:
                 a += Text::lfm_slope(g, s.h[k], dg, s.dh[k]);
                 b += Text::lfm_bend(dg, s.dh[k]);
             }
-            if constexpr (Loss::robust) {
-                const PackOf<real> squared(r * r), root = sqrt(loss_.weight(squared));
+            if constexpr (Loss::reweighs) {
+                const PackOf<real> squared = weight_ * PackOf<real>(r * r);
+                const PackOf<real> root = sqrt(weight_ * loss_.weight(squared));
                 r *= root.v, a *= root.v, b *= root.v;
             }
             s.sum[0] += a * a;
@@ -193,13 +198,14 @@ private:
     };
     Sums now_;
     [[no_unique_address]] Loss loss_;
+    PackOf<real> weight_{};
 };
 
 /// body(terms, loss): K of the kernels where it is compiled in, and the loss of the fit.
 template <class Body>
 void with_kernels(const LfmOptions& options, const Body& body) {
     with_loss(options.loss, [&](auto loss) {
-        if constexpr (decltype(loss)::robust)
+        if constexpr (decltype(loss)::reweighs)
             body(std::integral_constant<int, 0>{}, loss);
         else
             with_terms(options.terms, [&](auto terms) { body(terms, loss); });

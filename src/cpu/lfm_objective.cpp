@@ -63,10 +63,10 @@ void LfmObjective<real>::precondition(const Scale& scale, size_t maps, V* diagon
     V largest{};
     for (size_t i = 0; i < size; ++i) {
         diagonal[i] = diagonal[i] * scale.inverse_density + real(20) * (i < view_base ? lambda : scale.lambda_view);
-        largest = diagonal[i] > largest ? diagonal[i] : largest;
+        largest = max(largest, diagonal[i]);
     }
-    const V floor = real(1e-4) * largest + V{real(1e-30), real(1e-30), real(1e-30), real(1)};
-    for (size_t i = 0; i < size; ++i) diagonal[i] = diagonal[i] > floor ? diagonal[i] : floor;
+    const V least = {real(1e-30), real(1e-30), real(1e-30), real(1)};
+    for (size_t i = 0; i < size; ++i) diagonal[i] = ObjectiveText<real, V>::preconditioner(diagonal[i], largest, least);
 }
 
 template <class real>

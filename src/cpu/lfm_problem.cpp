@@ -45,11 +45,15 @@ LfmProblem<real>::LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas,
     std::vector<Vec3d> centers;
     for (uint32_t view : samples.views) centers.push_back(dataset.views[view].camera.center());
     footprints_.resize(vertex_count() * images);
+    if (options.loss.weighted()) weights_.resize(footprints_.size());
     parallel_for(vertex_count(), 64, [&](size_t v, int) {
         for (size_t i = 0; i < images; ++i) {
             const ViewFootprint f =
                 view_footprint(frames[v], atlas.mesh().positions[v], centers[i], options.view_side, options.lookup);
             footprints_[v * images + i] = {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}};
+            if (!weights_.empty())
+                weights_[v * images + i] =
+                    real(view_weight(frames[v], atlas.mesh().positions[v], centers[i], options.loss.weights));
         }
     });
 }
@@ -92,9 +96,10 @@ void LfmProblem<real>::direction(size_t v, const V* x, V* gradient, V* diagonal,
         for (const Corner& corner : rings_->ring(v)) {
             for (uint32_t group = samples_->tile_groups[corner.triangle];
                  group < samples_->tile_groups[corner.triangle + 1]; ++group) {
-                const Footprint<real>& f = footprint(v, samples_->groups[group].image);
+                const uint32_t image = samples_->groups[group].image;
+                const Footprint<real>& f = footprint(v, image);
                 const GroupSamples<real> samples{samples_->of_group(group), target_weight_[corner.corner].data()};
-                kernel.begin(f, x + maps * tile);
+                kernel.begin(f, x + maps * tile, weight(v, image));
                 kernel.add(samples, x + map, gradient + map, diagonal ? diagonal + map : nullptr);
                 kernel.end(f, gradient + maps * tile, diagonal ? diagonal + maps * tile : nullptr, data);
             }
@@ -121,9 +126,10 @@ void LfmProblem<real>::line(size_t v, const V* x, const V* d, LineLanes& sums) c
         for (const Corner& corner : rings_->ring(v)) {
             for (uint32_t group = samples_->tile_groups[corner.triangle];
                  group < samples_->tile_groups[corner.triangle + 1]; ++group) {
-                const Footprint<real>& f = footprint(v, samples_->groups[group].image);
+                const uint32_t image = samples_->groups[group].image;
+                const Footprint<real>& f = footprint(v, image);
                 const GroupSamples<real> samples{samples_->of_group(group), target_weight_[corner.corner].data()};
-                kernel.begin(f, x + maps * tile, d + maps * tile);
+                kernel.begin(f, x + maps * tile, d + maps * tile, weight(v, image));
                 kernel.add(samples, x + map, d + map);
                 kernel.end(sums);
             }

@@ -53,6 +53,9 @@ private:
     const Footprint<real>& footprint(size_t v, uint32_t image) const {
         return footprints_[v * samples_->image_count() + image];
     }
+    real weight(size_t v, uint32_t image) const {
+        return weights_.empty() ? real(1) : weights_[v * samples_->image_count() + image];
+    }
 
     const VertexRings* rings_;
     const SampleList* samples_;
@@ -61,6 +64,7 @@ private:
     LfmObjective<real> objective_;
     std::vector<V> target_weight_[3];          ///< per corner [tile texels]: Lambda at the centre, times the scale
     std::vector<Footprint<real>> footprints_;  ///< [vertices][images]
+    std::vector<real> weights_;                ///< [vertices][images] of samples; empty: equal
     std::vector<uint32_t> counts_;             ///< [vertices] samples
     std::vector<typename LfmObjective<real>::Scale> scales_;  ///< [vertices]
 };

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "cpu/texel_batches.h"
 #include "cpu/texel_sums.h"
+#include "model/penalty.h"
 
 /// The definitions of TexelBatches: for the files that instantiate it.
 namespace radiafit {
@@ -66,13 +67,9 @@ void TexelBatches<Text>::direction(size_t block, const Pack* x, Pack* g, Pack* d
     for (size_t i = 0; i < N; ++i) {
         if (!Model::bounded(int(i))) continue;
         const auto [lowest, highest] = Model::bounds(int(i));
-        const Pack a{float(lowest)}, o{float(highest)}, mu(mu_);
-        const auto outside = (p[i] < a) | (p[i] > o);
-        const Pack beyond = p[i] - min(max(p[i], a), o);
-        const bool paper = mode_ == Mode::paper;
-        const Pack penalty = paper ? (p[i] - a) * (p[i] - o) : Pack(0.5f) * beyond * beyond;
-        error += widen(mu * Pack::select(outside, penalty, 0.0f));
-        g[i] += mu * (paper ? Pack::select(outside, p[i] + p[i] - a - o, 0.0f) : beyond);
+        const Pack low{float(lowest)}, high{float(highest)}, mu(mu_);
+        error += widen(ObjectiveText<Pack>::bound_error(p[i], low, high, mu, mode_ == Mode::paper));
+        g[i] += ObjectiveText<Pack>::bound_slope(p[i], low, high, mu, mode_ == Mode::paper);
     }
     for (int lane = 0; lane < lanes; ++lane) errors[lane] = error[lane];
     if (!diagonal) return;
@@ -83,7 +80,7 @@ void TexelBatches<Text>::direction(size_t block, const Pack* x, Pack* g, Pack* d
     for (size_t i = 0; i < Q; ++i) diagonal[3 * B + i] = scale * lobe * narrow(sums.shared[B + i][B + i]);
     Pack largest{};
     for (size_t i = 0; i < N; ++i) largest = max(largest, diagonal[i]);
-    for (size_t i = 0; i < N; ++i) diagonal[i] = max(diagonal[i], Pack(1e-4f) * largest + Pack(1e-30f));
+    for (size_t i = 0; i < N; ++i) diagonal[i] = ObjectiveText<Pack>::preconditioner(diagonal[i], largest, 1e-30f);
 }
 
 template <class Text>
@@ -100,7 +97,8 @@ void TexelBatches<Text>::line(size_t block, const Pack* x, const Pack* along, Su
                 const auto bend = Model::bend(p, d, terms);
                 for (size_t c = 0; c < 3; ++c) r[c] = r[c] - row.target[c];
                 Pack weight = row.weight;
-                if constexpr (decltype(loss)::robust) weight *= loss.weight(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+                if constexpr (decltype(loss)::reweighs)
+                    weight *= loss.weight(weight * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
                 for (size_t c = 0; c < 3; ++c) {
                     squares += weight * bend.first[c] * bend.first[c];
                     bends += weight * r[c] * bend.second[c];
@@ -115,8 +113,8 @@ void TexelBatches<Text>::line(size_t block, const Pack* x, const Pack* along, Su
     for (size_t i = 0; i < N; ++i) {
         if (!Model::bounded(int(i))) continue;
         const auto [lowest, highest] = Model::bounds(int(i));
-        const auto outside = (p[i] < Pack(float(lowest))) | (p[i] > Pack(float(highest)));
-        penalty += Pack::select(outside, Pack(mode_ == Mode::paper ? 2 * mu_ : mu_) * d[i] * d[i], 0.0f);
+        const Pack low{float(lowest)}, high{float(highest)};
+        penalty += ObjectiveText<Pack>::bound_curvature(p[i], d[i], low, high, mu_, mode_ == Mode::paper);
     }
     sums = {narrow(scale * gauss_newton) + penalty, narrow(scale * curvature) + penalty, Pack{}, Pack{}};
 }

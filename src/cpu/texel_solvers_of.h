@@ -26,6 +26,7 @@ class TexelSolversOf final : public TexelSolvers {
             TexelSample<Text::term_count> sample;
             std::copy_n(terms.x, Text::term_count, sample.term.begin());
             std::copy_n(s.target, 3, sample.target.begin());
+            sample.weight = s.weight;
             batch.push(lane, sample);
         }
     }

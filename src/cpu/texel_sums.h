@@ -37,7 +37,7 @@ typename Text::Terms terms_of(const typename TexelBatch<Text::term_count>::Row& 
 }  // namespace detail
 
 /// `Text`: a model's text with real = Pack. p: TexelLocal's parameters, a lane per texel. By a robust loss the weights
-/// w are the samples' times their own in the loss, and the error is the loss.
+/// w are the samples' times what the loss leaves them, and the error is the loss.
 template <class Text, class Loss = SquareLoss>
 TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>::Row> rows,
                            const typename TexelLocal<Text>::Parameters& p, Loss loss = {}) {
@@ -65,12 +65,13 @@ TexelSums<Text> texel_sums(std::span<const typename TexelBatch<Text::term_count>
                 Pack r = p[c] * q[0] - row.target[c];
                 for (size_t k = 1; k < B; ++k) r += p[3 * k + c] * q[k];
                 computed[n].weighted[c] = row.weight * r;
-                if constexpr (!Loss::robust) error += computed[n].weighted[c] * r;
+                if constexpr (!Loss::reweighs) error += computed[n].weighted[c] * r;
                 residual[c] = r;
             }
-            if constexpr (Loss::robust) {
-                const Pack squared = residual[0] * residual[0] + residual[1] * residual[1] + residual[2] * residual[2];
-                error += row.weight * loss.value(squared);
+            if constexpr (Loss::reweighs) {
+                const Pack squared = computed[n].weighted[0] * residual[0] + computed[n].weighted[1] * residual[1] +
+                                     computed[n].weighted[2] * residual[2];
+                error += loss.value(squared);
                 const Pack weight = loss.weight(squared);
                 computed[n].weight = row.weight * weight;
                 for (Pack& pull : computed[n].weighted) pull *= weight;
@@ -107,8 +108,8 @@ WidePack texel_error(std::span<const typename TexelBatch<Text::term_count>::Row>
         for (const auto& row : run) {
             auto r = TexelLocal<Text>::value(p, detail::terms_of<Text>(row));
             for (size_t c = 0; c < 3; ++c) r[c] -= row.target[c];
-            if constexpr (Loss::robust)
-                sum += row.weight * loss.value(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+            if constexpr (Loss::reweighs)
+                sum += loss.value(row.weight * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
             else
                 for (size_t c = 0; c < 3; ++c) sum += row.weight * r[c] * r[c];
         }

@@ -40,6 +40,8 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
         const ViewFootprint f = view_footprint(frames_[v], atlas_->mesh().positions[v], centers_[group.image],
                                                options_.view_side, options_.lookup);
         groups_[g].footprint = {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}};
+        groups_[g].weight =
+            float(view_weight(frames_[v], atlas_->mesh().positions[v], centers_[group.image], options_.loss.weights));
     }
     groups_[record.images].first = first;
     targets_.resize(samples_);
@@ -91,7 +93,7 @@ void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, doub
     Lanes<double> data{};
     const auto sum = [&](auto kernel) {
         for (size_t g = 0; g + 1 < groups_.size(); ++g) {
-            kernel.begin(groups_[g].footprint, x + view);
+            kernel.begin(groups_[g].footprint, x + view, groups_[g].weight);
             kernel.add(of_group(g), x, gradient, diagonal);
             kernel.end(groups_[g].footprint, gradient + view, diagonal ? diagonal + view : nullptr, data);
         }
@@ -112,7 +114,7 @@ void VertexProblem::line(size_t, const V* x, const V* d, LineLanes& sums) const 
     with_kernels(options_, [&](auto terms, auto loss) {
         LineKernel<float, terms, decltype(loss)> kernel(options_.terms, options_.view_side, loss);
         for (size_t g = 0; g + 1 < groups_.size(); ++g) {
-            kernel.begin(groups_[g].footprint, x + view, d + view);
+            kernel.begin(groups_[g].footprint, x + view, d + view, groups_[g].weight);
             kernel.add(of_group(g), x, d);
             kernel.end(sums);
         }

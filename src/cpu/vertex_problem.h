@@ -42,6 +42,7 @@ private:
     struct Group {
         uint32_t first;
         Footprint<float> footprint;
+        float weight;  ///< of its samples
     };
     struct Samples {
         const V* targets;

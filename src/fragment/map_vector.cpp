@@ -19,11 +19,13 @@ ProblemGrid::ProblemGrid(size_t vertices, int side) : view_side(side) {
 }
 
 Defines loss_defines(const Loss& loss) {
-    if (!loss.robust()) return {};
+    Defines all;
+    if (loss.weighted()) all = {{"WEIGHTED", ""}};
+    if (!loss.robust()) return all;
     const std::string name = loss_names[size_t(loss.kind)];
-    return {{"LOSS_VALUE_OF", name + "_value"},
-            {"LOSS_WEIGHT_OF", name + "_weight"},
-            {"LOSS_SCALE", fmt::format("{:.9e}", loss.scale)}};
+    return all + Defines{{"LOSS_VALUE_OF", name + "_value"},
+                         {"LOSS_WEIGHT_OF", name + "_weight"},
+                         {"LOSS_SCALE", fmt::format("{:.9e}", loss.scale)}};
 }
 
 Defines MapShape::defines(Storage storage) const {

@@ -36,7 +36,7 @@ struct ProblemGrid {
     std::array<int, 2> at(size_t v) const { return {int(v) % columns, int(v) / columns}; }
 };
 
-/// What shaders/model/loss.glsl is told of a robust loss; empty: squares.
+/// What shaders are told of a loss (shaders/model/loss.glsl) and weights; empty: squares of equal weight.
 Defines loss_defines(const Loss& loss);
 
 /// Everything that fixes the shape of an N-texel array.

@@ -58,7 +58,11 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     penalty_curvature_ = whole("penalty.frag", {{"ALONG", ""}});
     gradient_ = whole("gradient.frag");
     precondition_ = whole("precondition.frag");
-    dot_ = whole("dot.frag");
+    dot_ = Program::draw("common/whole.vert", "optimize/dot.frag",
+                         {{"STORAGE", std::to_string(int(storage))},
+                          {"TERMS", std::to_string(shape_.maps())},
+                          {"TOGETHER", ""},
+                          {"VIEW_MAPS", ""}});  // as these, maps stand one behind another in one place
     for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
     gradient_.bind("sample_sums", sums_.gradient.layers);

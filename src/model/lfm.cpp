@@ -59,6 +59,11 @@ ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Ve
     return view_footprint(view_coordinate(frame, position, camera_center), view_side, lookup);
 }
 
+double view_weight(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, SampleWeights weights) {
+    const Vec3d to_camera = (camera_center - position.cast<double>()).normalized();
+    return sample_weight(weights, frame.normal.cast<double>().dot(to_camera));
+}
+
 std::string to_string(ViewLookup lookup) { return lookup == ViewLookup::bilinear ? "bilinear" : "nearest"; }
 std::string to_string(Mode mode) { return mode == Mode::paper ? "paper" : "modern"; }
 

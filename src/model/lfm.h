@@ -79,6 +79,8 @@ ViewFootprint view_footprint(const std::array<double, 2>& coordinate, int view_s
 /// Both in one.
 ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, int view_side,
                              ViewLookup lookup);
+/// What a vertex's samples in an image from this camera weigh.
+double view_weight(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, SampleWeights weights);
 
 std::string to_string(ViewLookup lookup);
 std::string to_string(Mode mode);

@@ -17,14 +17,24 @@ enum class LossKind { square RADIAFIT_LOSSES(RADIAFIT_NAME) };
 inline constexpr const char* loss_names[] = {"square" RADIAFIT_LOSSES(RADIAFIT_NAME)};  ///< by LossKind
 #undef RADIAFIT_NAME
 
+/// What a sample's squared residual is multiplied by: one, or the cosine between the surface's normal and the direction
+/// to the camera (shaders/model/weight.glsl). A light field map takes its vertex's normal.
+enum class SampleWeights { equal, facing };
+
 struct Loss {
     LossKind kind = LossKind::square;
     float scale = 0.05f;  ///< delta: residuals well below it cost their square; in units of the targets
+    SampleWeights weights = SampleWeights::equal;  ///< a residual is sqrt(weight) times what it would be
     bool robust() const { return kind != LossKind::square; }
+    bool weighted() const { return weights != SampleWeights::equal; }
 };
 
 namespace shared_text {
 using std::log, std::max, std::min, std::sqrt;
+template <class real>
+struct WeightText {
+#include "model/weight.glsl"
+};
 template <class real_type>
 struct LossText {
     using real = real_type;
@@ -33,9 +43,14 @@ struct LossText {
 };
 }  // namespace shared_text
 
-/// A loss as kernels take it: value(s) and weight(s) of a squared residual s, a number or a pack.
+inline double sample_weight(SampleWeights weights, double cosine) {
+    return weights == SampleWeights::facing ? shared_text::WeightText<double>::facing_weight(cosine) : 1;
+}
+
+/// A loss as kernels take it: value(s) and weight(s) of a squared residual s, a number or a pack. reweighs: whether
+/// samples may weigh differently.
 struct SquareLoss {
-    static constexpr bool robust = false;
+    static constexpr bool reweighs = false;
     template <class real>
     real value(const real& s) const {
         return s;
@@ -45,9 +60,12 @@ struct SquareLoss {
         return real(1.0f);
     }
 };
+struct WeightedSquareLoss : SquareLoss {
+    static constexpr bool reweighs = true;
+};
 #define RADIAFIT_LOSS(name)                                                    \
     struct name##_loss {                                                       \
-        static constexpr bool robust = true;                                   \
+        static constexpr bool reweighs = true;                                 \
         float scale;                                                           \
         template <class real>                                                  \
         real value(const real& s) const {                                      \
@@ -71,7 +89,7 @@ auto with_loss(const Loss& loss, const Body& body) {
         RADIAFIT_LOSSES(RADIAFIT_CASE)
 #undef RADIAFIT_CASE
         default:
-            return body(SquareLoss{});
+            return loss.weighted() ? body(WeightedSquareLoss{}) : body(SquareLoss{});
     }
 }
 

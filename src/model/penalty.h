@@ -6,9 +6,30 @@
 
 #include "base/lanes.h"
 #include "model/lfm.h"
+#include "model/prelude.h"
 
 /// E_r (Eq. 9) and E_b (Section 3.1), on maps stored [texel][term] of lanes.
 namespace radiafit {
+
+namespace shared_text {
+using std::max, std::min, radiafit::max;
+template <class real_type, class V>
+struct Objective {
+    using real = real_type;
+    using element = V;
+    static element where(const element& condition, const element& a, const element& b) {
+        return select_nonzero(condition, a, b);
+    }
+#include "model/bounds.glsl"
+//
+#include "model/precondition.glsl"
+};
+}  // namespace shared_text
+
+/// Texts of the objective that every family and device shares: bounds of parameters, the floor of the preconditioner.
+/// For a number, or several side by side.
+template <class real, class V = real>
+using ObjectiveText = shared_text::Objective<real, V>;
 
 /// The four-neighbourhood inside one map; what lies outside is left out and the centre weight is the number kept, so
 /// L is symmetric and its rows sum to zero.
@@ -69,8 +90,7 @@ Lanes<real> smoothness_curvature(const MapNeighbours& map, int terms, Lanes<real
     return lambda * sum;
 }
 
-/// mu E_b on the first term: (x-a)(x-b) outside [a, b] (paper; its gradient jumps at the bound), or half the squared
-/// distance to [a, b] (modern).
+/// mu E_b on the first term.
 template <class real>
 void add_bounds(const LfmOptions& o, size_t texels, const Lanes<real>* x, Lanes<real>* g, Lanes<double>& error) {
     const real a = o.lower, b = o.upper, mu = o.mu;
@@ -78,9 +98,8 @@ void add_bounds(const LfmOptions& o, size_t texels, const Lanes<real>* x, Lanes<
         for (int c = 0; c < 3; ++c) {
             const real value = x[i * o.terms][c];
             if (value >= a && value <= b) continue;
-            const real beyond = value < a ? value - a : value - b;
-            error[c] += o.mode == Mode::paper ? mu * (value - a) * (value - b) : mu * beyond * beyond / 2;
-            g[i * o.terms][c] += o.mode == Mode::paper ? mu * (2 * value - a - b) : mu * beyond;
+            error[c] += ObjectiveText<real>::bound_error(value, a, b, mu, o.mode == Mode::paper);
+            g[i * o.terms][c] += ObjectiveText<real>::bound_slope(value, a, b, mu, o.mode == Mode::paper);
         }
 }
 
@@ -88,11 +107,11 @@ void add_bounds(const LfmOptions& o, size_t texels, const Lanes<real>* x, Lanes<
 template <class real>
 Lanes<real> bounds_curvature(const LfmOptions& o, size_t texels, const Lanes<real>* x, const Lanes<real>* d) {
     Lanes<real> sum{};
-    const real factor = o.mu * (o.mode == Mode::paper ? 2 : 1);
     for (size_t i = 0; i < texels; ++i)
         for (int c = 0; c < 3; ++c) {
-            const real value = x[i * o.terms][c];
-            if (!(value >= o.lower && value <= o.upper)) sum[c] += factor * d[i * o.terms][c] * d[i * o.terms][c];
+            const real value = x[i * o.terms][c], along = d[i * o.terms][c];
+            if (value >= o.lower && value <= o.upper) continue;
+            sum[c] += ObjectiveText<real>::bound_curvature(value, along, o.lower, o.upper, o.mu, o.mode == Mode::paper);
         }
     return sum;
 }

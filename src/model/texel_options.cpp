@@ -1,6 +1,7 @@
 #include "model/texel_options.h"
 
 #include "model/limits.h"
+#include "model/penalty.h"
 #include "model/texel_local.h"
 
 namespace radiafit {
@@ -16,12 +17,11 @@ double bounds_penalty(const TexelOptions& options, std::span<const float> p) {
     double sum = 0;
     for (size_t i = 0; i < p.size(); ++i) {
         const auto [lowest, highest] = options.model->bounds[i];
-        const double x = double(p[i]);
-        if (!are_meant(options.model->bounds[i]) || (x >= lowest && x <= highest)) continue;
-        const double beyond = x < lowest ? x - lowest : x - highest;
-        sum += options.mode == Mode::paper ? (x - lowest) * (x - highest) : beyond * beyond / 2;
+        if (are_meant(options.model->bounds[i]))
+            sum += ObjectiveText<double>::bound_error(double(p[i]), lowest, highest, double(options.mu),
+                                                      options.mode == Mode::paper);
     }
-    return double(options.mu) * sum;
+    return sum;
 }
 
 }  // namespace radiafit

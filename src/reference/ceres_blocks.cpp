@@ -71,7 +71,7 @@ private:
 };
 
 double beyond(const Channel& channel, double value) {
-    return value < channel.lower ? value - channel.lower : value > channel.upper ? value - channel.upper : 0;
+    return ObjectiveText<double>::bound_excess(value, channel.lower, channel.upper);
 }
 
 /// One texel: sqrt(lambda) (L p) per term, and sqrt(mu) dist(p, [a, b]) of the first term. Parameters: the texel, then

@@ -296,6 +296,7 @@ CeresTexelFit fit(std::span<const ShadedSample> samples, std::span<const float> 
                                               {double(s.v.x()), double(s.v.y()), double(s.v.z())});
         for (int k = 0; k < Text::term_count; ++k) texel[i].term[size_t(k)] = float(terms.x[k]);
         std::copy_n(s.target, 3, texel[i].target.begin());
+        texel[i].weight = s.weight;
     }
     typename Model::Parameters p;
     for (int i = 0; i < Model::parameters; ++i)

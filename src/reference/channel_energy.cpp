@@ -86,9 +86,8 @@ double ChannelEnergy::penalties(const double* x, double* gradient) const {
         error += smoothness(*v.tile, v.lambda_surface, x + at, gradient + at);
     const double lower = double(v.options.lower), upper = double(v.options.upper), mu = double(v.options.mu);
     for (size_t i = 0; i < size(); i += terms) {
-        const double beyond = x[i] - std::clamp(x[i], lower, upper);
-        error += 0.5 * mu * beyond * beyond;
-        gradient[i] += mu * beyond;
+        error += ObjectiveText<double>::bound_error(x[i], lower, upper, mu, false);
+        gradient[i] += ObjectiveText<double>::bound_slope(x[i], lower, upper, mu, false);
     }
     return error;
 }
@@ -126,7 +125,7 @@ std::vector<double> ChannelEnergy::diagonal(const double* x) const {
         out[i] = out[i] * v.inverse_density + 20 * (i < v.view_begin() ? v.lambda_surface : v.lambda_view[channel_]);
         largest = std::max(largest, out[i]);
     }
-    for (double& entry : out) entry = std::max(entry, 1e-4 * largest + 1e-30);
+    for (double& entry : out) entry = ObjectiveText<double>::preconditioner(entry, largest, 1e-30);
     return out;
 }
 

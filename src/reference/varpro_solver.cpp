@@ -19,8 +19,7 @@ using V = Lanes<double>;
 using Mask = decltype(V{} < V{});
 
 double half_square_beyond(const LfmOptions& o, double x) {
-    const double distance = x - std::clamp(x, double(o.lower), double(o.upper));
-    return 0.5 * double(o.mu) * distance * distance;
+    return ObjectiveText<double>::bound_error(x, double(o.lower), double(o.upper), double(o.mu), false);
 }
 
 /// Each channel's model of F around its accepted view map h,

@@ -9,7 +9,7 @@ namespace radiafit {
 
 TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                          const TexelOptions& options)
-    : atlas_(&atlas), shading_(dataset, views), shadow_below_(options.shadow_below) {
+    : atlas_(&atlas), shading_(dataset, views), shadow_below_(options.shadow_below), weights_(options.loss.weights) {
     const bool clips = has_largest_value(dataset.encoding) && options.clip_above > 0;
     for (const uint32_t view : views)
         clipped_.push_back(clips ? options.clip_above * float(dataset.views[view].gain)
@@ -27,7 +27,7 @@ void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, s
         if (!(lit.u.z() > 0 && lit.v.z() > 0)) continue;
         // where a lamp sends no light of a colour, the pixel says nothing of it, and is 0
         const auto target = [&](int c) { return lit.irradiance[c] > 0 ? s.value[c] / lit.irradiance[c] : 0.0f; };
-        out.push_back({lit.u, lit.v, {target(0), target(1), target(2)}});
+        out.push_back({lit.u, lit.v, {target(0), target(1), target(2)}, float(sample_weight(weights_, lit.v.z()))});
     }
     if (shadow_below_ <= 0) return;
     const float albedo = lambertian_albedo(out).sum();

@@ -9,6 +9,7 @@ namespace radiafit {
 struct ShadedSample {
     Vec3f u, v;       ///< unit directions to lamp and camera in the texel's frame, z > 0
     float target[3];  ///< value over irradiance
+    float weight;     ///< see SampleWeights
 };
 
 /// From a texel's pixels to samples, by the rules of TexelOptions.
@@ -24,6 +25,7 @@ private:
     const Atlas* atlas_;
     TexelShading shading_;
     float shadow_below_;
+    SampleWeights weights_;
     std::vector<float> clipped_;  ///< [views] values from here on are left out
 };
 
