@@ -12,12 +12,11 @@ namespace {
 void set_texels(const Distribution& distribution, TakenTexels& out) {
     const std::vector<uint32_t>& texel_pixel = distribution.texel_pixel;
     const auto texels = uint32_t(texel_pixel.size());
-    out.covered_pixels = distribution.covered_pixels;
     out.texels.resize(texels);
     out.pixels.resize(texels);
-    out.first.resize(texel_blocks(texels) + 1);
+    out.first.resize(TexelSource::texel_blocks(texels) + 1);
     uint32_t count = 0;
-    for (uint32_t block = 0; block < texel_blocks(texels); ++block) {
+    for (uint32_t block = 0; block < TexelSource::texel_blocks(texels); ++block) {
         out.first[block] = count;
         const uint32_t begin = block * TexelSource::block, end = std::min(begin + TexelSource::block, texels);
         for (uint32_t texel = begin; texel < end; ++texel) {
@@ -32,7 +31,7 @@ void set_texels(const Distribution& distribution, TakenTexels& out) {
 }  // namespace
 
 void distribute_views(const Dataset& dataset, const std::vector<uint32_t>& views,
-                      const std::vector<Distributor*>& workers, TexelDistributionStatistics& statistics,
+                      const std::vector<Distributor*>& workers,
                       const std::function<void(std::span<const TakenTexels> images)>& take) {
     if (workers.empty()) throw std::invalid_argument("distribute_views: no distributor");
     if (workers.size() > 1 && workers.size() < size_t(thread_count()))
@@ -64,10 +63,6 @@ void distribute_views(const Dataset& dataset, const std::vector<uint32_t>& views
         else
             parallel_for(count, 1, one);
         take({taken.data(), count});
-        for (size_t i = 0; i < count; ++i) {
-            statistics.covered_pixels += taken[i].covered_pixels;
-            statistics.samples += taken[i].count();
-        }
     }
 }
 

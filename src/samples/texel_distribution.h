@@ -8,21 +8,17 @@ namespace radiafit {
 /// What one image leaves: the texels that take a pixel, ascending, and the pixels' values.
 struct TakenTexels {
     uint32_t image = 0;                    ///< position in the views
-    uint32_t covered_pixels = 0;           ///< Distribution::covered_pixels
     std::vector<uint32_t> first;           ///< [TexelSource's blocks + 1] into those below; the last is their number
     std::vector<uint32_t> texels, pixels;  ///< room for all of the atlas
     std::vector<float> values;             ///< [taken][3] linear RGB
 
     uint32_t count() const { return first.back(); }
-    TexelRadiance radiance(size_t k) const { return {{values[3 * k], values[3 * k + 1], values[3 * k + 2]}, image}; }
 };
 
 /// Streams `views` in linear light, one image per thread at a time, each through a distributor; `workers` as for
-/// SampleCollector. take(images) gets them in order, a few at a time; `statistics` gets what was covered and taken.
+/// SampleCollector. take(images) gets them in order, a few at a time.
 void distribute_views(const Dataset& dataset, const std::vector<uint32_t>& views,
-                      const std::vector<Distributor*>& workers, TexelDistributionStatistics& statistics,
+                      const std::vector<Distributor*>& workers,
                       const std::function<void(std::span<const TakenTexels> images)>& take);
-
-inline uint32_t texel_blocks(uint32_t texels) { return (texels + TexelSource::block - 1) / TexelSource::block; }
 
 }  // namespace radiafit

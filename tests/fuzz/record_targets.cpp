@@ -3,9 +3,9 @@
 
 #include "base/hash.h"
 #include "dataset_fixture.h"
+#include "samples/block_file.h"
 #include "samples/disk_records.h"
 #include "samples/raster_distributor.h"
-#include "samples/record_description.h"
 #include "samples/texel_source.h"
 #include "target.h"
 
@@ -47,7 +47,7 @@ void write_vertices(const fs::path& folder) {
 void write_texels(const fs::path& folder) {
     write_with(folder, [&](const Dataset& dataset, const TriangleAtlas& atlas) {
         const auto workers = raster_distributors(atlas);
-        write_texel_records(folder, dataset, atlas, {0, 1}, worker_pointers(workers), {.key = key});
+        write_texel_records(folder, dataset, atlas, {0, 1}, worker_pointers(workers), ~uint64_t(0), key);
     });
 }
 
@@ -92,19 +92,19 @@ std::vector<Target> record_targets() {
         read_vertices(folder);
     };
     const auto texels = [](const fs::path& folder) {
-        vouch(folder / "texels.json");
+        vouch(folder / "records.json");
         read_texels(folder);
     };
     const auto texels_of_index = [](const fs::path& folder) {
-        vouch(folder / "texels.json", folder / "texels_index.bin");
+        vouch(folder / "records.json", folder / "index.bin");
         read_texels(folder);
     };
     return {vertex_target("records_json", "records.json", vertices),
             vertex_target("records_index", "index.bin", vertices_of_index),
             vertex_target("records", "records.bin", read_vertices),
-            texel_target("texels_json", "texels.json", texels),
-            texel_target("texels_index", "texels_index.bin", texels_of_index),
-            texel_target("texels", "texels.bin", read_texels)};
+            texel_target("texels_json", "records.json", texels),
+            texel_target("texels_index", "index.bin", texels_of_index),
+            texel_target("texels", "records.bin", read_texels)};
 }
 
 }  // namespace radiafit::fuzz
