@@ -67,8 +67,13 @@ std::string read_description(const fs::path& file, const std::string& key) {
 
 BlockFileWriter::BlockFileWriter(const fs::path& folder) : folder_(folder), blocks_(folder / blocks_name) {}
 
-void BlockFileWriter::append(size_t count, uint64_t memory, const std::function<uint64_t(size_t b)>& held,
-                             const std::function<void(size_t b, std::vector<uint8_t>& block)>& make) {
+void BlockFileWriter::append(std::span<const uint8_t> block, uint64_t checksum) {
+    index_.push_back({blocks_.bytes(), checksum});
+    blocks_.write(block.data(), block.size());
+}
+
+void BlockFileWriter::append_all(size_t count, uint64_t memory, const std::function<uint64_t(size_t b)>& held,
+                                 const std::function<void(size_t b, std::vector<uint8_t>& block)>& make) {
     for (size_t begin = 0, end = 0; begin < count; begin = end) {
         for (uint64_t bytes = 0; end < count && end - begin < 256; ++end) {
             bytes += held(end);
@@ -80,10 +85,7 @@ void BlockFileWriter::append(size_t count, uint64_t memory, const std::function<
             make(begin + i, blocks[i]);
             checksums[i] = hash_bytes(blocks[i].data(), blocks[i].size());
         });
-        for (size_t i = 0; i < blocks.size(); ++i) {
-            index_.push_back({blocks_.bytes(), checksums[i]});
-            blocks_.write(blocks[i].data(), blocks[i].size());
-        }
+        for (size_t i = 0; i < blocks.size(); ++i) append(blocks[i], checksums[i]);
     }
 }
 

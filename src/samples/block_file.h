@@ -35,10 +35,12 @@ void append_bytes(std::vector<uint8_t>& out, std::span<const T> values) {
 class BlockFileWriter {
 public:
     explicit BlockFileWriter(const std::filesystem::path& folder);
+    /// `checksum`: hash_bytes() of the block.
+    void append(std::span<const uint8_t> block, uint64_t checksum);
     /// Appends `count` blocks. make(b, block) fills an empty one, for several b at a time; `held(b)` is how many bytes
     /// it holds meanwhile, and all that work at a time hold `memory` bytes at most, unless one alone holds more.
-    void append(size_t count, uint64_t memory, const std::function<uint64_t(size_t b)>& held,
-                const std::function<void(size_t b, std::vector<uint8_t>& block)>& make);
+    void append_all(size_t count, uint64_t memory, const std::function<uint64_t(size_t b)>& held,
+                    const std::function<void(size_t b, std::vector<uint8_t>& block)>& make);
     /// `key`: what the blocks come from. `more`: a JSON object of what else the description shall say. Returns the
     /// bytes of blocks and index.
     uint64_t close(const std::string& key, const std::string& more);
@@ -61,8 +63,8 @@ public:
     uint64_t block_bytes(size_t b) const { return index_[b + 1].offset - index_[b].offset; }
     /// Blocks [begin, end), one after another. Throws UserError if one isn't what was written.
     void read(size_t begin, size_t end, std::vector<uint8_t>& out) const;
-    /// For what only those know who wrote the blocks. Throw UserError unless the description, or index and blocks, say
-    /// what they must.
+    /// For what only those know who wrote the blocks. Throw UserError, that the description or the index is damaged,
+    /// unless it says what it must.
     void require_description(bool whole) const;
     void require_index(bool whole) const;
 

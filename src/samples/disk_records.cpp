@@ -8,7 +8,6 @@
 
 #include "model/lfm.h"
 #include "samples/image_samples.h"
-#include "samples/waiting_items.h"
 #include "samples/whole_number.h"
 
 namespace radiafit {
@@ -124,32 +123,19 @@ private:
     std::vector<Vec3d> centers_;
 };
 
-/// First loop: images in, tiles out.
-void collect(SampleCollector& collector, const std::vector<uint32_t>& views, WaitingItems<Sample>& tiles) {
-    std::vector<ImageSamples> images(size_t(collector.at_once()));
-    for (size_t first = 0; first < views.size(); first += images.size()) {
-        const size_t count = std::min(images.size(), views.size() - first);
-        collector.collect({views.data() + first, count}, images);
-        for (size_t i = 0; i < count; ++i)
-            for (const ImageSamples::Run* run = images[i].runs.data(); run->tile < tiles.keys(); ++run) {
-                const RecordGroup group{uint32_t(first + i), run[1].first - run[0].first};
-                const auto header = std::bit_cast<Sample>(group);
-                tiles.add(run->tile, {&header, 1});
-                tiles.add(run->tile, {images[i].samples.data() + run->first, group.samples});
-            }
-        tiles.settle();
-    }
-    tiles.close();
-}
-
 }  // namespace
 
 RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
                                const VertexRings& rings, const std::vector<uint32_t>& views,
                                std::vector<Distributor*> workers, const RecordOptions& options) {
-    SampleCollector collector(dataset, atlas, std::move(workers), options.space);
+    SampleCollector collector(dataset, atlas.texels_per_tile(), std::move(workers), options.space);
     WaitingItems<Sample> tiles(atlas.tile_count(), options.memory / 2, folder);
-    collect(collector, views, tiles);
+    collect_by_block(collector, views, tiles, [&](uint32_t image, size_t tile, std::span<const Sample> samples) {
+        if (samples.empty()) return;
+        const auto group = std::bit_cast<Sample>(RecordGroup{image, uint32_t(samples.size())});
+        tiles.add(tile, {&group, 1});
+        tiles.add(tile, samples);
+    });
 
     const BlockMaker maker(dataset, atlas, rings, views, options, collector.bits(), collector.scale());
     BlockFileWriter out(folder);
@@ -160,11 +146,11 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
         for (const Corner& corner : rings.ring(v)) bytes += tiles.bytes(corner.triangle);
         return (1 + expansion) * bytes;
     };
-    out.append(records.size(), options.memory / 4, held,
-               [&](size_t v, std::vector<uint8_t>& block) { maker.make(v, tiles, block, records[v]); });
-    const auto table = [&](size_t, std::vector<uint8_t>& block) { append_bytes<VertexRecord>(block, records); };
-    out.append(
-        1, 0, [](size_t) { return 0; }, table);
+    out.append_all(records.size(), options.memory / 4, held,
+                   [&](size_t v, std::vector<uint8_t>& block) { maker.make(v, tiles, block, records[v]); });
+    std::vector<uint8_t> table;
+    append_bytes<VertexRecord>(table, records);
+    out.append(table, hash_bytes(table.data(), table.size()));
     const Json description = {{"kind", options.kind == RecordKind::full ? "full" : "compact"},
                               {"bits", collector.bits()},
                               {"scale", collector.scale()},

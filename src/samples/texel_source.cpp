@@ -6,9 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "base/parallel.h"
-#include "samples/texel_distribution.h"
-#include "samples/waiting_items.h"
+#include "samples/image_samples.h"
 #include "samples/whole_number.h"
 
 namespace radiafit {
@@ -16,14 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// A sample on its way to its texel.
-struct Entry {
-    float value[3];
-    uint32_t place;  ///< image * TexelSource::block + texel within the block
-    uint32_t local() const { return place % TexelSource::block; }
-};
-static_assert(sizeof(Entry) == sizeof(TexelRadiance));
 
 /// Samples as images left them, by block; brought into their texels' order whenever they are read.
 class GatheredTexels final : public TexelSource {
@@ -34,44 +24,32 @@ public:
                    const fs::path& folder = {})
         : texels_(atlas.texel_count()), blocks_(texel_blocks(texels_), memory, folder) {
         if (views.size() > ~uint32_t(0) / block) throw std::invalid_argument("GatheredTexels: too many views");
-        distribute_views(dataset, views, workers, [&](std::span<const TakenTexels> images) { add(images); });
-        blocks_.close();
+        SampleCollector collector(dataset, block, workers, TargetSpace::linear);
+        collect_by_block(collector, views, blocks_,
+                         [&](uint32_t, size_t b, std::span<const LinearSample> samples) { blocks_.add(b, samples); });
+        for (size_t b = 0; b < blocks_.keys(); ++b) samples_ += blocks_.bytes(b) / sizeof(LinearSample);
     }
 
     uint32_t texel_count() const override { return texels_; }
     uint64_t sample_count() const override { return samples_; }
     void read(uint32_t begin, TexelSamples& out) const override {
-        std::vector<Entry> entries;
-        blocks_.get(begin / block, entries);
+        std::vector<LinearSample> waiting;
+        blocks_.get(begin / block, waiting);
         out.first.assign(std::min(block, texels_ - begin) + 1, 0);
-        for (const Entry& e : entries) ++out.first[e.local() + 1];
+        for (const LinearSample& s : waiting) ++out.first[s.place % block + 1];
         for (size_t t = 1; t < out.first.size(); ++t) out.first[t] += out.first[t - 1];
         std::array<uint64_t, block> next;
         std::copy_n(out.first.begin(), out.first.size() - 1, next.begin());
-        out.samples.resize(entries.size());
-        for (const Entry& e : entries)
-            out.samples[next[e.local()]++] = {{e.value[0], e.value[1], e.value[2]}, e.place / block};
+        out.samples.resize(waiting.size());
+        for (const LinearSample& s : waiting)
+            out.samples[next[s.place % block]++] = {{s.rgb[0], s.rgb[1], s.rgb[2]}, s.place / block};
     }
-    const WaitingItems<Entry>& blocks() const { return blocks_; }
+    const WaitingItems<LinearSample>& blocks() const { return blocks_; }
 
 private:
-    void add(std::span<const TakenTexels> images) {
-        parallel_for(blocks_.keys(), 8, [&](size_t b, int) {
-            std::vector<Entry> entries;
-            for (const TakenTexels& image : images)
-                for (uint32_t k = image.first[b]; k < image.first[b + 1]; ++k) {
-                    const float* v = &image.values[3 * size_t(k)];
-                    entries.push_back({{v[0], v[1], v[2]}, image.image * block + image.texels[k] % block});
-                }
-            blocks_.add(b, entries);
-        });
-        for (const TakenTexels& image : images) samples_ += image.count();
-        blocks_.settle();
-    }
-
     uint32_t texels_;
     uint64_t samples_ = 0;
-    WaitingItems<Entry> blocks_;
+    WaitingItems<LinearSample> blocks_;
 };
 
 /// A block on disk: `first`, then samples.
@@ -123,11 +101,11 @@ RecordStatistics write_texel_records(const fs::path& folder, const Dataset& data
                                      const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
                                      uint64_t memory, const std::string& key) {
     const GatheredTexels gathered(dataset, atlas, views, workers, memory / 2, folder);
-    const WaitingItems<Entry>& waiting = gathered.blocks();
+    const WaitingItems<LinearSample>& waiting = gathered.blocks();
     BlockFileWriter out(folder);
     // a block's bytes as they waited, in their texels' order, and as they are written
     const auto held = [&](size_t b) { return 3 * waiting.bytes(b); };
-    out.append(gathered.block_count(), memory / 4, held, [&](size_t b, std::vector<uint8_t>& block) {
+    out.append_all(gathered.block_count(), memory / 4, held, [&](size_t b, std::vector<uint8_t>& block) {
         TexelSamples samples;
         gathered.read(uint32_t(b) * TexelSource::block, samples);
         append_bytes<uint64_t>(block, samples.first);
