@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -74,6 +75,7 @@ void BlockFileWriter::append(std::span<const uint8_t> block, uint64_t checksum) 
 
 void BlockFileWriter::append_all(size_t count, uint64_t memory, const std::function<uint64_t(size_t b)>& held,
                                  const std::function<void(size_t b, std::vector<uint8_t>& block)>& make) {
+    memory = std::min(memory, uint64_t(32) << 20);  // more is no faster: the memory would be new for every block
     for (size_t begin = 0, end = 0; begin < count; begin = end) {
         for (uint64_t bytes = 0; end < count && end - begin < 256; ++end) {
             bytes += held(end);
@@ -81,7 +83,7 @@ void BlockFileWriter::append_all(size_t count, uint64_t memory, const std::funct
         }
         std::vector<std::vector<uint8_t>> blocks(end - begin);
         std::vector<uint64_t> checksums(end - begin);
-        parallel_for(blocks.size(), 4, [&](size_t i, int) {
+        parallel_for(blocks.size(), 1, [&](size_t i, int) {
             make(begin + i, blocks[i]);
             checksums[i] = hash_bytes(blocks[i].data(), blocks[i].size());
         });

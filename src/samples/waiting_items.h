@@ -63,6 +63,7 @@ public:
     void get(size_t key, std::vector<Item>& out) const {
         for (const auto& begin : spilled_) {
             const uint64_t bytes = begin[key + 1] - begin[key];
+            if (bytes == 0) continue;
             const size_t at = out.size();
             out.resize(at + bytes / sizeof(Item));
             in_->read(out.data() + at, begin[key], bytes);
