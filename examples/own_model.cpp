@@ -24,8 +24,7 @@ int main() {
     const TriangleAtlas atlas(dataset.mesh, fit.options.surface_side);
     const std::vector<uint32_t> views = dataset.split(false);
     const auto distributors = raster_distributors(atlas);
-    TexelDistributionStatistics statistics;
-    const auto samples = gather_texels(dataset, atlas, views, worker_pointers(distributors), statistics);
+    const auto samples = gather_texels(dataset, atlas, views, worker_pointers(distributors));
     const TexelLoader loader(dataset, atlas, views, fit.options);
     const TexelResult result = solvers.solve_lm({*samples, loader, fit.options}, {.iterations = 50}, {});
 

@@ -80,15 +80,15 @@ class Reflectance(ProgramTest):
 
         self.good(*fit("--model", "lambert", "-o", "shared"))
         before = snapshot(self.root / "records")
-        self.assertEqual(set(before), {"texels.json", "texels_index.bin", "texels.bin"})
+        self.assertEqual(set(before), {"records.json", "index.bin", "records.bin"})
         for options in (("lafortune", "--optimizer", "cg", "--iterations", "2"), ("lambert", "--clip-above", "0.9"),
                         ("ptm", "--shadow-below", "0.1")):
             again = self.good(*fit("--model", *options, "-o", "shared"))
             self.assertIn("records of an earlier run: records", again.stderr)
         self.assertEqual(before, snapshot(self.root / "records"))
         self.refused(*fit("--model", "lambert", "--validation", "5", "-o", "no"),
-                     says=["records/texels.json", "choose another --records folder"])
-        for name in ("texels_index.bin", "texels.bin"):
+                     says=["records/records.json", "choose another --records folder"])
+        for name in ("index.bin", "records.bin"):
             path = self.root / "records" / name
             whole = path.read_bytes()
             path.write_bytes(whole[:-1])

@@ -13,9 +13,9 @@
 #include "cpu/texel_solver.h"
 #include "dataset/truth.h"
 #include "loss_oracle.h"
+#include "samples/block_file.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
-#include "samples/record_description.h"
 #include "synthetic/synthetic.h"
 #include "temporary_folder.h"
 #include "texel_scene.h"
@@ -183,15 +183,12 @@ protected:
     ~TexelDataset() override { set_thread_count(0); }
 
     std::unique_ptr<TexelSource> gather() {
-        TexelDistributionStatistics statistics;
-        auto source = gather_texels(dataset_, *atlas_, views_, worker_pointers(distributors_), statistics);
-        EXPECT_EQ(statistics.samples, source->sample_count());
-        return source;
+        return gather_texels(dataset_, *atlas_, views_, worker_pointers(distributors_));
     }
-    TexelDistributionStatistics write(const std::string& name, uint64_t memory) {
+    RecordStatistics write(const std::string& name, uint64_t memory) {
         fs::create_directory(folder_.path() / name);
         return write_texel_records(folder_.path() / name, dataset_, *atlas_, views_, worker_pointers(distributors_),
-                                   {.memory = memory, .key = "key"});
+                                   memory, "key");
     }
     static std::string bytes_of(const fs::path& file) {
         std::ostringstream text;
@@ -255,11 +252,11 @@ TEST_F(TexelDataset, SamplesAreThePixelsThatTexelsTake) {
 }
 
 TEST_F(TexelDataset, RecordsOnDiskAreTheSameInAnyMemory) {
-    const TexelDistributionStatistics large = write("large", uint64_t(1) << 30), small = write("small", 20000);
-    EXPECT_EQ(large.waiting_bytes, 0u);
-    EXPECT_GT(small.waiting_bytes, 0u);
+    const RecordStatistics large = write("large", uint64_t(1) << 30), small = write("small", 20000);
+    EXPECT_EQ(large.waiting_parts, 0u);
+    EXPECT_GT(small.bytes_read, 0u);
     EXPECT_FALSE(fs::exists(folder_.path() / "small/waiting.bin"));
-    for (const char* name : {"texels.bin", "texels_index.bin", "texels.json"})
+    for (const char* name : {"records.bin", "index.bin", "records.json"})
         EXPECT_EQ(bytes_of(folder_.path() / "large" / name), bytes_of(folder_.path() / "small" / name)) << name;
     const auto memory = gather(), disk = open_texel_records(folder_.path() / "small", "key");
     ASSERT_EQ(memory->sample_count(), disk->sample_count());
@@ -277,7 +274,7 @@ TEST_F(TexelDataset, DamagedOrForeignRecordsAreRefused) {
     const fs::path folder = folder_.path() / "records";
     EXPECT_THROW(open_texel_records(folder, "another key"), UserError);
     EXPECT_THROW(open_texel_records(folder_.path() / "none", "key"), UserError);
-    std::fstream file(folder / "texels.bin", std::ios::in | std::ios::out | std::ios::binary);
+    std::fstream file(folder / "records.bin", std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(5000);
     file.put('x');
     file.put('y');
@@ -287,14 +284,14 @@ TEST_F(TexelDataset, DamagedOrForeignRecordsAreRefused) {
     EXPECT_THROW(
         for (uint32_t begin = 0; begin < source->texel_count(); begin += TexelSource::block) source->read(begin, block),
         UserError);
-    fs::resize_file(folder / "texels.bin", 4096);
+    fs::resize_file(folder / "records.bin", 4096);
     EXPECT_THROW(open_texel_records(folder, "key"), UserError);
 }
 
 // With the checksum that fits them, so that nothing else is wrong.
 TEST_F(TexelDataset, RecordsOfOtherTypesAndCountsAreRefused) {
     write("records", uint64_t(1) << 30);
-    const fs::path folder = folder_.path() / "records", file = folder / "texels.json";
+    const fs::path folder = folder_.path() / "records", file = folder / "records.json";
     std::ifstream stream(file);
     const auto whole = nlohmann::ordered_json::parse(stream);
     const auto refused = [&](const char* field, const nlohmann::ordered_json& value) {
@@ -306,8 +303,8 @@ TEST_F(TexelDataset, RecordsOfOtherTypesAndCountsAreRefused) {
     refused("texels", "many");
     refused("texels", uint64_t(1) << 33);
     refused("texels", 4'000'000'000u);
-    refused("samples", -1);
-    refused("samples", nullptr);
+    refused("kind", "compact");
+    refused("texels", nullptr);
     refused("bytes", "all");
     refused("index_checksum", nlohmann::ordered_json::array());
 }

@@ -34,8 +34,7 @@ SharedTexels gather(const Dataset& dataset, const Atlas& atlas, const FitRequest
     Stopwatch clock;
     SharedTexels out;
     const Distributors distributors = make_distributors(atlas, request);
-    TexelDistributionStatistics statistics;
-    out.source = gather_texels(dataset, atlas, views, distributors.workers(), statistics);
+    out.source = gather_texels(dataset, atlas, views, distributors.workers());
     out.seconds = clock.wall_s();
     return out;
 }
@@ -122,19 +121,14 @@ void solve_texel_two_step(TexelTask& task) {
     const std::string key = record_key(task.dataset, task.request, task.views, side, "texel");
     const auto write = [&](const fs::path& folder) {
         const Distributors distributors = make_distributors(*task.out.atlas, task.request);
-        const TexelDistributionStatistics statistics =
-            write_texel_records(folder, task.dataset, *task.out.atlas, task.views, distributors.workers(),
-                                {.memory = task.request.memory, .key = key});
-        task.out.records.bytes_written = statistics.bytes_written;
-        task.out.records.bytes_read = statistics.waiting_bytes;
-        task.out.records.covered_pixels = statistics.covered_pixels;
-        task.out.records.samples = statistics.samples;
+        task.out.records = write_texel_records(folder, task.dataset, *task.out.atlas, task.views,
+                                               distributors.workers(), task.request.memory, key);
     };
     with_records(task.dataset, task.request, task.out.times, write, [&](const fs::path& folder) {
         const auto source = open_texel_records(folder, key);
         task.out.samples = source->sample_count();
-        settle_cache(texel_records_file(folder), task.request, task.out);
-        task.out.record_bytes_read = fs::file_size(texel_records_file(folder));
+        settle_cache(BlockFile::file(folder), task.request, task.out);
+        task.out.record_bytes_read = fs::file_size(BlockFile::file(folder));
         solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
             return task.request.levenberg_marquardt()
                        ? task.solvers().solve_lm(problem, task.fit_options(), progress)

@@ -37,7 +37,7 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
     FitOutcome& out = task.out;
     const DiskRecords records(folder, key);
     records.require(task.rings.vertex_count(), task.views);
-    settle_cache(DiskRecords::file(folder), task.request, out);
+    settle_cache(BlockFile::file(folder), task.request, out);
     Stopwatch clock;
     Progress progress("vertices", records.vertex_count());
     TwoStepResult result = solve_two_step(

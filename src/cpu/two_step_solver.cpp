@@ -47,8 +47,9 @@ TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas,
         records.read(begin, end, w.blocks);
         w.read_s += reading.wall_s();
         w.bytes_read += w.blocks.size();
-        for (size_t v = begin; v < end; ++v) {
-            w.problem.load(v, w.blocks.data() + (records.vertex(v).offset - records.vertex(begin).offset));
+        const uint8_t* block = w.blocks.data();
+        for (size_t v = begin; v < end; block += records.block_bytes(v), ++v) {
+            w.problem.load(v, block);
             w.engine.count();
             const Trace trace = optimize_terms(w.engine, two_step.optimizer, options.terms, two_step.deflate,
                                                {out.parameters.data() + layout.offset(v), layout.block_size(v)});

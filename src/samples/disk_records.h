@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
+#include "samples/block_file.h"
 #include "samples/distributor.h"
 
 /// Step 1 of the CPU baseline (Sections 4.3 and 6.2): radiance samples distributed to disk, so that each vertex's
@@ -26,21 +26,12 @@ struct RecordOptions {
     std::string key = {};                 ///< what the records come from; compared when they are opened again
 };
 
-/// A vertex's problem in the file.
+/// What the last block says of each vertex's problem; vertex v's samples are block v.
 struct VertexRecord {
-    uint64_t offset = 0;       ///< bytes, into records.bin
     uint32_t images = 0;       ///< groups: images that see its ring
     uint32_t samples = 0;      ///< radiance samples: pixels in the ring's texels
     float mean[3] = {};        ///< of the targets L t
     uint32_t texel_bytes = 1;  ///< compact: size of a place in the maps
-    uint64_t checksum = 0;     ///< of its block
-};
-
-struct RecordStatistics {
-    uint64_t bytes_written = 0;  ///< records and waiting files
-    uint64_t bytes_read = 0;     ///< of waiting files
-    uint64_t waiting_parts = 0;  ///< ranges of images whose samples waited on disk
-    uint64_t covered_pixels = 0, samples = 0;
 };
 
 /// Distributes `views` into `folder`, which must exist. `workers` as for SampleCollector. The bytes do not depend on
@@ -66,25 +57,18 @@ public:
     const std::vector<uint32_t>& views() const { return views_; }  ///< dataset views of the images
     size_t vertex_count() const { return vertices_.size(); }
     const VertexRecord& vertex(size_t v) const { return vertices_[v]; }
-    uint64_t block_bytes(size_t v) const { return end(v) - vertices_[v].offset; }
-    uint64_t bytes() const { return bytes_; }
-    static std::filesystem::path file(const std::filesystem::path& folder);  ///< the large one
+    uint64_t block_bytes(size_t v) const { return file_.block_bytes(v); }
 
     /// Blocks of vertices [begin, end), one after another. Throws UserError if one isn't what was written.
-    void read(size_t begin, size_t end, std::vector<uint8_t>& blocks) const;
+    void read(size_t begin, size_t end, std::vector<uint8_t>& blocks) const { file_.read(begin, end, blocks); }
 
 private:
-    bool holds_its_samples(size_t v) const;
-    uint64_t end(size_t v) const { return v + 1 < vertices_.size() ? vertices_[v + 1].offset : bytes_; }
-
+    BlockFile file_;
     RecordKind kind_;
     int bits_;
     float scale_;
-    uint64_t bytes_;
     std::vector<uint32_t> views_;
     std::vector<VertexRecord> vertices_;
-    InputFile file_;
-    std::filesystem::path path_;
 };
 
 /// Header of a group in a block: all groups' headers first, then all samples.

@@ -1,43 +1,84 @@
 #pragma once
+#include <algorithm>
+#include <functional>
+#include <span>
 #include <vector>
 
+#include "base/parallel.h"
 #include "samples/distributor.h"
+#include "samples/waiting_items.h"
 
 namespace radiafit {
 
-/// What one image leaves, in ascending texel order, so tile by tile.
-struct ImageSamples {
-    struct Run {
-        uint32_t tile, first;  ///< first: into samples
-    };
-    std::vector<Run> runs;  ///< one per tile that has samples, and a sentinel whose tile is the tile count
-    std::vector<Sample> samples;
-    uint32_t covered_pixels = 0;
+/// A sample in linear light that isn't rounded to 16 bits.
+struct LinearSample {
+    float rgb[3];
+    uint32_t place;  ///< (position of the image in the views) * (texels per block) + texel within its block
+};
+
+/// What one image leaves, in ascending texel order, so block by block of neighbours.
+struct ImageBlocks {
+    uint32_t covered_pixels = 0;  ///< Distribution::covered_pixels
+    std::vector<uint32_t> first;  ///< [blocks + 1] into samples
+};
+template <class T>
+struct ImageSamples : ImageBlocks {
+    std::vector<T> samples;
+    std::span<const T> of(size_t block) const {
+        return {samples.data() + first[block], samples.data() + first[block + 1]};
+    }
 };
 
 /// Streams images from disk, each through a distributor.
 class SampleCollector {
 public:
+    /// `texels_per_block`: a tile's, or of as many neighbours as else belong together, 65536 at most.
     /// `workers`: one distributor per thread to use, or a single one that is then used from the calling thread only.
-    /// Throws std::invalid_argument for another number of them, or a tile of more than 65536 texels.
-    SampleCollector(const Dataset& dataset, const Atlas& atlas, std::vector<Distributor*> workers, TargetSpace space);
+    /// Throws std::invalid_argument for other numbers of them.
+    SampleCollector(const Dataset& dataset, uint32_t texels_per_block, std::vector<Distributor*> workers,
+                    TargetSpace space);
 
     int at_once() const { return int(state_.size()); }  ///< images that are worked on side by side
     int bits() const { return state_.front().stream.bits(); }
-    float scale() const;  ///< of Sample::rgb, one for all images
-    /// Image k of `views` to out[k].
-    void collect(std::span<const uint32_t> views, std::span<ImageSamples> out);
+    float scale() const { return state_.front().stream.scale16(); }  ///< of Sample::rgb, one for all images
+    /// Image first + k of `views` to out[k].
+    void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<Sample>> out);
+    void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<LinearSample>> out);
 
 private:
     struct Worker {
         ImageStream stream;
-        TargetImage image;
-        Distribution distribution;
+        TargetImage image = {};
+        Distribution distribution = {};
+        std::vector<uint32_t> locals = {}, pixels = {};  ///< of the texels that take a pixel; room for all of the atlas
+        std::vector<float> values = {};                  ///< [taken][3]
     };
+    /// body(k, worker) for k in [0, count), by all workers.
+    void each(size_t count, const std::function<void(size_t k, int worker)>& body);
+    /// The loaded image's texels that take a pixel, by block.
+    void distribute(uint32_t view, int worker, ImageBlocks& out);
+
     const Dataset* dataset_;
-    uint32_t texels_per_tile_;
+    uint32_t texels_per_block_;
     std::vector<Distributor*> workers_;
     std::vector<Worker> state_;
 };
+
+/// Collects all views, a few at a time, into `waiting`: add(image, block, samples) puts there what a block takes of an
+/// image, in the images' order and for several blocks at a time.
+template <class T, class Add>
+void collect_by_block(SampleCollector& collector, std::span<const uint32_t> views, WaitingItems<T>& waiting,
+                      const Add& add) {
+    std::vector<ImageSamples<T>> images(size_t(collector.at_once()));
+    for (size_t first = 0; first < views.size(); first += images.size()) {
+        const size_t count = std::min(images.size(), views.size() - first);
+        collector.collect(views, first, std::span(images).first(count));
+        parallel_for(waiting.keys(), 8, [&](size_t block, int) {
+            for (size_t k = 0; k < count; ++k) add(uint32_t(first + k), block, images[k].of(block));
+        });
+        waiting.settle();
+    }
+    waiting.close();
+}
 
 }  // namespace radiafit

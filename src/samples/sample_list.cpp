@@ -10,10 +10,10 @@ namespace radiafit {
 
 namespace {
 
-void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vector<ImageSamples>& images,
+void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vector<ImageSamples<Sample>>& images,
                      DistributionStatistics& statistics) {
     statistics = {};
-    for (const ImageSamples& image : images) statistics.covered_pixels += image.covered_pixels;
+    for (const ImageBlocks& image : images) statistics.covered_pixels += image.covered_pixels;
     statistics.samples = statistics.kept_pixels = list.samples.size();
     statistics.samples_per_texel.assign(atlas.texel_count(), 0);
     for (size_t tile = 0; tile < list.tile_count(); ++tile) {
@@ -36,49 +36,43 @@ void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vect
 
 SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                              std::vector<Distributor*> workers, TargetSpace space, DistributionStatistics* statistics) {
-    SampleCollector collector(dataset, atlas, std::move(workers), space);
+    SampleCollector collector(dataset, atlas.texels_per_tile(), std::move(workers), space);
     SampleList list;
     list.views = views;
     list.scale = collector.scale();
-    std::vector<ImageSamples> images(views.size());
-    collector.collect(views, images);
+    std::vector<ImageSamples<Sample>> images(views.size());
+    collector.collect(views, 0, images);
 
     // Counting sort by tile, stable in the image: count, sum, place.
     const uint32_t tiles = atlas.tile_count();
     list.tile_groups.assign(tiles + 1, 0);
     std::vector<uint64_t> tile_samples(tiles + 1, 0);  // where a tile's samples begin
-    uint64_t samples = 0;
-    for (const ImageSamples& image : images) {
-        samples += image.samples.size();
-        for (size_t r = 0; r + 1 < image.runs.size(); ++r) {
-            ++list.tile_groups[image.runs[r].tile + 1];
-            tile_samples[image.runs[r].tile + 1] += image.runs[r + 1].first - image.runs[r].first;
+    for (const ImageSamples<Sample>& image : images)
+        for (uint32_t tile = 0; tile < tiles; ++tile) {
+            list.tile_groups[tile + 1] += !image.of(tile).empty();
+            tile_samples[tile + 1] += image.of(tile).size();
         }
-    }
     for (uint32_t tile = 0; tile < tiles; ++tile) {
         list.tile_groups[tile + 1] += list.tile_groups[tile];
         tile_samples[tile + 1] += tile_samples[tile];
     }
     list.groups.resize(size_t(list.tile_groups[tiles]) + 1);
-    list.groups.back() = {static_cast<uint32_t>(views.size()), samples};
-    list.samples.resize(samples);
+    list.groups.back() = {static_cast<uint32_t>(views.size()), tile_samples[tiles]};
+    list.samples.resize(tile_samples[tiles]);
 
     // Each range of tiles is one worker's alone, and sees the images in order.
     parallel_chunks(tiles, 256, [&](size_t begin, size_t end, int) {
         std::vector<uint32_t> next_group(list.tile_groups.begin() + begin, list.tile_groups.begin() + end);
         std::vector<uint64_t> next_sample(tile_samples.begin() + begin, tile_samples.begin() + end);
-        for (uint32_t k = 0; k < images.size(); ++k) {
-            const ImageSamples& image = images[k];
-            auto run = std::lower_bound(image.runs.begin(), image.runs.end() - 1, begin,
-                                        [](const ImageSamples::Run& r, size_t tile) { return r.tile < tile; });
-            for (; run->tile < end; ++run) {  // the sentinel's tile is `tiles`
-                uint64_t& first = next_sample[run->tile - begin];
-                list.groups[next_group[run->tile - begin]++] = {k, first};
-                std::copy(image.samples.begin() + run[0].first, image.samples.begin() + run[1].first,
-                          list.samples.begin() + ptrdiff_t(first));
-                first += run[1].first - run[0].first;
+        for (uint32_t k = 0; k < images.size(); ++k)
+            for (size_t tile = begin; tile < end; ++tile) {
+                const std::span<const Sample> samples = images[k].of(tile);
+                if (samples.empty()) continue;
+                uint64_t& first = next_sample[tile - begin];
+                list.groups[next_group[tile - begin]++] = {k, first};
+                std::copy(samples.begin(), samples.end(), list.samples.begin() + ptrdiff_t(first));
+                first += samples.size();
             }
-        }
     });
 
     if (statistics) fill_statistics(list, atlas, images, *statistics);

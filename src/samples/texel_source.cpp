@@ -2,85 +2,122 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
+#include <cstring>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "base/parallel.h"
-#include "samples/texel_distribution.h"
+#include "samples/image_samples.h"
+#include "samples/whole_number.h"
 
 namespace radiafit {
 namespace {
 
-/// Samples as images left them, in blocks of texels; brought into their texels' order whenever they are read.
-class TexelsInMemory final : public TexelSource {
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Samples as images left them, by block; brought into their texels' order whenever they are read.
+class GatheredTexels final : public TexelSource {
 public:
-    explicit TexelsInMemory(uint32_t texels) : texels_(texels), blocks_(texel_blocks(texels)) {}
+    /// Those that exceed `memory` bytes wait in `folder`.
+    GatheredTexels(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
+                   const std::vector<Distributor*>& workers, uint64_t memory = ~uint64_t(0),
+                   const fs::path& folder = {})
+        : texels_(atlas.texel_count()), blocks_(texel_blocks(texels_), memory, folder) {
+        if (views.size() > ~uint32_t(0) / block) throw std::invalid_argument("GatheredTexels: too many views");
+        SampleCollector collector(dataset, block, workers, TargetSpace::linear);
+        collect_by_block(collector, views, blocks_,
+                         [&](uint32_t, size_t b, std::span<const LinearSample> samples) { blocks_.add(b, samples); });
+        for (size_t b = 0; b < blocks_.keys(); ++b) samples_ += blocks_.bytes(b) / sizeof(LinearSample);
+    }
 
     uint32_t texel_count() const override { return texels_; }
     uint64_t sample_count() const override { return samples_; }
     void read(uint32_t begin, TexelSamples& out) const override {
-        const Block& from = blocks_[begin / block];
+        std::vector<LinearSample> waiting;
+        blocks_.get(begin / block, waiting);
         out.first.assign(std::min(block, texels_ - begin) + 1, 0);
-        from.each([&](const Entry& e) { ++out.first[e.local() + 1]; });
+        for (const LinearSample& s : waiting) ++out.first[s.place % block + 1];
         for (size_t t = 1; t < out.first.size(); ++t) out.first[t] += out.first[t - 1];
         std::array<uint64_t, block> next;
         std::copy_n(out.first.begin(), out.first.size() - 1, next.begin());
-        out.samples.resize(from.count);
-        from.each([&](const Entry& e) {
-            out.samples[next[e.local()]++] = {{e.value[0], e.value[1], e.value[2]}, e.place / block};
-        });
+        out.samples.resize(waiting.size());
+        for (const LinearSample& s : waiting)
+            out.samples[next[s.place % block]++] = {{s.rgb[0], s.rgb[1], s.rgb[2]}, s.place / block};
     }
+    const WaitingItems<LinearSample>& blocks() const { return blocks_; }
 
-    void add(std::span<const TakenTexels> images) {
-        parallel_for(blocks_.size(), 8, [&](size_t b, int) {
-            for (const TakenTexels& image : images)
-                for (uint32_t k = image.first[b]; k < image.first[b + 1]; ++k) {
-                    const float* v = &image.values[3 * size_t(k)];
-                    blocks_[b].push({{v[0], v[1], v[2]}, image.image * block + image.texels[k] % block});
-                }
-        });
-        for (const TakenTexels& image : images) samples_ += image.count();
+private:
+    uint32_t texels_;
+    uint64_t samples_ = 0;
+    WaitingItems<LinearSample> blocks_;
+};
+
+/// A block on disk: `first`, then samples.
+class TexelsOnDisk final : public TexelSource {
+public:
+    TexelsOnDisk(const fs::path& folder, const std::string& key) : file_(folder, key) {
+        Json description = Json::parse(file_.description());
+        const auto texels = whole_number(description["texels"]);
+        file_.require_description(description["kind"] == "texels" && texels);
+        texels_ = *texels;
+        file_.require_index(file_.size() == block_count());
+        for (size_t b = 0; b < file_.size(); ++b) {
+            const uint64_t bytes = file_.block_bytes(b), head = head_bytes(b);
+            file_.require_index(bytes >= head && (bytes - head) % sizeof(TexelRadiance) == 0);
+            samples_ += (bytes - head) / sizeof(TexelRadiance);
+        }
+    }
+    uint32_t texel_count() const override { return texels_; }
+    uint64_t sample_count() const override { return samples_; }
+    void read(uint32_t begin, TexelSamples& out) const override {
+        const size_t b = begin / block, head = head_bytes(b);
+        std::vector<uint8_t> bytes;
+        file_.read(b, b + 1, bytes);
+        out.first.resize(head / sizeof(uint64_t));
+        out.samples.resize((bytes.size() - head) / sizeof(TexelRadiance));
+        std::memcpy(out.first.data(), bytes.data(), head);
+        if (!out.samples.empty()) std::memcpy(out.samples.data(), bytes.data() + head, bytes.size() - head);
     }
 
 private:
-    struct Entry {
-        float value[3];
-        uint32_t place;  ///< image * block + texel within the block
-        uint32_t local() const { return place % block; }
-    };
-    static_assert(sizeof(Entry) == sizeof(TexelRadiance));
-    /// Grows without moving what is there.
-    struct Block {
-        static constexpr size_t chunk = 2048;
-        std::vector<std::unique_ptr<Entry[]>> chunks;
-        size_t count = 0;
+    size_t head_bytes(size_t b) const {
+        return (std::min(block, texels_ - uint32_t(b) * block) + 1) * sizeof(uint64_t);
+    }
 
-        void push(const Entry& e) {
-            if (count % chunk == 0) chunks.push_back(std::make_unique_for_overwrite<Entry[]>(chunk));
-            chunks.back()[count++ % chunk] = e;
-        }
-        template <class Body>
-        void each(const Body& body) const {
-            for (size_t c = 0; c < chunks.size(); ++c)
-                for (size_t i = 0; i < std::min(chunk, count - chunk * c); ++i) body(chunks[c][i]);
-        }
-    };
-
-    uint32_t texels_;
+    BlockFile file_;
+    uint32_t texels_ = 0;
     uint64_t samples_ = 0;
-    std::vector<Block> blocks_;
 };
 
 }  // namespace
 
 std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& atlas,
-                                           const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
-                                           TexelDistributionStatistics& statistics) {
-    if (views.size() > ~uint32_t(0) / TexelSource::block) throw std::invalid_argument("gather_texels: too many views");
-    auto out = std::make_unique<TexelsInMemory>(atlas.texel_count());
-    distribute_views(dataset, views, workers, statistics,
-                     [&](std::span<const TakenTexels> images) { out->add(images); });
-    return out;
+                                           const std::vector<uint32_t>& views,
+                                           const std::vector<Distributor*>& workers) {
+    return std::make_unique<GatheredTexels>(dataset, atlas, views, workers);
+}
+
+RecordStatistics write_texel_records(const fs::path& folder, const Dataset& dataset, const Atlas& atlas,
+                                     const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
+                                     uint64_t memory, const std::string& key) {
+    const GatheredTexels gathered(dataset, atlas, views, workers, memory / 2, folder);
+    const WaitingItems<LinearSample>& waiting = gathered.blocks();
+    BlockFileWriter out(folder);
+    // a block's bytes as they waited, in their texels' order, and as they are written
+    const auto held = [&](size_t b) { return 3 * waiting.bytes(b); };
+    out.append_all(gathered.block_count(), memory / 4, held, [&](size_t b, std::vector<uint8_t>& block) {
+        TexelSamples samples;
+        gathered.read(uint32_t(b) * TexelSource::block, samples);
+        append_bytes<uint64_t>(block, samples.first);
+        append_bytes<TexelRadiance>(block, samples.samples);
+    });
+    const Json description = {{"kind", "texels"}, {"texels", gathered.texel_count()}, {"views", views}};
+    const uint64_t bytes = out.close(key, description.dump());
+    return {bytes + waiting.bytes_written(), waiting.bytes_read(), waiting.spills()};
+}
+
+std::unique_ptr<TexelSource> open_texel_records(const fs::path& folder, const std::string& key) {
+    return std::make_unique<TexelsOnDisk>(folder, key);
 }
 
 }  // namespace radiafit

@@ -97,7 +97,7 @@ rows += [
 ]
 
 # Records
-records, texels = "records/records.json", "texrecords/texels.json"
+records, texels = "records/records.json", "texrecords/records.json"
 keep = "fit tiny --solver two-step --iterations 1 --records records -o new"
 keep_texels = "fit flat --model lafortune --solver two-step --records texrecords -o new"
 for size in (0, 0.5, -2):
@@ -106,20 +106,19 @@ for size in (0, 0.5, -2):
 for size in (0, 0.5, -1):
     rows.append((keep, cut("records/index.bin", size), 2, "records/index.bin: "))
     rows.append((keep, cut("records/records.bin", size), 2, "records/records.bin: "))
-    rows.append((keep_texels, cut("texrecords/texels_index.bin", size), 2, "texrecords/texels_index.bin: "))
-    rows.append((keep_texels, cut("texrecords/texels.bin", size), 2, "texrecords/texels.bin: "))
+    rows.append((keep_texels, cut("texrecords/index.bin", size), 2, "texrecords/index.bin: "))
+    rows.append((keep_texels, cut("texrecords/records.bin", size), 2, "texrecords/records.bin: "))
 for name in ("records.json", "index.bin", "records.bin"):
     rows.append((keep, remove(f"records/{name}"), 2, f"records/{name}: "))
-for name in ("texels.json", "texels_index.bin", "texels.bin"):
     rows.append((keep_texels, remove(f"texrecords/{name}"), 2, f"texrecords/{name}: "))
-for place, value in (("format", "radiafit-fit"), ("version", 2), ("key", "another"), ("kind", "full"), ("bits", 16), ("vertices", 5),
-                     ("bytes", 1), ("checksum", 1), ("index_checksum", 1)):  # fmt: skip
+for place, value in (("format", "radiafit-fit"), ("version", 1), ("key", "another"), ("kind", "full"), ("bits", 16), ("bytes", 1),
+                     ("views", []), ("checksum", 1), ("index_checksum", 1)):  # fmt: skip
     rows.append((keep, field(records, place, value), 2, "records"))
 rows += [
     (keep, patch("records/records.bin", 20, b"\xaa\xbb"), 2, "records/records.bin: "),
     (keep, patch("records/index.bin", 8, b"\xaa"), 2, "records/index.bin: "),
-    (keep_texels, patch("texrecords/texels.bin", 20, b"\xaa\xbb"), 2, "texrecords/texels.bin: "),
-    (keep_texels, patch("texrecords/texels_index.bin", 8, b"\xaa"), 2, "texrecords/texels_index.bin: "),
+    (keep_texels, patch("texrecords/records.bin", 20, b"\xaa\xbb"), 2, "texrecords/records.bin: "),
+    (keep_texels, patch("texrecords/index.bin", 8, b"\xaa"), 2, "texrecords/index.bin: "),
     (keep.replace("--records", "--record full --records"), None, 2, "records"),
     (keep.replace("--records", "--space linear --records"), None, 2, "records"),
     (keep.replace("--records", "--surface-side 9 --records"), None, 2, "records"),
@@ -145,11 +144,11 @@ for value in (2**32 + 2, True, 2**64, [3]):
 for place, value in (("lfm.lambda_surface", 1e38), ("lfm.upper", 1e300), ("dataset.vertices", 4.5), ("dataset.vertices", -4),
                      ("problems.status.stationary", -1), ("problems.status.stationary", 1.5)):  # fmt: skip
     rows.append(("info fit", field(fit, place, value), 2, f"{fit}: ", again))
-for place, values in (("bits", ["8", 7, 2**40]), ("scale", ["1", [], -1, 0, 1e300]), ("bytes", ["1", -1, 2**62]), ("vertices", ["4", -1, 2**62, 5]),
+for place, values in (("bits", ["8", 7, 2**40]), ("scale", ["1", [], -1, 0, 1e300]), ("bytes", ["1", -1, 2**62]),
                       ("views", [5, ["a"], [-1], [99, 98], [1e30], [2**32]]), ("kind", [5, "thin"]), ("index_checksum", ["1"])):  # fmt: skip
     for value in [*values, GONE]:
         rows.append((keep, signed_field(records, place, value), 2, "records/"))
-for place, values in (("texels", ["4", -1, 2**62, 5, 1e30, 2**70]), ("samples", ["1", -1]), ("index_checksum", ["1"])):
+for place, values in (("texels", ["4", -1, 2**62, 5, 1e30, 2**70]), ("kind", [5, "compact"]), ("index_checksum", ["1"])):
     for value in [*values, GONE]:
         rows.append((keep_texels, signed_field(texels, place, value), 2, "texrecords/"))
 window = "\x0f\x00\x00\x00\x0f\x00\x00\x00"  # 16 x 16 pixels

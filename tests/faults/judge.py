@@ -12,7 +12,7 @@ import pathlib
 
 from decode import Cut, check_whole
 
-MARKERS = ("dataset.json", "fit.json", "records.json", "texels.json", "run.json")
+MARKERS = ("dataset.json", "fit.json", "records.json", "run.json")
 VOLATILE = ("times_s", "provenance")  # of fit.json: times, and the machine
 
 

@@ -3,9 +3,9 @@
 
 #include "base/hash.h"
 #include "dataset_fixture.h"
+#include "samples/block_file.h"
 #include "samples/disk_records.h"
 #include "samples/raster_distributor.h"
-#include "samples/record_description.h"
 #include "samples/texel_source.h"
 #include "target.h"
 
@@ -16,17 +16,17 @@ using Json = nlohmann::ordered_json;
 constexpr const char* key = "a key";
 
 /// Gives a description the checksum that fits it.
-void vouch(const fs::path& description) {
-    const Json json = Json::parse(bytes_of(description), nullptr, false);
-    if (json.is_object()) write_description(description, json.dump());
+void vouch_for_description(const fs::path& folder) {
+    const Json json = Json::parse(bytes_of(folder / "records.json"), nullptr, false);
+    if (json.is_object()) write_description(folder / "records.json", json.dump());
 }
 
 /// Gives it that of the index too.
-void vouch(const fs::path& description, const fs::path& index) {
-    Json json = Json::parse(bytes_of(description));
-    const std::string bytes = bytes_of(index);
+void vouch_for_index(const fs::path& folder) {
+    Json json = Json::parse(bytes_of(folder / "records.json"));
+    const std::string bytes = bytes_of(folder / "index.bin");
     json["index_checksum"] = hash_bytes(bytes.data(), bytes.size());
-    write_description(description, json.dump());
+    write_description(folder / "records.json", json.dump());
 }
 
 /// `write` gets a dataset of small images.
@@ -47,7 +47,7 @@ void write_vertices(const fs::path& folder) {
 void write_texels(const fs::path& folder) {
     write_with(folder, [&](const Dataset& dataset, const TriangleAtlas& atlas) {
         const auto workers = raster_distributors(atlas);
-        write_texel_records(folder, dataset, atlas, {0, 1}, worker_pointers(workers), {.key = key});
+        write_texel_records(folder, dataset, atlas, {0, 1}, worker_pointers(workers), ~uint64_t(0), key);
     });
 }
 
@@ -64,47 +64,31 @@ void read_texels(const fs::path& folder) {
     for (size_t b = 0; b < source->block_count(); ++b) source->read(uint32_t(b) * TexelSource::block, samples);
 }
 
-Target vertex_target(const char* name, const char* file, const std::function<void(const fs::path&)>& read) {
-    const auto seeds = [=](const fs::path& folder) {
-        write_vertices(folder);
-        return std::vector<std::string>{bytes_of(folder / file)};
-    };
-    return {name, file, seeds, read};
-}
+using Step = void (*)(const fs::path&);
 
-Target texel_target(const char* name, const char* file, const std::function<void(const fs::path&)>& read) {
-    const auto seeds = [=](const fs::path& folder) {
-        write_texels(folder);
-        return std::vector<std::string>{bytes_of(folder / file)};
+/// The three files that `write` leaves and `read` takes.
+std::vector<Target> targets_of(const std::string& name, Step write, Step read) {
+    const auto target = [=](const char* suffix, const char* file, Step vouch) {
+        const auto seeds = [=](const fs::path& folder) {
+            write(folder);
+            return std::vector<std::string>{bytes_of(folder / file)};
+        };
+        const auto vouch_and_read = [=](const fs::path& folder) {
+            if (vouch) vouch(folder);
+            read(folder);
+        };
+        return Target{name + suffix, file, seeds, vouch_and_read};
     };
-    return {name, file, seeds, read};
+    return {target("_json", "records.json", vouch_for_description), target("_index", "index.bin", vouch_for_index),
+            target("", "records.bin", nullptr)};
 }
 
 }  // namespace
 
 std::vector<Target> record_targets() {
-    const auto vertices = [](const fs::path& folder) {
-        vouch(folder / "records.json");
-        read_vertices(folder);
-    };
-    const auto vertices_of_index = [](const fs::path& folder) {
-        vouch(folder / "records.json", folder / "index.bin");
-        read_vertices(folder);
-    };
-    const auto texels = [](const fs::path& folder) {
-        vouch(folder / "texels.json");
-        read_texels(folder);
-    };
-    const auto texels_of_index = [](const fs::path& folder) {
-        vouch(folder / "texels.json", folder / "texels_index.bin");
-        read_texels(folder);
-    };
-    return {vertex_target("records_json", "records.json", vertices),
-            vertex_target("records_index", "index.bin", vertices_of_index),
-            vertex_target("records", "records.bin", read_vertices),
-            texel_target("texels_json", "texels.json", texels),
-            texel_target("texels_index", "texels_index.bin", texels_of_index),
-            texel_target("texels", "texels.bin", read_texels)};
+    std::vector<Target> all = targets_of("records", write_vertices, read_vertices);
+    for (Target& target : targets_of("texels", write_texels, read_texels)) all.push_back(std::move(target));
+    return all;
 }
 
 }  // namespace radiafit::fuzz
