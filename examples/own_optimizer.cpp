@@ -11,7 +11,7 @@ using namespace radiafit;
 struct Momentum {
     Room room() const { return {.vectors = 1}; }  // the velocity
     void judge(auto& engine, int) const {         // the trial: p is the best one so far
-        engine.direction_pass(false);
+        engine.gradient_pass(false);
         engine.dot({{vector::trial_g, vector::trial_g, vector::none, PRODUCT_NORM}});
         engine.step(Step::adam_judge, {});
         engine.update(Update::adam_keep, {vector::p, vector::trial}, {number::accepted}, {});

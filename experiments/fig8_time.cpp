@@ -130,8 +130,8 @@ Switching switching_of(const Dataset& dataset, const FitRequest& request) {
     };
     Switching least;
     for (int i = 0; i < 4; ++i) {
-        least.direction = std::min(least.direction, per_image([&] { engine.direction_pass(false); }));
-        least.line = std::min(least.line, per_image([&] { engine.line_pass(); }));
+        least.direction = std::min(least.direction, per_image([&] { engine.gradient_pass(false); }));
+        least.line = std::min(least.line, per_image([&] { engine.directional_pass(); }));
     }
     return least;
 }

@@ -33,7 +33,7 @@ OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES"
 # Bytes of a texel behind each sampler at STORAGE=0; all others are RGBA32F or RGBA32UI. Images have 8 bits a channel; those
 # of shaders/reflect, in linear light, 16, as COLOUR=16 says elsewhere.
 BYTES = {"drawn": 4, "image": 4, "items": 4}
-BYTES_REFLECT = {"image": 8, "items": 4, "density": 4, "penalties": 4, "lengths": 4}
+BYTES_REFLECT = {"image": 8, "items": 4, "inverse_samples": 4, "penalties": 4, "lengths": 4}
 BYTES_COLOUR = {"8": {"image": 4, "items": 8}, "16": {"image": 8, "items": 16}}
 BYTES_REFLECT_COLOUR = {"8": {"image": 4, "images": 4, "taken": 4}, "16": {"image": 8, "images": 8, "taken": 8}}
 # Operations per component of the result, where not one; of those below, per component of the operand.

@@ -122,10 +122,10 @@ TEST_P(FragmentAgreement, WithTheOracle) {
     EXPECT_EQ(statistics.samples, oracle.samples);
 
     engine.reset(p);
-    engine.direction_pass(true);
+    engine.gradient_pass(true);
     const FragmentEngine::Evaluation evaluation = engine.read_evaluation();
     engine.set_line(p, d);
-    engine.line_pass();
+    engine.directional_pass();
     const FragmentEngine::Line line = engine.read_line();
 
     Tally error, gradient, diagonal, sums;
@@ -270,7 +270,7 @@ std::vector<float> run(ContextKind kind, Passes passes, Storage storage, const D
     fragment.storage = storage;
     fragment.source = source;
     fragment.sums = sums;
-    fragment.resident = resident;
+    fragment.keep_on_device = resident;
     FragmentEngine engine(dataset, atlas, rings, all_views(), {}, fragment);
     engine.reset(lfm_start(engine.layout(), engine.count().mean, 3));
     OptimizerOptions optimizer;
@@ -334,7 +334,7 @@ TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {
     engine.count();
     engine.reset(random_vector(engine.layout(), 0, 1, 1));
     engine.fit_terms(1, 2);
-    engine.direction_pass(false);
+    engine.gradient_pass(false);
     const std::vector<float> gradient = engine.read_evaluation().gradient;
     size_t moving = 0;
     for (size_t i = 0; i < gradient.size(); ++i) {
@@ -392,7 +392,7 @@ TEST(Fragment, EveryPassDeclaresItsCostAndItsInvocationsAreCounted) {
             EXPECT_EQ(tiles, texels);
             EXPECT_EQ(passes == Passes::paper, tiles > 0);
             run.tally(false);
-            engine.line_pass();
+            engine.directional_pass();
             EXPECT_EQ(run.tallies().size(), tallies.size());
         }
 }
@@ -433,7 +433,7 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
                     options.surface_side = dataset == &deep.dataset ? 22 : 8;
                     options.view_side = dataset == &deep.dataset ? 17 : 8;
                     const FragmentOptions fragment{
-                        .passes = passes, .storage = storage, .sums = sums, .resident = resident};
+                        .passes = passes, .storage = storage, .sums = sums, .keep_on_device = resident};
                     const TriangleAtlas atlas(dataset->mesh, options.surface_side);
                     const VertexRings rings(dataset->mesh);
                     const Room room = room_of({.rule = resident ? Rule::lbfgs : Rule::cg_modern});

@@ -48,12 +48,12 @@ struct TinyEngine {
         products.assign(size_t(room.product_count()), 0);
     }
     void fit_terms(int, int) {}
-    void direction_pass(bool diagonal) {
+    void gradient_pass(bool diagonal) {
         trial_error = error(vectors[vector::trial]);
         vectors[vector::trial_g] = gradient(vectors[vector::trial]);
         if (diagonal) vectors[vector::fresh] = {1, 1};
     }
-    void line_pass() {
+    void directional_pass() {
         ++line_passes;
         const Vec& d = vectors[vector::d];
         sums = {gauss_newton(p(), d), curvature(p(), d), 0, 0};

@@ -26,7 +26,7 @@ struct Case {
     Passes passes = Passes::paper;
     Mode mode = Mode::modern;
     float clip_above = 0, shadow_below = 0;
-    int together = 0;
+    int images_per_pass = 0;
     Loss loss = {};
     TexelOptions options() const {
         TexelOptions options;
@@ -81,7 +81,7 @@ void agree(const Case& c) {
     const TexelDataset data(c.scene);
     const TexelOptions options = c.options();
     TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options,
-                               {.passes = c.passes, .together = c.together});
+                               {.passes = c.passes, .images_per_pass = c.images_per_pass});
     const auto samples = exact_samples<Text>(data, options);
     const size_t texels = data.atlas->texel_count(), each = size_t(Model::parameters);
     ASSERT_EQ(engine.problem_count(), texels);
@@ -106,10 +106,10 @@ void agree(const Case& c) {
 
     const std::vector<float> p = random_parameters(*options.model, texels, 1), d = random_direction(p.size(), 2);
     engine.reset(p);
-    engine.direction_pass(true);
+    engine.gradient_pass(true);
     const auto evaluation = engine.read_evaluation();
     engine.set_line(p, d);
-    engine.line_pass();
+    engine.directional_pass();
     const auto line = engine.read_line();
     const std::vector<float> start = engine.start();
     Tally error, gradient, diagonal, sums;
@@ -212,7 +212,7 @@ std::vector<Case> cases() {
                                     .model = model->name,
                                     .scene = {.grid = grid, .light = Light::Kind::near, .one_eye = true},
                                     .passes = passes,
-                                    .together = 3});
+                                    .images_per_pass = 3});
         }
         list.push_back({.name = prefix + "_huber",
                         .model = "lafortune",
@@ -244,7 +244,7 @@ std::vector<Case> cases() {
                         .scene = {.grid = true, .light = Light::Kind::near, .encoding = Encoding::u8_linear},
                         .passes = passes,
                         .clip_above = 0.8f,
-                        .together = 2});
+                        .images_per_pass = 2});
         list.push_back({.name = prefix + "_mesh_one_image",
                         .model = "lafortune",
                         .scene = {.light = Light::Kind::near, .views = 1},
@@ -309,10 +309,10 @@ TEST(TexelFragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
     for (const bool grid : {false, true}) {
         const TexelDataset data({.grid = grid});
         for (const Passes passes : {Passes::paper, Passes::combined}) {
-            const FragmentOptions plain{.passes = passes, .together = 2};
+            const FragmentOptions plain{.passes = passes, .images_per_pass = 2};
             FragmentOptions disk = plain, resident = plain;
             disk.source = StreamSource::disk;
-            resident.resident = true;
+            resident.keep_on_device = true;
             const auto first = run(ContextKind::egl, data, plain).parameters;
             EXPECT_EQ(first, run(ContextKind::egl, data, disk).parameters);
             EXPECT_EQ(first, run(ContextKind::egl, data, resident).parameters);
@@ -353,7 +353,8 @@ TEST(TexelFragment, HalvesStayNearSingles) {
     const TexelDataset data({});
     for (const Passes passes : {Passes::paper, Passes::combined}) {
         const auto error = [&](Storage storage, Sums sums) {
-            return run(ContextKind::osmesa, data, {.passes = passes, .storage = storage, .sums = sums, .together = 2})
+            return run(ContextKind::osmesa, data,
+                       {.passes = passes, .storage = storage, .sums = sums, .images_per_pass = 2})
                 .trace.rows.back()
                 .error;
         };
@@ -374,14 +375,14 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                 for (const auto& [storage, sums, resident] :
                      {std::tuple{Storage::fp32, Sums::fp32, false}, std::tuple{Storage::fp16, Sums::fp16, false},
                       std::tuple{Storage::fp32, Sums::fp32, true}})
-                    for (const int together : {0, 2}) {
+                    for (const int images_per_pass : {0, 2}) {
                         TexelOptions options;
                         options.model = model;
                         const FragmentOptions fragment{.passes = passes,
                                                        .storage = storage,
                                                        .sums = sums,
-                                                       .resident = resident,
-                                                       .together = together};
+                                                       .keep_on_device = resident,
+                                                       .images_per_pass = together};
                         const Room room = room_of({.rule = resident ? Rule::lbfgs : Rule::adam});
                         uint64_t planned = 0;
                         for (const PlannedArray& row :
@@ -392,7 +393,7 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                         EXPECT_EQ(planned, engine.bytes()) << model->name << " " << to_string(passes);
                         engine.count();
                         engine.reset(engine.start());
-                        engine.direction_pass(true);
+                        engine.gradient_pass(true);
                         EXPECT_EQ(engine.bytes(), uint64_t(context->allocated_bytes()));
                     }
     }

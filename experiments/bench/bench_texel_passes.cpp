@@ -60,7 +60,7 @@ public:
         options.model = find_texel_model("lafortune");
         FragmentOptions fragment_options;
         fragment_options.passes = passes;
-        fragment_options.resident = true;
+        fragment_options.keep_on_device = true;
         engine_ = std::make_unique<TexelFragmentEngine>(dataset_, *atlas_, views, options, fragment_options);
         for (const uint32_t n : engine_->count().samples) samples_ += n;
         const std::vector<float> start = engine_->start();
@@ -110,9 +110,9 @@ void run(benchmark::State& state, bool grid, bool one_eye, Passes passes, void (
     state.counters["of_read_peak"] = double(work.reads) / wall_s / peaks.reads_s;
 }
 
-constexpr auto direction = [](TexelFragmentEngine& engine) { engine.direction_pass(false); };
-constexpr auto with_diagonal = [](TexelFragmentEngine& engine) { engine.direction_pass(true); };
-constexpr auto line = [](TexelFragmentEngine& engine) { engine.line_pass(); };
+constexpr auto direction = [](TexelFragmentEngine& engine) { engine.gradient_pass(false); };
+constexpr auto with_diagonal = [](TexelFragmentEngine& engine) { engine.gradient_pass(true); };
+constexpr auto line = [](TexelFragmentEngine& engine) { engine.directional_pass(); };
 
 #define OF_SCENE(name, grid, one_eye, passes, ...)                                     \
     BENCHMARK_CAPTURE(run, name##_direction, grid, one_eye, passes, direction)         \

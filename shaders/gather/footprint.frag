@@ -8,12 +8,12 @@
 #include "model/weight.glsl"
 #include "gather/maps.glsl"
 uniform sampler2DArray vertex_frames;  // layers: position, tangent, bitangent, normal
-uniform vec4 eye[2];  // camera centre, world: upper and lower part of doubles
+uniform vec4 camera_centre[2];  // world: upper and lower part of doubles
 layout(location = 0) out vec4 weights;
 layout(location = 1) out vec4 base;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    dvec3 centre = dvec3(eye[0].xyz) + dvec3(eye[1].xyz);
+    dvec3 centre = dvec3(camera_centre[0].xyz) + dvec3(camera_centre[1].xyz);
     dvec3 to_eye = centre - dvec3(texelFetch(vertex_frames, ivec3(at, 0), 0).xyz);
     to_eye /= sqrt(dot(to_eye, to_eye));
     dvec3 local = dvec3(dot(dvec3(texelFetch(vertex_frames, ivec3(at, 1), 0).xyz), to_eye),

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16
+// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_CAMERA=-,1 COLOUR=8,16
 // Sums over samples of each texel, blended: t u_z and u_z^2, which a Lambertian fit needs; how many there are.
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"

@@ -6,7 +6,7 @@
 #include "reflect/parameters.glsl"
 uniform MAPS parameters;
 uniform sampler2DArray sample_sums;  // direction.frag's DIAGONAL
-uniform sampler2D density;  // 1 / S-bar
+uniform sampler2D inverse_samples;  // 1 / S-bar
 uniform int map;
 layout(location = 0) out STORED precondition;
 
@@ -23,6 +23,6 @@ void main() {
             entries[BASIS_COUNT + j][c] = 3 * j + c < SHAPE_COUNT ? dot(last, last) * sum_of(BASIS_COUNT + 3 * j + c) : 0.0;
     for (int i = 0; i < MAP_COUNT; ++i)
         largest = max(largest, max(entries[i].r, max(entries[i].g, entries[i].b)));
-    float inverse = texelFetch(density, place, 0).r;
+    float inverse = texelFetch(inverse_samples, place, 0).r;
     precondition = store_positive(preconditioner(entries[map] * inverse, vec3(largest * inverse), vec3(1.0e-30)));
 }

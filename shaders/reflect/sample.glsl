@@ -1,20 +1,20 @@
 // What an image tells a texel (docs/formats.md, "What a light means"; model/texel_options.h says what counts). ONE_IMAGE:
-// the pass has one; else it loops over several. ONE_EYE: all are seen from one place, so that texels know it beforehand.
+// the pass has one; else it loops over several. ONE_CAMERA: all are seen from one place, so that texels know it beforehand.
 // WEIGHTED: samples weigh as model/weight.glsl says.
 #include "reflect/site.glsl"
 #include "model/weight.glsl"
 #ifdef ONE_IMAGE
-#ifndef ONE_EYE
-#define ONE_EYE
+#ifndef ONE_CAMERA
+#define ONE_CAMERA
 #endif
 uniform vec4 lamp;
 uniform vec4 exposure;
 #else
-uniform samplerBuffer views;  // of each image: lamp, exposure, eye
+uniform samplerBuffer views;  // of each image: lamp, exposure, camera centre
 uniform int first_view;
 #endif
-#ifdef ONE_EYE
-uniform vec4 eye;
+#ifdef ONE_CAMERA
+uniform vec4 camera_centre;
 #endif
 
 struct View {
@@ -22,17 +22,17 @@ struct View {
     // Target per 16-bit unit of a channel, times the squared distance where the lamp is near; the least unit that is
     // clipped.
     vec4 exposure;
-    vec4 eye;       // the camera's centre, 1; or unit direction to it, 0
+    vec4 camera_centre;  // the camera's centre, 1; or unit direction to it, 0
 };
 
 // at: three for each image; nothing if there is one.
 View view_at(int at) {
 #ifdef ONE_IMAGE
-    return View(lamp, exposure, eye);
+    return View(lamp, exposure, camera_centre);
 #else
     View view = View(texelFetch(views, at), texelFetch(views, at + 1), vec4(0.0));
-#ifndef ONE_EYE
-    view.eye = texelFetch(views, at + 2);
+#ifndef ONE_CAMERA
+    view.camera_centre = texelFetch(views, at + 2);
 #endif
     return view;
 #endif
@@ -48,8 +48,8 @@ vec3 unit(vec4 to) { return to.xyz * inversesqrt(to.w); }
 
 Site site_at(ivec2 place) {
     Site site = read_site(place);
-#ifdef ONE_EYE
-    site.v = unit(towards(eye, site));
+#ifdef ONE_CAMERA
+    site.v = unit(towards(camera_centre, site));
 #endif
     return site;
 }
@@ -72,10 +72,10 @@ Sample sample_of(View view, Site site, vec3 channels) {
     Sample s;
     vec4 light = towards(view.lamp, site);
     s.u = unit(light);
-#ifdef ONE_EYE
+#ifdef ONE_CAMERA
     vec3 v = site.v;
 #else
-    vec3 v = unit(towards(view.eye, site));
+    vec3 v = unit(towards(view.camera_centre, site));
 #endif
     s.target = channels * (light.w * view.exposure.rgb);
     s.terms = sample_terms(s.u, v);

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_EYE=-,1 COLOUR=8,16 CANDIDATES=1,5
+// variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_CAMERA=-,1 COLOUR=8,16 CANDIDATES=1,5
 // Sums over samples of each texel, blended: what linear least squares in the coefficients needs for CANDIDATES shapes,
 // numbers FIRST and those behind it, four a target. In their order (C++: fragment/texel_start.h): products of the basis functions
 // that no shape enters, in pairs and with the target; for each candidate those of the last one with all and the target.

@@ -20,7 +20,7 @@ void add_fit_options(CommandLine& c, FitRequest& r) {
     for (const FitOption& o : fit_options()) {
         const std::string help = o.type == "NAME" ? o.values + ": " + o.help : o.help;
         if (o.flag_value)
-            c.add_flag(o.flag, *o.flag_value(r), help).group(o.group);
+            c.add_flag(o.flag, r.*o.flag_value, help).group(o.group);
         else
             c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help, [&r, &o](const std::string& text) {
                  o.read(r, text);

@@ -92,16 +92,15 @@ FitOption text(const char* name, uint32_t uses, Member member, const char* value
     return o;
 }
 
-FitOption flag(const char* name, uint32_t uses, bool* (*member)(FitRequest&), const char* flag, const char* help) {
+FitOption flag(const char* name, uint32_t uses, bool FitRequest::*member, const char* flag, const char* help) {
     FitOption o = option(name, uses, help);
     o.flag = flag;
     o.values = "true, false";
     o.flag_value = member;
-    const auto value = [member](const FitRequest& r) { return *member(const_cast<FitRequest&>(r)); };
     o.read = [member, plain = std::string(name)](FitRequest& r, const std::string& text) {
-        *member(r) = choose<bool>(plain, text, {{"true", true}, {"false", false}});
+        r.*member = choose<bool>(plain, text, {{"true", true}, {"false", false}});
     };
-    o.text = [value](const FitRequest& r) { return value(r) ? "true" : "false"; };
+    o.text = [member](const FitRequest& r) { return r.*member ? "true" : "false"; };
     o.json = o.text;
     return o;
 }
@@ -254,9 +253,8 @@ std::vector<FitOption> make_fit_options() {
                       number("learning_rate", use::learning_rate, OF(learning_rate), limits::learning_rate,
                              "adam's step in units of the parameters"),
                       number("seed", use::random_start, OF(seed), limits::seed, "of the start values of further terms"),
-                      flag(
-                          "deflate", use::deflation, [](FitRequest& r) { return &r.deflate; }, "--deflate,!--joint",
-                          "fit terms one after another, or together (default)")});
+                      flag("deflate", use::deflation, &FitRequest::deflate, "--deflate,!--joint",
+                           "fit terms one after another, or together (default)")});
     add("Light field maps and penalties",
         {number("terms", use::maps, OF(model.terms), limits::terms, "K"),
          number("surface_side", use::sides, OF(model.surface_side), limits::map_side,

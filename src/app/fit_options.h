@@ -50,7 +50,7 @@ struct FitOption {
     std::string type = "TEXT";  ///< in --help
     uint32_t uses = 0;          ///< means something to fits that do one of these; 0: to every fit
     bool hide_default = false;
-    bool* (*flag_value)(FitRequest& request) = nullptr;  ///< of a switch
+    bool FitRequest::*flag_value = nullptr;  ///< of a switch
     /// Throws UserError.
     std::function<void(FitRequest& request, const std::string& text)> read;
     std::function<std::string(const FitRequest& request)> text;

@@ -75,7 +75,7 @@ FragmentOptions FitRequest::fragment_options() const {
     options.passes = passes;
     options.storage = storage;
     options.sums = sums;
-    options.resident = source == ImageSource::device;
+    options.keep_on_device = source == ImageSource::device;
     options.source = source == ImageSource::memory      ? StreamSource::memory
                      : source == ImageSource::disk_cold ? StreamSource::disk_cold
                                                         : StreamSource::disk;  // once, where they stay on the device

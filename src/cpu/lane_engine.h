@@ -45,8 +45,8 @@ public:
     void reset(std::span<const float> start);
     void fit_terms(int first, int last) { problem_->fit_terms(first, last); }
     void make_room(const Room& room);
-    void direction_pass(bool diagonal);
-    void line_pass();
+    void gradient_pass(bool diagonal);
+    void directional_pass();
     void dot(std::initializer_list<DotProduct> products);
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,

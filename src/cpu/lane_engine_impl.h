@@ -76,7 +76,7 @@ void LaneEngine<Problem>::make_room(const Room& room) {
 }
 
 template <class Problem>
-void LaneEngine<Problem>::direction_pass(bool diagonal) {
+void LaneEngine<Problem>::gradient_pass(bool diagonal) {
     for_blocks(Life::active, [&](size_t b) {
         const size_t begin = problem_->begin(b);
         double errors[lanes];
@@ -87,7 +87,7 @@ void LaneEngine<Problem>::direction_pass(bool diagonal) {
 }
 
 template <class Problem>
-void LaneEngine<Problem>::line_pass() {
+void LaneEngine<Problem>::directional_pass() {
     for_blocks(Life::active, [&](size_t b) {
         const size_t begin = problem_->begin(b);
         typename Problem::Sums sums;

@@ -14,7 +14,7 @@ constexpr int most_batch = 4;
 // apart by image is summed per tile over the whole sweep and gathered over the rings once, at its end.
 class CombinedPasses final : public ImagePasses {
 public:
-    explicit CombinedPasses(const PassWorld& world);
+    explicit CombinedPasses(const PassResources& resources);
     int batch() const override { return batch_; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
@@ -40,7 +40,7 @@ private:
         std::vector<Framebuffer> value_targets, slope_targets;  ///< [term], layers of the batch's textures
     };
     std::vector<TilePass> line_passes(const std::vector<TileSum>& sums, const Defines& defines);
-    std::vector<TilePass> direction_passes(bool with_error, const Defines& defines);
+    std::vector<TilePass> gradient_passes(bool with_error, const Defines& defines);
     std::vector<TilePass> tile_passes(size_t per_corner, const std::string& shader, const Defines& defines,
                                       const std::function<unsigned(int, int, std::vector<Target>&)>& targets);
     void begin_images(const std::vector<ImageOnDevice>& images, const std::vector<const Program*>& programs);
@@ -50,7 +50,7 @@ private:
     void ring_to_view(size_t images, MapSums& sums, int term, bool squares);
     void draw_tiles(const std::vector<TilePass>& passes, int term = 0);
 
-    PassWorld w_;
+    PassResources w_;
     int batch_;
     ItemBuffer items_;                   // with colours, a layer per image
     Texture taken_;                      // in SLS: the colours that each texel takes in the images of the batch
@@ -69,13 +69,16 @@ private:
 
 GLenum colours_format(int parts) { return parts == 1 ? GL_R32UI : parts == 2 ? GL_RG32UI : GL_RGBA32UI; }
 
-CombinedPasses::CombinedPasses(const PassWorld& world)
-    : w_(world),
-      batch_(combined_batch(world.shape.terms(), world.bits, Context::current().limits().varying_components)),
-      items_(world.mesh, world.max_width, world.max_height, world.bits, batch_),
-      taken_(colours_format(batch_ * world.bits / 8), world.shape.atlas->width(), world.shape.atlas->height()),
-      view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()),
-      view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, batch_ * world.shape.terms()) {
+CombinedPasses::CombinedPasses(const PassResources& resources)
+    : w_(resources),
+      batch_(combined_batch(resources.shape.terms(), resources.bits, Context::current().limits().varying_components)),
+      items_(resources.mesh, resources.max_width, resources.max_height, resources.bits, batch_),
+      taken_(colours_format(batch_ * resources.bits / 8), resources.shape.atlas->width(),
+             resources.shape.atlas->height()),
+      view_values_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows,
+                   batch_ * resources.shape.terms()),
+      view_slopes_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows,
+                   batch_ * resources.shape.terms()) {
     const int terms = w_.shape.terms();
     const TilePlaces& places = w_.gathers.marks().places();
     const auto per_tile = [&](GLenum format) { return Texture(format, places.columns, places.rows, 3); };
@@ -115,11 +118,11 @@ CombinedPasses::CombinedPasses(const PassWorld& world)
     line_passes_ = line_passes({gauss_newton, curvature}, shape);
     quartic_passes_ = line_passes({gauss_newton, curvature, third, fourth}, shape + Defines{{"QUARTIC", ""}});
     count_passes_ = line_passes({target}, shape + Defines{{"COUNT", ""}});
-    error_passes_ = direction_passes(true, shape + Defines{{"WITH_ERROR", ""}});
+    error_passes_ = gradient_passes(true, shape + Defines{{"WITH_ERROR", ""}});
     const int m = w_.shape.grid.view_side;
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = squares ? shape + square : shape;
-        product_passes_[squares] = direction_passes(false, what);
+        product_passes_[squares] = gradient_passes(false, what);
         gradient_program_[squares] = Program::draw("combine/map3.vert", "combine/gradient.frag", what);
         scatter_program_[squares] =
             Program::draw("gather/scatter.vert", "gather/scatter.frag", squares ? maps + square : maps);
@@ -175,7 +178,7 @@ std::vector<CombinedPasses::TilePass> CombinedPasses::line_passes(const std::vec
                        });
 }
 
-std::vector<CombinedPasses::TilePass> CombinedPasses::direction_passes(bool with_error, const Defines& defines) {
+std::vector<CombinedPasses::TilePass> CombinedPasses::gradient_passes(bool with_error, const Defines& defines) {
     return tile_passes(size_t(batch_) + with_error, "combine/tile_direction.frag", defines,
                        [&](int first, int corners, std::vector<Target>& list) {
                            for (const InImage& own : in_image_)
@@ -237,7 +240,7 @@ void CombinedPasses::begin_images(const std::vector<ImageOnDevice>& images,
         w_.run.draw_items(items_, *images[i].camera, int(i));
     }
     for (size_t i = 0; i < images.size(); ++i) {
-        set_eye(footprint_program_, *images[i].camera);
+        set_camera_centre(footprint_program_, *images[i].camera);
         w_.run.draw_whole(in_image_[i].footprint_target, footprint_program_);
     }
 }
@@ -332,8 +335,8 @@ int combined_batch(int terms, int bits, int varying_components) {
     return std::clamp((locations - 1) / (3 * (terms + 1)), 1, bits == 8 ? most_batch : 2);
 }
 
-std::unique_ptr<ImagePasses> make_combined_passes(const PassWorld& world) {
-    return std::make_unique<CombinedPasses>(world);
+std::unique_ptr<ImagePasses> make_combined_passes(const PassResources& resources) {
+    return std::make_unique<CombinedPasses>(resources);
 }
 
 }  // namespace radiafit

@@ -15,7 +15,8 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       fragment_options_(fragment_options),
       layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
       shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side), options.loss},
-      images_(dataset, std::move(views), fragment_options.source, fragment_options.space, fragment_options.resident),
+      images_(dataset, std::move(views), fragment_options.source, fragment_options.space,
+              fragment_options.keep_on_device),
       mesh_(atlas),
       run_(mesh_),
       problems_(shape_, fragment_options.sums),
@@ -40,10 +41,11 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
         std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, numbers_, vectors_, options_, storage);
 
     const auto [width, height] = images_.largest();
-    const PassWorld world{shape_,         mesh_,     run_,    gathers_,
-                          problems_,      vertices_, storage, fragment_options.sums,
-                          options.lookup, width,     height,  images_.bits()};
-    image_passes_ = fragment_options.passes == Passes::paper ? make_paper_passes(world) : make_combined_passes(world);
+    const PassResources resources{shape_,         mesh_,     run_,    gathers_,
+                                  problems_,      vertices_, storage, fragment_options.sums,
+                                  options.lookup, width,     height,  images_.bits()};
+    image_passes_ =
+        fragment_options.passes == Passes::paper ? make_paper_passes(resources) : make_combined_passes(resources);
     images_.set_batch(image_passes_->batch());
 
     bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
@@ -119,7 +121,7 @@ void FragmentEngine::make_room(const Room& room) {
     bytes_ += uint64_t(Context::current().allocated_bytes() - before);
 }
 
-void FragmentEngine::direction_pass(bool diagonal) {
+void FragmentEngine::gradient_pass(bool diagonal) {
     problems_.clear({Sum::residual, Sum::penalty});
     gradient_sums_.clear(run_);
     if (diagonal) square_sums_.clear(run_);
@@ -132,7 +134,7 @@ void FragmentEngine::direction_pass(bool diagonal) {
     if (diagonal) map_passes_->finish_precondition(square_sums_);
 }
 
-void FragmentEngine::line_pass() {
+void FragmentEngine::directional_pass() {
     problems_.clear({Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth, Sum::penalty_curvature});
     const bool quartic = options_.mode == Mode::modern;
     const MapVector &p = vectors_[vector::p], &d = vectors_[vector::d];

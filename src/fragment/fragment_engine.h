@@ -18,11 +18,11 @@ struct FragmentOptions {
     Storage storage = Storage::fp32;
     Sums sums = Sums::fp32;
     StreamSource source = StreamSource::memory;
-    bool resident = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
+    bool keep_on_device = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
     TargetSpace space = TargetSpace::stored;
     /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least;
     /// over a grid there are two such stacks. With another number sums are rounded otherwise.
-    int together = 0;
+    int images_per_pass = 0;
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };
 
@@ -51,8 +51,8 @@ public:
     void reset(std::span<const float> start);
     void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
     void make_room(const Room& room);
-    void direction_pass(bool diagonal);
-    void line_pass();
+    void gradient_pass(bool diagonal);
+    void directional_pass();
     void dot(std::initializer_list<DotProduct> products);
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
@@ -68,12 +68,12 @@ public:
         std::vector<float> gradient;  ///< [N] Parameters order
         std::vector<float> diagonal;  ///< [N] fresh preconditioner
     };
-    Evaluation read_evaluation() const;  ///< after direction_pass(true)
+    Evaluation read_evaluation() const;  ///< after gradient_pass(true)
     struct Line {
         std::vector<float> gauss_newton, curvature, third, fourth;  ///< [M], penalties included
     };
-    Line read_line() const;                                             ///< after line_pass()
-    void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for line_pass()
+    Line read_line() const;                                             ///< after directional_pass()
+    void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for directional_pass()
 
     const FragmentTimes& times() const;
     PassRunner& passes() { return run_; }  ///< to tally them

@@ -39,9 +39,9 @@ void add_ring_levels(Plan& plan, const VertexRings& rings, uint64_t problems) {
 }  // namespace
 
 PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
-                         bool resident) {
+                         bool keep_on_device) {
     const uint64_t each = bits == 8 ? 4 : half4;
-    if (resident) {
+    if (keep_on_device) {
         uint64_t pixels = 0;
         for (uint32_t view : views)
             pixels += uint64_t(dataset.views[view].camera.width) * dataset.views[view].camera.height;
@@ -109,7 +109,7 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("sums of view maps", "levels", view_sums, float4);
     add_ring_levels(plan, rings, problems);
 
-    plan.arrays.push_back(plan_images(dataset, views, batch, bits, fragment_options.resident));
+    plan.arrays.push_back(plan_images(dataset, views, batch, bits, fragment_options.keep_on_device));
     const uint64_t item = !combined ? 4 : bits == 8 ? 8 : 16;
     plan.add("item buffer", fmt::format("{} x {} x {}", batch, width, height), batch * pixels, item);
     plan.add("depth", fmt::format("{} x {}", width, height), pixels, 4);

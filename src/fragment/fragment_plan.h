@@ -13,7 +13,7 @@ struct PlannedArray {
 
 /// The textures that images stream through, two batches of them; or that they stay in, each of its own size.
 PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
-                         bool resident);
+                         bool keep_on_device);
 
 /// What FragmentEngine would allocate, without a context: the sum is what its bytes() would say, but for combined
 /// passes on a device with fewer than 124 varying components.

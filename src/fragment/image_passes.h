@@ -42,7 +42,7 @@ public:
 };
 
 /// What every implementation of ImagePasses is made from. All references outlive it.
-struct PassWorld {
+struct PassResources {
     const MapShape& shape;
     SlsMesh& mesh;
     PassRunner& run;
@@ -57,14 +57,14 @@ struct PassWorld {
 };
 
 /// The camera's centre for shaders/gather/footprint.frag: each coordinate as the sum of two floats.
-void set_eye(const Program& program, const Camera& camera);
+void set_camera_centre(const Program& program, const Camera& camera);
 
 /// Section 5 as it stands: one image at a time; item buffer; residuals in SLS for each corner; gradients by blending
 /// and gather. One render target a pass.
-std::unique_ptr<ImagePasses> make_paper_passes(const PassWorld& world);
+std::unique_ptr<ImagePasses> make_paper_passes(const PassResources& resources);
 /// Images that a combined pass takes at a time.
 int combined_batch(int terms, int bits, int varying_components);
 /// The same sums in few passes: several images at a time, up to 8 render targets (Section 6.5's proposal).
-std::unique_ptr<ImagePasses> make_combined_passes(const PassWorld& world);
+std::unique_ptr<ImagePasses> make_combined_passes(const PassResources& resources);
 
 }  // namespace radiafit

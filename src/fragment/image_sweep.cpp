@@ -16,8 +16,8 @@ std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_
 }
 
 ImageSweep::ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
-                       bool resident)
-    : dataset_(&dataset), views_(std::move(views)), stream_(dataset, source, space), resident_(resident) {}
+                       bool keep_on_device)
+    : dataset_(&dataset), views_(std::move(views)), stream_(dataset, source, space), keep_on_device_(keep_on_device) {}
 
 void ImageSweep::set_batch(int images) {
     batch_ = images;
@@ -31,15 +31,15 @@ void ImageSweep::set_batch(int images) {
 void ImageSweep::make_stacks() {
     const auto [width, height] = largest();
     const size_t batch = size_t(batch_), turns = (views_.size() + batch - 1) / batch;
-    for (size_t turn = 0; turn < (resident_ ? turns : std::min<size_t>(2, turns)); ++turn) {
+    for (size_t turn = 0; turn < (keep_on_device_ ? turns : std::min<size_t>(2, turns)); ++turn) {
         stacks_.emplace_back(width, height, bits(), batch_);
-        if (resident_) fill(stacks_.back(), turn * batch);
+        if (keep_on_device_) fill(stacks_.back(), turn * batch);
     }
 }
 
 void ImageSweep::make_slots() {
     if (batch_ > 1) views_ = batches_of_neighbours(*dataset_, views_, batch_);
-    if (!resident_) {
+    if (!keep_on_device_) {
         const auto [width, height] = largest();
         for (int i = 0; i < 2 * batch_; ++i) slots_.emplace_back(width, height, bits());
         return;
@@ -74,12 +74,12 @@ void ImageSweep::fill(ImageStack& stack, size_t first) {
 
 void ImageSweep::load(size_t first, size_t turn) {
     on_device_.clear();
-    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[resident_ ? turn : turn % stacks_.size()];
-    if (stack && !resident_) fill(*stack, first);
+    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[keep_on_device_ ? turn : turn % stacks_.size()];
+    if (stack && !keep_on_device_) fill(*stack, first);
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
         const uint32_t view = views_[first + i];
-        ImageSlot* slot = stack ? nullptr : &slots_[resident_ ? first + i : (turn % 2) * size_t(batch_) + i];
-        if (slot && !resident_) fill(*slot, view);
+        ImageSlot* slot = stack ? nullptr : &slots_[keep_on_device_ ? first + i : (turn % 2) * size_t(batch_) + i];
+        if (slot && !keep_on_device_) fill(*slot, view);
         on_device_.push_back({&dataset_->views[view].camera, stack ? &stack->texture() : &slot->texture(),
                               stream_.scale16(), bits(), &dataset_->views[view], first + i});
     }

@@ -36,9 +36,10 @@ struct SweepTimes {
 /// a stack, whose texture is then that of all its images.
 class ImageSweep {
 public:
-    /// dataset must outlive it. resident: every image gets a place that it keeps, and is read once, by set_batch().
+    /// dataset must outlive it. keep_on_device: every image gets a place that it keeps, and is read once, by
+    /// set_batch().
     ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, StreamSource source, TargetSpace space,
-               bool resident);
+               bool keep_on_device);
     int bits() const { return stream_.bits(); }  ///< per channel
     float scale16() const { return stream_.scale16(); }
     const std::vector<uint32_t>& views() const { return views_; }  ///< in the order of run()
@@ -74,7 +75,7 @@ private:
     const Dataset* dataset_;
     std::vector<uint32_t> views_;
     ImageStream stream_;
-    bool resident_;
+    bool keep_on_device_;
     int batch_ = 1;
     std::vector<ImageSlot> slots_;    ///< two batches: one is filled while the other is read; or one for each view
     std::vector<ImageStack> stacks_;  ///< two, likewise; or as many as hold each view

@@ -19,16 +19,16 @@ void MapSums::clear(PassRunner& run) const {
     for (const Framebuffer& target : view_targets) run.clear(target);
 }
 
-void set_eye(const Program& program, const Camera& camera) {
-    const Vec3d eye = camera.center();
+void set_camera_centre(const Program& program, const Camera& camera) {
+    const Vec3d camera_centre = camera.center();
     float parts[8] = {};
     for (int i = 0; i < 3; ++i) {
         // The upper 24 bits by masking: GCC 12 -O3 vectorizes a rounding to float and back away.
-        const double upper = std::bit_cast<double>(std::bit_cast<uint64_t>(eye[i]) & ~uint64_t(0x1fffffff));
+        const double upper = std::bit_cast<double>(std::bit_cast<uint64_t>(camera_centre[i]) & ~uint64_t(0x1fffffff));
         parts[i] = float(upper);
-        parts[4 + i] = float(eye[i] - upper);
+        parts[4 + i] = float(camera_centre[i] - upper);
     }
-    program.set("eye", parts);
+    program.set("camera_centre", parts);
 }
 
 namespace {
@@ -38,7 +38,7 @@ constexpr int most_varying_terms = 8;
 
 class PaperPasses final : public ImagePasses {
 public:
-    explicit PaperPasses(const PassWorld& world);
+    explicit PaperPasses(const PassResources& resources);
     void count(const std::vector<ImageOnDevice>& images) override;
     void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
                    MapSums* squares) override;
@@ -50,7 +50,7 @@ private:
     void residuals(const ImageOnDevice& image, const Program& program);
     void gradient_of(const MapVector& x, MapSums& sums, bool squares);
 
-    PassWorld w_;
+    PassResources w_;
     ItemBuffer items_;
     Texture residual_, product_;         // [3 corners] in SLS: rgb, alpha 1 where a sample is
     Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
@@ -62,14 +62,14 @@ private:
     Program line_program_[4];
 };
 
-PaperPasses::PaperPasses(const PassWorld& world)
-    : w_(world),
-      items_(world.mesh, world.max_width, world.max_height),
-      residual_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height(), 3),
-      product_(GL_RGBA32F, world.shape.atlas->width(), world.shape.atlas->height(), 3),
-      footprint_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, 2),
-      view_values_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
-      view_slopes_(GL_RGBA32F, world.shape.grid.columns, world.shape.grid.rows, world.shape.terms()),
+PaperPasses::PaperPasses(const PassResources& resources)
+    : w_(resources),
+      items_(resources.mesh, resources.max_width, resources.max_height),
+      residual_(GL_RGBA32F, resources.shape.atlas->width(), resources.shape.atlas->height(), 3),
+      product_(GL_RGBA32F, resources.shape.atlas->width(), resources.shape.atlas->height(), 3),
+      footprint_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows, 2),
+      view_values_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows, resources.shape.terms()),
+      view_slopes_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows, resources.shape.terms()),
       footprint_target_({{&footprint_, 0}, {&footprint_, 1}}) {
     const int terms = w_.shape.terms();
     for (int corner = 0; corner < 3; ++corner) {
@@ -119,7 +119,7 @@ void PaperPasses::begin_image(const ImageOnDevice& image) {
     for (Program* program : {&target_program_, &residual_program_}) SlsMesh::set_camera(*program, *image.camera);
     w_.mesh.select({{image.camera}});
     w_.run.draw_items(items_, *image.camera);
-    set_eye(footprint_program_, *image.camera);
+    set_camera_centre(footprint_program_, *image.camera);
     w_.run.draw_whole(footprint_target_, footprint_program_);
     w_.gathers.mark_tiles(w_.mesh);
 }
@@ -216,6 +216,8 @@ void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector
 
 }  // namespace
 
-std::unique_ptr<ImagePasses> make_paper_passes(const PassWorld& world) { return std::make_unique<PaperPasses>(world); }
+std::unique_ptr<ImagePasses> make_paper_passes(const PassResources& resources) {
+    return std::make_unique<PaperPasses>(resources);
+}
 
 }  // namespace radiafit

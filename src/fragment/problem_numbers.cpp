@@ -22,8 +22,8 @@ ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<
       defines_{{"PROBLEMS", problems}},
       state_(GL_RGBA32F, width, height, own_layer),
       target_(all_layers(state_)) {
-    program(Step::after_direction);
-    program(Step::after_line);
+    program(Step::judge_trial);
+    program(Step::step_length);
     for (const auto& [columns, rows] : summary_sizes(width, height)) {
         summaries_.emplace_back(GL_RGBA32UI, columns, rows);
         summary_targets_.push_back(Framebuffer({{&summaries_.back()}}));

@@ -16,7 +16,7 @@ namespace {
 // more room.
 class CombinedTexelPasses final : public TexelPasses {
 public:
-    CombinedTexelPasses(const TexelWorld& world, int together);
+    CombinedTexelPasses(const TexelPassResources& resources, int images_per_pass);
     int batch() const override { return w_.mesh ? 1 : room_; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
@@ -29,7 +29,7 @@ private:
     void add(const std::vector<ImageOnDevice>& images, const Program& program, const Framebuffer& target);
     void sum();
 
-    TexelWorld w_;
+    TexelPassResources w_;
     int room_;  ///< images that one loop may take
     Buffer numbers_;
     Texture views_;  ///< of numbers_: three texels a view, in the order of sweeps
@@ -49,8 +49,9 @@ private:
     } waiting_;
 };
 
-CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
-    : w_(world), room_(combined_texel_images(*w_.shape.atlas, w_.images.views().size(), w_.images.bits(), together)) {
+CombinedTexelPasses::CombinedTexelPasses(const TexelPassResources& resources, int images_per_pass)
+    : w_(resources),
+      room_(combined_texel_images(*w_.shape.atlas, w_.images.views().size(), w_.images.bits(), images_per_pass)) {
     const int targets_needed = w_.shape.maps() + w_.shape.diagonal_layers(),
               most = Context::current().limits().draw_buffers;
     if (targets_needed > most)
@@ -79,10 +80,10 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelWorld& world, int together)
     }
     Defines here = w_.shape.defines(w_.storage) + w_.colour();
     if (!w_.mesh) here.push_back({"GRID", ""});
-    if (one_eye) here.push_back({"ONE_EYE", ""});
+    if (one_eye) here.push_back({"ONE_CAMERA", ""});
     const auto make = [&](const char* shader, const Defines& what) {
         Program program = Program::draw("common/whole.vert", std::string("reflect/") + shader, here + what);
-        if (one_eye) program.set("eye", std::span<const float>(numbers).subspan(8, 4));
+        if (one_eye) program.set("camera_centre", std::span<const float>(numbers).subspan(8, 4));
         program.bind("views", views_);
         program.bind("surface", w_.surface);
         if (w_.mesh)
@@ -164,20 +165,20 @@ void CombinedTexelPasses::line(const std::vector<ImageOnDevice>& images, const T
 
 }  // namespace
 
-int combined_texel_images(const Atlas& atlas, size_t views, int bits, int together) {
+int combined_texel_images(const Atlas& atlas, size_t views, int bits, int images_per_pass) {
     // What devices have: texels of a buffer texture, layers of an array.
     constexpr uint64_t budget = uint64_t(256) << 20, most_texels = uint64_t(1) << 27, most_layers = 2048;
     const bool grid = dynamic_cast<const GridAtlas*>(&atlas) != nullptr;
     const uint64_t bytes = ImageStack::bytes(atlas.width(), atlas.height(), bits),
                    fit = std::max<uint64_t>(4, budget / bytes),
                    limit = grid ? most_texels / (bytes / uint64_t(bits / 2)) : most_layers,
-                   most = std::max<uint64_t>(1, std::min(limit, together > 0 ? uint64_t(together) : fit)),
+                   most = std::max<uint64_t>(1, std::min(limit, images_per_pass > 0 ? uint64_t(images_per_pass) : fit)),
                    all = std::max<size_t>(1, views), loops = (all + most - 1) / most;
     return int((all + loops - 1) / loops);
 }
 
-std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world, int together) {
-    return std::make_unique<CombinedTexelPasses>(world, together);
+std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelPassResources& resources, int images_per_pass) {
+    return std::make_unique<CombinedTexelPasses>(resources, images_per_pass);
 }
 
 }  // namespace radiafit

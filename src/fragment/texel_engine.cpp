@@ -17,7 +17,8 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
       dataset_((require_lights(dataset), &dataset)),
       options_((check_options(options), options)),
       shape_(atlas, *options.model, options.loss),
-      images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear, fragment_options.resident) {
+      images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear,
+              fragment_options.keep_on_device) {
     if (const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas)) {
         mesh_.emplace(*triangles);
         run_.emplace(*mesh_);
@@ -26,7 +27,8 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     }
     const auto single = [&](int layers) { return Texture(GL_RGBA32F, shape_.width(), shape_.height(), layers); };
     surface_ = single(2);
-    for (Texture* texture : {&density_, &penalty_}) *texture = Texture(GL_R32F, shape_.width(), shape_.height());
+    for (Texture* texture : {&inverse_samples_, &penalty_})
+        *texture = Texture(GL_R32F, shape_.width(), shape_.height());
     numbers_.emplace(shape_.width(), shape_.height(), shape_.texels(), shape_.place, "texels");
     make_products(Room().product_count());
     const Storage storage = fragment_options.storage;
@@ -37,17 +39,18 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     sums_.line = TexelSumLayers(summed, shape_, 1);
     sums_.count = TexelSumLayers(GL_RGBA32F, shape_, 2);
 
-    const TexelWorld world{shape_,
-                           mesh_ ? &*mesh_ : nullptr,
-                           *run_,
-                           surface_,
-                           sums_,
-                           dataset,
-                           images_,
-                           storage,
-                           has_largest_value(dataset.encoding) ? options_.clip_above : 0};
-    passes_ = fragment_options.passes == Passes::paper ? make_paper_texel_passes(world)
-                                                       : make_combined_texel_passes(world, fragment_options.together);
+    const TexelPassResources resources{shape_,
+                                       mesh_ ? &*mesh_ : nullptr,
+                                       *run_,
+                                       surface_,
+                                       sums_,
+                                       dataset,
+                                       images_,
+                                       storage,
+                                       has_largest_value(dataset.encoding) ? options_.clip_above : 0};
+    passes_ = fragment_options.passes == Passes::paper
+                  ? make_paper_texel_passes(resources)
+                  : make_combined_texel_passes(resources, fragment_options.images_per_pass);
     images_.set_batch(passes_->batch());
 
     penalty_target_ = Framebuffer({{&penalty_}});
@@ -67,7 +70,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
     gradient_.bind("sample_sums", sums_.gradient.layers);
     precondition_.bind("sample_sums", sums_.diagonal.layers);
-    for (const Program* program : {&gradient_, &precondition_}) program->bind("density", density_);
+    for (const Program* program : {&gradient_, &precondition_}) program->bind("inverse_samples", inverse_samples_);
     write_surface({});
     bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
 }
@@ -141,11 +144,11 @@ ProblemStatistics TexelFragmentEngine::count() {
         count_samples(darkness);
         fit_albedo();
     }
-    std::vector<float> density(texels);
+    std::vector<float> inverse_samples(texels);
     for (const float n : read_texels(shape_, sums_.count.layers, 0, 1)) statistics.samples.push_back(uint32_t(n));
     for (size_t texel = 0; texel < texels; ++texel)
-        density[texel] = statistics.samples[texel] ? 1 / float(statistics.samples[texel]) : 0.0f;
-    write_texels(shape_, density, density_);
+        inverse_samples[texel] = statistics.samples[texel] ? 1 / float(statistics.samples[texel]) : 0.0f;
+    write_texels(shape_, inverse_samples, inverse_samples_);
     samples_ = statistics.samples;
     return statistics;
 }
@@ -224,7 +227,7 @@ void TexelFragmentEngine::map_passes(const Program& program, const std::vector<F
     }
 }
 
-void TexelFragmentEngine::direction_pass(bool diagonal) {
+void TexelFragmentEngine::gradient_pass(bool diagonal) {
     const TexelVector& trial = vectors_[vector::trial];
     sums_.gradient.clear(*run_);
     if (diagonal) sums_.diagonal.clear(*run_);
@@ -235,7 +238,7 @@ void TexelFragmentEngine::direction_pass(bool diagonal) {
     if (diagonal) map_passes(precondition_, targets({{vector::fresh}}));
 }
 
-void TexelFragmentEngine::line_pass() {
+void TexelFragmentEngine::directional_pass() {
     const TexelVector &p = vectors_[vector::p], &d = vectors_[vector::d];
     sums_.line.clear(*run_);
     sweep([&](const std::vector<ImageOnDevice>& images) { passes_->line(images, p, d); });
@@ -257,7 +260,7 @@ void TexelFragmentEngine::dot(std::initializer_list<DotProduct> products) {
 void TexelFragmentEngine::step(Step which, const Turn& turn) {
     const Program& program = numbers_->program(which);
     program.bind_if_used("gradient_sums", sums_.gradient.layers);
-    program.bind_if_used("density", density_);
+    program.bind_if_used("inverse_samples", inverse_samples_);
     program.bind_if_used("penalties", penalty_);
     program.bind_if_used("line_sums", sums_.line.layers);
     program.bind_if_used("products", products_);
@@ -280,8 +283,10 @@ void TexelFragmentEngine::read_parameters(std::span<float> out) const { vectors_
 TexelFragmentEngine::Evaluation TexelFragmentEngine::read_evaluation() const {
     Evaluation result;
     const std::vector<float> squares = read_texels(shape_, sums_.gradient.layers, 3),
-                             density = read_texels(shape_, density_, 0), penalty = read_texels(shape_, penalty_, 0);
-    for (size_t i = 0; i < squares.size(); ++i) result.error.push_back(0.5f * density[i] * squares[i] + penalty[i]);
+                             inverse_samples = read_texels(shape_, inverse_samples_, 0),
+                             penalty = read_texels(shape_, penalty_, 0);
+    for (size_t i = 0; i < squares.size(); ++i)
+        result.error.push_back(0.5f * inverse_samples[i] * squares[i] + penalty[i]);
     result.gradient.resize(parameter_count());
     result.diagonal.resize(parameter_count());
     vectors_[vector::trial_g].download(shape_, result.gradient);
@@ -295,10 +300,11 @@ void TexelFragmentEngine::set_line(std::span<const float> p, std::span<const flo
 }
 
 TexelFragmentEngine::Line TexelFragmentEngine::read_line() const {
-    const std::vector<float> density = read_texels(shape_, density_, 0), penalty = read_texels(shape_, penalty_, 0);
+    const std::vector<float> inverse_samples = read_texels(shape_, inverse_samples_, 0),
+                             penalty = read_texels(shape_, penalty_, 0);
     const auto sums = [&](int channel) {
         std::vector<float> out = read_texels(shape_, sums_.line.layers, channel);
-        for (size_t i = 0; i < out.size(); ++i) out[i] = density[i] * out[i] + penalty[i];
+        for (size_t i = 0; i < out.size(); ++i) out[i] = inverse_samples[i] * out[i] + penalty[i];
         return out;
     };
     return {sums(0), sums(1)};

@@ -38,8 +38,8 @@ public:
     void reset(std::span<const float> start);
     void fit_terms(int, int) {}
     void make_room(const Room& room);
-    void direction_pass(bool diagonal);
-    void line_pass();
+    void gradient_pass(bool diagonal);
+    void directional_pass();
     void dot(std::initializer_list<DotProduct> products);
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
@@ -54,12 +54,12 @@ public:
         std::vector<float> error;               ///< [texels] E_t at the trial point
         std::vector<float> gradient, diagonal;  ///< [texels][parameters]; diagonal: the fresh preconditioner
     };
-    Evaluation read_evaluation() const;  ///< after direction_pass(true)
+    Evaluation read_evaluation() const;  ///< after gradient_pass(true)
     struct Line {
         std::vector<float> gauss_newton, curvature;  ///< [texels], penalties included
     };
-    Line read_line() const;                                             ///< after line_pass()
-    void set_line(std::span<const float> p, std::span<const float> d);  ///< for line_pass()
+    Line read_line() const;                                             ///< after directional_pass()
+    void set_line(std::span<const float> p, std::span<const float> d);  ///< for directional_pass()
 
     const FragmentTimes& times() const;
     PassRunner& passes() { return *run_; }  ///< to tally them
@@ -87,7 +87,7 @@ private:
     std::optional<SlsMesh> mesh_;  ///< none over a grid
     std::optional<PassRunner> run_;
     Texture surface_;  ///< layers: position and usability; normal and darkness
-    Texture density_, penalty_, products_;
+    Texture inverse_samples_, penalty_, products_;
     std::optional<ProblemNumbers> numbers_;
     std::vector<TexelVector> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
     TexelAccumulators sums_;

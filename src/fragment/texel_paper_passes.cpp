@@ -8,7 +8,7 @@ namespace {
 
 class PaperTexelPasses final : public TexelPasses {
 public:
-    explicit PaperTexelPasses(const TexelWorld& world);
+    explicit PaperTexelPasses(const TexelPassResources& resources);
     int batch() const override { return 1; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
@@ -22,7 +22,7 @@ private:
         w_.mesh ? w_.run.draw_tiles(target, program) : w_.run.draw_whole(target, program);
     }
 
-    TexelWorld w_;
+    TexelPassResources w_;
     std::optional<ItemBuffer> items_;
     Texture kept_;  ///< in SLS: residual or target of the image at hand; alpha 1 where a sample is
     Framebuffer kept_target_;
@@ -32,8 +32,8 @@ private:
     std::vector<const Program*> all_;
 };
 
-PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
-    : w_(world), kept_(GL_RGBA32F, world.shape.width(), world.shape.height()), kept_target_({{&kept_}}) {
+PaperTexelPasses::PaperTexelPasses(const TexelPassResources& resources)
+    : w_(resources), kept_(GL_RGBA32F, resources.shape.width(), resources.shape.height()), kept_target_({{&kept_}}) {
     const auto [width, height] = w_.images.largest();
     if (w_.mesh) items_.emplace(*w_.mesh, width, height);
     const Defines here = w_.shape.defines(w_.storage) + (w_.mesh ? w_.mesh->defines() : Defines{{"GRID", ""}}),
@@ -78,7 +78,7 @@ PaperTexelPasses::PaperTexelPasses(const TexelWorld& world)
 // Into SLS, with one of the two programs for it.
 void PaperTexelPasses::keep(const ImageOnDevice& image, const Program& program) {
     const std::array<float, 12> numbers = w_.numbers_of(*image.view);
-    constexpr const char* names[] = {"lamp", "exposure", "eye"};
+    constexpr const char* names[] = {"lamp", "exposure", "camera_centre"};
     for (const Program* each : all_)
         for (size_t i = 0; i < 3; ++i) each->set_if_used(names[i], std::span<const float>(numbers).subspan(4 * i, 4));
     if (w_.mesh) {
@@ -137,8 +137,8 @@ void PaperTexelPasses::line(const std::vector<ImageOnDevice>& images, const Texe
 
 }  // namespace
 
-std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelWorld& world) {
-    return std::make_unique<PaperTexelPasses>(world);
+std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelPassResources& resources) {
+    return std::make_unique<PaperTexelPasses>(resources);
 }
 
 }  // namespace radiafit

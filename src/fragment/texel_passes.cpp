@@ -16,7 +16,7 @@ float clipped_unit(float clip_above, float gain, float scale) {
 
 }  // namespace
 
-std::array<float, 12> TexelWorld::numbers_of(const View& view) const {
+std::array<float, 12> TexelPassResources::numbers_of(const View& view) const {
     std::array<float, 12> numbers;
     const auto put = [&](size_t at, const Vec3d& three, float fourth) {
         for (int c = 0; c < 3; ++c) numbers[at + size_t(c)] = float(three(c));
@@ -35,12 +35,12 @@ std::array<float, 12> TexelWorld::numbers_of(const View& view) const {
     return numbers;
 }
 
-void TexelWorld::set_stack(const Program& program, int images_in_it) const {
+void TexelPassResources::set_stack(const Program& program, int images_in_it) const {
     program.set("blocks_per_row", ImageStack::blocks(shape.width()));
     program.set("images_per_block", images_in_it);
 }
 
-void TexelWorld::set_shapes(const Program& program, int group) const {
+void TexelPassResources::set_shapes(const Program& program, int group) const {
     const StartLayout layout(*shape.model);
     if (shape.shape_maps() == 0) return;
     std::vector<float> shapes;

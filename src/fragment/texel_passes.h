@@ -34,7 +34,7 @@ public:
 };
 
 /// What every implementation of TexelPasses is made from. All references outlive it.
-struct TexelWorld {
+struct TexelPassResources {
     const TexelShape& shape;
     SlsMesh* mesh;  ///< null: a grid, whose texels are pixels
     PassRunner& run;
@@ -47,7 +47,7 @@ struct TexelWorld {
 
     /// For programs that look into words of colour.
     Defines colour() const { return {{"COLOUR", std::to_string(images.bits())}}; }
-    /// What shaders/reflect/sample.glsl knows of a view: lamp, exposure, eye.
+    /// What shaders/reflect/sample.glsl knows of a view: lamp, exposure, camera_centre.
     std::array<float, 12> numbers_of(const View& view) const;
     /// Where a grid's programs find pixels in a stack of so many images.
     void set_stack(const Program& program, int images_in_it) const;
@@ -57,11 +57,12 @@ struct TexelWorld {
 
 /// Section 5 as it stands: one image at a time; residuals in SLS first, then every map of the gradient by blending; one
 /// render target a pass.
-std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelWorld& world);
+std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelPassResources& resources);
 /// The same sums in one program that loops over as many images as memory holds at a time, with up to 8 render targets
 /// (Section 6.5's proposal).
-std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelWorld& world, int together);
-/// Images of one loop: layers of what texels took over a mesh, a stack over a grid. together: of FragmentOptions.
-int combined_texel_images(const Atlas& atlas, size_t views, int bits, int together);
+std::unique_ptr<TexelPasses> make_combined_texel_passes(const TexelPassResources& resources, int images_per_pass);
+/// Images of one loop: layers of what texels took over a mesh, a stack over a grid. images_per_pass: of
+/// FragmentOptions.
+int combined_texel_images(const Atlas& atlas, size_t views, int bits, int images_per_pass);
 
 }  // namespace radiafit

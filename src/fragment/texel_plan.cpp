@@ -33,24 +33,26 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("state of problems", ProblemNumbers::layers(room), float4);
     const uint64_t summaries = ProblemNumbers::summary_texels(shape.width(), shape.height());
     plan.push_back({"summary of problems", "levels", summaries, summaries * 16});
-    layers("dot products, density, penalty", room.product_count() + 2, 4);
+    layers("dot products, samples, penalty", room.product_count() + 2, 4);
     if (!combined) layers("residuals", 1, float4);
 
-    const int together = combined ? combined_texel_images(atlas, views.size(), bits, fragment_options.together) : 1;
+    const int images_per_pass =
+        combined ? combined_texel_images(atlas, views.size(), bits, fragment_options.images_per_pass) : 1;
     if (combined)
         plan.push_back(
             {"numbers of views", fmt::format("3 x {}", views.size()), 3 * views.size(), 3 * views.size() * float4});
     if (!triangles) {
-        const uint64_t turns = (views.size() + uint64_t(together) - 1) / uint64_t(together),
-                       stacks = fragment_options.resident ? turns : std::min<uint64_t>(2, turns),
-                       bytes = ImageStack::bytes(shape.width(), shape.height(), bits) * uint64_t(together) * stacks;
+        const uint64_t turns = (views.size() + uint64_t(images_per_pass) - 1) / uint64_t(images_per_pass),
+                       stacks = fragment_options.keep_on_device ? turns : std::min<uint64_t>(2, turns),
+                       bytes =
+                           ImageStack::bytes(shape.width(), shape.height(), bits) * uint64_t(images_per_pass) * stacks;
         plan.push_back({"stacks of images",
-                        fmt::format("{} x {} x {} x {}", stacks, together, shape.width(), shape.height()), bytes,
+                        fmt::format("{} x {} x {} x {}", stacks, images_per_pass, shape.width(), shape.height()), bytes,
                         bytes});
         return plan;
     }
-    plan.push_back(plan_images(dataset, views, 1, bits, fragment_options.resident));
-    if (combined) layers("pixels that texels take", together, uint64_t(bits / 2));
+    plan.push_back(plan_images(dataset, views, 1, bits, fragment_options.keep_on_device));
+    if (combined) layers("pixels that texels take", images_per_pass, uint64_t(bits / 2));
     const auto [width, height] = largest_image(dataset, views);
     const uint64_t pixels = uint64_t(width) * uint64_t(height);
     for (const char* array : {"item buffer", "depth"})

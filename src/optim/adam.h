@@ -14,7 +14,7 @@ public:
 
     template <class E>
     void judge(E& e, int) const {
-        e.direction_pass(false);
+        e.gradient_pass(false);
         e.dot({{vector::trial_g, vector::trial_g, vector::none, PRODUCT_NORM}});
         e.step(Step::adam_judge, {0, 0, 0, options_.stop()});
         e.update(Update::adam_keep, {vector::p, vector::trial}, {number::accepted}, {});

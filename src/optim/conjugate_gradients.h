@@ -15,11 +15,11 @@ public:
         using namespace vector;
         const bool modern = options_.rule == Rule::cg_modern, refresh = modern && options_.fresh(k);
         const int weight = !modern ? int(none) : refresh ? int(fresh) : int(precondition);
-        e.direction_pass(refresh);
+        e.gradient_pass(refresh);
         e.dot({{trial_g, trial_g, weight, PRODUCT_NORM},
                {trial_g, g, weight, PRODUCT_CROSS},
                {trial_g, d, none, PRODUCT_CONJUGATE}});
-        e.step(Step::after_direction, turn(refresh));
+        e.step(Step::judge_trial, turn(refresh));
         e.update(Update::update_direction, {p, g, precondition, d, trial, trial_g, fresh},
                  {number::accepted, number::beta}, {float(modern), float(refresh)});
     }
@@ -27,8 +27,8 @@ public:
     template <class E>
     void move(E& e, int k) const {
         if (options_.rule != Rule::steepest_descent || k == 0) {
-            e.line_pass();
-            e.step(Step::after_line, turn(false));
+            e.directional_pass();
+            e.step(Step::step_length, turn(false));
         }
         e.update(Update::advance, {vector::trial, vector::p, vector::d}, {number::taken}, {});
     }

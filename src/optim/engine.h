@@ -40,9 +40,9 @@ struct EngineSummary {
 ///   reset(start)               trial = start [N, Parameters order]; states fresh; p undefined until the first accept
 ///   make_room(room)            the optimizer's own vectors and numbers, all zero
 ///   fit_terms(first, last)     terms outside [first, last) stay as they are: their gradient is zero (deflation)
-///   direction_pass(diagonal)   at trial: E_t and its gradient, penalties included; on request also the fresh
+///   gradient_pass(diagonal)   at trial: E_t and its gradient, penalties included; on request also the fresh
 ///                              P = diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of the problem's largest entry
-///   line_pass()                at p along d: LineSums, penalties included
+///   directional_pass()                at p along d: LineSums, penalties included
 ///   dot(products)              each a number of every problem
 ///   step(which, turn)          the text of that name for each problem
 ///   update(which, vectors, numbers, constants)   the text of that name for each element of these vectors
@@ -56,8 +56,8 @@ concept Engine = requires(E& e, std::span<const float> start, std::span<float> o
     e.reset(start);
     e.make_room(room);
     e.fit_terms(0, 1);
-    e.direction_pass(flag);
-    e.line_pass();
+    e.gradient_pass(flag);
+    e.directional_pass();
     e.dot(products);
     e.step(step, turn);
     e.update(update, list, list, constants);

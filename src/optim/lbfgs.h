@@ -16,9 +16,9 @@ public:
         using namespace vector;
         const bool refresh = options_.fresh(k);
         const int slot = k % options_.history, weight = refresh ? fresh : precondition;
-        e.direction_pass(refresh);
+        e.gradient_pass(refresh);
         e.dot({{trial_g, trial_g, weight, PRODUCT_NORM}});
-        e.step(Step::after_direction, turn(true, slot));  // leaves the direction to what follows
+        e.step(Step::judge_trial, turn(true, slot));  // leaves the direction to what follows
         e.update(Update::lbfgs_keep, {p, g, precondition, s(slot), y(slot), trial, trial_g, fresh}, {number::accepted},
                  {float(refresh)});
         e.dot({{s(slot), y(slot), none, along}});
@@ -45,8 +45,8 @@ public:
 
     template <class E>
     void move(E& e, int) const {
-        e.line_pass();
-        e.step(Step::after_line, turn(false, 0));
+        e.directional_pass();
+        e.step(Step::step_length, turn(false, 0));
         e.update(Update::advance, {vector::trial, vector::p, vector::d}, {number::taken}, {});
     }
 

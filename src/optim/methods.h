@@ -13,11 +13,11 @@
 namespace radiafit {
 
 /// X(file, function)
-#define RADIAFIT_STEPS(X)               \
-    X(after_direction, after_direction) \
-    X(after_line, after_line)           \
-    X(lbfgs, lbfgs_pair)                \
-    X(lbfgs, lbfgs_slope)               \
+#define RADIAFIT_STEPS(X)       \
+    X(judge_trial, judge_trial) \
+    X(step_length, step_length) \
+    X(lbfgs, lbfgs_pair)        \
+    X(lbfgs, lbfgs_slope)       \
     X(adam, adam_judge)
 
 /// X(file, function, vectors it takes, how many of them it writes, numbers of the problem, and dot products behind
@@ -52,9 +52,9 @@ struct Optimize {
 //
 #include "optimize/elements.glsl"
 //
-#include "optimize/after_direction.glsl"
+#include "optimize/judge_trial.glsl"
 //
-#include "optimize/after_line.glsl"
+#include "optimize/step_length.glsl"
 //
 #include "optimize/update_direction.glsl"
 //

@@ -53,7 +53,7 @@ SHARED_FN real exact_step(real slope, LineSums q, real unit) {
 }
 
 // Writes the step and may stop the problem.
-SHARED_FN void after_line(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
+SHARED_FN void step_length(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
     LineSums q = given.line;
     bool running = s.status == STATUS_ACTIVE;
     bool convex = q.curvature > real(0.0) && is_finite_error(q.curvature);

@@ -1,6 +1,6 @@
 // After pass A at the trial point: accept or reject, and choose beta (Eq. 8) for d <- -z + beta d (Eq. 6). After a fresh
 // preconditioner d <- -z'.
-SHARED_FN void after_direction(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
+SHARED_FN void judge_trial(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
     int rule = turn.rule;
     bool restart = turn.restart != 0;
     real texels = given.texels;
