@@ -382,7 +382,7 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                                                        .storage = storage,
                                                        .sums = sums,
                                                        .keep_on_device = resident,
-                                                       .images_per_pass = together};
+                                                       .images_per_pass = images_per_pass};
                         const Room room = room_of({.rule = resident ? Rule::lbfgs : Rule::adam});
                         uint64_t planned = 0;
                         for (const PlannedArray& row :

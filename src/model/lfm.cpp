@@ -60,6 +60,7 @@ ViewFootprint view_footprint(const Frame& frame, const Vec3f& position, const Ve
 }
 
 double view_weight(const Frame& frame, const Vec3f& position, const Vec3d& camera_center, SampleWeights weights) {
+    if (weights == SampleWeights::equal) return 1;
     const Vec3d to_camera = (camera_center - position.cast<double>()).normalized();
     return sample_weight(weights, frame.normal.cast<double>().dot(to_camera));
 }
