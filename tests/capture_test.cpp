@@ -200,7 +200,7 @@ TEST_F(ImportTest, MaxSizeScalesPixelsAndCameraAlike) {
     EXPECT_EQ(import().views[0].full_size, (std::array<int, 2>{width, height}));
     options_.max_size = -1;
     fs::remove_all(root_ / "set");
-    expect_in("'max-size' -1", import_complaint());
+    expect_in("'max_size' -1", import_complaint());
 }
 
 TEST_F(ImportTest, BlindViewsAreDroppedAndNamedAndTheSplitStaysTheModels) {

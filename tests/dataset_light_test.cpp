@@ -71,7 +71,7 @@ TEST_F(LitTest, LightsAndNormalsSurviveExactly) {
     EXPECT_EQ(dataset.normal_map.normals, header_.normal_map.normals);
     const TriangleAtlas atlas = reflectance_atlas(dataset, side);
     for (uint32_t t = 0; t < atlas.texel_count(); ++t) EXPECT_EQ(atlas.normal(t), header_.normal_map.normals[t]);
-    expect_in("'surface-side' 3", complaint([&] { reflectance_atlas(dataset, 4); }));
+    expect_in("'surface_side' 3", complaint([&] { reflectance_atlas(dataset, 4); }));
     write();  // an earlier one is replaced, normals and all
 }
 

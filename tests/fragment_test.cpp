@@ -241,6 +241,7 @@ std::vector<Case> cases() {
         list.push_back({.name = prefix + "_facing", .passes = passes, .loss = {.weights = SampleWeights::facing}});
         list.push_back({.name = prefix + "_huber_facing",
                         .terms = 2,
+                        .lookup = ViewLookup::nearest,
                         .passes = passes,
                         .loss = {LossKind::huber, 0.4f, SampleWeights::facing}});
         list.push_back({.name = prefix + "_facing_many_terms",

@@ -37,7 +37,7 @@ TEST_F(LightsTest, LightsMustPointSomewhere) {
         expect_in("intensities.txt:1: the light's intensity is ", refused());
     }
     options_.lights.clear();
-    expect_in("'light-positions'", refused());
+    expect_in("'light_positions'", refused());
 }
 
 TEST_F(LightsTest, ImagesMustBeAlike) {

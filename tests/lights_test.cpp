@@ -140,7 +140,7 @@ TEST_F(LightsTest, AFlatSampleWithNearLampAndCamera) {
     EXPECT_EQ(import().encoding, Encoding::u8_linear);
     fs::remove_all(root_ / "set");
     options_.sample_width = 0;
-    expect_in("'sample-width'", refused());
+    expect_in("'sample_width'", refused());
     options_.sample_width = side;
     write_bytes(options_.camera_positions, "1 2 3\n1 2 3\n");
     expect_in("eyes.txt: 2 camera positions, but there are 3 images", refused());

@@ -258,7 +258,8 @@ TEST_F(TexelDataset, RecordsOnDiskAreTheSameInAnyMemory) {
     EXPECT_FALSE(fs::exists(folder_.path() / "small/waiting.bin"));
     for (const char* name : {"records.bin", "index.bin", "records.json"})
         EXPECT_EQ(bytes_of(folder_.path() / "large" / name), bytes_of(folder_.path() / "small" / name)) << name;
-    const auto memory = gather(), disk = open_texel_records(folder_.path() / "small", "key");
+    const auto memory = gather(),
+               disk = open_texel_records(folder_.path() / "small", "key", atlas_->texel_count(), views_);
     ASSERT_EQ(memory->sample_count(), disk->sample_count());
     TexelSamples a, b;
     for (uint32_t begin = 0; begin < memory->texel_count(); begin += TexelSource::block) {
@@ -272,20 +273,20 @@ TEST_F(TexelDataset, RecordsOnDiskAreTheSameInAnyMemory) {
 TEST_F(TexelDataset, DamagedOrForeignRecordsAreRefused) {
     write("records", uint64_t(1) << 30);
     const fs::path folder = folder_.path() / "records";
-    EXPECT_THROW(open_texel_records(folder, "another key"), UserError);
-    EXPECT_THROW(open_texel_records(folder_.path() / "none", "key"), UserError);
+    EXPECT_THROW(open_texel_records(folder, "another key", atlas_->texel_count(), views_), UserError);
+    EXPECT_THROW(open_texel_records(folder_.path() / "none", "key", atlas_->texel_count(), views_), UserError);
     std::fstream file(folder / "records.bin", std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(5000);
     file.put('x');
     file.put('y');
     file.close();
-    const auto source = open_texel_records(folder, "key");
+    const auto source = open_texel_records(folder, "key", atlas_->texel_count(), views_);
     TexelSamples block;
     EXPECT_THROW(
         for (uint32_t begin = 0; begin < source->texel_count(); begin += TexelSource::block) source->read(begin, block),
         UserError);
     fs::resize_file(folder / "records.bin", 4096);
-    EXPECT_THROW(open_texel_records(folder, "key"), UserError);
+    EXPECT_THROW(open_texel_records(folder, "key", atlas_->texel_count(), views_), UserError);
 }
 
 // With the checksum that fits them, so that nothing else is wrong.
@@ -298,7 +299,8 @@ TEST_F(TexelDataset, RecordsOfOtherTypesAndCountsAreRefused) {
         auto changed = whole;
         changed[field] = value;
         write_description(file, changed.dump());
-        EXPECT_THROW(open_texel_records(folder, "key"), UserError) << field << " " << value;
+        EXPECT_THROW(open_texel_records(folder, "key", atlas_->texel_count(), views_), UserError)
+            << field << " " << value;
     };
     refused("texels", "many");
     refused("texels", uint64_t(1) << 33);
@@ -307,6 +309,12 @@ TEST_F(TexelDataset, RecordsOfOtherTypesAndCountsAreRefused) {
     refused("texels", nullptr);
     refused("bytes", "all");
     refused("index_checksum", nlohmann::ordered_json::array());
+    // so few more or less that blocks are as many, and of a length that fits
+    for (const int more : {-2, 2, 4}) refused("texels", int(atlas_->texel_count()) + more);
+    refused("views", std::vector<uint32_t>(views_.begin(), views_.end() - 1));
+    write_description(file, whole.dump());
+    EXPECT_EQ(open_texel_records(folder, "key", atlas_->texel_count(), views_)->texel_count(), atlas_->texel_count());
+    EXPECT_THROW(open_texel_records(folder, "key", atlas_->texel_count() + 2, views_), UserError);
 }
 
 TEST_F(TexelDataset, LoadedSamplesFollowTheRules) {
@@ -315,13 +323,23 @@ TEST_F(TexelDataset, LoadedSamplesFollowTheRules) {
     TexelOptions strict = options_;
     strict.shadow_below = 0.8f;
     const TexelLoader shadowed(dataset_, *atlas_, views_, strict);
+    TexelOptions weighing = options_;
+    weighing.loss.weights = SampleWeights::facing;
+    const TexelLoader weighted(dataset_, *atlas_, views_, weighing);
     TexelSamples block;
-    std::vector<ShadedSample> all, lit;
+    std::vector<ShadedSample> all, lit, facing;
     size_t left_out = 0, kept = 0;
     source->read(0, block);
     for (uint32_t t = 0; t + 1 < block.first.size(); ++t) {
         plain.load(t, block.of(t), all);
         shadowed.load(t, block.of(t), lit);
+        weighted.load(t, block.of(t), facing);
+        ASSERT_EQ(facing.size(), all.size());
+        for (size_t i = 0; i < all.size(); ++i) {
+            EXPECT_EQ(all[i].weight, 1);
+            EXPECT_EQ(facing[i].weight, all[i].v.z());
+            EXPECT_EQ(facing[i].target[0], all[i].target[0]);
+        }
         const Vec3f n = atlas_->normal(t);
         size_t at = 0;
         for (const TexelRadiance& s : block.of(t)) {

@@ -6,8 +6,10 @@
 #include <array>
 #include <limits>
 
+#include "base/rng.h"
 #include "cpu/texel_fit_impl.h"
 #include "cpu/texel_models.h"
+#include "cpu/texel_solver.h"
 #include "reference/ceres_texel.h"
 #include "texel_scene.h"
 
@@ -486,6 +488,41 @@ TEST(CeresTexel, ItsTwoLinearSolversAgree) {
         EXPECT_NEAR(std::max(-a.parameters[6], a.parameters[7]), 1, 1e-9);
     }
     EXPECT_EQ(ceres_texel<Text>({}, scene.truth[0], {}).status, Status::no_samples);
+}
+
+// A sample of weight two is that sample twice, for our start and for every rival.
+TEST(CeresTexel, AWeightOfTwoIsTheSampleTwice) {
+    const TexelModel& model = *find_texel_model("lafortune");
+    Rng rng(21);
+    const auto direction = [&] { return Vec3f(rng.uniform(-0.7f, 0.7f), rng.uniform(-0.7f, 0.7f), 0.8f).normalized(); };
+    for (int texel = 0; texel < 12; ++texel) {
+        std::vector<std::vector<ShadedSample>> weighted(1), twice(1), once(1);
+        for (int i = 0; i < 60; ++i) {
+            ShadedSample s{direction(), direction(), {}, 1};
+            const float lobe = std::pow(std::max(0.0f, s.u.z() * s.v.z() - s.u.head(2).dot(s.v.head(2))), 12.0f);
+            for (int c = 0; c < 3; ++c) s.target[c] = 0.2f + 0.1f * float(c) + 0.6f * lobe + rng.uniform(-0.05f, 0.05f);
+            const bool heavy = i % 3 == 0;
+            for (int copy = 0; copy < (heavy ? 2 : 1); ++copy) twice[0].push_back(s);
+            once[0].push_back(s);
+            s.weight = heavy ? 2 : 1;
+            weighted[0].push_back(s);
+        }
+        const TexelSolvers& solvers = texel_solvers(model);
+        const std::vector<float> start = solvers.start(twice), same = solvers.start(weighted);
+        for (size_t i = 0; i < size_t(model.parameters); ++i)
+            EXPECT_NEAR(same[i], start[i], 1e-3f * (1 + std::abs(start[i])));
+        EXPECT_NE(solvers.start(once), start);
+        using Method = CeresTexelOptions::Method;
+        for (const Method method : {Method::whole, Method::projected, Method::tiny}) {
+            const CeresTexelOptions options{.method = method, .iterations = 200};
+            const std::span<const float> from(start.data(), size_t(model.parameters));
+            const CeresTexelFit a = ceres_texel(model, weighted[0], from, options),
+                                b = ceres_texel(model, twice[0], from, options),
+                                c = ceres_texel(model, once[0], from, options);
+            EXPECT_NEAR(a.error, b.error, 1e-6 * b.error) << texel << " " << int(method);
+            EXPECT_LT(c.error, 0.95 * b.error);
+        }
+    }
 }
 
 // TinySolver and hand-made variable projection solve the same problem, so on nearly every texel they end at the same

@@ -140,11 +140,12 @@ void agree(const Case& c) {
             squares = 0;
             for (const auto& s : samples[texel]) {
                 const auto b = Text::basis(shape, s.terms);
+                const double weight = options.loss.weighted() ? s.facing : 1;
                 for (size_t k = 0; k < size_t(B); ++k) {
-                    for (size_t j = 0; j <= k; ++j) a[k][j] += b.x[k] * b.x[j];
-                    for (size_t k2 = 0; k2 < 3; ++k2) g[k2][k] -= b.x[k] * s.target[k2];
+                    for (size_t j = 0; j <= k; ++j) a[k][j] += weight * b.x[k] * b.x[j];
+                    for (size_t k2 = 0; k2 < 3; ++k2) g[k2][k] -= weight * b.x[k] * s.target[k2];
                 }
-                for (const double t : s.target) squares += 0.5 * t * t;
+                for (const double t : s.target) squares += 0.5 * weight * t * t;
             }
             const SmallFactor<double, B> factor(a, 1e-6);
             least_pivot = factor.smallest();
@@ -164,7 +165,8 @@ void agree(const Case& c) {
         double mine = 0;
         for (const auto& s : samples[texel]) {
             const auto value = Model::value(first, s.terms);
-            for (size_t k = 0; k < 3; ++k) mine += 0.5 * std::pow(value[k] - s.target[k], 2);
+            const double weight = options.loss.weighted() ? s.facing : 1;
+            for (size_t k = 0; k < 3; ++k) mine += 0.5 * weight * std::pow(value[k] - s.target[k], 2);
         }
         // Sums of 32-bit floats: of what the targets' squares and the fit nearly cancel to, 1e-6 remain.
         // And of a plain linear fit whose samples hardly tell the coefficients apart, no more than that it is no loss.
@@ -229,6 +231,12 @@ std::vector<Case> cases() {
                         .scene = {.light = Light::Kind::near},
                         .passes = passes,
                         .loss = {.weights = SampleWeights::facing}});
+        for (const char* linear : {"lambert", "ptm"})
+            list.push_back({.name = prefix + "_facing_" + linear,
+                            .model = linear,
+                            .scene = {.grid = true},
+                            .passes = passes,
+                            .loss = {.weights = SampleWeights::facing}});
         list.push_back({.name = prefix + "_huber_facing",
                         .model = "lafortune",
                         .scene = {.grid = true, .one_eye = true},

@@ -1,5 +1,6 @@
 #version 450 core
 // variants: BATCH=1,2,4 TERMS=1,2 COLOUR=8,16
+// variants: BATCH=1,2 TERMS=1,9 COLOUR=8,16 WEIGHTED=1
 // One pass into SLS for a batch of images: the colours that each texel takes, and the surface gradient of the first term
 // for all three corners, summed over the batch and blended.
 #include "model/prelude.glsl"

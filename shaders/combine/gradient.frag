@@ -1,5 +1,6 @@
 #version 450 core
 // variants: BATCH=1,2 TERMS=1,2,9 COLOUR=8,16 DIAGONAL=-,1
+// variants: BATCH=2 TERMS=2 COLOUR=8 DIAGONAL=-,1 WEIGHTED=1
 // The surface gradient of a further term, from colours in SLS, for all corners. DIAGONAL: h_k^2 where a sample is.
 #include "model/prelude.glsl"
 #define element vec3

@@ -1,5 +1,6 @@
 #version 450 core
 // variants: BATCH=1,2,4 TERMS=1,2,9 PROJECTED=-,1
+// variants: BATCH=2 TERMS=2,9 PROJECTED=-,1 WEIGHTED=1
 // Tiles of surface maps with what their three vertices hold for the whole tile in every image of a batch: pixel
 // coordinates and the values of view maps.
 #include "distribute/tiles.glsl"

@@ -1,5 +1,6 @@
 #version 450 core
 // variants: BATCH=1,2 TERMS=1,2 COLOUR=8,16 DIAGONAL=-,1
+// variants: BATCH=2 TERMS=2 COLOUR=8 DIAGONAL=-,1 WEIGHTED=1
 // Corners [FIRST, FIRST + CORNERS) of tiles, over their texels: for every image of a batch the sum of r g_k of one term;
 // and with WITH_ERROR the sum of r^2 over all of them, blended. DIAGONAL: sum of g_k^2 where a sample is.
 #include "model/prelude.glsl"

@@ -1,5 +1,6 @@
 #version 450 core
 // variants: BATCH=1,2 TERMS=1,2 QUARTIC=-,1
+// variants: BATCH=2 TERMS=2 QUARTIC=-,1 COUNT=-,1 WEIGHTED=1
 // The sums along d of corners [FIRST, FIRST + CORNERS) of tiles for a batch of images, blended over batches: a tile's
 // fragment projects each of its texels, takes its pixels and adds its terms (Eq. 13). QUARTIC: with the two further sums.
 // COUNT: sum of L t and samples.

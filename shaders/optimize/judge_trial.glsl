@@ -1,4 +1,4 @@
-// After pass A at the trial point: accept or reject, and choose beta (Eq. 8) for d <- -z + beta d (Eq. 6). After a fresh
+// After the gradient pass at the trial point: accept or reject, and choose beta (Eq. 8) for d <- -z + beta d (Eq. 6). After a fresh
 // preconditioner d <- -z'.
 SHARED_FN void judge_trial(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
     int rule = turn.rule;
@@ -25,7 +25,7 @@ SHARED_FN void judge_trial(INOUT(ProblemState) s, INOUT(Own) own, Given given, T
     beta = SELECT(downhill, beta, real(0.0));
     slope = SELECT(downhill, slope, -trial_norm);
 
-    // steepest descent has no line pass: its change of output |J d|^2 follows from the quadratic model of the step
+    // steepest descent has no directional pass: its change of output |J d|^2 follows from the quadratic model of the step
     real step = s.alpha * s.step_factor;
     real descent_change = real(2.0) * (step * s.norm - (s.error - trial_error));
     bool small_change = descent && !first && descent_change <= texels * stop.output_change * stop.output_change;

@@ -1,4 +1,4 @@
-// After pass B along d: the step length. Eq. 7 as printed climbs: alpha = -d.g / d'Hd.
+// After the directional pass: the step length. Eq. 7 as printed climbs: alpha = -d.g / d'Hd.
 
 // E(alpha) - E(0) of a bilinear model, a quartic.
 SHARED_FN real line_change(real slope, LineSums q, real alpha) {

@@ -1,6 +1,6 @@
 #version 450 core
 // variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_CAMERA=-,1 COLOUR=8,16 DIAGONAL=-,1
-// variants: MODEL=* WEIGHTED=1 ONE_CAMERA=-,1
+// variants: MODEL=* LOSS=* WEIGHTED=1 KEPT=-,1 DIAGONAL=-,1
 // Sums over samples of each texel, blended: the gradient, laid out as the parameters are, with the sum of r^2 in the
 // first map's alpha; and with DIAGONAL the squares of the Jacobian's columns that the channels share, four a target, those
 // of the shape without the last coefficients' factor.

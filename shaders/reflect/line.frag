@@ -1,6 +1,6 @@
 #version 450 core
 // variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_CAMERA=-,1 COLOUR=8,16
-// variants: MODEL=* WEIGHTED=1 ONE_CAMERA=-,1
+// variants: MODEL=* LOSS=* WEIGHTED=1 KEPT=-,1
 // Sums over samples of each texel along d, blended: of a^2 and of a^2 + r b, with a and b the first and second derivative
 // of the model's value (C++: TexelLocal::bend).
 #include "reflect/parameters.glsl"

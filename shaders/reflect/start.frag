@@ -1,5 +1,6 @@
 #version 450 core
 // variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_CAMERA=-,1 COLOUR=8,16 CANDIDATES=1,5
+// variants: MODEL=* WEIGHTED=1 KEPT=-,1 CANDIDATES=1
 // Sums over samples of each texel, blended: what linear least squares in the coefficients needs for CANDIDATES shapes,
 // numbers FIRST and those behind it, four a target. In their order (C++: fragment/texel_start.h): products of the basis functions
 // that no shape enters, in pairs and with the target; for each candidate those of the last one with all and the target.
@@ -20,8 +21,8 @@ uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
 #define ADD_PRODUCTS(k, at)                                          \
     {                                                                \
         for (int j = 0; j < BASIS_COUNT; ++j)                        \
-            if (j <= k) sums[(at) + j] += b.x[k] * b.x[j];           \
-        for (int c = 0; c < 3; ++c) sums[(at) + k + 1 + c] += b.x[k] * t[c]; \
+            if (j <= k) sums[(at) + j] += SAMPLE_WEIGHTED(s, b.x[k]) * b.x[j]; \
+        for (int c = 0; c < 3; ++c) sums[(at) + k + 1 + c] += SAMPLE_WEIGHTED(s, b.x[k]) * t[c]; \
     }
 
 #define ADD(s) add(s, sums)

@@ -6,6 +6,7 @@
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "base/parallel.h"
+#include "cpu/lfm_kernels.h"
 #include "cpu/texel_solver.h"
 #include "fragment/fragment_plan.h"
 #include "fragment/texel_plan.h"
@@ -214,8 +215,9 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t 
                              samples * record_bytes(request)});
         return plan;
     }
+    const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);
     add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
-        rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * 20);
+        rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * footprint);
     add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
     add("samples by image, until they are sorted", "once more", pixels, 8 * pixels);
     add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);

@@ -125,7 +125,7 @@ void solve_texel_two_step(TexelTask& task) {
                                                distributors.workers(), task.request.memory, key);
     };
     with_records(task.dataset, task.request, task.out.times, write, [&](const fs::path& folder) {
-        const auto source = open_texel_records(folder, key);
+        const auto source = open_texel_records(folder, key, task.out.atlas->texel_count(), task.views);
         task.out.samples = source->sample_count();
         settle_cache(BlockFile::file(folder), task.request, task.out);
         task.out.record_bytes_read = fs::file_size(BlockFile::file(folder));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 
 namespace radiafit {
@@ -14,7 +15,10 @@ std::atomic<bool> by_flag = false;
 void name_options_by_flag() { by_flag = true; }
 
 std::string option_name(std::string_view name) {
-    return by_flag ? fmt::format("--{}", name) : fmt::format("'{}'", name);
+    if (by_flag) return fmt::format("--{}", name);
+    std::string member(name);
+    std::replace(member.begin(), member.end(), '-', '_');
+    return fmt::format("'{}'", member);
 }
 
 std::string at_command_line(std::string_view typed, std::string_view otherwise) {

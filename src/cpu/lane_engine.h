@@ -79,8 +79,8 @@ private:
     };
     static_assert(sizeof(State::problem) == number::first_own * sizeof(Real), "its fields are numbered");
     using States = std::array<State, size_t(lanes)>;
-    /// Of a block: the liveliest of its problems. One that ended in the last pass A may still have a trial to take
-    /// over.
+    /// Of a block: the liveliest of its problems. One that ended in the last gradient pass may still have a trial to
+    /// take over.
     enum class Life : uint8_t { over, ended, active };
 
     /// body(block) for those that live so much or more.

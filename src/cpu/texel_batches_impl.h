@@ -22,15 +22,17 @@ ProblemStatistics TexelBatches<Text>::count() {
     out.mean.assign(3 * texels_, 0);
     inverse_samples_.assign(batches_.size(), Pack{});
     parallel_for(batches_.size(), 16, [&](size_t b, int) {
-        WidePack sum[3] = {};
-        for (const auto& row : batches_[b].rows())
+        WidePack sum[3] = {}, weights = {};
+        for (const auto& row : batches_[b].rows()) {
+            weights += widen(row.weight);
             for (size_t c = 0; c < 3; ++c) sum[c] += widen(row.weight * row.target[c]);
+        }
         for (size_t t = 8 * b; t < std::min(8 * b + 8, texels_); ++t) {
             const int lane = int(t % 8);
             const uint32_t samples = out.samples[t] = batches_[b].count(lane);
             if (!samples) continue;
             inverse_samples_[b].set(lane, 1 / float(samples));
-            for (size_t c = 0; c < 3; ++c) out.mean[3 * t + c] = float(sum[c][lane] / samples);
+            for (size_t c = 0; c < 3; ++c) out.mean[3 * t + c] = float(sum[c][lane] / weights[lane]);
         }
     });
     return out;

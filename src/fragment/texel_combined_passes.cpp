@@ -64,9 +64,9 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelPassResources& resources, in
         for (const float number : w_.numbers_of(w_.dataset.views[view])) numbers.push_back(number);
     numbers_ = Buffer(numbers);
     views_ = Texture::of_buffer(GL_RGBA32F, numbers_);
-    bool one_eye = !numbers.empty();
+    bool one_camera = !numbers.empty();
     for (size_t at = 0; at < numbers.size(); at += 12)
-        one_eye = one_eye && std::equal(numbers.begin() + 8, numbers.begin() + 12, numbers.data() + at + 8);
+        one_camera = one_camera && std::equal(numbers.begin() + 8, numbers.begin() + 12, numbers.data() + at + 8);
 
     if (w_.mesh) {
         const auto [width, height] = w_.images.largest();
@@ -80,10 +80,10 @@ CombinedTexelPasses::CombinedTexelPasses(const TexelPassResources& resources, in
     }
     Defines here = w_.shape.defines(w_.storage) + w_.colour();
     if (!w_.mesh) here.push_back({"GRID", ""});
-    if (one_eye) here.push_back({"ONE_CAMERA", ""});
+    if (one_camera) here.push_back({"ONE_CAMERA", ""});
     const auto make = [&](const char* shader, const Defines& what) {
         Program program = Program::draw("common/whole.vert", std::string("reflect/") + shader, here + what);
-        if (one_eye) program.set("camera_centre", std::span<const float>(numbers).subspan(8, 4));
+        if (one_camera) program.set("camera_centre", std::span<const float>(numbers).subspan(8, 4));
         program.bind("views", views_);
         program.bind("surface", w_.surface);
         if (w_.mesh)

@@ -33,7 +33,7 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("state of problems", ProblemNumbers::layers(room), float4);
     const uint64_t summaries = ProblemNumbers::summary_texels(shape.width(), shape.height());
     plan.push_back({"summary of problems", "levels", summaries, summaries * 16});
-    layers("dot products, samples, penalty", room.product_count() + 2, 4);
+    layers("dot products, 1 / samples, penalty", room.product_count() + 2, 4);
     if (!combined) layers("residuals", 1, float4);
 
     const int images_per_pass =

@@ -40,9 +40,9 @@ struct EngineSummary {
 ///   reset(start)               trial = start [N, Parameters order]; states fresh; p undefined until the first accept
 ///   make_room(room)            the optimizer's own vectors and numbers, all zero
 ///   fit_terms(first, last)     terms outside [first, last) stay as they are: their gradient is zero (deflation)
-///   gradient_pass(diagonal)   at trial: E_t and its gradient, penalties included; on request also the fresh
+///   gradient_pass(diagonal)    at trial: E_t and its gradient, penalties included; on request also the fresh
 ///                              P = diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of the problem's largest entry
-///   directional_pass()                at p along d: LineSums, penalties included
+///   directional_pass()         at p along d: LineSums, penalties included
 ///   dot(products)              each a number of every problem
 ///   step(which, turn)          the text of that name for each problem
 ///   update(which, vectors, numbers, constants)   the text of that name for each element of these vectors

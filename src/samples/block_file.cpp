@@ -54,7 +54,10 @@ std::string read_description(const fs::path& file, const std::string& key) {
     if (stands(file)) text = read_file(file, "description of records");
     if (nested_deeper(text, 100)) throw_damaged(file);
     const Json json = Json::parse(text, nullptr, false);
-    if (!says(json, "format", format) || !says(json, "version", version))
+    if (says(json, "format", format) && !says(json, "version", version))
+        throw UserError(fmt::format("{}: records of another version; delete the folder {}, it is made anew",
+                                    file.string(), file.parent_path().string()));
+    if (!says(json, "format", format))
         throw UserError(
             fmt::format("{}: holds no whole records; choose another {} folder", file.string(), option_name("records")));
     if (!says(json, "checksum", checksum_of(json))) throw_damaged(file);
@@ -133,6 +136,10 @@ void BlockFile::require_description(bool whole) const {
 
 void BlockFile::require_index(bool whole) const {
     if (!whole) throw_damaged(folder_ / index_name);
+}
+
+void BlockFile::require_blocks(bool whole) const {
+    if (!whole) throw_damaged(folder_ / blocks_name);
 }
 
 fs::path BlockFile::file(const fs::path& folder) { return folder / blocks_name; }

@@ -63,10 +63,11 @@ public:
     uint64_t block_bytes(size_t b) const { return index_[b + 1].offset - index_[b].offset; }
     /// Blocks [begin, end), one after another. Throws UserError if one isn't what was written.
     void read(size_t begin, size_t end, std::vector<uint8_t>& out) const;
-    /// For what only those know who wrote the blocks. Throw UserError, that the description or the index is damaged,
-    /// unless it says what it must.
+    /// For what only those know who wrote the blocks. Throw UserError, that the description, the index or the blocks
+    /// are damaged, unless they say what they must.
     void require_description(bool whole) const;
     void require_index(bool whole) const;
+    void require_blocks(bool whole) const;
 
     static std::filesystem::path file(const std::filesystem::path& folder);  ///< of the blocks, the large one
 

@@ -141,13 +141,14 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
     BlockFileWriter out(folder);
     std::vector<VertexRecord> records(rings.vertex_count());
     const auto held = [&](size_t v) {
-        const uint64_t expansion = options.kind == RecordKind::full ? sizeof(FullRecord) / sizeof(Sample) : 1;
+        const uint64_t expansion = options.kind == RecordKind::full ? sizeof(FullRecord) / sizeof(Sample) : 2;
         uint64_t bytes = 0;
         for (const Corner& corner : rings.ring(v)) bytes += tiles.bytes(corner.triangle);
         return (1 + expansion) * bytes;
     };
     out.append_all(records.size(), options.memory / 4, held,
                    [&](size_t v, std::vector<uint8_t>& block) { maker.make(v, tiles, block, records[v]); });
+    tiles.remove_file();
     std::vector<uint8_t> table;
     append_bytes<VertexRecord>(table, records);
     out.append(table, hash_bytes(table.data(), table.size()));

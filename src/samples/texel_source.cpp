@@ -44,7 +44,7 @@ public:
         for (const LinearSample& s : waiting)
             out.samples[next[s.place % block]++] = {{s.rgb[0], s.rgb[1], s.rgb[2]}, s.place / block};
     }
-    const WaitingItems<LinearSample>& blocks() const { return blocks_; }
+    WaitingItems<LinearSample>& blocks() { return blocks_; }
 
 private:
     uint32_t texels_;
@@ -55,11 +55,11 @@ private:
 /// A block on disk: `first`, then samples.
 class TexelsOnDisk final : public TexelSource {
 public:
-    TexelsOnDisk(const fs::path& folder, const std::string& key) : file_(folder, key) {
+    TexelsOnDisk(const fs::path& folder, const std::string& key, uint32_t texels, const std::vector<uint32_t>& views)
+        : file_(folder, key), texels_(texels), views_(views.size()) {
         Json description = Json::parse(file_.description());
-        const auto texels = whole_number(description["texels"]);
-        file_.require_description(description["kind"] == "texels" && texels);
-        texels_ = *texels;
+        file_.require_description(description["kind"] == "texels" && description["texels"] == texels &&
+                                  description["views"] == views);
         file_.require_index(file_.size() == block_count());
         for (size_t b = 0; b < file_.size(); ++b) {
             const uint64_t bytes = file_.block_bytes(b), head = head_bytes(b);
@@ -77,6 +77,10 @@ public:
         out.samples.resize((bytes.size() - head) / sizeof(TexelRadiance));
         std::memcpy(out.first.data(), bytes.data(), head);
         if (!out.samples.empty()) std::memcpy(out.samples.data(), bytes.data() + head, bytes.size() - head);
+        file_.require_blocks(out.first.front() == 0 && out.first.back() == out.samples.size() &&
+                             std::is_sorted(out.first.begin(), out.first.end()) &&
+                             std::all_of(out.samples.begin(), out.samples.end(),
+                                         [&](const TexelRadiance& s) { return s.image < views_; }));
     }
 
 private:
@@ -85,7 +89,8 @@ private:
     }
 
     BlockFile file_;
-    uint32_t texels_ = 0;
+    uint32_t texels_;
+    size_t views_;
     uint64_t samples_ = 0;
 };
 
@@ -100,8 +105,8 @@ std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& 
 RecordStatistics write_texel_records(const fs::path& folder, const Dataset& dataset, const Atlas& atlas,
                                      const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
                                      uint64_t memory, const std::string& key) {
-    const GatheredTexels gathered(dataset, atlas, views, workers, memory / 2, folder);
-    const WaitingItems<LinearSample>& waiting = gathered.blocks();
+    GatheredTexels gathered(dataset, atlas, views, workers, memory / 2, folder);
+    WaitingItems<LinearSample>& waiting = gathered.blocks();
     BlockFileWriter out(folder);
     // a block's bytes as they waited, in their texels' order, and as they are written
     const auto held = [&](size_t b) { return 3 * waiting.bytes(b); };
@@ -111,13 +116,15 @@ RecordStatistics write_texel_records(const fs::path& folder, const Dataset& data
         append_bytes<uint64_t>(block, samples.first);
         append_bytes<TexelRadiance>(block, samples.samples);
     });
+    waiting.remove_file();
     const Json description = {{"kind", "texels"}, {"texels", gathered.texel_count()}, {"views", views}};
     const uint64_t bytes = out.close(key, description.dump());
     return {bytes + waiting.bytes_written(), waiting.bytes_read(), waiting.spills()};
 }
 
-std::unique_ptr<TexelSource> open_texel_records(const fs::path& folder, const std::string& key) {
-    return std::make_unique<TexelsOnDisk>(folder, key);
+std::unique_ptr<TexelSource> open_texel_records(const fs::path& folder, const std::string& key, uint32_t texels,
+                                                const std::vector<uint32_t>& views) {
+    return std::make_unique<TexelsOnDisk>(folder, key, texels, views);
 }
 
 }  // namespace radiafit

@@ -52,8 +52,9 @@ std::unique_ptr<TexelSource> gather_texels(const Dataset& dataset, const Atlas& 
 RecordStatistics write_texel_records(const std::filesystem::path& folder, const Dataset& dataset, const Atlas& atlas,
                                      const std::vector<uint32_t>& views, const std::vector<Distributor*>& workers,
                                      uint64_t memory, const std::string& key);
-/// Throws UserError if `folder` holds no whole records, damaged ones, or those of another key. Blocks are checked when
-/// they are read.
-std::unique_ptr<TexelSource> open_texel_records(const std::filesystem::path& folder, const std::string& key);
+/// Throws UserError if `folder` holds no whole records, damaged ones, those of another key, or not of so many texels
+/// and these dataset views. Blocks are checked when they are read.
+std::unique_ptr<TexelSource> open_texel_records(const std::filesystem::path& folder, const std::string& key,
+                                                uint32_t texels, const std::vector<uint32_t>& views);
 
 }  // namespace radiafit

@@ -15,8 +15,8 @@ namespace radiafit {
 template <class Item>
 class WaitingItems {
 public:
-    /// `memory`: bytes held there at most after settle(). `folder`: of the file; UserError is thrown if it is needed
-    /// and the disk is full or the folder not writable.
+    /// `memory`: bytes held there at most after settle(), what is set aside for more of a key included. `folder`: of
+    /// the file; UserError is thrown if it is needed and the disk is full or the folder not writable.
     WaitingItems(size_t keys, uint64_t memory, const std::filesystem::path& folder)
         : memory_(memory), path_(folder / "waiting.bin"), held_(keys) {}
     WaitingItems(const WaitingItems&) = delete;
@@ -24,6 +24,10 @@ public:
     ~WaitingItems() {
         std::error_code ignored;
         if (out_) std::filesystem::remove(path_, ignored);
+    }
+    /// When all have been read. Throws std::filesystem::filesystem_error.
+    void remove_file() {
+        if (out_) std::filesystem::remove(path_);
     }
 
     size_t keys() const { return held_.size(); }
@@ -44,7 +48,8 @@ public:
     /// Moves all to the file if they are too many. To be called after some have been added.
     void settle() {
         uint64_t held = 0;
-        for (size_t key = 0; key < keys(); ++key) held += held_bytes(key);
+        for (const auto& pieces : held_)
+            for (const auto& piece : pieces) held += piece.capacity() * sizeof(Item) + sizeof piece;
         if (held > memory_) spill();
     }
     /// No more are added; from now on they may be read.
@@ -61,6 +66,7 @@ public:
     }
     /// Appends a key's items to `out`, in the order in which they were added. Thread-safe.
     void get(size_t key, std::vector<Item>& out) const {
+        if (out.empty()) out.reserve(bytes(key) / sizeof(Item));
         for (const auto& begin : spilled_) {
             const uint64_t bytes = begin[key + 1] - begin[key];
             if (bytes == 0) continue;

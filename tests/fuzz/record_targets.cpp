@@ -1,5 +1,6 @@
 // Samples on disk. Checksums guard them; here they are put right, so that what lies behind them is met.
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "base/hash.h"
 #include "dataset_fixture.h"
@@ -59,9 +60,16 @@ void read_vertices(const fs::path& folder) {
 }
 
 void read_texels(const fs::path& folder) {
-    const auto source = open_texel_records(folder, key);
+    static const uint32_t texels = TriangleAtlas(open_dataset(folder / "set").mesh, 3).texel_count();
+    const auto source = open_texel_records(folder, key, texels, {0, 1});
     TexelSamples samples;
-    for (size_t b = 0; b < source->block_count(); ++b) source->read(uint32_t(b) * TexelSource::block, samples);
+    uint64_t images = 0;
+    for (size_t b = 0; b < source->block_count(); ++b) {
+        source->read(uint32_t(b) * TexelSource::block, samples);
+        for (size_t t = 0; t + 1 < samples.first.size(); ++t)
+            for (const TexelRadiance& s : samples.of(t)) images += s.image;
+    }
+    if (images > source->sample_count()) throw std::logic_error("an image that is none");
 }
 
 using Step = void (*)(const fs::path&);
