@@ -35,5 +35,34 @@ TEST(Statistics, QuantilesOfManyAreThoseOfTheSortedValues) {
     for (size_t i = 0; i < sorted.size(); i += 7) EXPECT_EQ(quantile(values, double(i) / 1000), sorted[i]);
 }
 
+TEST(Statistics, TheRatioOfMediansLiesWhereItsSpreadSays) {
+    const std::vector<double> ones = {1, 1, 1, 1, 1};
+    EXPECT_EQ(ratio_of_medians({3, 3, 3}, ones).low, 3);
+    EXPECT_EQ(ratio_of_medians({3, 3, 3}, ones).high, 3);
+    const Interval wide = ratio_of_medians({1, 2, 3, 4, 5}, ones);
+    EXPECT_EQ(wide.low, 1);
+    EXPECT_EQ(wide.high, 5);
+    const Interval narrow = ratio_of_medians({1, 2, 3, 4, 5}, ones, 0.5);
+    EXPECT_EQ(narrow.low, 2);
+    EXPECT_EQ(narrow.high, 4);
+}
+
+// Of 400 pairs of samples of one distribution: how many intervals of 99 % leave out the ratio, 1. Of so few values a
+// few more than one in a hundred do.
+TEST(Statistics, AnIntervalHoldsTheTruthAsOftenAsItSays) {
+    Rng rng(8);
+    int missed = 0;
+    for (int trial = 0; trial < 400; ++trial) {
+        std::vector<double> a(8), b(8);
+        for (auto* side : {&a, &b})
+            for (double& x : *side)
+                x = 1 + 0.1 * std::sqrt(-2 * std::log(1 - rng.uniform())) * std::cos(6.2831853 * rng.uniform());
+        const Interval interval = ratio_of_medians(a, b);
+        missed += interval.low > 1 || interval.high < 1;
+    }
+    EXPECT_GE(missed, 1);
+    EXPECT_LE(missed, 12);
+}
+
 }  // namespace
 }  // namespace radiafit
