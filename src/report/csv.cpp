@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/read_file.h"
 
 namespace radiafit {
 namespace {
@@ -97,10 +96,12 @@ void CsvWriter::write(const std::vector<std::string>& fields) {
 void CsvWriter::commit() { file_.commit(); }
 
 CsvTable::CsvTable(std::filesystem::path path) : path_(std::move(path)) {
-    std::ifstream file(path_, std::ios::binary);
-    if (!file) throw UserError(fmt::format("{}: cannot be read; check the path", path_.string()));
-    Reader reader(path_, std::string(std::istreambuf_iterator<char>(file), {}));
-    if (reader.at_end()) throw UserError(fmt::format("{}: empty; remake it", path_.string()));
+    std::string text = read_file(path_, "file of rows");
+    if (text.empty()) throw UserError(fmt::format("{}: empty; remake it", path_.string()));
+    if (!text.ends_with('\n'))
+        throw UserError(fmt::format("{}: no line break behind the last row, so it may have been cut; remake the file",
+                                    path_.string()));
+    Reader reader(path_, std::move(text));
     header_ = reader.record();
     while (!reader.at_end()) {
         lines_.push_back(reader.line());

@@ -30,7 +30,8 @@ private:
 /// A CSV file in memory. Its errors are UserErrors that name file and line.
 class CsvTable {
 public:
-    /// Throws for an unreadable file, an unfinished quote, or a row whose length differs from the header's.
+    /// Throws for an unreadable file, an unfinished quote, a row whose length differs from the header's, or a last line
+    /// without its line break.
     explicit CsvTable(std::filesystem::path path);
 
     const std::vector<std::string>& header() const { return header_; }
