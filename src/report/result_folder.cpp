@@ -21,16 +21,6 @@ std::unique_ptr<AtomicFolder> open_folder(const fs::path& root, const std::strin
     return std::make_unique<AtomicFolder>(target);
 }
 
-/// Names of the folders in a folder, hidden ones (runs under way or broken off) left out; sorted.
-std::vector<fs::path> folders_in(const fs::path& folder) {
-    std::vector<fs::path> result;
-    if (!fs::is_directory(folder)) return result;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-        if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) result.push_back(entry.path());
-    std::ranges::sort(result);
-    return result;
-}
-
 }  // namespace
 
 std::string slug(const std::string& text) {
@@ -63,6 +53,15 @@ void ResultFolder::commit() {
     write_file(folder_->path() / "run.json", record_json(record));
     folder_->commit();
     committed_ = true;
+}
+
+std::vector<fs::path> folders_in(const fs::path& folder) {
+    std::vector<fs::path> result;
+    if (!fs::is_directory(folder)) return result;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+        if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) result.push_back(entry.path());
+    std::ranges::sort(result);
+    return result;
 }
 
 std::vector<fs::path> newest_runs(const fs::path& root, const std::string& experiment, const std::string& profile) {

@@ -37,6 +37,9 @@ private:
     bool committed_ = false;
 };
 
+/// The folders in a folder, hidden ones (runs under way or broken off) left out; sorted. None where there is no folder.
+std::vector<std::filesystem::path> folders_in(const std::filesystem::path& folder);
+
 /// The newest whole run of an experiment on each device, in the order of device names; empty if there is none.
 /// `profile`: only runs whose run.json names it.
 std::vector<std::filesystem::path> newest_runs(const std::filesystem::path& root, const std::string& experiment,

@@ -1,0 +1,172 @@
+#include "report/columns.h"
+
+#include <algorithm>
+
+namespace radiafit {
+namespace {
+
+using Columns = TableRules::Columns;
+
+Columns keys(const char* names) { return {{ColumnKind::key}, names}; }
+Columns device(const char* name) { return {{ColumnKind::device}, name}; }
+Columns repetition(const char* name) { return {{ColumnKind::repetition}, name}; }
+Columns work(const char* names) { return {{ColumnKind::work}, names}; }
+Columns exact(const char* names) { return {{ColumnKind::exact}, names}; }
+/// PSNR is written with four digits: its last one may round the other way.
+Columns decibels(const char* names) { return {{ColumnKind::absolute, 1e-4, "dB"}, names}; }
+/// Shares of problems, texels or vertices: one in a thousand may fall on the other side of a threshold.
+Columns shares(const char* names) { return {{ColumnKind::absolute, 1e-3}, names}; }
+/// Errors are sums of squares in 32 bits, written with four to eight digits.
+Columns errors(const char* names, double tolerance = 1e-4) { return {{ColumnKind::relative, tolerance}, names}; }
+/// An error that passes a threshold by a rounding does so one iteration sooner or later.
+Columns iterations(const char* names) { return {{ColumnKind::iterations, 1}, names}; }
+/// Of such counts.
+Columns ratios(const char* names) { return {{ColumnKind::relative, 0.01}, names}; }
+Columns times(const char* names) { return {{ColumnKind::time}, names}; }
+Columns memory(const char* names) { return {{ColumnKind::memory}, names}; }
+Columns told(const char* names) { return {{ColumnKind::told}, names}; }
+
+constexpr bool partial = true;
+
+const std::vector<TableRules>& all_rules() {
+    static const std::vector<TableRules> rules = {
+        {"table1_datasets",
+         "datasets.csv",
+         {keys("dataset"),
+          exact("triangles vertices images held_out parameters parameter_texels problems samples covered_pixels"),
+          exact("median_samples_per_texel shared_texels"), shares("kept_share"),
+          memory("image_bytes paper_layout_bytes cpu_engine_bytes")}},
+        {"table1_datasets", "*_samples_per_texel.csv", {keys("samples"), exact("texels")}},
+
+        {"fig7_convergence",
+         "summary.csv",
+         {keys("dataset"), exact("problems cap"), ratios("ratio_quartile1 ratio_median ratio_quartile3"),
+          iterations("cg_median_iterations sd_median_iterations"),
+          shares("sd_censored_share cg_unfinished_share cg_better_at_tenth_share")}},
+        {"fig7_convergence",
+         "*_curves.csv",
+         {keys("method shown iteration"), exact("vertex channel"), errors("error error_over_best")}},
+        {"fig7_convergence",
+         "*_problems.csv",
+         {keys("vertex channel"), errors("best_error"), iterations("cg_iterations sd_iterations")}},
+        {"fig7_convergence", "*_ratio.csv", {told("ratio share_below")}},  // *_problems.csv, sorted
+        {"fig7_convergence", "*_methods.csv", {keys("iteration"), shares("*")}},
+
+        {"fig8_time",
+         "times.csv",
+         {keys("part method optimizer iterations"), errors("error"), shares("agreeing_share"),
+          times("distribution_s streaming_s computation_s switching_s total_s"), memory("bytes_written bytes_read"),
+          told("remainder_s cached_share source renderer")}},
+
+        {"fig9_error",
+         "errors.csv",
+         {keys("dataset method terms"),
+          exact("surface_side view_side storage lambda_surface lambda_view iterations refills"),
+          decibels("train_psnr_db held_psnr_db"), errors("train_ape held_ape"), shares("invented_share"),
+          times("seconds"), told("renderer")}},
+
+        {"fig10_utilization",
+         "utilization.csv",
+         {keys("problem optimizer passes"), exact("operations reads"), memory("bytes"), times("seconds_per_iteration"),
+          told("computation_share bandwidth_share reads_share source cached_share renderer")}},
+        {"fig10_utilization",
+         "passes.csv",
+         {keys("problem optimizer passes program"), exact("draws fragments entries operations reads"),
+          memory("read_bytes written_bytes blended_bytes")}},
+        {"fig10_utilization", "peaks.csv", {device("device"), keys("peak"), told("per_second")}},
+
+        {"precision",
+         "curves.csv",
+         {keys("optimizer storage sums iteration"), errors("error error_over_fp32"), exact("active")}},
+        {"precision",
+         "finals.csv",
+         {keys("optimizer storage sums"), exact("iterations images problems_not_finite"),
+          errors("error error_over_fp32 ape"), decibels("psnr psnr_less_fp32"), times("seconds"), told("renderer")}},
+
+        // Distances from the truth of noise-free images are down to the last digits of 32 bits.
+        {"reflectance",
+         "fits.csv",
+         {keys("images method group"), exact("iterations texels"), errors("worst_error_median", 0.01),
+          shares("recovered_share within_share"), iterations("iterations_median"), told("renderer")}},
+        {"reflectance",
+         "times.csv",
+         {keys("images method"), exact("distributes texels samples"), times("distribution_s load_s solve_s"),
+          told("fits_per_s ns_per_sample_iteration renderer")}},
+
+        {"scaling",
+         "memory.csv",
+         {keys("engine storage passes side"), exact("parameters"),
+          memory("planned_bytes allocated_bytes paper_layout_bytes")}},
+        {"scaling",
+         "time.csv",
+         {keys("engine images"), exact("samples parameters"), times("seconds_per_iteration"), told("renderer")}},
+        {"scaling", "slopes.csv", {keys("of engine"), told("slope")}},
+
+        // Who has spent its seconds takes no further vertex, so a slow machine compares fewer; and the best error is
+        // the least of all who came.
+        {"solvers",
+         "problems.csv",
+         {keys("solver setting vertex channel"), exact("reached"), iterations("iterations_to_101 iterations"),
+          errors("error best_error")},
+         partial},
+        {"solvers",
+         "repetitions.csv",
+         {keys("solver setting"), repetition("repetition"), work("vertices"), times("seconds_to_101 seconds_total")}},
+        {"solvers",
+         "solvers.csv",
+         {keys("solver setting"), exact("threads"), work("vertices problems"), shares("reached_share"),
+          iterations("iterations_median"), errors("final_over_best_median"),
+          told("seconds_to_101 seconds_to_101_least seconds_to_101_most seconds_setup seconds_total repetitions"),
+          told("times_cg_modern times_cg_modern_median times_varpro times_varpro_median")}},
+
+        {"stopping",
+         "curves.csv",
+         {keys("rule levels optimizer iteration"), shares("active_share"), errors("median_error_over_best")}},
+        {"stopping",
+         "rules.csv",
+         {keys("rule levels optimizer"), exact("idle_before_arrival iterations"),
+          iterations("first_below_half median_reached"), shares("mean_active_share short_of_best_share")}},
+
+        {"streaming",
+         "iterations.csv",
+         {keys("problem passes source"), repetition("repetition"),
+          times("line_s line_streaming_s direction_s direction_streaming_s")}},
+        // Medians of those.
+        {"streaming",
+         "times.csv",
+         {keys("problem passes optimizer source"), told("seconds_per_iteration streaming_s streaming_share"),
+          told("over_disk_cold faster_repetitions repetitions cached_share warm_share renderer")}},
+    };
+    return rules;
+}
+
+}  // namespace
+
+TableRules::TableRules(const char* experiment, const char* file, std::vector<Columns> columns, bool partial)
+    : experiment_(experiment), file_(file), partial_(partial) {
+    for (const Columns& group : columns)
+        for (std::string_view rest = group.names; !rest.empty();) {
+            const size_t end = std::min(rest.find(' '), rest.size());
+            columns_.emplace_back(rest.substr(0, end), group.rule);
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+        }
+}
+
+bool TableRules::covers(std::string_view experiment, std::string_view file) const {
+    if (experiment != experiment_) return false;
+    return file_.starts_with('*') ? file.ends_with(file_.substr(1)) : file == file_;
+}
+
+const ColumnRule* TableRules::rule(std::string_view column) const {
+    const auto found =
+        std::ranges::find_if(columns_, [&](const auto& c) { return c.first == column || c.first == "*"; });
+    return found == columns_.end() ? nullptr : &found->second;
+}
+
+const TableRules* find_table_rules(std::string_view experiment, std::string_view file) {
+    const auto found =
+        std::ranges::find_if(all_rules(), [&](const TableRules& t) { return t.covers(experiment, file); });
+    return found == all_rules().end() ? nullptr : &*found;
+}
+
+}  // namespace radiafit

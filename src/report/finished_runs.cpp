@@ -1,0 +1,93 @@
+#include "report/finished_runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/nesting.h"
+#include "base/read_file.h"
+#include "report/result_folder.h"
+
+namespace radiafit {
+namespace fs = std::filesystem;
+using nlohmann::json;
+namespace {
+
+constexpr const char* record_name = "run.json";
+constexpr int levels = 3;  // EXPERIMENT/DEVICE/RUN
+
+/// What a field of run.json says. Throws UserError for one that is missing, or of another type.
+template <class T>
+T field(const json& object, const char* name, const fs::path& file) {
+    const auto found = object.find(name);
+    if (found != object.end()) {
+        if constexpr (std::is_integral_v<T>) {
+            if (found->is_number_integer()) return found->get<T>();
+        } else if (found->is_string()) {
+            return found->get<T>();
+        }
+    }
+    throw UserError(fmt::format("{}: '{}' is missing or no {}; run the experiment again", file.string(), name,
+                                std::is_integral_v<T> ? "whole number" : "text"));
+}
+
+RunRecord read_run(const fs::path& folder) {
+    const fs::path file = folder / record_name;
+    const std::string text = read_file(file, "record of a run");
+    const json object = nested_deeper(text, 64) ? json() : json::parse(text, nullptr, false);
+    if (!object.is_object())
+        throw UserError(fmt::format("{}: no JSON object; run the experiment again", file.string()));
+    RunRecord run{.folder = folder,
+                  .experiment = field<std::string>(object, "program", file),
+                  .utc = field<std::string>(object, "utc", file),
+                  .revision = field<std::string>(object, "git_revision", file),
+                  .profile = field<std::string>(object, "profile", file),
+                  .compiler = field<std::string>(object, "compiler", file),
+                  .device = fmt::format("{}, {} cores, {} threads", field<std::string>(object, "cpu", file),
+                                        field<int>(object, "cores", file), field<int>(object, "threads", file)),
+                  .config = {}};
+    const auto gl = object.find("gl");
+    if (gl != object.end() && gl->is_object()) run.device += "; " + field<std::string>(*gl, "renderer", file);
+    const auto config = object.find("config");
+    if (config == object.end() || !config->is_object())
+        throw UserError(fmt::format("{}: 'config' is missing or no object; run the experiment again", file.string()));
+    for (const auto& [key, value] : config->items())
+        run.config[key] = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    return run;
+}
+
+bool holds_rows(const fs::path& folder) {
+    return std::ranges::any_of(fs::directory_iterator(folder),
+                               [](const fs::directory_entry& e) { return e.path().extension() == ".csv"; });
+}
+
+void collect(const fs::path& folder, int below, std::vector<RunRecord>& runs) {
+    if (stands(folder / record_name)) {
+        runs.push_back(read_run(folder));
+        return;
+    }
+    if (holds_rows(folder))
+        throw UserError(
+            fmt::format("{}: rows without their {}; run the experiment again", folder.string(), record_name));
+    if (below == 0) return;
+    for (const fs::path& inner : folders_in(folder)) collect(inner, below - 1, runs);
+}
+
+}  // namespace
+
+std::vector<RunRecord> find_runs(const fs::path& folder) {
+    if (!folder_stands(folder)) throw UserError(fmt::format("{}: no such folder; check the path", folder.string()));
+    std::vector<RunRecord> runs;
+    collect(folder, levels, runs);
+    if (runs.empty())
+        throw UserError(fmt::format(
+            "{}: no run in it or up to three folders down; name a folder with a {}, or one that holds such folders",
+            folder.string(), record_name));
+    std::ranges::sort(runs, std::ranges::greater(),
+                      [](const RunRecord& run) { return std::pair(run.utc, run.folder); });
+    return runs;
+}
+
+}  // namespace radiafit
