@@ -1,6 +1,6 @@
 # The few commands a person types; everything else is CMake. Variables:
 #   PROFILE=standard|smoke|paper   size of the experiments
-#   ONLY=fig7                      only experiments, or targets of `make fuzz`, whose names contain this
+#   ONLY=fig7                      only experiments, of `make compare` too, or targets of `make fuzz`, whose names contain this
 #   MINUTES=1                      of `make fuzz` for each reader
 #   PRESET=release|asan|tsan       see CMakePresets.json
 #   BUILD=FOLDER                   where to build
@@ -17,7 +17,7 @@ BENCH_FLAGS ?=
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check clang fuzz faults sanitized experiments bench smoke configure packages format format-check clean
+.PHONY: build test check clang fuzz faults sanitized experiments compare bench smoke configure packages format format-check clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -64,6 +64,11 @@ experiments: configure
 	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \
 	    cmake --build $(BUILD) --parallel $(JOBS) --target radiafit $$names
 	@scripts/run-experiments.sh $(BUILD) $(PROFILE) $(ONLY)
+
+# What differs from the runs that came with the checkout; docs/compare.md.
+compare: configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit
+	@$(BUILD)/src/app/radiafit compare results/reference results --only '$(ONLY)'
 
 # Kernels alone, by Google Benchmark; BENCH_FLAGS such as --benchmark_filter=line.
 bench: configure

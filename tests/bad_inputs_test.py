@@ -34,7 +34,7 @@ from cli_fixture import snapshot
 
 HANGS_S = 60  # a row takes well below a second; a loaded machine may take several
 MORE_MEMORY = 200 << 20
-TABLES = ("options", "data", "captures", "fits", "files", "experiments")
+TABLES = ("options", "data", "captures", "fits", "files", "experiments", "runs")
 NOBODY = 65534
 ANNOUNCEMENT = re.compile("(generate|import|fit) needs about ")  # of memory and disk, before the work
 

@@ -20,6 +20,8 @@ void add_judge(CommandLine& program);
 void add_render(CommandLine& program);
 void add_devices(CommandLine& program);
 void add_options(CommandLine& program);
+/// `status`: what the program shall end with where runs differ.
+void add_compare(CommandLine& program, int& status);
 
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);

@@ -10,7 +10,7 @@
 
 using namespace radiafit;
 
-/// Exit status: 0 done, 1 the machine failed (GL, I/O), 2 the user's mistake.
+/// Exit status: 0 done, 1 the machine failed (GL, I/O), or `compare` found a difference, 2 the user's mistake.
 int main(int argc, char** argv) {
     name_options_by_flag();
     prepare_standard_streams();
@@ -29,10 +29,12 @@ int main(int argc, char** argv) {
     add_render(program);
     add_devices(program);
     add_options(program);
+    int status = 0;
+    add_compare(program, status);
     try {
         program.parse(argc, argv);
         finish_standard_output();
-        return 0;
+        return status;
     } catch (const std::exception& e) {
         const Failure failure = describe(e);
         log_error("radiafit", standard_output_failed() ? standard_output_failure() : failure.line);

@@ -1,5 +1,6 @@
 """Good inputs that the rows damage: small, made once, copied for each row that names them."""
 import base64
+import json
 import math
 import shutil
 import struct
@@ -124,6 +125,23 @@ def write_tiny(out):
     (out / "gains.txt").write_text("0.png 1\n1.png 1.1\n2.png 0.9\n")
 
 
+def write_run(folder, experiment, file, rows, **record):
+    """What an experiment leaves: its record, and one file of rows, the header first."""
+    folder.mkdir(parents=True)
+    record = {"program": experiment, "utc": "2024-01-01T00:00:00Z", "git_revision": "abc", "profile": "smoke",
+              "compiler": "c", "cpu": "C", "cores": 2, "threads": 2, "config": {}} | record  # fmt: skip
+    (folder / "run.json").write_text(json.dumps(record))
+    (folder / file).write_text("".join(",".join(row) + "\n" for row in rows))
+
+
+def write_runs(out):
+    """Two runs of one experiment, one of another."""
+    header = ["dataset", "method", "terms", "train_psnr_db", "seconds"]
+    for name in ("a", "b"):
+        write_run(out / name, "fig9_error", "errors.csv", [header, ["star", "mean", "1", "21.4", "0.1"], ["bust", "mean", "1", "22.5", "0.1"]])
+    write_run(out / "other", "scaling", "slopes.csv", [["of", "engine", "slope"], ["bytes", "cpu", "1"]])
+
+
 # A fixture that a fit was made from must stand beside it.
 NEEDS = {
     "fit": ["tiny"], "wholefit": ["whole"], "flatfit": ["flat"], "orbfit": ["orb"], "records": ["tiny"], "texrecords": ["flat"],
@@ -134,6 +152,7 @@ def make(run, root, source):
     """All fixtures below `root`; run(command...) runs radiafit there, source is the checkout."""
     write_tiny(root / "photos")
     write_lit(root / "lit")
+    write_runs(root / "runs")
     photos = ("import", "colmap", "--model", "photos/text", "--images", "photos/images", "--mesh", "photos/mesh.obj")
     run(*photos, "--holdout", "every:3", "-o", "tiny")
     run(*photos, "--holdout", "none", "-o", "whole")

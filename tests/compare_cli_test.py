@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""`radiafit compare` over the runs in results/reference and over planted differences.
+
+Arguments: the program, the checkout.
+"""
+import csv
+import json
+import shutil
+import unittest
+
+from cli_fixture import ProgramTest, take_arguments
+
+CHECKOUT = None
+
+
+class Compare(ProgramTest):
+    def setUp(self):
+        for side in ("before", "after"):
+            shutil.rmtree(self.root / side, ignore_errors=True)
+            shutil.copytree(CHECKOUT / "results/reference", self.root / side, ignore=shutil.ignore_patterns("claims.json"))
+
+    def edit(self, experiment, file, change, side="after"):
+        """change(rows) of one file of the one run of an experiment."""
+        (path,) = (self.root / side / experiment).glob(f"*/*/{file}")
+        with open(path, newline="", encoding="utf-8") as opened:
+            rows = list(csv.DictReader(opened))
+        columns = list(rows[0])
+        change(rows)
+        with open(path, "w", newline="", encoding="utf-8") as opened:
+            writer = csv.DictWriter(opened, columns, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+
+    def compare(self, *more, status):
+        result = self.run_program("compare", "before", "after", *more)
+        self.assertEqual((result.returncode, result.stderr), (status, ""), result.stdout)
+        return result.stdout
+
+    def figures(self, status, *more):
+        """All figures that are neither the same nor unclear, by experiment."""
+        told = json.loads(self.compare("--json", *more, status=status))
+        self.assertEqual((told["format"], told["version"]), ("radiafit-comparison", 1))
+        return [(c["experiment"], f) for c in told["comparisons"] for f in c["figures"] if f["verdict"] != "UNCLEAR"]
+
+    def test_the_reference_is_the_same_as_itself_and_every_column_has_its_rule(self):
+        told = json.loads(self.compare("--json", "--all", status=0))
+        there = {path.name for path in (CHECKOUT / "results/reference").iterdir() if path.is_dir()}
+        self.assertEqual({c["experiment"] for c in told["comparisons"]}, there)
+        self.assertLessEqual(set(told["verdicts"]), {"SAME", "UNCLEAR"})
+        self.assertEqual(sum(told["verdicts"].values()), sum(len(c["figures"]) for c in told["comparisons"]))
+        for c in told["comparisons"]:
+            self.assertTrue(c["figures"], f"nothing of {c['experiment']} is compared")
+            for f in c["figures"]:  # one timing of a run tells nothing; of repetitions some do
+                if f["verdict"] == "UNCLEAR":
+                    self.assertTrue("reason" in f or f["interval"][0] < 1 < f["interval"][1])
+
+    def test_a_changed_psnr(self):
+        def change(rows):
+            rows[3]["held_psnr_db"] = f"{float(rows[3]['held_psnr_db']) - 0.5:.4f}"
+            rows[4]["held_psnr_db"] = f"{float(rows[4]['held_psnr_db']) - 0.25:.4f}"
+
+        self.edit("fig9_error", "errors.csv", change)
+        figures = self.figures(1)
+        self.assertEqual({(e, f["verdict"], f["column"]) for e, f in figures}, {("fig9_error", "DIFFERENT", "held_psnr_db")})
+        self.assertAlmostEqual(max(f["difference"] for _, f in figures), 0.5)
+        text = self.compare("--only", "fig9", status=1)
+        self.assertRegex(text, r"(?m)^DIFFERENT +errors.csv +held_psnr_db +2 .*: 0.5 dB +star, cpu-low, 1$")
+        self.assertIn("2 DIFFERENT", text.splitlines()[0])
+        self.assertNotIn("fig10", text)
+        self.assertEqual(self.figures(0, "--only", "streaming"), [])
+
+    def test_a_slower_time(self):
+        def steady(factor):
+            def change(rows):
+                for i, row in enumerate(rows):
+                    if (row["problem"], row["passes"], row["source"]) == ("Lafortune", "paper", "memory"):
+                        row["line_s"] = f"{factor * (1 + 0.001 * (i % 3)):.5g}"
+
+            return change
+
+        self.edit("streaming", "iterations.csv", steady(1.0), "before")
+        self.edit("streaming", "iterations.csv", steady(1.05))
+        ((experiment, figure),) = self.figures(1)
+        self.assertEqual((experiment, figure["verdict"], figure["row"]), ("streaming", "SLOWER", "Lafortune, paper, memory"))
+        self.assertAlmostEqual(figure["ratio"], 1.05, places=2)
+        self.assertTrue(1.04 < figure["interval"][0] < figure["interval"][1] < 1.06)
+        self.edit("streaming", "iterations.csv", steady(0.95))
+        self.assertEqual([f["verdict"] for _, f in self.figures(0)], ["FASTER"])
+
+    def test_rows_of_one_run_only(self):
+        self.edit("precision", "finals.csv", lambda rows: rows.pop(5))
+        ((_, figure),) = self.figures(1)
+        self.assertEqual((figure["verdict"], figure["row"]), ("MISSING", "cg, fp16-truncate, fp16"))
+        shutil.rmtree(self.root / "before")
+        (self.root / "after").rename(self.root / "before")
+        shutil.copytree(CHECKOUT / "results/reference", self.root / "after")
+        ((_, figure),) = self.figures(0)
+        self.assertEqual(figure["verdict"], "NEW")
+
+    def test_other_devices_are_told_and_their_times_left(self):
+        (record,) = (self.root / "after/streaming").glob("*/*/run.json")
+        record.write_text(record.read_text().replace("llvmpipe (LLVM 15.0.6, 256 bits)", "NVIDIA H100"))
+        self.edit("streaming", "iterations.csv", lambda rows: [r.update(line_s="1e-6") for r in rows])
+        text = self.compare("--only", "streaming", status=0)
+        self.assertIn("device: AMD EPYC, 2 cores, 2 threads; llvmpipe (LLVM 15.0.6, 256 bits), then ", text)
+        self.assertIn("of another device", text)
+        self.assertNotIn("FASTER", text)
+
+    def test_an_experiment_of_one_side_is_told(self):
+        shutil.rmtree(self.root / "after/scaling")
+        text = self.compare(status=0)
+        self.assertRegex(text, r"(?m)^only in before: scaling \(standard, AMD EPYC")
+        told = json.loads(self.compare("--json", status=0))
+        self.assertEqual(len(told["only_before"]), 1)
+
+    def test_everything_is_listed_where_asked_for(self):
+        self.assertNotRegex(self.compare(status=0), r"(?m)^SAME")
+        self.assertRegex(self.compare("--all", status=0), r"(?m)^SAME +errors.csv +train_psnr_db +26 ")
+
+
+if __name__ == "__main__":
+    Compare.program, CHECKOUT = take_arguments(2)
+    unittest.main()
