@@ -309,6 +309,20 @@ void write_problems(const ResultFolder& results, const Options& o, const std::ve
     problems.commit();
 }
 
+/// The sums over a solver's vertices that the medians of solvers.csv are of.
+void write_repetitions(const ResultFolder& results, const std::vector<Summary>& table) {
+    CsvWriter repetitions(results.path() / "repetitions.csv",
+                          {"solver", "setting", "vertices", "repetition", "seconds_to_101", "seconds_total"});
+    for (const Summary& s : table) {
+        const Contestant& c = *s.contestant;
+        const std::vector<double> to_101 = sums(c.to_101, c.vertices()), to_end = sums(c.to_end, c.vertices());
+        for (size_t i = 0; i < to_101.size(); ++i)
+            repetitions.row({c.solver, c.setting, std::to_string(c.vertices()), std::to_string(i),
+                             fmt::format("{:.6g}", to_101[i]), fmt::format("{:.6g}", to_end[i])});
+    }
+    repetitions.commit();
+}
+
 void report(Experiment& experiment, const Options& o, const std::vector<Contestant>& all,
             const std::vector<Vertex>& vertices) {
     const auto named = [&](const std::string& name) -> const Contestant& {
@@ -348,6 +362,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
     }
     rows.commit();
     write_problems(results, o, table, vertices);
+    write_repetitions(results, table);
     results.commit();
     log_info("time until a vertex's three problems are within the tolerance of the least error\n" + text.text());
     const auto ceres =

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Smoke of one experiment: at the smoke profile, in a temporary folder, it leaves its figures, and rows that can be true.
 
-Arguments: the experiment's program, the checkout.
+Arguments: the experiment's program, the checkout, radiafit.
 """
 import csv
 import json
@@ -13,7 +13,7 @@ import unittest
 
 from cli_fixture import ProgramTest, snapshot, take_arguments
 
-CHECKOUT = None
+CHECKOUT = RADIAFIT = None
 
 
 def read_rows(path):
@@ -64,6 +64,9 @@ class Smoke(ProgramTest):
         check = getattr(self, "check_" + self.name, None)
         if check:
             check({table.stem: read_rows(table) for table in tables})
+        # radiafit compare knows every column, and can match the rows
+        told = json.loads(self.good("compare", runs[0].parent, runs[0].parent, "--json", program=RADIAFIT).stdout)
+        self.assertLessEqual(set(told["verdicts"]), {"SAME", "UNCLEAR"})
         self.assertFalse([path for path in snapshot(self.root) if pathlib.Path(path).name.startswith(".tmp")])
 
     def check_gl(self, record, renderers):
@@ -165,6 +168,10 @@ class Smoke(ProgramTest):
             own = [p for p in tables["problems"] if (p["solver"], p["setting"]) == (row["solver"], row["setting"])]
             self.assertEqual(len(own), int(row["problems"]))
             self.assertEqual(len(own), 3 * int(row["vertices"]))
+            repeated = [r for r in tables["repetitions"] if (r["solver"], r["setting"]) == (row["solver"], row["setting"])]
+            self.assertEqual(len(repeated), int(row["repetitions"]))
+            self.assertEqual({r["vertices"] for r in repeated}, {row["vertices"]})
+            self.assertEqual(min(float(r["seconds_to_101"]) for r in repeated), float(row["seconds_to_101_least"]))
             reached = [p for p in own if p["reached"] == "1"]
             self.assertAlmostEqual(float(row["reached_share"]), len(reached) / len(own), places=4)
             self.assertGreaterEqual(float(row["final_over_best_median"]), 1)
@@ -349,5 +356,5 @@ class Smoke(ProgramTest):
 
 
 if __name__ == "__main__":
-    ProgramTest.program, CHECKOUT = take_arguments(2)
+    ProgramTest.program, CHECKOUT, RADIAFIT = take_arguments(3)
     unittest.main()
