@@ -9,6 +9,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import check_costs
+import check_docs
 import check_layers
 import check_names
 import check_shaders
@@ -33,6 +34,40 @@ class Names(Tree):
             self.assertEqual(list(check_names.comparisons(line, {"ceres"})), ["ceres"])
         for line in ('set("solver", "ceres");', 'if (name == "vertex")', '.name = "ceres",'):
             self.assertEqual(list(check_names.comparisons(line, {"ceres"})), [])
+
+
+class Docs(Tree):
+    def setUp(self):
+        super().setUp()
+        self.write("README.md", "# A thing's name\n")
+        self.write("src/a/b.h", "int name_of_it();\n")
+        self.write("tests/a_test.cpp", "TEST(One, Two) {}\nTEST_P(Many,\n       Three) {}\n")
+
+    def errors(self, text):
+        self.write("docs/paper.md", text)
+        return check_docs.check(self.root)[0]
+
+    def test_what_is_there_passes(self):
+        text = ("## Here, there\n`src/a/b.h`, `src/a`, `src/a/b.h: name_of_it`, `tests/a_test.cpp: One.Two`, "
+                "`tests/a_test.cpp: Many.Three`, `--set a/b`\n[a](../README.md) [b](../README.md#a-things-name) "
+                "[c](#here-there) [d](https://e.org/f) `x[1](y)`\n")
+        self.assertEqual(self.errors(text), [])
+        self.assertEqual(check_docs.check(self.root)[1], 5)
+
+    def test_each_missing_thing_is_named(self):
+        for text, expected in [
+            ("`src/a/c.h`", "docs/paper.md:2: no such file: src/a/c.h"),
+            ("`src/a/c.h: x`", "docs/paper.md:2: no such file: src/a/c.h"),
+            ("`src/a/b.h: name_of`", "docs/paper.md:2: src/a/b.h has no name_of"),
+            ("`src/a: name`", "docs/paper.md:2: no file: src/a"),
+            ("`tests/a_test.cpp: One.Three`", "docs/paper.md:2: tests/a_test.cpp has no One.Three"),
+            ("[a](../READ.md)", "docs/paper.md:2: no such file: ../READ.md"),
+            ("[a](../README.md#things)", "docs/paper.md:2: no such heading: ../README.md#things"),
+        ]:
+            with self.subTest(text=text):
+                self.assertEqual(self.errors("first\n" + text + "\n"), [expected])
+        self.write("docs/other.md", "[a](gone.md)\n")
+        self.assertEqual(self.errors("first\n"), ["docs/other.md:1: no such file: gone.md"])
 
 
 class Layers(Tree):

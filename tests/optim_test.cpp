@@ -71,7 +71,8 @@ struct TinyEngine {
         std::copy(own.begin(), own.end(), o.x);
         Text::Given given{1.0, trial_error, sums, {}};
         std::copy_n(products.begin(), std::min(products.size(), std::size(given.products)), given.products);
-        const Text::Turn here{turn.rule, turn.restart, turn.slot, {turn.stop.residual, turn.stop.output_change}};
+        const Text::Turn here{turn.rule,     turn.restart,   turn.slot, {turn.stop.residual, turn.stop.output_change},
+                              turn.left_out, turn.first_step};
         switch (which) {
 #define RADIAFIT_CASE(file, function)          \
     case Step::function:                       \
@@ -192,6 +193,59 @@ TEST(Optimizer, NegativeCurvatureFallsBackToGaussNewton) {
     const Trace trace = optimize(e, {.rule = Rule::cg_paper, .iterations = 2});
     EXPECT_EQ(trace.rows[1].accepted, 1u);
     EXPECT_NEAR(trace.rows.back().error, 0, 1e-12);
+}
+
+/// The paper's text without our mends.
+TEST(Optimizer, MendsCanBeLeftOut) {
+    const auto run = [](TinyEngine e, const OptimizerOptions& options) {
+        e.reset(start);
+        const Trace trace = optimize(e, options);
+        return std::pair(trace, e);
+    };
+    const OptimizerOptions paper = {.rule = Rule::cg_paper, .iterations = 40};
+
+    OptimizerOptions printed = paper;  // climbs, restarts, halves, and never leaves its start
+    printed.left_out = WITHOUT_SIGN;
+    const auto [signs, stuck] = run(quadratic(), printed);
+    EXPECT_EQ(signs.rows.back().error, signs.rows[0].error);
+    EXPECT_EQ(Status(int(stuck.state.status)), Status::stationary);
+
+    TinyEngine hill = quadratic();
+    hill.curvature = [](auto&, auto&) { return -5.0; };
+    OptimizerOptions bare = paper;
+    bare.left_out = WITHOUT_GAUSS_NEWTON;
+    const auto [bends, climbed] = run(hill, bare);
+    EXPECT_LT(climbed.state.alpha, 0);
+    EXPECT_EQ(bends.rows.back().error, bends.rows[0].error);
+
+    // An uphill direction's own minimum lies behind it.
+    TinyEngine e = quadratic();
+    e.reset(start);
+    e.trial_error = 1;
+    e.state.error = 2;
+    e.state.norm = 1;
+    e.products = {1, 0, 5};  // slope -1 + 5 beta, beta = 1
+    for (const bool mended : {true, false}) {
+        TinyEngine f = e;
+        const Turn turn = {RULE_CG_PAPER, 0, 0, {0, 0}, mended ? 0 : WITHOUT_DOWNHILL, 0};
+        f.step(Step::judge_trial, turn);
+        EXPECT_EQ(f.state.beta, mended ? 0 : 1);
+        EXPECT_EQ(f.state.slope, mended ? -1 : 4);
+        f.sums = {2, 2, 0, 0};
+        f.step(Step::step_length, turn);
+        EXPECT_EQ(f.state.alpha, mended ? 0.5 : -2);
+    }
+
+    TinyEngine steep = quadratic();
+    steep.curvature = [](auto&, auto& d) { return 0.02 * (d[0] * d[0] + d[1] * d[1]); };
+    OptimizerOptions once = {.rule = Rule::steepest_descent, .iterations = 12};
+    once.left_out = WITHOUT_RETRY;
+    EXPECT_EQ(run(steep, once).first.rows.size(), 2u);
+
+    OptimizerOptions given = {.rule = Rule::steepest_descent, .iterations = 3};
+    given.left_out = WITHOUT_MEASURED_STEP;
+    given.first_step = 0.01f;
+    EXPECT_EQ(run(quadratic(), given).second.state.alpha, 0.01f);
 }
 
 TEST(Optimizer, NotFiniteStartStopsTheProblem) {

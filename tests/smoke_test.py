@@ -272,6 +272,29 @@ class Smoke(ProgramTest):
                     if (r["rule"], r["optimizer"]) == (rule, "sd") and float(r["levels"]) in (0, 0.5)]
             self.assertGreater(dict(ends)[0], dict(ends)[0.5])
 
+    def check_departures(self, tables):
+        rows = tables["fits"]
+        kinds = {}
+        for row in rows:
+            kinds.setdefault((row["problem"], row["optimizer"], row["numbers"]), []).append(row)
+            for share in ("arrived_share", "stalled_share", "not_finite_share"):
+                self.assertTrue(row[share] == "" or 0 <= float(row[share]) <= 1, share)
+        self.assertEqual(set(kinds), {(p, o, "fp32") for p in ("light field map", "Lafortune") for o in ("cg", "sd")} |
+                         {("light field map", "cg", f"fp16, sums {sums}") for sums in ("fp32", "fp16")})
+        for own in kinds.values():
+            self.assertEqual([row["departure"] for row in own].index(""), 0)
+            self.assertEqual(float(own[0]["error_ratio"]), 1)
+        rows = {(r["problem"], r["optimizer"], r["numbers"], r["without"]): r for r in rows}
+        for problem in ("light field map", "Lafortune"):
+            climbing = rows[problem, "cg", "fp32", "Eq. 7 as printed"]
+            self.assertGreater(float(climbing["error_ratio"]), 1.1)  # it never leaves its start
+            self.assertLess(float(climbing["arrived_share"]), 0.5)
+        self.assertGreater(float(rows["light field map", "cg", "fp32", "all mends"]["arrived_share"]), 0.05)
+        culled, all_triangles = tables["culling"]
+        self.assertEqual(culled["operations_ratio"], "1.0000")
+        self.assertGreater(float(all_triangles["operations_ratio"]), 1)
+        self.assertEqual((culled["same_parameters"], all_triangles["same_parameters"]), ("1", "1"))
+
     def check_reflectance(self, tables):
         rows = {(r["images"], r["method"], r["group"]): r for r in tables["fits"]}
         methods = {r["method"] for r in tables["fits"]}

@@ -21,7 +21,7 @@ SHARED_FN void judge_trial(INOUT(ProblemState) s, INOUT(Own) own, Given given, T
     bool usable = accepted && !descent && !restart && !first && s.norm > real(0.0);
     real beta = SELECT(usable, numerator / SELECT(usable, s.norm, real(1.0)), real(0.0));
     real slope = -trial_norm + SELECT(usable, beta * trial_conjugate, real(0.0));
-    bool downhill = slope < real(0.0);  // false for NaN
+    bool downhill = (turn.left_out & WITHOUT_DOWNHILL) != 0 ? true : slope < real(0.0);  // false for NaN
     beta = SELECT(downhill, beta, real(0.0));
     slope = SELECT(downhill, slope, -trial_norm);
 
@@ -41,6 +41,7 @@ SHARED_FN void judge_trial(INOUT(ProblemState) s, INOUT(Own) own, Given given, T
     real status = s.status;
     status = SELECT(rejected && first, STATUS_NOT_FINITE, status);
     status = SELECT(rejected && !first && s.step_factor < SMALLEST_STEP_FACTOR, STATUS_STATIONARY, status);
+    status = (turn.left_out & WITHOUT_RETRY) != 0 ? SELECT(rejected && !first, STATUS_STATIONARY, status) : status;
     status = SELECT(accepted && !(s.norm > real(0.0)), STATUS_STATIONARY, status);
     status = SELECT(accepted && small_change && stop.output_change > real(0.0), STATUS_OUTPUT_CHANGE, status);
     status = SELECT(accepted && trial_error <= real(0.5) * texels * stop.residual * stop.residual, STATUS_RESIDUAL, status);

@@ -49,7 +49,15 @@ struct Turn {
     int restart;  // 1 where the preconditioner was refreshed
     int slot;     // an optimizer's own
     StopRules stop;
+    int left_out;     // WITHOUT_*: 0 but where an experiment asks what a mend of the paper's text is worth (docs/paper.md)
+    real first_step;  // WITHOUT_MEASURED_STEP
 };
+
+#define WITHOUT_SIGN 1          // Eq. 7 as printed
+#define WITHOUT_GAUSS_NEWTON 2  // d'Hd stays where it isn't positive
+#define WITHOUT_DOWNHILL 4      // beta stays where d climbs
+#define WITHOUT_RETRY 8         // a problem ends when its error rises
+#define WITHOUT_MEASURED_STEP 16  // steepest descent begins with first_step, not with the minimum along its first direction
 
 #define HUGE_ERROR real(3.0e38)
 #define STATUS_ACTIVE real(0.0)

@@ -1,10 +1,18 @@
 #version 450 core
 // variants: PROBLEMS=vertices,texels STEP=* OWN_LAYERS=0,2
-// One step of an optimizer, for every problem by itself: reads and writes its own numbers.
+// variants: PROBLEMS=vertices STEP=* OWN_LAYERS=0 LEFT_OUT=31 FIRST_STEP=0.5
+// One step of an optimizer, for every problem by itself: reads and writes its own numbers. LEFT_OUT, FIRST_STEP: of Turn,
+// constants, for they are 0 but in experiments.
 #include "optimize/dialect.glsl"
 #include "optimize/numbers.glsl"
 #include "optimize/PROBLEMS.glsl"
 #include "optimize/TEXT.glsl"
+#ifndef LEFT_OUT
+#define LEFT_OUT 0
+#endif
+#ifndef FIRST_STEP
+#define FIRST_STEP 0.0
+#endif
 uniform int rule;
 uniform int restart;
 uniform vec2 stop;  // residual, output change
@@ -18,7 +26,7 @@ void main() {
     Own own;
     for (int i = 0; i < MOST_OWN; ++i)
         own.x[i] = i < 4 * OWN_LAYERS ? texelFetch(state, ivec3(at, 3 + i / 4), 0)[i % 4] : 0.0;
-    STEP(s, own, given_of(at), Turn(rule, restart, slot, StopRules(stop.x, stop.y)));
+    STEP(s, own, given_of(at), Turn(rule, restart, slot, StopRules(stop.x, stop.y), LEFT_OUT, FIRST_STEP));
     numbers[0] = vec4(s.error, s.norm, s.slope, s.step_factor);
     numbers[1] = vec4(s.beta, s.accepted, s.status, s.iterations);
     numbers[2] = vec4(s.alpha, s.taken, 0.0, 0.0);

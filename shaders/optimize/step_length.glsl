@@ -57,9 +57,14 @@ SHARED_FN void step_length(INOUT(ProblemState) s, INOUT(Own) own, Given given, T
     LineSums q = given.line;
     bool running = s.status == STATUS_ACTIVE;
     bool convex = q.curvature > real(0.0) && is_finite_error(q.curvature);
-    real curvature = SELECT(convex, q.curvature, q.gauss_newton);  // without this, Eq. 7 climbs where d'Hd <= 0
+    bool as_it_is = (turn.left_out & WITHOUT_GAUSS_NEWTON) != 0;
+    real curvature = as_it_is ? q.curvature : SELECT(convex, q.curvature, q.gauss_newton);  // without this, Eq. 7 climbs where d'Hd <= 0
     bool usable = curvature > real(0.0) && is_finite_error(curvature) && s.slope < real(0.0);
+    if ((turn.left_out & (WITHOUT_GAUSS_NEWTON | WITHOUT_DOWNHILL)) != 0)
+        usable = curvature != real(0.0) && is_finite_error(curvature) && s.slope != real(0.0);
     real step = SELECT(usable, -s.slope / SELECT(usable, curvature, real(1.0)), real(0.0));
+    step = (turn.left_out & WITHOUT_SIGN) != 0 ? -step : step;
+    step = (turn.left_out & WITHOUT_MEASURED_STEP) != 0 ? turn.first_step : step;
     real exact = SELECT(turn.rule == RULE_CG_MODERN, exact_step(s.slope, q, step), real(0.0));
     step = SELECT(usable && exact > real(0.0) && is_finite_error(exact), exact, step);
     usable = usable && is_finite_error(step);

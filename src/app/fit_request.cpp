@@ -46,7 +46,9 @@ OptimizerOptions FitRequest::optimizer_options() const {
             .stop_residual = float(stop_residual),
             .stop_output_change = float(stop_output_change),
             .history = history,
-            .learning_rate = float(learning_rate)};
+            .learning_rate = float(learning_rate),
+            .left_out = left_out,
+            .first_step = first_step};
 }
 
 LfmOptions FitRequest::model_options() const {
@@ -75,6 +77,7 @@ FragmentOptions FitRequest::fragment_options() const {
     options.passes = passes;
     options.storage = storage;
     options.sums = sums;
+    options.cull = cull;
     options.keep_on_device = source == ImageSource::device;
     options.source = source == ImageSource::memory      ? StreamSource::memory
                      : source == ImageSource::disk_cold ? StreamSource::disk_cold

@@ -16,8 +16,8 @@ enum class EngineKind { cpu, fragment };
 enum class DistributorKind { cpu, gl };
 enum class ImageSource { disk, disk_cold, memory, device };
 
-/// What to fit with. Every member but the last three is an option of the table in app/fit_options.h, which says what it
-/// means, what values it takes and which fits it means something to.
+/// What to fit with. Every member but those from `scratch` on is an option of the table in app/fit_options.h, which
+/// says what it means, what values it takes and which fits it means something to.
 struct FitRequest {
     const TexelModel* texel_model = nullptr;     ///< null: a light field map
     std::string solver = "stream";               ///< a name in solvers()
@@ -49,6 +49,9 @@ struct FitRequest {
 
     std::filesystem::path scratch;  ///< where records go that don't stay; empty: the folder for such files
     bool cold = false;              ///< records leave the page cache between the steps
+    int left_out = 0;               ///< of OptimizerOptions; model.mends are others
+    float first_step = 1;           ///< likewise
+    bool cull = true;               ///< of FragmentOptions
 
     /// The option by its name in the table. Throws UserError for a value that it does not take.
     FitRequest& set(const std::string& option, const std::string& value);

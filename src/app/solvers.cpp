@@ -57,7 +57,8 @@ void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatisti
         const double penalty =
             penalty_error(layout, task.options, v, fit.parameters, {&statistics.mean[3 * v], 3})[i % 3];
         const double ring_texels = double(layout.view_offset(v) - layout.offset(v)) / double(layout.stride());
-        fit.error[i] = float(std::max(0.0, outcomes[i].error - penalty) * statistics.samples[v] / ring_texels);
+        const double data = std::max(0.0, outcomes[i].error - penalty);
+        fit.error[i] = float(task.options.mends.normalized ? data * statistics.samples[v] / ring_texels : data);
     }
 }
 

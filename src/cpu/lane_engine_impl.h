@@ -119,7 +119,9 @@ void LaneEngine<Problem>::dot(std::initializer_list<DotProduct> products) {
 template <class Problem>
 template <class Function>
 void LaneEngine<Problem>::step_by(const Function& function, const Turn& turn) {
-    const typename Text::Turn here{turn.rule, turn.restart, turn.slot, {turn.stop.residual, turn.stop.output_change}};
+    const typename Text::Turn here{turn.rule,     turn.restart,
+                                   turn.slot,     {turn.stop.residual, turn.stop.output_change},
+                                   turn.left_out, turn.first_step};
     for_blocks(Life::ended, [&](size_t b) {
         for (size_t lane = 0; lane < lanes_of(b); ++lane) {
             State& s = states_[b][lane];

@@ -19,7 +19,7 @@ typename LfmObjective<real>::Scale LfmObjective<real>::scale(size_t ring_texels,
                                                              const float* mean) const {
     Scale out;
     if (samples == 0) return out;
-    out.inverse_density = real(double(ring_texels) / samples);
+    out.inverse_density = real(inverse_density(options_, ring_texels, samples));
     for (int c = 0; c < 3; ++c) out.lambda_view[c] = scaled_lambda_view(options_, ring_texels, mean[c]);
     return out;
 }
@@ -73,6 +73,7 @@ template <class real>
 void LfmObjective<real>::finish_line(const Scale& scale, size_t maps, const V* x, const V* d, LineLanes& sums) const {
     for (Lanes<double>* sum : {&sums.gauss_newton, &sums.curvature, &sums.third, &sums.fourth})
         *sum *= double(scale.inverse_density);
+    if (!options_.mends.penalty_curvature) return;
     V* smooth = scratch<real>(std::max(tile_size_, view_size_));
     const V lambda = broadcast3(real(options_.lambda_surface));
     V penalty{};

@@ -17,7 +17,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side), options.loss},
       images_(dataset, std::move(views), fragment_options.source, fragment_options.space,
               fragment_options.keep_on_device),
-      mesh_(atlas),
+      mesh_(atlas, fragment_options.cull),
       run_(mesh_),
       problems_(shape_, fragment_options.sums),
       gathers_(shape_, fragment_options.storage),
@@ -92,7 +92,7 @@ ProblemStatistics FragmentEngine::count() {
         const auto samples = uint32_t(sums[4 * v + 3]);
         const size_t texels = shape_.rings->ring(v).size() * size_t(layout_.tile_texels());
         statistics.samples[v] = samples;
-        density[4 * v] = samples ? float(double(texels) / samples) : 1.0f;
+        density[4 * v] = samples ? float(inverse_density(options_, texels, samples)) : 1.0f;
         density[4 * v + 1] = float(texels);
         for (size_t c = 0; c < 3 && samples; ++c) {
             const float mean = sums[4 * v + c] / float(samples);
@@ -148,7 +148,7 @@ void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
 }
 
 void FragmentEngine::step(Step which, const Turn& turn) {
-    problems_.bind_to(numbers_.program(which));
+    problems_.bind_to(numbers_.program(which, turn));
     numbers_.step(run_, which, turn);
 }
 

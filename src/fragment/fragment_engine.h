@@ -23,6 +23,8 @@ struct FragmentOptions {
     /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least;
     /// over a grid there are two such stacks. With another number sums are rounded otherwise.
     int images_per_pass = 0;
+    /// Whether the host leaves triangles that face away out of what is drawn; sums are the same bits without.
+    bool cull = true;
     bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
 };
 

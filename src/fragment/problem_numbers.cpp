@@ -22,8 +22,8 @@ ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<
       defines_{{"PROBLEMS", problems}},
       state_(GL_RGBA32F, width, height, own_layer),
       target_(all_layers(state_)) {
-    program(Step::judge_trial);
-    program(Step::step_length);
+    program(Step::judge_trial, Turn{});
+    program(Step::step_length, Turn{});
     for (const auto& [columns, rows] : summary_sizes(width, height)) {
         summaries_.emplace_back(GL_RGBA32UI, columns, rows);
         summary_targets_.push_back(Framebuffer({{&summaries_.back()}}));
@@ -32,14 +32,16 @@ ProblemNumbers::ProblemNumbers(int width, int height, size_t count, std::vector<
     further_summary_ = Program::draw("common/whole.vert", "optimize/summary.frag", {{"FURTHER", ""}});
 }
 
-const Program& ProblemNumbers::program(Step which) {
+const Program& ProblemNumbers::program(Step which, const Turn& turn) {
     const int layers = ProblemNumbers::layers(room_) - own_layer;
-    Program& program = programs_[{which, layers}];
+    Program& program = programs_[{which, layers, turn.left_out, turn.first_step}];
     if (!program) {
         const StepName& name = steps[int(which)];
-        program = Program::draw(
-            "common/whole.vert", "optimize/step.frag",
-            defines_ + Defines{{"TEXT", name.file}, {"STEP", name.function}, {"OWN_LAYERS", std::to_string(layers)}});
+        const Defines text{{"TEXT", name.file}, {"STEP", name.function}, {"OWN_LAYERS", std::to_string(layers)}};
+        Defines mends;
+        if (turn.left_out)
+            mends = {{"LEFT_OUT", std::to_string(turn.left_out)}, {"FIRST_STEP", std::to_string(turn.first_step)}};
+        program = Program::draw("common/whole.vert", "optimize/step.frag", defines_ + text + mends);
     }
     return program;
 }
@@ -73,7 +75,7 @@ void ProblemNumbers::reset(std::span<const Status> status) {
 }
 
 void ProblemNumbers::step(PassRunner& run, Step which, const Turn& turn) {
-    const Program& step = program(which);
+    const Program& step = program(which, turn);
     step.set_if_used("rule", turn.rule);
     step.set_if_used("restart", turn.restart);
     step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "fragment/pass_runner.h"
@@ -26,7 +27,7 @@ public:
     }
     void reset(std::span<const Status> status);
     /// What takes a step; the caller binds what the text of the problems reads. Compiled when it is first asked for.
-    const Program& program(Step which);
+    const Program& program(Step which, const Turn& turn);
     void step(PassRunner& run, Step which, const Turn& turn);
     /// products: a layer each. numbers, constants: as update() of optim/engine.h has them.
     void tell_update(const Program& update, const Texture& products, std::span<const int> numbers,
@@ -54,7 +55,7 @@ private:
     Defines defines_;
     Texture state_;
     Framebuffer target_;
-    std::map<std::pair<Step, int>, Program> programs_;  ///< by layers of own numbers
+    std::map<std::tuple<Step, int, int, float>, Program> programs_;  ///< by layers of own numbers, and mends left out
     Room room_;
     std::vector<Texture> summaries_;
     std::vector<Framebuffer> summary_targets_;

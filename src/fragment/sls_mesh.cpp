@@ -7,7 +7,7 @@
 
 namespace radiafit {
 
-SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
+SlsMesh::SlsMesh(const TriangleAtlas& atlas, bool cull) : atlas_(&atlas), cull_(cull) {
     const Mesh& mesh = atlas.mesh();
     std::vector<Vec3f> positions[3];
     std::vector<uint32_t> tiles;
@@ -41,7 +41,7 @@ SlsMesh::SlsMesh(const TriangleAtlas& atlas) : atlas_(&atlas) {
 
 void SlsMesh::select(std::span<const Camera* const> cameras) {
     drawn_ = 0;
-    if (cameras.empty()) {
+    if (cameras.empty() || !cull_) {
         drawn_tiles_ = of_triangle_;
         return;
     }

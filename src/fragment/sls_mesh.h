@@ -14,7 +14,8 @@ namespace radiafit {
 /// Attributes: 0-2 positions, 3 tile, 4 vertex indices.
 class SlsMesh {
 public:
-    explicit SlsMesh(const TriangleAtlas& atlas);
+    /// cull: whether select() does anything.
+    explicit SlsMesh(const TriangleAtlas& atlas, bool cull = true);
     /// Leaves out of what draw() draws the triangles that surely face away from every camera; none: draws all again.
     void select(std::span<const Camera* const> cameras);
     void draw() const;  ///< as triangles, with whatever program is in use
@@ -42,6 +43,7 @@ private:
     std::vector<uint32_t> selected_, drawn_tiles_;
     std::vector<Vec3f> eyes_;
     int count_ = 0, drawn_ = 0;
+    bool cull_;
 };
 
 /// Pass 1 of Section 5.1.1. Items are row * layout width + column of a texel's place in SLS; 0xffffffff is none.

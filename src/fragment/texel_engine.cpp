@@ -258,7 +258,7 @@ void TexelFragmentEngine::dot(std::initializer_list<DotProduct> products) {
 }
 
 void TexelFragmentEngine::step(Step which, const Turn& turn) {
-    const Program& program = numbers_->program(which);
+    const Program& program = numbers_->program(which, turn);
     program.bind_if_used("gradient_sums", sums_.gradient.layers);
     program.bind_if_used("inverse_samples", inverse_samples_);
     program.bind_if_used("penalties", penalty_);

@@ -18,6 +18,14 @@ enum class Mode { paper, modern };
 
 constexpr int max_terms = 16;  ///< of a light field map
 
+/// Mends of the paper's objective (docs/paper.md, M4 to M6), all of them done but where an experiment asks what one is
+/// worth.
+struct LfmMends {
+    bool penalty_curvature = true;   ///< the penalties' second derivatives are part of d'Hd
+    bool normalized = true;          ///< E over S-bar
+    bool scaled_lambda_view = true;  ///< lambda_view times what its gradients grow by
+};
+
 /// What a light field map fit is made of (Section 4.1), and the weights of its objective (Eq. 11).
 struct LfmOptions {
     int terms = 1;         ///< K in [1, max_terms]
@@ -30,6 +38,7 @@ struct LfmOptions {
     float mu = 1;                  ///< weight of E_b, first term only
     float lower = 0, upper = 16;   ///< bounds of the first term's maps
     Loss loss = {};
+    LfmMends mends = {};
 };
 /// Throws UserError unless all is within model/limits.h, and lower < upper.
 void check_options(const LfmOptions& options);

@@ -15,4 +15,7 @@ std::vector<float> lfm_start(const LfmLayout& layout, std::span<const float> mea
 /// which puts it on a par with the surface maps' whatever the ring's size and brightness.
 float scaled_lambda_view(const LfmOptions& options, size_t ring_texels, float mean);
 
+/// 1 / S-bar: a problem's surface texels over its samples, which are not 0. E and its derivatives are multiplied by it.
+double inverse_density(const LfmOptions& options, size_t ring_texels, uint32_t samples);
+
 }  // namespace radiafit

@@ -16,7 +16,7 @@ public:
     void judge(E& e, int) const {
         e.gradient_pass(false);
         e.dot({{vector::trial_g, vector::trial_g, vector::none, PRODUCT_NORM}});
-        e.step(Step::adam_judge, {0, 0, 0, options_.stop()});
+        e.step(Step::adam_judge, {0, 0, 0, options_.stop(), 0, 0});
         e.update(Update::adam_keep, {vector::p, vector::trial}, {number::accepted}, {});
     }
 

@@ -34,7 +34,9 @@ public:
     }
 
 private:
-    Turn turn(bool restart) const { return {int(options_.rule), restart, 0, options_.stop()}; }
+    Turn turn(bool restart) const {
+        return {int(options_.rule), restart, 0, options_.stop(), options_.left_out, options_.first_step};
+    }
     OptimizerOptions options_;
 };
 

@@ -56,7 +56,7 @@ private:
     static int rho(int slot) { return number::first_own + slot; }
     static int s(int slot) { return vector::first_own + slot; }
     int y(int slot) const { return vector::first_own + options_.history + slot; }
-    Turn turn(bool restart, int slot) const { return {RULE_CG_MODERN, restart, slot, options_.stop()}; }
+    Turn turn(bool restart, int slot) const { return {RULE_CG_MODERN, restart, slot, options_.stop(), 0, 0}; }
     OptimizerOptions options_;
 };
 

@@ -168,6 +168,9 @@ struct OptimizerOptions {
     int first_refresh = 10;       ///< and once early: terms that start at zero tell nothing of their partners before
     int history = 5;              ///< pairs that lbfgs keeps, 8 at most
     float learning_rate = 0.02f;  ///< of adam: the first step, in units of the parameters
+    // Of conjugate gradients and steepest descent, for experiments on what mends of the paper's text are worth.
+    int left_out = 0;      ///< mends that are left out: WITHOUT_* of shaders/optimize/problem_state.glsl
+    float first_step = 1;  ///< of steepest descent with WITHOUT_MEASURED_STEP
 
     bool fresh(int iteration) const { return iteration % refresh_every == 0 || iteration == first_refresh; }
     StopRules stop() const { return {stop_residual, stop_output_change}; }

@@ -77,7 +77,7 @@ void LfmVertices::gather(size_t v, LfmVertex& out) const {
     }
     out.groups.push_back({uint32_t(ring.size()), 0, {}, uint32_t(out.local.size())});
     const size_t texels = ring.size() * atlas_->texels_per_tile();
-    out.inverse_density = double(texels) / double(statistics_.samples[v]);
+    out.inverse_density = inverse_density(options_, texels, statistics_.samples[v]);
     out.lambda_surface = double(options_.lambda_surface);
     for (int c = 0; c < 3; ++c)
         out.lambda_view[c] = double(scaled_lambda_view(options_, texels, statistics_.mean[3 * v + size_t(c)]));

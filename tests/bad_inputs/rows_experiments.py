@@ -5,7 +5,7 @@ from bad_inputs.damage import append, folder, remove, replace, write
 
 rows = []
 NAMES = ("table1_datasets", "fig7_convergence", "fig8_time", "fig9_error", "fig10_utilization", "precision", "reflectance", "scaling",
-         "solvers", "stopping", "streaming", "claims")  # fmt: skip
+         "solvers", "stopping", "streaming", "departures", "claims")  # fmt: skip
 
 
 def run(name, more=""):
@@ -25,7 +25,7 @@ for name in NAMES:
         (run(name), append(f"experiments/{name}.toml", "\nunheard_of = 1\n"), 2, f"experiments/{name}.toml:", "unknown key 'unheard_of'"),
     ]
 
-maps = ("fig7_convergence", "fig8_time", "fig10_utilization", "precision", "solvers", "stopping", "streaming")
+maps = ("fig7_convergence", "fig8_time", "fig10_utilization", "precision", "solvers", "stopping", "streaming", "departures")
 for name in maps:
     refuse(name, "surface_side", [65], "surface_side = ", "choose a whole number from 2 to 64")
     refuse(name, "lambda", [1e38], "lambda = ", "choose a number from 0 to 1e+06")
@@ -33,8 +33,10 @@ refuse("solvers", "surface_side", [1, -8], "surface_side = ", "choose a whole nu
 refuse("solvers", "view_side", [1.5, "eight", "[8]"], "'view_side' must be an integer of 32 bits")
 refuse("solvers", "lambda", ["nan", "inf"], "'lambda' must be a finite number")
 refuse("solvers", "lambda", [-1], "lambda = -1: choose a number from 0 to 1e+06")
-for name in ("fig8_time", "precision", "scaling", "solvers", "stopping", "streaming"):
+for name in ("fig8_time", "precision", "scaling", "solvers", "stopping", "streaming", "departures"):
     refuse(name, "dataset", ["ornament"], "ornament has a lamp that moves", "choose star or bust")
+refuse("departures", "reflectance", ["star"], "only the ornament has lights")
+refuse("departures", "cg_iterations", [0], "cg_iterations = 0: choose a whole number from 1 to 1000000")
 refuse("fig8_time", "dataset", ["moon"], 'unknown shape "moon"; there are star, bust and ornament')
 refuse("fig10_utilization", "dataset", ["moon"], 'unknown shape "moon"')
 for name in ("fig7_convergence", "fig9_error", "table1_datasets"):
