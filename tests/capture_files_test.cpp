@@ -223,9 +223,24 @@ TEST(ImageScale, AnyRatioKeepsTheTotalLightAndItsCentre) {
 TEST_F(Files, HoldoutRules) {
     using Flags = std::vector<uint8_t>;
     const std::vector<std::string> names = {"a", "b", "c d", "e", "f"};
+    std::vector<Vec3d> fan;  // a fan of directions, 15 degrees apart
+    for (int i = 0; i < 5; ++i) fan.push_back({std::sin(0.26 * (i - 2)), 0, std::cos(0.26 * (i - 2))});
+    const auto choose_held_out = [&](const std::vector<std::string>& of, const std::string& rule) {
+        return radiafit::choose_held_out(of, {fan.data(), of.size()}, rule);
+    };
     EXPECT_EQ(choose_held_out(names, "none"), (Flags{0, 0, 0, 0, 0}));
     EXPECT_EQ(choose_held_out(names, "every:2"), (Flags{1, 0, 1, 0, 1}));
     EXPECT_EQ(choose_held_out(names, "every:8"), (Flags{1, 0, 0, 0, 0}));
+    EXPECT_EQ(choose_held_out(names, "every:2+1"), (Flags{0, 1, 0, 1, 0}));
+    EXPECT_EQ(choose_held_out(names, "every:3+2"), (Flags{0, 0, 1, 0, 0}));
+    EXPECT_EQ(choose_held_out(names, "spread:1"), (Flags{0, 0, 1, 0, 0}));  // the middle one
+    const Flags drawn = choose_held_out(names, "random:2");
+    EXPECT_EQ(std::count(drawn.begin(), drawn.end(), 1), 2);
+    EXPECT_EQ(choose_held_out(names, "random:2:1"), drawn);
+    bool another = false;
+    for (int seed = 2; seed < 12; ++seed)
+        another = another || choose_held_out(names, "random:2:" + std::to_string(seed)) != drawn;
+    EXPECT_TRUE(another);
     const std::string list = (root_ / "list.txt").string();
     write_bytes(list, "# held out\nc d\n\nf\n");
     EXPECT_EQ(choose_held_out(names, list), (Flags{0, 0, 1, 0, 1}));
@@ -233,7 +248,9 @@ TEST_F(Files, HoldoutRules) {
     expect_in("list.txt:2", complaint([&] { choose_held_out(names, list); }));
     write_bytes(list, "a\nb\nc d\ne\nf\n");
     expect_in("leaves none", complaint([&] { choose_held_out(names, list); }));
-    for (const char* rule : {"every:1", "every:0", "every:x", "every:", "every:8x", "every:-3", "nobody"})
+    for (const char* rule :
+         {"every:1", "every:0", "every:x", "every:", "every:8x", "every:-3", "every:4+4", "every:4+", "random:0",
+          "random:5", "random:2:", "random:x", "spread:0", "spread:5", "spread:2:1", "nobody"})
         expect_in(rule, complaint([&] { choose_held_out(names, rule); }));
     expect_in("leaves none", complaint([&] { choose_held_out({"a"}, "every:8"); }));
 }

@@ -10,7 +10,8 @@
 namespace radiafit {
 namespace {
 
-constexpr const char* holdout_help = "every:N, none, or a file of image names";
+constexpr const char* holdout_help =
+    "every:N, every:N+K, random:N, random:N:SEED, spread:N (over directions), none, or a file of image names";
 
 void add_colmap(CommandLine& command) {
     auto options = std::make_shared<ImportOptions>();

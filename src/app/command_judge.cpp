@@ -45,6 +45,14 @@ std::string text_of(const ErrorSums& errors) {
 void print_judgement(const Judgement& j) {
     fmt::print("{} views ({}): {}; {}: {}\n", j.fit.images.size(), to_string(j.fit.split), text_of(j.fit.stored),
                j.baseline_name, text_of(j.baseline.stored));
+    if (const size_t outside = j.fit.outside_count; outside > 0) {
+        const auto tell = [&](size_t images, const char* where, const ErrorSums& fit, const ErrorSums& baseline) {
+            fmt::print("  {} of them {} the directions of the training views: {}; {}: {}\n", images, where,
+                       text_of(fit), j.baseline_name, text_of(baseline));
+        };
+        if (outside < j.fit.images.size()) tell(j.fit.images.size() - outside, "amid", j.fit.inside, j.baseline.inside);
+        tell(outside, "beyond", j.fit.outside, j.baseline.outside);
+    }
     for (size_t k = 0; k < j.fit.parts.size(); ++k)
         fmt::print("  {}: {}; {}: {}\n", j.fit.parts[k].name, text_of(j.fit.parts[k].stored), j.baseline_name,
                    text_of(j.baseline.parts[k].stored));

@@ -24,6 +24,7 @@
 #include "capture/split.h"
 #include "dataset/checksums.h"
 #include "dataset/stream_views.h"
+#include "dataset/view_directions.h"
 #include "geometry/raster.h"
 
 namespace radiafit {
@@ -287,10 +288,13 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     const ColmapModel model = read_colmap(options.model);
     std::vector<std::string> names;
     for (const ColmapImage& image : model.images) names.push_back(image.name);
-    const std::vector<uint8_t> held_out = choose_held_out(names, options.holdout);
+    MeshFile mesh = read_mesh_file(options.mesh);
+    const Vec3d centre = surface_centre(mesh.mesh, {});
+    std::vector<Vec3d> directions;
+    for (const ColmapImage& image : model.images) directions.push_back((image.camera.center() - centre).normalized());
+    const std::vector<uint8_t> held_out = choose_held_out(names, directions, options.holdout);
     if (options.gains != "none" && options.gains != "estimate") read_gains(options.gains, names);
     std::vector<Source> sources = list_sources(options, model, held_out);
-    MeshFile mesh = read_mesh_file(options.mesh);
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
 
     ImportReport report;
@@ -325,6 +329,13 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     header.encoding = encoding;
     header.mesh = std::move(mesh.mesh);
     writer.finish(header);
+    std::vector<View> views(sources.size());
+    for (size_t i = 0; i < views.size(); ++i) {
+        views[i].camera = sources[i].calibrated;
+        views[i].held_out = sources[i].held_out;
+    }
+    const std::string outside = outside_note(views, angles_outside(centre, views));
+    if (!outside.empty()) report.notes.push_back(outside);
     for (const Source& s : sources) ++(s.held_out ? report.held_out : report.training);
     return report;
 }

@@ -19,6 +19,7 @@
 #include "capture/split.h"
 #include "dataset/checksums.h"
 #include "dataset/stream_views.h"
+#include "dataset/view_directions.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -127,7 +128,9 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
     }
     std::vector<Source> sources(names.size());
     std::set<fs::path> files;
-    const std::vector<uint8_t> held_out = choose_held_out(names, o.holdout);
+    std::vector<Vec3d> directions;  // from the surface's centre, where the world has its origin
+    for (const Vec3d& v : lights.vectors) directions.push_back(v.normalized());
+    const std::vector<uint8_t> held_out = choose_held_out(names, directions, o.holdout);
     for (size_t i = 0; i < names.size(); ++i) {
         sources[i].file = find_image(o.images, names[i], named_by);
         if (!files.insert(sources[i].file.lexically_normal()).second)
@@ -276,6 +279,10 @@ LightImportReport import_lights(const LightImportOptions& options, const fs::pat
                                      options.camera_positions.empty() ? " fixed and distant" : "s near");
     header.source = provenance(options);
     writer.finish(header);
+    std::vector<View> views;
+    for (const Source& s : sources) views.push_back(s.view);
+    const std::string outside = outside_note(views, angles_outside(surface_centre({}, header.grid), views));
+    if (!outside.empty()) report.notes.push_back(outside);
     for (const Source& s : sources) ++(s.view.held_out ? report.held_out : report.training);
     return report;
 }

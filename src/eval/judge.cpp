@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/wording.h"
+#include "dataset/view_directions.h"
 #include "eval/exposure.h"
 #include "eval/lfm_renderer.h"
 #include "eval/reflectance_renderer.h"
@@ -174,9 +175,15 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     });
     for (const auto& of_image : image_parts)
         for (size_t k = 0; k < of_image.size(); ++k) result.parts[k].stored.add(of_image[k].stored);
-    for (const ImageFigures& image : result.images) {
+    const std::vector<double> angles = angles_outside(surface_centre(dataset.mesh, dataset.grid), dataset.views);
+    for (size_t i = 0; i < views.size(); ++i) {
+        ImageFigures& image = result.images[i];
+        image.outside = angles[views[i]];
         result.stored.add(image.stored);
         result.linear.add(image.linear);
+        const bool outside = image.outside >= least_outside;
+        (outside ? result.outside : result.inside).add(image.stored);
+        result.outside_count += outside;
     }
     if (result.stored.values == 0)
         throw UserError(

@@ -54,6 +54,7 @@ struct ImageFigures {
     std::string name;
     uint64_t pixels = 0;  ///< foreground
     double gain = 1;
+    double outside = 0;        ///< by how much (radians) it lies outside the training views' directions
     ErrorSums stored, linear;  ///< in the stored encoding; in linear light
 };
 
@@ -72,6 +73,10 @@ struct JudgeResult {
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
     std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
+    /// Of the images that lie inside the cone of the training views' directions (dataset/view_directions.h), and
+    /// outside by a degree or more: what the fit interpolates, and what it extrapolates.
+    ErrorSums inside, outside;
+    size_t outside_count = 0;  ///< images
     double psnr() const { return stored.psnr(); }
     double ape() const { return stored.ape(); }
 };
@@ -88,8 +93,9 @@ JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uin
 std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer);
 
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, split, images, pixels, not_finite, per_image [{name, psnr, ape,
-/// psnr_linear, ape_linear, pixels, gain}], parts [{name, psnr, ape, pixels}] if any, and, if given, baseline {psnr,
-/// ape, psnr_linear, ape_linear, parts}. A figure that is not finite is null. truth, if any:
+/// psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape}, parts [{name,
+/// psnr, ape, pixels}] if any, and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts}. A figure that is
+/// not finite is null. truth, if any:
 /// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}}], the latter three where comparable.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
                        std::span<const MaterialErrors> truth = {});

@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "eval/judge.h"
 
@@ -22,6 +23,16 @@ void add_parts(Json& json, const JudgeResult& result) {
                                  {"pixels", part.stored.values / 3}});
 }
 
+/// Figures of images amid the training views' directions, and beyond them.
+void add_hull(Json& json, const JudgeResult& result) {
+    if (result.split == Split::train) return;
+    const auto add = [&](const char* name, const ErrorSums& sums, size_t images) {
+        json[name] = {{"images", images}, {"psnr", sums.psnr()}, {"ape", sums.ape()}};
+    };
+    add("inside", result.inside, result.images.size() - result.outside_count);
+    add("outside", result.outside, result.outside_count);
+}
+
 }  // namespace
 
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, std::span<const MaterialErrors> truth) {
@@ -32,9 +43,11 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
     json["pixels"] = result.stored.values / 3;
     json["not_finite"] = result.stored.not_finite;
     add_parts(json, result);
+    add_hull(json, result);
     if (baseline) {
         add_figures(json["baseline"], baseline->stored, baseline->linear);
         add_parts(json["baseline"], *baseline);
+        add_hull(json["baseline"], *baseline);
     }
     for (const MaterialErrors& m : truth) {
         Json entry = {{"name", m.name}, {"texels", m.texels}, {"rmse", m.rmse}};
@@ -51,6 +64,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         add_figures(entry, image.stored, image.linear);
         entry["pixels"] = image.pixels;
         entry["gain"] = image.gain;
+        entry["degrees_outside"] = image.outside * 180 / std::numbers::pi;
         json["per_image"].push_back(entry);
     }
     return json.dump(2);
