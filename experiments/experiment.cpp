@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/command_line.h"
@@ -14,6 +15,7 @@
 #include "base/read_file.h"
 #include "base/standard_streams.h"
 #include "base/wording.h"
+#include "dataset/checksums.h"
 #include "gl/context.h"
 #include "report/figures.h"
 #include "synthetic/synthetic.h"
@@ -57,11 +59,19 @@ Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& orn
         root_ / "datasets" / "packed" / fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
     if (std::filesystem::exists(folder)) {
         Dataset dataset = open_dataset(folder);
-        if (dataset.source == synthetic_source(options)) return dataset;
+        if (dataset.source == synthetic_source(options)) return noted(std::move(dataset));
     }
     log_info(fmt::format("generating {} at {} scale", shape, profile_));
     generate_synthetic(options, folder);
-    return open_dataset(folder);
+    return open(folder);
+}
+
+Dataset Experiment::open(const std::filesystem::path& folder) const { return noted(open_dataset(folder)); }
+
+Dataset Experiment::noted(Dataset dataset) const {
+    const std::string note = dataset_note(dataset);
+    if (std::ranges::find(*record_.datasets, note) == record_.datasets->end()) record_.datasets->push_back(note);
+    return dataset;
 }
 
 ResultFolder Experiment::open_results(const std::string& device) const {
@@ -69,6 +79,9 @@ ResultFolder Experiment::open_results(const std::string& device) const {
     Record record = record_;
     record.config = config_->resolved();
     record.more.emplace_back("profile", json_string(profile_));
+    // What is drawn besides, an experiment's config has under "seed".
+    record.more.emplace_back(
+        "seeds", fmt::format(R"({{"datasets": {}, "start": {}}})", SyntheticOptions().seed, FitRequest().seed));
     return ResultFolder(root_ / "results", name_, device, record);
 }
 

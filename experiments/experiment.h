@@ -26,10 +26,13 @@ public:
     const std::string& profile() const { return profile_; }
     const std::string& name() const { return name_; }
 
-    /// The synthetic dataset of this profile's scale, generated if it isn't there yet.
+    /// The synthetic dataset of this profile's scale, generated if it isn't there yet. run.json notes what was opened.
     /// `variant` names one whose images differ.
     Dataset dataset(const std::string& shape, const OrnamentOptions& ornament = {},
                     const std::string& variant = {}) const;
+
+    /// A packed dataset at any place, such as a capture.
+    Dataset open(const std::filesystem::path& folder) const;
 
     /// What run.json of results opened from now on will hold.
     Record& record() { return record_; }
@@ -45,6 +48,8 @@ public:
     const std::string& cpu_model() const { return record_.cpu; }
 
 private:
+    /// The record names it, once.
+    Dataset noted(Dataset dataset) const;
     /// Throws UserError if their folder is missing: that shows before any work.
     void require_figures() const;
 

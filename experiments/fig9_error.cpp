@@ -144,7 +144,7 @@ void write(const std::filesystem::path& folder, const std::vector<Row>& rows) {
 void fig9(Experiment& experiment) {
     const Options o(experiment.config());
     std::optional<Dataset> capture;
-    if (!o.capture.empty()) require_light_field(capture.emplace(open_dataset(o.capture)));
+    if (!o.capture.empty()) require_light_field(capture.emplace(experiment.open(o.capture)));
     std::vector<Dataset> datasets;
     for (const std::string& shape : o.datasets) datasets.push_back(experiment.dataset(shape));
     if (capture) datasets.push_back(std::move(*capture));

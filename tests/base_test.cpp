@@ -19,7 +19,6 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "base/record.h"
 #include "base/rng.h"
 
 namespace radiafit {
@@ -364,29 +363,6 @@ TEST(Clock, WorkTakesProcessorTimeAndSleepDoesNot) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     EXPECT_GE(watch.wall_s(), 0.2);
     EXPECT_LT(watch.cpu_s(), 0.1);
-}
-
-// ---- provenance ----------------------------------------------------------------------------------------------------
-
-TEST(Record, HoldsWhatIsNeededAndNoFolderOfTheProgram) {
-    const char* arguments[] = {"/some/where/radiafit", "fit", "star \"quoted\"", "--terms=3"};
-    Record record = make_record(4, arguments);
-    EXPECT_EQ(record.program, "radiafit");
-    EXPECT_EQ(record.arguments.size(), 3u);
-    EXPECT_EQ(record.utc.size(), std::string("2003-07-27T12:00:00Z").size());
-    EXPECT_EQ(record.threads, thread_count());
-    EXPECT_FALSE(record.git_revision.empty());
-    record.config = {{"terms", "3"}, {"engine", "\"cpu\""}};
-    record.more = {{"peaks", "{\"triad_gb_s\": 15.5}"}};
-    const std::string without_gl = record_json(record);
-    EXPECT_EQ(without_gl.find("\"gl\""), std::string::npos);
-    EXPECT_EQ(without_gl.find("/some/where"), std::string::npos);
-    EXPECT_NE(without_gl.find(R"("star \"quoted\"")"), std::string::npos);
-    EXPECT_LT(without_gl.find("\"terms\": 3"), without_gl.find("\"engine\": \"cpu\""));
-    EXPECT_NE(without_gl.find("\"triad_gb_s\": 15.5"), std::string::npos);
-    record.gl_renderer = "llvmpipe";
-    EXPECT_NE(record_json(record).find("\"renderer\": \"llvmpipe\""), std::string::npos);
-    EXPECT_EQ(json_string("a\"b\n"), R"("a\"b\n")");
 }
 
 }  // namespace

@@ -48,6 +48,13 @@ class Smoke(ProgramTest):
         self.assertIn(self.name, record["program"])
         self.assertTrue(record["config"], "the resolved config is part of the record")
         self.assertGreater(min(record["wall_s"], record["cpu_s"]), 0.01, "of the whole run")
+        self.assertLessEqual(record["utc_start"], record["utc_end"])
+        self.assertTrue(runs[0].parent.name.startswith(record["utc_start"].replace("-", "").replace(":", "")))
+        self.assertTrue(record["datasets"])
+        for dataset in record["datasets"]:
+            self.assertRegex(dataset["source"], "^radiafit generate .* --seed 1")
+            self.assertRegex(dataset["checksum"], "^[0-9a-f]{16}$")
+        self.assertIn("kernel", record["machine"])
 
         tables = sorted(runs[0].parent.glob("*.csv"))
         self.assertTrue(tables)

@@ -5,6 +5,8 @@
 #   --leave-out I      holds out photograph I (00 to 08) alone, and packs into OUTPUT/cards-without-I
 #   --leave-one-out    does so for each of the nine in turn, fits Lafortune's model to the other eight, judges the one, and
 #                      prints the mean; keeps nothing
+# Source: github.com/tflsguoyu/materialgan, commit 74d1f4857a3fef83a102764f047dd5ed2f953710, data/in/real_cards-blue, as it
+# stands there; no licence stated, for research use. datasets/captures.md has the commands; checksums are compared.
 # The capture is looked for in $RADIAFIT_CAPTURES/cards_blue (default ../shared/data).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -31,12 +33,8 @@ if [ "${1:-}" = --leave-out ]; then
     shift 2
 fi
 out=${1:-$root/datasets/packed}
-capture=${RADIAFIT_CAPTURES:-$root/../shared/data}/cards_blue
+capture=$("$root/datasets/scripts/find_capture.sh" cards_blue)
 radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
-if [ ! -d "$capture" ]; then
-    echo "$capture is missing: set RADIAFIT_CAPTURES to the folder that holds cards_blue" >&2
-    exit 2
-fi
 if [ ! -x "$radiafit" ]; then
     echo "$radiafit is missing: run make build" >&2
     exit 2

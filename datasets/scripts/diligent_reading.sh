@@ -3,6 +3,9 @@
 # into OUTPUT/reading, every eighth light held out; chooses which samples count on every eighth training light, by
 # Lafortune's own error there; fits; judges the held-out lights.
 # Usage: diligent_reading.sh [--pack-only] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+# Source: DiLiGenT by Shi et al.; github.com/stevehan00/semi-calibrated-photometric-stereo, commit
+# 90afe01da86fdd9fc62234426b0749479892def8, dataset/readingPNG, cropped; for research use. datasets/captures.md has the
+# commands; checksums are compared.
 # The capture is looked for in $RADIAFIT_CAPTURES/diligent_reading (default ../shared/data).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -12,12 +15,8 @@ if [ "${1:-}" = --pack-only ]; then
     shift
 fi
 out=${1:-$root/datasets/packed}
-capture=${RADIAFIT_CAPTURES:-$root/../shared/data}/diligent_reading
+capture=$("$root/datasets/scripts/find_capture.sh" diligent_reading)
 radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
-if [ ! -d "$capture" ]; then
-    echo "$capture is missing: set RADIAFIT_CAPTURES to the folder that holds diligent_reading" >&2
-    exit 2
-fi
 if [ ! -x "$radiafit" ]; then
     echo "$radiafit is missing: run make build" >&2
     exit 2

@@ -3,18 +3,17 @@
 # Usage: gold_cape.sh [--select] [OUTPUT]     OUTPUT: a folder, default datasets/packed
 #   --select    chooses terms and weights anew, on every eighth training photograph (takes long); otherwise the choice
 #               made so earlier is used. The held-out photographs have no part in it.
+# Source: github.com/vork/moldGoldCape, commit c7ef1f0f2a7c2ec5ea7fa3fb43a01ed56fc5216b, undistorted by COLMAP, the museum's
+# mesh moved into COLMAP's frame; CC BY-NC-SA 4.0, copyright the Trustees of the British Museum. datasets/captures.md has
+# what is known of the steps; checksums are compared.
 # The capture is looked for in $RADIAFIT_CAPTURES/mold_gold_cape (default ../shared/data).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 select=0
 [ "${1:-}" = --select ] && select=1 && shift
 out=${1:-$root/datasets/packed}
-capture=${RADIAFIT_CAPTURES:-$root/../shared/data}/mold_gold_cape
+capture=$("$root/datasets/scripts/find_capture.sh" mold_gold_cape)
 radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
-if [ ! -d "$capture" ]; then
-    echo "$capture is missing: set RADIAFIT_CAPTURES to the folder that holds mold_gold_cape" >&2
-    exit 2
-fi
 if [ ! -x "$radiafit" ]; then
     echo "$radiafit is missing: run make build" >&2
     exit 2

@@ -67,6 +67,7 @@ void print_dataset(const Dataset& d, bool json) {
                        {"name", d.name},
                        {"description", d.description},
                        {"source", d.source},
+                       {"checksum", dataset_checksum(d)},
                        {"encoding", to_string(d.encoding)},
                        {"triangles", d.mesh.triangle_count()},
                        {"vertices", d.mesh.vertex_count()},

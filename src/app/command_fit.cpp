@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/record.h"
 #include "base/resources.h"
+#include "dataset/checksums.h"
 
 namespace radiafit {
 
@@ -43,9 +44,7 @@ void check_apart(const std::string& output, const std::string& records) {
 }
 
 /// A fit's times and provenance, as JSON, into it.
-nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const FitRequest& request,
-                                    const Invocation& invocation) {
-    Record record = make_record(invocation.argc, invocation.argv);
+nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const FitRequest& request, Record record) {
     record.gl_vendor = run.gl_vendor;
     record.gl_renderer = run.gl_renderer;
     record.gl_version = run.gl_version;
@@ -102,9 +101,9 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
 }
 
 /// Everything a fit leaves, in one folder.
-void save(const std::string& folder, FinishedFit& done, const FitRequest& request, const Invocation& invocation) {
+void save(const std::string& folder, FinishedFit& done, const FitRequest& request, const Record& begun) {
     FitRecord& fit = done.fit->record();
-    auto times = describe_run(fit, done.run, request, invocation);
+    auto times = describe_run(fit, done.run, request, begun);
     if (!done.times_json.empty()) times.update(nlohmann::ordered_json::parse(done.times_json));
     fit.times_json = times.dump();
     done.fit->write(folder, [&](const std::filesystem::path& inside) {
@@ -128,10 +127,12 @@ void announce_plan(const std::string& out, const Dataset& dataset, const FitRequ
 }
 
 void fit(const std::string& out, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
+    Record begun = make_record(invocation.argc, invocation.argv);
+    begun.datasets->push_back(dataset_note(dataset));
     FinishedFit done = family_of(request).fit(dataset, request);
     const FitRecord& record = done.fit->record();
     require_result(record, dataset);
-    save(out, done, request, invocation);
+    save(out, done, request, begun);
     const auto counts = record.status_counts();
     log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
                          summary_of(done.run, request), done.note, counts[size_t(Status::no_samples)],

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     prepare_standard_streams();
     CommandLine program("radiafit",
                         "radiafit fits image-based models to posed photographs by streaming them through OpenGL.",
-                        "radiafit " + make_record(1, argv).version + " (" + git_revision() + ")");
+                        "radiafit " + project_version() + " (" + git_revision() + ")");
     program.add("--threads", "INT", "0", "threads to use; 0 is all cores",
                 [](const std::string& text) { set_thread_count(parse_number("threads", text, limits::threads)); });
     const Invocation invocation{argc, argv};

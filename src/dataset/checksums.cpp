@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "base/file.h"
@@ -67,6 +68,17 @@ uint64_t file_checksum(const fs::path& file) {
         hash = hash_bytes(part.data(), part.size(), hash);
     }
     return hash;
+}
+
+std::string dataset_checksum(const Dataset& dataset) {
+    if (dataset.checksums.empty()) return "";
+    return fmt::format("{:016x}", file_checksum(dataset.folder / dataset_json_name));
+}
+
+std::string dataset_note(const Dataset& dataset) {
+    const nlohmann::ordered_json note = {
+        {"name", dataset.name}, {"source", dataset.source}, {"checksum", dataset_checksum(dataset)}};
+    return note.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 void check_file(const Dataset& dataset, const std::string& name) {

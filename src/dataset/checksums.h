@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "dataset/dataset.h"
 
@@ -22,6 +23,14 @@ void check_image_bytes(const View& view, Encoding encoding, std::span<const uint
 
 /// hash_bytes() of a whole file. Throws SystemError where it cannot be read.
 uint64_t file_checksum(const std::filesystem::path& file);
+
+/// file_checksum() of dataset.json, as text: it holds the checksums of every image and every other file, so two
+/// datasets with one checksum are the same to the byte. Empty before version 4, which has no others. Throws SystemError
+/// likewise.
+std::string dataset_checksum(const Dataset& dataset);
+
+/// What a run's record says of a dataset that it read: a JSON object with name, source and checksum.
+std::string dataset_note(const Dataset& dataset);
 
 /// Throws UserError if the dataset has a checksum of its file `name` and the file has another one.
 void check_file(const Dataset& dataset, const std::string& name);

@@ -15,7 +15,7 @@ namespace {
 std::unique_ptr<AtomicFolder> open_folder(const fs::path& root, const std::string& experiment,
                                           const std::string& device, const Record& record) {
     const fs::path parent = root / experiment / slug(device);
-    const std::string name = fmt::format("{}-{}", utc_now_compact(), record.git_revision);
+    const std::string name = fmt::format("{}-{}", compact_utc(record.utc_start), record.git_revision);
     fs::path target = parent / name;
     for (int i = 2; fs::exists(target); i++) target = parent / fmt::format("{}-{}", name, i);  // within one second
     return std::make_unique<AtomicFolder>(target);
