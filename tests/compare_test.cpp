@@ -43,7 +43,7 @@ protected:
         const fs::path run = root() / side / s.experiment / s.device / fmt::format("{}-{}", utc, s.revision);
         fs::create_directories(run);
         write_file(run / "run.json",
-                   fmt::format(R"({{"program": "{}", "utc": "{}", "git_revision": "{}", "profile": "smoke",
+                   fmt::format(R"({{"program": "{}", "utc_start": "{}", "git_revision": "{}", "profile": "smoke",
             "compiler": "c", "cpu": "{}", "cores": 2, "threads": 2, "config": {}}})",
                                s.experiment, utc, s.revision, s.device, s.config));
         CsvWriter writer(run / s.file, table[0]);

@@ -41,7 +41,7 @@ RunRecord read_run(const fs::path& folder) {
         throw UserError(fmt::format("{}: no JSON object; run the experiment again", file.string()));
     RunRecord run{.folder = folder,
                   .experiment = field<std::string>(object, "program", file),
-                  .utc = field<std::string>(object, "utc", file),
+                  .utc = field<std::string>(object, "utc_start", file),
                   .revision = field<std::string>(object, "git_revision", file),
                   .profile = field<std::string>(object, "profile", file),
                   .compiler = field<std::string>(object, "compiler", file),

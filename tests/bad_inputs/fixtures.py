@@ -128,7 +128,7 @@ def write_tiny(out):
 def write_run(folder, experiment, file, rows, **record):
     """What an experiment leaves: its record, and one file of rows, the header first."""
     folder.mkdir(parents=True)
-    record = {"program": experiment, "utc": "2024-01-01T00:00:00Z", "git_revision": "abc", "profile": "smoke",
+    record = {"program": experiment, "utc_start": "2024-01-01T00:00:00Z", "git_revision": "abc", "profile": "smoke",
               "compiler": "c", "cpu": "C", "cores": 2, "threads": 2, "config": {}} | record  # fmt: skip
     (folder / "run.json").write_text(json.dumps(record))
     (folder / file).write_text("".join(",".join(row) + "\n" for row in rows))

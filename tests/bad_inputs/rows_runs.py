@@ -31,7 +31,7 @@ rows += [
 # run.json
 for damage in (write(record, ""), write(record, "[]"), write(record, "no JSON"), write(record, "[" * 100000), cut(record, 0.5)):
     rows.append((both, damage, 2, f"{record}: no JSON object", again))
-for name in ("program", "utc", "git_revision", "profile", "compiler", "cpu"):
+for name in ("program", "utc_start", "git_revision", "profile", "compiler", "cpu"):
     rows.append((both, field(record, name, GONE), 2, f"{record}: '{name}' is missing or no text", again))
     rows.append((both, field(record, name, 5), 2, f"{record}: '{name}' is missing or no text", again))
 for name in ("cores", "threads"):
