@@ -1,11 +1,17 @@
-// The paper's claims, each judged by its rule over the newest results of the other experiments. Nothing is measured
-// here, and no verdict is typed in: what has not been run says so.
+// The paper's claims, each judged by its rule from the rows of the other experiments. Nothing is measured here, and no
+// verdict is typed in: what has not been run says so. Claims are judged at the paper's scale, by the newest run or,
+// where there is none, by the one that came with the checkout; figures of a smaller profile stand beside and decide
+// nothing.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "claim_rules.h"
+#include "claims/rules.h"
 #include "experiment.h"
 #include "report/table.h"
 
@@ -14,20 +20,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Row {
-    const Claim* claim;
-    Judgement judgement;
-    std::string run;  ///< that it was judged from
-};
+constexpr const char* judged_profile = "paper";
 
-Judgement not_run(const std::string& why) { return {.verdict = "not run", .why = {why}}; }
+/// What one run says of one claim.
+struct Finding {
+    const Claim* claim;
+    std::string profile, run;  ///< its folder; empty: there is none
+    Judgement judgement;
+
+    bool judged() const { return profile == judged_profile; }
+    std::string verdict() const {
+        if (judged() || !judgement.not_run.empty()) return judgement.verdict();
+        return "not comparable";
+    }
+    /// What the rule says of the figures, whatever their scale; empty where it says nothing.
+    std::string by_the_rule() const {
+        if (!judgement.not_run.empty() || !judgement.no_rule.empty()) return "";
+        return to_string(judgement.outcome());
+    }
+    std::string reason() const {
+        const std::string reason = judgement.reason();
+        if (judged() || !judgement.not_run.empty()) return reason;
+        return fmt::format("the {} profile is not of the paper's scale{}{}", profile, reason.empty() ? "" : "; ",
+                           reason);
+    }
+};
 
 Judgement judge(const Claim& claim, const FinishedRun& run) {
     Judgement j;
     try {
         j = claim.judge(run);
     } catch (const UserError& e) {  // a run of an older version, or a damaged one
-        j = not_run(e.what());
+        j = {.not_run = e.what()};
     }
     if (j.renderer.empty()) j.renderer = run.device();
     // rows say "cpu, 2 threads"
@@ -35,26 +59,65 @@ Judgement judge(const Claim& claim, const FinishedRun& run) {
     return j;
 }
 
-/// One row for every device that has results of this profile; one that says "not run" if none has.
-std::vector<Row> judge_all(const fs::path& results, const std::string& profile) {
-    std::vector<Row> rows;
-    for (const Claim& claim : claims()) {
-        if (!claim.experiment) {
-            rows.push_back({&claim, not_run("no experiment judges it yet"), ""});
-            continue;
+/// By the newest run of each device in the first of the folders that has any.
+std::vector<Finding> findings_of(const Claim& claim, const std::string& profile, std::span<const fs::path> roots) {
+    std::vector<Finding> findings;
+    for (const fs::path& root : roots) {
+        for (const fs::path& folder : newest_runs(root, claim.experiment, profile)) {
+            const FinishedRun run(folder, root.parent_path());
+            findings.push_back({&claim, profile, run.name(), judge(claim, run)});
         }
-        const auto folders = newest_runs(results, claim.experiment, profile);
-        for (const fs::path& folder : folders) {
-            const FinishedRun run(folder, results);
-            rows.push_back({&claim, judge(claim, run), run.name()});
-        }
-        if (folders.empty())
-            rows.push_back({&claim,
-                            not_run(fmt::format("no {0} results; make experiments PROFILE={0} ONLY={1}", profile,
-                                                claim.experiment)),
-                            ""});
+        if (!findings.empty()) return findings;
     }
-    return rows;
+    Judgement none{.not_run =
+                       fmt::format("no {0} results; make experiments PROFILE={0} ONLY={1}", profile, claim.experiment)};
+    return {{&claim, profile, "", none}};
+}
+
+std::string values_text(const Judgement& j) {
+    std::vector<std::string> parts;
+    for (const Measure& m : j.measures) parts.push_back(fmt::format("{} {}", m.of, m.value_text()));
+    return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+nlohmann::ordered_json json_of(const Finding& f) {
+    return {{"id", f.claim->id},
+            {"section", f.claim->section},
+            {"paper", f.claim->states},
+            {"rule", f.claim->rule},
+            {"profile", f.profile},
+            {"verdict", f.verdict()},
+            {"by_the_rule", f.by_the_rule()},
+            {"reason", f.reason()},
+            {"sentence", f.judgement.sentence},
+            {"measures", f.judgement.json()},
+            {"beside", f.judgement.beside},
+            {"renderer", f.judgement.renderer},
+            {"run", f.run}};
+}
+
+/// One claim's part of the report: what the paper states, the rule, and what every run found.
+std::string section_of(const Claim& claim, std::span<const Finding> findings) {
+    std::string text = fmt::format("## {}: {}\n\nThe paper, Section {}. Rule: {}.\n", claim.id, claim.states,
+                                   claim.section, claim.rule);
+    for (const Finding& f : findings) {
+        const Judgement& j = f.judgement;
+        text += fmt::format("\n**{}**, {} profile{}", f.verdict(), f.profile,
+                            f.run.empty() ? "" : fmt::format("; {}; `{}`", j.renderer, f.run));
+        if (const std::string reason = f.reason(); !reason.empty()) text += fmt::format(". Why: {}", reason);
+        text += ".\n";
+        if (!f.judged() && !f.by_the_rule().empty()) text += fmt::format("By the rule alone: {}.\n", f.by_the_rule());
+        if (!j.sentence.empty()) text += "\n" + j.sentence + "\n";
+        if (!j.measures.empty()) {
+            Table table({"measured", "value", "95 % interval", "asked for", "so it"});
+            for (const Measure& m : j.measures)
+                table.add({m.of, m.value_text(), m.interval_text(), j.no_rule.empty() ? m.bound.text(m.unit) : "",
+                           j.no_rule.empty() ? to_string(m.outcome()) : ""});
+            text += "\n" + table.markdown();
+        }
+        if (!j.beside.empty()) text += fmt::format("\nBeside it:\n\n- {}\n", fmt::join(j.beside, "\n- "));
+    }
+    return text;
 }
 
 void write_claims(Experiment& experiment) {
@@ -64,35 +127,38 @@ void write_claims(Experiment& experiment) {
     });
     experiment.config().finish();
     const fs::path results = experiment.root() / folder;
-    const std::vector<Row> rows = judge_all(results, experiment.profile());
+    const fs::path roots[] = {results, experiment.root() / "results" / "reference"};
+    const std::string& profile = experiment.profile();
 
-    nlohmann::ordered_json json = {{"format", "radiafit-claims"}, {"version", 1}, {"profile", experiment.profile()}};
-    Table shown({"claim", "section", "the paper states", "measured here", "verdict", "renderer"});
-    Table report({"claim", "section", "the paper states", "rule", "measured here", "verdict", "why", "renderer"});
-    for (const Row& row : rows) {
-        const Claim& c = *row.claim;
-        const Judgement& j = row.judgement;
-        const std::string value = j.what + fmt::format("{}", fmt::join(j.measures, "; "));
-        const std::string why = fmt::format("{}", fmt::join(j.why, "; "));
-        json["claims"].push_back({{"id", c.id},
-                                  {"section", c.section},
-                                  {"paper", c.states},
-                                  {"rule", c.rule},
-                                  {"value", value},
-                                  {"values", j.values},
-                                  {"verdict", j.verdict},
-                                  {"why", why},
-                                  {"renderer", j.renderer},
-                                  {"profile", experiment.profile()},
-                                  {"run", row.run}});
-        shown.add({c.id, c.section, c.states, value, j.verdict, j.renderer});
-        report.add({c.id, c.section, c.states, c.rule, value, j.verdict, why, j.renderer});
+    nlohmann::ordered_json json = {{"format", "radiafit-claims"}, {"version", 2}, {"profile", profile}};
+    Table shown({"claim", "the paper states", "measured at the paper's scale", "verdict", "renderer",
+                 profile + " profile", "by the rule"});
+    std::string sections;
+    for (const Claim& claim : claims()) {
+        std::vector<Finding> findings = findings_of(claim, judged_profile, roots);
+        const std::vector<Finding> smaller =
+            profile == judged_profile ? std::vector<Finding>() : findings_of(claim, profile, std::span(roots, 1));
+        for (size_t i = 0; i < std::max(findings.size(), smaller.size()); ++i) {
+            const Finding* paper = i < findings.size() ? &findings[i] : nullptr;
+            const Finding* beside = i < smaller.size() ? &smaller[i] : nullptr;
+            const auto text = [](const Finding* f) { return f ? values_text(f->judgement) : ""; };
+            shown.add({claim.id, claim.states, text(paper), paper ? paper->verdict() : "",
+                       paper ? paper->judgement.renderer : beside->judgement.renderer, text(beside),
+                       beside ? (beside->judgement.not_run.empty() ? beside->by_the_rule() : "not run") : ""});
+        }
+        findings.insert(findings.end(), smaller.begin(), smaller.end());
+        for (const Finding& f : findings) json["claims"].push_back(json_of(f));
+        sections += "\n" + section_of(claim, findings);
     }
     fs::create_directories(results);
     write_file(results / "claims.json", json.dump(2) + "\n");
-    write_file(experiment.figures() / "claims.md",
-               fmt::format("Claims of the paper, {} profile, {}\n\n{}", experiment.profile(), utc_now().substr(0, 10),
-                           report.markdown()));
+    write_file(
+        experiment.figures() / "claims.md",
+        fmt::format(
+            "# The paper's claims\n\nJudged at the paper's scale; {}, {} profile. A figure's interval of 95 % lies "
+            "within what the rule asks for (holds), apart from it (does not hold) or across its edge "
+            "(undecided).\n\n{}{}",
+            utc_now().substr(0, 10), profile, shown.markdown(), sections));
     log_info("the paper's claims, as measured here\n" + shown.text());
     log_info(fmt::format("verdicts: {} and {}", (results / "claims.json").string(),
                          (experiment.figures() / "claims.md").string()));

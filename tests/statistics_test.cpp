@@ -64,5 +64,66 @@ TEST(Statistics, AnIntervalHoldsTheTruthAsOftenAsItSays) {
     EXPECT_LE(missed, 12);
 }
 
+double normal(Rng& rng) { return std::sqrt(-2 * std::log(1 - rng.uniform())) * std::cos(6.2831853 * rng.uniform()); }
+
+TEST(Statistics, TheMediansIntervalIsBetweenOrderStatistics) {
+    EXPECT_FALSE(median_interval({1, 2, 3, 4, 5}, 5)) << "1 to 5 holds it in 15 of 16 draws";
+    const auto six = median_interval({6, 1, 5, 2, 4, 3}, 6);
+    ASSERT_TRUE(six);
+    EXPECT_EQ(six->low, 1);
+    EXPECT_EQ(six->high, 6);
+    const auto nine = median_interval({9, 8, 7, 6, 5, 4, 3, 2, 1}, 9);
+    ASSERT_TRUE(nine);
+    EXPECT_EQ(nine->low, 2);
+    EXPECT_EQ(nine->high, 8);
+    std::vector<double> many(30000);
+    for (size_t i = 0; i < many.size(); ++i) many[i] = double(i) / double(many.size() - 1);
+    const auto of_all = median_interval(many, many.size());
+    ASSERT_TRUE(of_all);
+    EXPECT_NEAR(of_all->high - 0.5, 1.96 * 0.5 / std::sqrt(30000.0), 1e-4);
+    EXPECT_NEAR(of_all->low + of_all->high, 1, 1e-9);
+    const auto thirds = median_interval(many, many.size() / 3);
+    ASSERT_TRUE(thirds);
+    EXPECT_NEAR(thirds->high - 0.5, 1.96 * 0.5 / std::sqrt(10000.0), 2e-4);
+}
+
+TEST(Statistics, WilsonsIntervalOfAShare) {
+    EXPECT_FALSE(share_interval(0, 0));
+    // Brown, Cai and DasGupta 2001: none of ten, z = 1.96, gives 0 to 0.278.
+    EXPECT_NEAR(share_interval(0, 10)->high, 0.2775, 1e-3);
+    EXPECT_EQ(share_interval(0, 10)->low, 0);
+    EXPECT_NEAR(share_interval(0.5, 100)->low, 0.4038, 1e-4);
+    EXPECT_NEAR(share_interval(0.5, 100)->high, 0.5962, 1e-4);
+}
+
+TEST(Statistics, StudentsIntervalOfAMean) {
+    EXPECT_FALSE(mean_interval({1}));
+    // Mean 2, standard deviation 1: 4.303 / sqrt(3) to either side.
+    EXPECT_NEAR(mean_interval({1, 2, 3})->low, 2 - 2.4843, 1e-3);
+    EXPECT_NEAR(mean_interval({1, 2, 3})->high, 2 + 2.4843, 1e-3);
+}
+
+// Of 2000 samples each, about 100 intervals may leave out the truth.
+TEST(Statistics, Of95PercentIntervals95PercentHoldTheTruth) {
+    Rng rng(11);
+    int median_missed = 0, mean_missed = 0, share_missed = 0;
+    const auto misses = [](const std::optional<Interval>& i, double truth) {
+        return i->low > truth || i->high < truth;
+    };
+    for (int trial = 0; trial < 2000; ++trial) {
+        std::vector<double> values(9);
+        for (double& x : values) x = normal(rng);
+        median_missed += misses(median_interval(values, 9), 0);
+        values.resize(3);
+        mean_missed += misses(mean_interval(values), 0);
+        int hits = 0;
+        for (int i = 0; i < 60; ++i) hits += rng.uniform() < 0.3;
+        share_missed += misses(share_interval(hits / 60.0, 60), 0.3);
+    }
+    EXPECT_LT(median_missed, 110);
+    EXPECT_NEAR(mean_missed, 100, 35);
+    EXPECT_NEAR(share_missed, 100, 40);
+}
+
 }  // namespace
 }  // namespace radiafit

@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,5 +19,18 @@ struct Interval {
 /// Where the ratio of two medians lies, with this confidence: the percentile bootstrap (Efron 1979), both sides drawn
 /// anew 2,000 times, by a fixed seed. Neither side empty; all of `below` above 0.
 Interval ratio_of_medians(const std::vector<double>& above, const std::vector<double>& below, double confidence = 0.99);
+
+// 95 % intervals.
+
+/// Of the median of a distribution, by order statistics, whatever its shape (David and Nagaraja 2003, section 7.1): the
+/// values whose ranks the median lies between in at least 95 % of the draws. `independent`: how many of the values are
+/// independent of each other, at most all. None for fewer than six.
+std::optional<Interval> median_interval(std::vector<double> values, size_t independent);
+
+/// Of a share that was found among so many: Wilson's (1927). None for none.
+std::optional<Interval> share_interval(double share, size_t count);
+
+/// Of the mean of normally distributed values: Student's. None for fewer than two.
+std::optional<Interval> mean_interval(const std::vector<double>& values);
 
 }  // namespace radiafit

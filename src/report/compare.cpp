@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "report/csv.h"
+#include "report/row_files.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -31,7 +32,8 @@ std::string shown(const Key& key) {
 /// The rows of one file of a run by their keys.
 class Rows {
 public:
-    Rows(const fs::path& file, const std::string& experiment, const TableRules& rules) : file_(file), table_(file) {
+    Rows(const fs::path& file, const std::string& experiment, const TableRules& rules)
+        : file_(file), table_(read_rows(file.parent_path(), file.filename().string())) {
         std::set<std::string> seen;
         bool repeated = false;
         for (const std::string& column : table_.header()) {
@@ -238,8 +240,8 @@ private:
 
 std::set<std::string> files_of(const RunRecord& run) {
     std::set<std::string> names;
-    for (const fs::directory_entry& entry : fs::directory_iterator(run.folder))
-        if (entry.path().extension() == ".csv") names.insert(entry.path().filename().string());
+    for (const std::string& name : run_files(run.folder))
+        if (name.ends_with(".csv")) names.insert(name);
     return names;
 }
 
@@ -247,7 +249,7 @@ std::set<std::string> files_of(const RunRecord& run) {
 std::vector<Rows> rows_of(const std::vector<RunRecord>& runs, const std::string& name, const TableRules& rules) {
     std::vector<Rows> rows;
     for (const RunRecord& run : runs)
-        if (fs::exists(run.folder / name)) rows.emplace_back(run.folder / name, run.experiment, rules);
+        if (has_run_file(run.folder, name)) rows.emplace_back(run.folder / name, run.experiment, rules);
     return rows;
 }
 

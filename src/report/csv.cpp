@@ -95,8 +95,9 @@ void CsvWriter::write(const std::vector<std::string>& fields) {
 
 void CsvWriter::commit() { file_.commit(); }
 
-CsvTable::CsvTable(std::filesystem::path path) : path_(std::move(path)) {
-    std::string text = read_file(path_, "file of rows");
+CsvTable::CsvTable(std::filesystem::path path) : CsvTable(path, read_file(path, "file of rows")) {}
+
+CsvTable::CsvTable(std::filesystem::path path, std::string text) : path_(std::move(path)) {
     if (text.empty()) throw UserError(fmt::format("{}: empty; remake it", path_.string()));
     if (!text.ends_with('\n'))
         throw UserError(fmt::format("{}: no line break behind the last row, so it may have been cut; remake the file",

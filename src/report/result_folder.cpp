@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
+#include "report/row_files.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -50,6 +51,7 @@ void ResultFolder::commit() {
     Record record = record_;
     record.more.emplace_back("wall_s", fmt::format("{:.3f}", record.watch.wall_s()));
     record.more.emplace_back("cpu_s", fmt::format("{:.3f}", record.watch.cpu_s()));
+    record.more.emplace_back("files", file_list_json(folder_->path()));
     write_file(folder_->path() / "run.json", record_json(record));
     folder_->commit();
     committed_ = true;

@@ -28,7 +28,7 @@ public:
     const std::filesystem::path& path() const;
     /// What run.json will hold, for facts known only later (GL strings, peaks).
     Record& record() { return record_; }
-    /// Adds "wall_s" and "cpu_s" since the record was made to run.json.
+    /// Adds "wall_s" and "cpu_s" since the record was made to run.json, and "files": what each was written with.
     void commit();
 
 private:

@@ -1,5 +1,3 @@
-#include "claim_rules.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "claim_rules.h"
 #include "experiment.h"
 #include "gl/context.h"
 

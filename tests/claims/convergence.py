@@ -1,0 +1,2 @@
+"""Rules of experiments/claims/convergence.cpp."""
+from claims.fixture import GPU, LLVMPIPE, ClaimsTest
