@@ -450,7 +450,7 @@ void Departures::write() {
     log_info(table.text());
     const std::string title =
         fmt::format("What mends of the paper's text are worth: {} and {}, {} scale; {}; {}", o_.dataset, o_.reflectance,
-                    experiment_.profile(), experiment_.cpu_model(), culling_.front()[2]);
+                    experiment_.profile(), experiment_.cpu_device(), culling_.front()[2]);
     write_file(experiment_.figures() / "departures.md",
                fmt::format("# {}\n\nEvery row leaves out one mend; docs/paper.md numbers and explains them. lambda = "
                            "{:g}.\n\n{}\n{}\n{}",

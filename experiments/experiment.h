@@ -42,10 +42,10 @@ public:
     void draw(const ResultFolder& results, const std::string& caption) const;
     const std::filesystem::path& root() const { return root_; }  ///< the checkout
     std::filesystem::path figures() const { return root_ / "paper_figs"; }
-    /// "cpu, 2 threads": what stands beside every figure.
+    /// "cpu, 2 threads": in rows, the renderer of a figure that the CPU made.
     std::string cpu_name() const;
-    /// The processor's model name, or "unknown".
-    const std::string& cpu_model() const { return record_.cpu; }
+    /// "AMD EPYC 7763, 2 threads": in captions, and for the folder of results that no OpenGL made.
+    std::string cpu_device() const;
 
 private:
     /// The record names it, once.

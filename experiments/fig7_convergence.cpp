@@ -189,7 +189,7 @@ std::vector<std::string> summary_row(const Dataset& dataset, const Options& o, c
 
 void fig7(Experiment& experiment) {
     const Options o(experiment.config());
-    ResultFolder results = experiment.open_results(experiment.cpu_name());
+    ResultFolder results = experiment.open_results(experiment.cpu_device());
     CsvWriter summary(
         results.path() / "summary.csv",
         {"dataset", "problems", "ratio_quartile1", "ratio_median", "ratio_quartile3", "cg_median_iterations",

@@ -336,7 +336,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
     }
     std::ranges::stable_sort(table, {}, [](const Summary& s) { return s.to_modern.all; });
 
-    ResultFolder results = experiment.open_results(experiment.cpu_name());
+    ResultFolder results = experiment.open_results(experiment.cpu_device());
     CsvWriter rows(results.path() / "solvers.csv",
                    {"solver", "setting", "threads", "vertices", "problems", "reached_share", "seconds_to_101",
                     "seconds_to_101_least", "seconds_to_101_most", "times_cg_modern", "times_cg_modern_median",
@@ -373,7 +373,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
                     ceres->contestant->setting, ceres->to_varpro.all, ceres->to_varpro.median, ceres->to_modern.all,
                     ceres->to_modern.median));
     experiment.draw(results, fmt::format("{} ({} scale), {} vertices, three problems each; {}, one thread", o.dataset,
-                                         experiment.profile(), vertices.size(), experiment.cpu_model()));
+                                         experiment.profile(), vertices.size(), experiment.cpu_device()));
 }
 
 void compare_solvers(Experiment& experiment) {

@@ -102,7 +102,7 @@ void stopping(Experiment& experiment) {
     const Dataset dataset = experiment.dataset(o.dataset);
     const TriangleAtlas atlas(dataset.mesh, o.model.surface_side);
     const SharedSamples samples = distribute(dataset, atlas, request_of(o, "cg"));
-    ResultFolder results = experiment.open_results(experiment.cpu_name());
+    ResultFolder results = experiment.open_results(experiment.cpu_device());
 
     // As in fig7_convergence: the least of both optimizers without thresholds, and of ours.
     std::vector<double> best(3 * dataset.mesh.vertex_count(), HUGE_VAL);

@@ -112,7 +112,7 @@ void table1(Experiment& experiment) {
     request.model.view_side = o.view_side;
     request.model.terms = o.terms;
     request.check();
-    ResultFolder results = experiment.open_results(experiment.cpu_name());
+    ResultFolder results = experiment.open_results(experiment.cpu_device());
     CsvWriter rows(results.path() / "datasets.csv",
                    {"dataset", "triangles", "vertices", "images", "held_out", "image_bytes", "parameters",
                     "parameter_texels", "problems", "samples", "covered_pixels", "kept_share",
