@@ -94,7 +94,9 @@ void Experiment::draw(const ResultFolder& results, const std::string& caption) c
 }
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
-std::string Experiment::cpu_device() const { return fmt::format("{}, {} threads", record_.cpu, thread_count()); }
+std::string Experiment::cpu_device() const {
+    return fmt::format("{}, {} thread{}", record_.cpu, thread_count(), thread_count() == 1 ? "" : "s");
+}
 
 void read_option(Config& config, FitRequest& request, const std::string& name) {
     std::string text = request.text(name);

@@ -372,7 +372,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
                     "{:.1f} times as long as cg modern ({:.1f})",
                     ceres->contestant->setting, ceres->to_varpro.all, ceres->to_varpro.median, ceres->to_modern.all,
                     ceres->to_modern.median));
-    experiment.draw(results, fmt::format("{} ({} scale), {} vertices, three problems each; {}, one thread", o.dataset,
+    experiment.draw(results, fmt::format("{} ({} scale), {} vertices, three problems each; {}", o.dataset,
                                          experiment.profile(), vertices.size(), experiment.cpu_device()));
 }
 
