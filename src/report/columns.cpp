@@ -54,12 +54,12 @@ const std::vector<TableRules>& all_rules() {
 
         {"departures",
          "fits.csv",
-         {keys("departure problem optimizer numbers"), told("without renderer"), exact("iterations problems"),
+         {keys("departure without problem optimizer numbers"), told("renderer"), exact("iterations problems"),
           shares("arrived_share stalled_share not_finite_share"), iterations("iterations_median"),
           errors("error error_ratio ape"), decibels("psnr_db held_psnr_db")}},
         {"departures",
          "culling.csv",
-         {keys("departure"), told("without renderer"), exact("images same_parameters"),
+         {keys("departure without"), told("renderer"), exact("images same_parameters"),
           exact("fragments operations reads"), ratios("operations_ratio reads_ratio")}},
 
         {"fig8_time",
