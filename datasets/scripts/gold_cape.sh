@@ -1,6 +1,6 @@
 #!/bin/sh
 # The Mold gold cape from photographs to a judged light field map: the figures and the picture of the README.
-# Usage: gold_cape.sh [--select] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+# Usage: gold_cape.sh [--select | --pack-only] [OUTPUT]     OUTPUT: a folder, default datasets/packed
 #   --select    chooses terms and weights anew, on every eighth training photograph (takes long); otherwise the choice
 #               made so earlier is used. The held-out photographs have no part in it.
 # Source: github.com/vork/moldGoldCape, commit c7ef1f0f2a7c2ec5ea7fa3fb43a01ed56fc5216b, undistorted by COLMAP, the museum's
@@ -9,8 +9,11 @@
 # The capture is looked for in $RADIAFIT_CAPTURES/mold_gold_cape (default ../shared/data).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
-select=0
-[ "${1:-}" = --select ] && select=1 && shift
+select=0 only_pack=
+case ${1:-} in
+--select) select=1 && shift ;;
+--pack-only) only_pack=yes && shift ;;
+esac
 out=${1:-$root/datasets/packed}
 capture=$("$root/datasets/scripts/find_capture.sh" mold_gold_cape)
 radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
@@ -50,6 +53,7 @@ if [ $select = 1 ]; then
 fi
 
 import "$capture/sparse" "$out/cape"
+[ -z "$only_pack" ] || exit 0
 "$radiafit" fit "$out/cape" --terms 1 --lambda-surface $surface --lambda-view $view -o "$out/cape-fit1"
 "$radiafit" judge "$out/cape-fit1"
 "$radiafit" fit "$out/cape" --terms $terms --lambda-surface $surface --lambda-view $view -o "$out/cape-fit"

@@ -52,6 +52,14 @@ const std::vector<TableRules>& all_rules() {
         {"fig7_convergence", "*_ratio.csv", {told("ratio share_below")}},  // *_problems.csv, sorted
         {"fig7_convergence", "*_methods.csv", {keys("iteration"), shares("*")}},
 
+        {"captures",
+         "captures.csv",
+         {keys("capture split method"), exact("training held_out outside"),
+          decibels("psnr_db mean_image_psnr_db psnr_inside_db psnr_outside_db"), errors("ape"), times("seconds")}},
+        {"captures",
+         "images.csv",
+         {keys("capture split method image"), exact("pixels degrees_outside"), decibels("psnr_db"), errors("ape")}},
+
         {"departures",
          "fits.csv",
          {keys("departure without problem optimizer numbers"), told("renderer"), exact("iterations problems"),

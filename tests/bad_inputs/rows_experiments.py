@@ -136,7 +136,7 @@ rows += [
     (run("fig9_error", "--set =3"), None, 2, "--set =3: write it as key=value"),
     (run("fig9_error", "--threads -1"), None, 2, "threads = -1: choose a whole number from 0 to 1024"),
     (run("fig9_error", "--threads many"), None, 2, "threads = 'many': choose a whole number from 0 to 1024"),
-    ("fig9_error", None, 2, "fig9_error: ", "--config is required"),
+    ("fig9_error", None, 2, "fig9_error: experiments/fig9_error.toml: ", "lies in a checkout"),
     ("fig9_error --config ''", None, 2, "config = '': give a name"),
     ("fig9_error --config experiments/none.toml", None, 2, "experiments/none.toml: no such configuration file"),
     ("fig9_error --config experiments/fig9_error.toml --profile huge", None, 2, f"{toml}: no profile 'huge'; choose one of: "),
