@@ -47,10 +47,10 @@ class ProgramTest(unittest.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.root)
 
     @classmethod
-    def run_program(cls, *arguments, environment=None, program=None, preexec_fn=None):
+    def run_program(cls, *arguments, environment=None, program=None, preexec_fn=None, cwd=None):
         return subprocess.run(
             [str(program or cls.program), *map(str, arguments)],
-            cwd=cls.root,
+            cwd=cwd or cls.root,
             env={**os.environ, **(environment or {})},
             stdin=subprocess.DEVNULL,
             capture_output=True,
