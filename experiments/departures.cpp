@@ -397,7 +397,7 @@ void Departures::reflectance() {
 }
 
 void Departures::write() {
-    ResultFolder results = experiment_.open_results(rows_.back().renderer);
+    ResultFolder results = experiment_.open_results(culling_.front()[2]);
     CsvWriter csv(results.path() / "fits.csv",
                   {"departure", "without", "problem", "optimizer", "numbers", "renderer", "iterations", "problems",
                    "arrived_share", "iterations_median", "stalled_share", "not_finite_share", "error", "error_ratio",
