@@ -144,6 +144,7 @@ def write_runs(out):
 
 # A fixture that a fit was made from must stand beside it.
 NEEDS = {
+    CONFIGS: ["paper_figs"],
     "fit": ["tiny"], "wholefit": ["whole"], "flatfit": ["flat"], "orbfit": ["orb"], "records": ["tiny"], "texrecords": ["flat"],
 }  # fmt: skip
 
@@ -169,6 +170,7 @@ def make(run, root, source):
     (root / CONFIGS).mkdir()
     for config in (source / "experiments").glob("*.toml"):
         shutil.copy(config, root / CONFIGS)
+    (root / "paper_figs").mkdir()  # both make a checkout
 
 
 def closure(names):

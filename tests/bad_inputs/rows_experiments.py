@@ -5,7 +5,7 @@ from bad_inputs.damage import append, folder, remove, replace, write
 
 rows = []
 NAMES = ("table1_datasets", "fig7_convergence", "fig8_time", "fig9_error", "fig10_utilization", "precision", "reflectance", "scaling",
-         "solvers", "stopping", "streaming", "departures", "claims")  # fmt: skip
+         "solvers", "stopping", "streaming", "departures", "captures", "claims")  # fmt: skip
 
 
 def run(name, more=""):
@@ -117,6 +117,9 @@ refuse("stopping", "levels", [["one"], 5], "'levels' must be a list of finite nu
 refuse("stopping", "cap", [10], "'cap' needs at least `iterations`")
 refuse("table1_datasets", "terms", [0, 17], "terms = ", "choose a whole number from 1 to 16")
 refuse("table1_datasets", "surface_side", [1, 65], "surface_side = ", "choose a whole number from 2 to 64")
+refuse("captures", "every", [1, 0], "every = ", "choose a whole number from 2 to 1000")
+refuse("captures", "models", [["gloss"]], "model 'gloss' does not exist")
+refuse("captures", "terms", [[0], [17]], "terms = ", "choose a whole number from 1 to 16")
 refuse("claims", "results", ['""'], "results = '': name the folder that the runs lie in")
 
 # What is wrong in the file itself is said with its line, in any profile.
@@ -142,5 +145,7 @@ rows += [
     ("fig9_error --config experiments/fig9_error.toml --profile huge", None, 2, f"{toml}: no profile 'huge'; choose one of: "),
     (run("fig9_error", "--sett terms=3"), None, 2, "option '--sett' does not exist", "nearest is --set"),
     (run("fig9_error"), append(toml, "\nbroken = \n"), 2, f"{toml}:"),
+    (run("claims", "--set results=elsewhere"), None, 2, "say by --output where the verdicts go"),
+    (run("fig9_error", "--run nowhere"), None, 2, "nowhere/run.json: no such "),
     (run("fig9_error", "extra"), None, 2, "'extra' is one argument too many"),
 ]
