@@ -389,9 +389,9 @@ void scaling(Experiment& experiment) {
     summary.add_slopes("seconds over texels", times, "texels", &Contestant::texels);
     add_ratios(times, summary);
     summary.commit();
-    results.commit();
-    experiment.draw(results, fmt::format("{} ({} scale), {} rounds; OpenGL: {}; CPU: {}", dataset.name,
-                                         experiment.profile(), o.rounds, context->renderer(), experiment.cpu_device()));
+    experiment.finish(results,
+                      fmt::format("{} ({} scale), {} rounds; OpenGL: {}; CPU: {}", dataset.name, experiment.profile(),
+                                  o.rounds, context->renderer(), experiment.cpu_device()));
 }
 
 }  // namespace

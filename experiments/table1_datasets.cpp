@@ -227,11 +227,10 @@ void table1(Experiment& experiment) {
         write_photograph(dataset, results.path() / (dataset.name + ".png"));
     }
     rows.commit();
-    results.commit();
     const std::string title = fmt::format("Table 1, stand-ins at {} scale", experiment.profile());
     log_info(title + "\n" + table.text());
     write_file(
-        experiment.figures() / "table1_datasets.md",
+        results.path() / "table1_datasets.md",
         fmt::format(
             "# {}\n\nIn brackets: what the paper states of its own captures, which are not public. "
             "Surface maps of side {} ({} texels; "
@@ -241,9 +240,8 @@ void table1(Experiment& experiment) {
             "images and samples left out.\n\n{}",
             title, o.surface_side, o.surface_side * (o.surface_side + 1) / 2, o.view_side, o.view_side, o.terms,
             table.markdown()));
-    log_info(fmt::format("table: {}", (experiment.figures() / "table1_datasets.md").string()));
-    experiment.draw(results,
-                    fmt::format("Synthetic stand-ins ({} scale) for the paper's captures", experiment.profile()));
+    experiment.finish(results,
+                      fmt::format("Synthetic stand-ins ({} scale) for the paper's captures", experiment.profile()));
 }
 
 }  // namespace
