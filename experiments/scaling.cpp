@@ -2,6 +2,7 @@
 // of the fragment engine over parameters; seconds of an iteration over radiance samples and over texels of the surface;
 // and what it costs to find every texel's pixel again in each sweep over the images.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -87,6 +88,7 @@ Memory memory_of(const Dataset& dataset, const VertexRings& rings, const FitRequ
     m.planned = total_bytes(plan(dataset, request).memory);
     m.paper_layout = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
                                               request.model.surface_side, request.model.view_side));
+    malloc_trim(0);  // what earlier engines left is given back first, or this one would take it unseen
     const uint64_t held_before = held_bytes();
     const int64_t resident_before = resident_bytes();
     const FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),

@@ -1,5 +1,5 @@
-# Bytes over parameters; seconds of an iteration over samples and over texels, every repetition a point; and what it costs
-# to distribute pixels in every sweep. All but the last logarithmic, with a guide of slope 1.
+# Bytes over parameters; seconds of an iteration over samples and over texels, every repetition a point, medians joined;
+# and what it costs to distribute pixels for every iteration. All but the last logarithmic, with a guide of slope 1.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 if (terminal eq 'svg') {
@@ -24,7 +24,8 @@ set logscale xy
 set format x '%.0s%c'
 set format y '%g'
 
-set title 'memory of the OpenGL engine, sides of maps from 8 to 32 (Section 6.3)'
+stats memory using 4 every ::1 nooutput name 'side'
+set title sprintf('memory of the OpenGL engine, maps of side %d to %d (Section 6.3)', side_min, side_max)
 set xlabel 'parameters N' offset 0,0.4
 set ylabel 'MB' offset 1
 set key bottom right samplen 3
@@ -44,6 +45,8 @@ plot for [i=1:4] memory using (kind(strcol(3), strcol(2)) eq word(kinds, i) ? $7
      [parameters_min:parameters_max] x * megabytes_min / parameters_min * 0.6 with lines lw 1 dt 3 lc rgb 'black' title 'guide: slope 1', \
      [parameters_min:parameters_max] 142 with lines lw 1 dt 4 lc rgb '#009e73' title "142 MB, the paper's star"
 
+# Medians over repetitions by size, a column of time.csv.
+medians(part, engine, size) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" {print $%d, $10}' '%s' | sort -g -k 1,1 -k 2,2 | awk 'n && $1 != x {print x \",\" y[int((n + 1) / 2)]; n = 0} {x = $1; y[++n] = $2} END {print x \",\" y[int((n + 1) / 2)]}'", part, engine, size, times)
 engines = '"fragment paper" "fragment combined" "cpu"'
 names = '"OpenGL, the paper''s passes" "OpenGL, combined passes" "CPU, samples in memory"'
 of_engine(i) = color[i == 1 ? 1 : i == 2 ? 3 : 2]
@@ -53,10 +56,11 @@ set ylabel 'seconds per iteration' offset 1
 set key top left Left reverse
 set title 'time over samples: more images of one dataset (Section 3.2)'
 set xlabel 'radiance samples S' offset 0,0.4
+set autoscale
 stats times using (strcol(1) eq part ? $10 : NaN) every ::1 nooutput name 'seconds'
 stats times using (strcol(1) eq part ? $7 : NaN) every ::1 nooutput name 'size'
-set yrange [seconds_min / 2:seconds_max * 40]  # room for the key
-plot for [i=1:3] times using (is(i) ? $7 : NaN):10 every ::1 smooth unique with lines lw 2 lc rgb of_engine(i) \
+set yrange [seconds_min / 2:seconds_max * (seconds_max / seconds_min) ** 0.45]  # room for the key
+plot for [i=1:3] medians(part, word(engines, i), 7) using 1:2 with lines lw 2 lc rgb of_engine(i) \
          title sprintf('%s: slope %s', word(names, i), slope('seconds over samples', word(engines, i))), \
      for [i=1:3] times using (is(i) ? $7 : NaN):10 every ::1 with points pt 7 ps 0.5 lc rgb of_engine(i) notitle, \
      [size_min:size_max] x * seconds_min / size_min * 4 with lines lw 1 dt 3 lc rgb 'black' title 'guide: slope 1'
@@ -64,10 +68,11 @@ plot for [i=1:3] times using (is(i) ? $7 : NaN):10 every ::1 smooth unique with 
 part = 'texels'
 set title 'time over texels of the surface: the same images, finer maps (Section 6.6)'
 set xlabel 'texels in surface location space' offset 0,0.4
+set autoscale
 stats times using (strcol(1) eq part ? $10 : NaN) every ::1 nooutput name 'seconds'
 stats times using (strcol(1) eq part ? $6 : NaN) every ::1 nooutput name 'size'
-set yrange [seconds_min / 2:seconds_max * 40]
-plot for [i=1:3] times using (is(i) ? $6 : NaN):10 every ::1 smooth unique with lines lw 2 lc rgb of_engine(i) \
+set yrange [seconds_min / 2:seconds_max * (seconds_max / seconds_min) ** 0.45]
+plot for [i=1:3] medians(part, word(engines, i), 6) using 1:2 with lines lw 2 lc rgb of_engine(i) \
          title sprintf('%s: slope %s', word(names, i), slope('seconds over texels', word(engines, i))), \
      for [i=1:3] times using (is(i) ? $6 : NaN):10 every ::1 with points pt 7 ps 0.5 lc rgb of_engine(i) notitle, \
      [size_min:size_max] x * seconds_min / size_min * 4 with lines lw 1 dt 3 lc rgb 'black' title 'guide: slope 1'
@@ -80,8 +85,10 @@ unset ylabel
 unset key
 set format x '%g'
 set style fill solid noborder
+set autoscale
+stats summary using (strcol(1) eq of ? $5 : NaN) every ::1 nooutput name 'ratio'
+set xrange [0:ratio_max * 1.2]
 set yrange [1.7:-0.7]
-set xrange [0:*]
 set ytics scale 0
 set arrow 1 from 1.1, graph 0 to 1.1, graph 1 nohead dt 2 lc rgb 'black'
 set label 1 'at most 1.1: "almost no extra cost"' at 1.1, graph 0.5 offset 0.6,0

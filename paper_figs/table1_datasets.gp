@@ -19,8 +19,8 @@ do for [i=1:n] {
     name = word(names, i)
     set lmargin at screen left(i)
     set rmargin at screen right(i)
-    set tmargin at screen 0.80
-    set bmargin at screen 0.46
+    set tmargin at screen 0.82
+    set bmargin at screen 0.48
     unset border
     unset tics
     unset key
@@ -37,21 +37,22 @@ do for [i=1:n] {
     file = rows . '/' . name . '_samples_per_texel.csv'
     stats file using 2 every ::1 nooutput name 'texels'
     set size noratio
-    set tmargin at screen 0.38
+    set tmargin at screen 0.365
     set bmargin at screen 0.09
     set border 3
-    set tics nomirror
+    set xtics nomirror
+    set ytics nomirror
     set grid lc rgb '#dddddd'
-    set title sprintf("median %g samples; %.1f %% of texels have none\n%.2f texels per covered pixel, %.0f %% of the pixels kept", middle, \
-        100 * field(name, 'without_samples_share'), field(name, 'texels_per_pixel'), 100 * field(name, 'kept_share'))
+    set title sprintf("%.2f texels per covered pixel; %.0f %% of\nthe pixels are taken; a texel gets %g samples\n(median), and %.1f %% of them get none", \
+        field(name, 'texels_per_pixel'), 100 * field(name, 'kept_share'), middle, 100 * field(name, 'without_samples_share'))
     set xlabel 'samples of a texel'
-    if (i == 1) { set ylabel 'share of texels with at most so many, %' offset 1 }
-    set xrange [0:3 * middle]
+    if (i == 1) { set ylabel 'texels with at most so many, %' offset 1 }
+    set xrange [0:(middle < 10 ? 30 : 3 * middle)]
     set yrange [0:100]
     set arrow from 10,0 to 10,100 nohead dt 2 lc rgb '#d55e00'
     set label '10' at 10,100 offset 0.4,-0.6 tc rgb '#d55e00'
     set arrow from 0,50 to middle,50 nohead dt 3 lc rgb '#888888'
     set arrow from middle,0 to middle,50 nohead dt 3 lc rgb '#888888'
-    plot file using 1:(100 * $2 / texels_sum) every ::1 smooth cumulative with lines lw 2 lc rgb '#0072b2'
+    plot file using 1:(100 * $2 / texels_sum) every ::1 smooth cumulative with steps lw 2 lc rgb '#0072b2'
 }
 unset multiplot
