@@ -1,198 +1,399 @@
-// Memory and time against the size of the problem: bytes of the fragment engine over parameters, planned and allocated,
-// beside Section 6.3's accounting; seconds of an iteration over radiance samples (claims C14 and C18).
+// Memory and time against the size of the problem (Sections 3.2, 4.3, 6.3 and 6.6; claims C13, C14, C15 and C18): bytes
+// of the fragment engine over parameters; seconds of an iteration over radiance samples and over texels of the surface;
+// and what it costs to find every texel's pixel again in each sweep over the images.
 #include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "app/limits.h"
-#include "base/error.h"
+#include "base/clock.h"
 #include "base/log.h"
+#include "base/statistics.h"
+#include "cpu/lfm_engine.h"
 #include "experiment.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
+#include "gl/held_bytes.h"
+#include "model/lfm_start.h"
+#include "optim/conjugate_gradients.h"
 #include "report/csv.h"
 #include "report/table.h"
 
 namespace radiafit {
 namespace {
 
-constexpr Range<int> image_counts{1, limits::images.upper};
-
 struct Options {
     std::string dataset = "star";
-    std::vector<int> sides = {16, 20, 24, 32}, images = {22, 44, 87};
-    int time_side = 8, iterations = 3, rounds = 3, repeat_cpu = 1, repeat_paper = 1, repeat_combined = 1;
+    std::vector<int> sides = {8, 12, 16, 24, 32}, images = {5, 10, 20, 40, 87};
+    int side = 8, texel_images = 5, distribution_images = 20, rounds = 9, cpu_iterations = 10;
     double lambda = 1e-3;
 
     explicit Options(Config& c) {
         c.read("dataset", dataset, check_light_field_shape);
         c.read("sides", sides, limits::map_side);
-        c.read("images", images, image_counts);
-        c.read("time_side", time_side, limits::map_side);
-        c.read("iterations", iterations, limits::some_iterations);
+        c.read("side", side, limits::map_side);
+        c.read("images", images, limits::repetitions);
+        c.read("texel_images", texel_images, limits::repetitions);
+        c.read("distribution_images", distribution_images, limits::repetitions);
         c.read("rounds", rounds, limits::repetitions);
-        c.read("repeat_cpu", repeat_cpu, limits::repetitions);
-        c.read("repeat_paper", repeat_paper, limits::repetitions);
-        c.read("repeat_combined", repeat_combined, limits::repetitions);
+        c.read("cpu_iterations", cpu_iterations, limits::some_iterations);
         c.read("lambda", lambda, limits::weight);
         c.finish();
         if (sides.size() < 3) c.reject("sides", "a slope needs at least 3");
         if (images.size() < 3) c.reject("images", "a slope needs at least 3");
     }
-    /// The paper's conjugate gradients with surface and view maps of one side.
-    FitRequest request(int side) const {
+    void check(Config& c, const Dataset& opened) const {
+        const size_t training = opened.split(false).size();
+        const auto at_most = [&](const char* key, int count) {
+            if (size_t(count) > training)
+                c.reject(key, fmt::format("holds {}, but {} has {} training views", count, opened.name, training));
+        };
+        for (const int count : images) at_most("images", count);
+        at_most("texel_images", texel_images);
+        at_most("distribution_images", distribution_images);
+    }
+    /// The paper's conjugate gradients.
+    FitRequest request(int surface_side, int view_side) const {
         FitRequest r;
         r.set("mode", "paper");
-        r.model.surface_side = r.model.view_side = side;
+        r.model.surface_side = surface_side;
+        r.model.view_side = view_side;
         r.model.lambda_surface = r.model.lambda_view = float(lambda);
-        r.iterations = iterations;
         return r;
     }
 };
 
+// Memory.
+
 struct Memory {
     std::string passes, storage;
     int side;
-    uint64_t parameters = 0, planned = 0, allocated = 0, paper_layout = 0;
+    uint64_t parameters = 0, planned = 0, allocated = 0, told_by_gl = 0, paper_layout = 0;
+    std::optional<int64_t> process = {};  ///< by how much its resident memory grew, where OpenGL runs in it
 };
 
-Memory memory_of(const Dataset& dataset, const FitRequest& request) {
+/// Pages of this process that are in memory.
+int64_t resident_bytes() {
+    int64_t all = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> all >> resident;
+    return resident * sysconf(_SC_PAGESIZE);
+}
+
+Memory memory_of(const Dataset& dataset, const VertexRings& rings, const FitRequest& request) {
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
-    const VertexRings rings(dataset.mesh);
     Memory m{.passes = request.text("passes"), .storage = request.text("storage"), .side = request.model.surface_side};
     m.planned = total_bytes(plan(dataset, request).memory);
     m.paper_layout = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
                                               request.model.surface_side, request.model.view_side));
-    const auto context = Context::create(request.context);
+    malloc_trim(0);  // what earlier engines left is given back first, or this one would take it unseen
+    const uint64_t held_before = held_bytes();
+    const int64_t resident_before = resident_bytes();
     const FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),
                                 request.fragment_options());
-    m.parameters = engine.layout().parameter_count();
+    gl().Finish();
+    if (Context::current().software()) m.process = resident_bytes() - resident_before;
+    m.told_by_gl = held_bytes() - held_before;
     m.allocated = engine.bytes();
+    m.parameters = engine.layout().parameter_count();
     return m;
 }
 
-/// The fastest iteration of a fit: all do the same work, and what else the machine does only adds to it.
-double seconds_per_iteration(const Trace& trace) {
-    double least = 1e300;
-    for (size_t i = 1; i < trace.rows.size(); ++i)
-        least = std::min(least, trace.rows[i].time_s - trace.rows[i - 1].time_s);
-    return least;
+std::vector<Memory> memory_of_all(const Dataset& dataset, const VertexRings& rings, const Options& o) {
+    std::vector<Memory> memory;
+    for (const char* passes : {"paper", "combined"})
+        for (const char* storage : {"fp32", "fp16"})
+            for (const int side : o.sides) {
+                FitRequest request = o.request(side, side);
+                request.set("engine", "fragment");
+                request.set("source", "disk");  // images are not part of the engine's memory
+                request.set("passes", passes);
+                request.set("storage", storage);
+                memory.push_back(memory_of(dataset, rings, request));
+            }
+    return memory;
 }
 
-struct Time {
-    std::string engine, renderer;
-    size_t images;
-    uint64_t samples, parameters;
-    double seconds;
-};
+// Time.
 
-/// An engine and how often it takes each image.
+/// What is timed by turns with the others of its part.
 struct Contestant {
-    std::string name, engine, passes;
-    int repeat;
+    std::string part, engine, what;
+    int side;
+    size_t images;
+    uint64_t texels = 0, samples = 0, parameters = 0;
+    std::function<double()> measure = {};  ///< seconds of an iteration, or of distributing all images once
+    std::vector<double> seconds = {};      ///< [round]
+
+    std::string name() const { return what == iteration ? engine : engine + ", " + what; }
+    static constexpr const char *iteration = "iteration", *kept = "iteration, samples kept",
+                                *distribution = "distribution";
 };
 
-std::vector<Time> times_of(Experiment& experiment, const Dataset& dataset, const Options& o) {
-    const FitRequest defaults = o.request(o.time_side);
-    const TriangleAtlas atlas(dataset.mesh, o.time_side);
-    const Contestant contestants[] = {{"cpu", "cpu", defaults.text("passes"), o.repeat_cpu},
-                                      {"fragment paper", "fragment", "paper", o.repeat_paper},
-                                      {"fragment combined", "fragment", "combined", o.repeat_combined}};
-    const auto time_of = [&](const Contestant& c, int count) {
-        const std::vector<uint32_t> some = spread_views(dataset.split(false), count);
-        std::vector<uint32_t> views;
-        for (uint32_t view : some) views.insert(views.end(), size_t(c.repeat), view);
-        const SharedSamples once = distribute(dataset, atlas, defaults, some);
-        FitRequest request = defaults;
-        request.set("engine", c.engine);
-        request.set("passes", c.passes);
-        const FitOutcome out = solve(dataset, request, nullptr, {}, &views);
-        note_gl(out, experiment.record());
-        return Time{c.name,
-                    out.gl_renderer.empty() ? experiment.cpu_name() : out.gl_renderer,
-                    views.size(),
-                    uint64_t(c.repeat) * once.list.samples.size(),
-                    uint64_t(out.fit.parameters.size()) / 4 * 3,
-                    seconds_per_iteration(out.trace)};
-    };
-    std::vector<Time> times;
-    for (int round = 0; round < o.rounds; ++round) {  // what slows the machine for a while meets all sizes
-        size_t at = 0;
-        for (const Contestant& c : contestants)
-            for (int count : o.images) {
-                const Time time = time_of(c, count);
-                if (round == 0) times.push_back(time);
-                times[at].seconds = std::min(times[at].seconds, time.seconds);
-                ++at;
-            }
+const ConjugateGradients schedule({.rule = Rule::cg_paper});
+
+template <Engine E>
+void start(E& engine, const std::vector<float>& parameters) {
+    engine.reset(parameters);
+    engine.make_room(schedule.room());
+    schedule.judge(engine, 0);
+    engine.summary();  // waits
+}
+
+/// As optim/optimizer.h calls it.
+template <Engine E>
+double seconds_per_iteration(E& engine, int iterations) {
+    Stopwatch clock;
+    for (int i = 0; i < iterations; ++i) {
+        schedule.move(engine, 1);
+        schedule.judge(engine, 1);
     }
-    for (const Time& time : times)
-        log_info(fmt::format("{}, {} images: {:.4f} s per iteration", time.engine, time.images, time.seconds));
-    return times;
+    engine.summary();
+    return clock.wall_s() / iterations;
+}
+
+/// Makes contestants, which own their engines, over spread training views.
+class Contest {
+public:
+    Contest(const Dataset& dataset, const VertexRings& rings, const Options& o)
+        : dataset_(dataset), rings_(rings), o_(o) {}
+
+    void add_fragment(const std::string& part, const std::string& passes, int side, int images,
+                      std::optional<bool> keep_samples = {}) {
+        struct Held {
+            TriangleAtlas atlas;
+            std::unique_ptr<FragmentEngine> engine = {};
+        };
+        const auto held = std::make_shared<Held>(Held{TriangleAtlas(dataset_.mesh, side)});
+        FitRequest request = o_.request(side, o_.side);
+        request.set("passes", passes);
+        FragmentOptions options = request.fragment_options();
+        options.keep_on_device = keep_samples.has_value();  // so that no image streams, kept samples or not
+        options.keep_samples = keep_samples.value_or(false);
+        held->engine = std::make_unique<FragmentEngine>(dataset_, held->atlas, rings_, views(images),
+                                                        request.model_options(), options);
+        const ProblemStatistics statistics = held->engine->count();
+        start(*held->engine, lfm_start(held->engine->layout(), statistics.mean, request.seed));
+        Contestant& c = add(part, "fragment " + passes, options.keep_samples ? Contestant::kept : Contestant::iteration,
+                            side, images, held->engine->layout().parameter_count());
+        for (const uint32_t of_vertex : statistics.samples) c.samples += of_vertex;
+        c.samples /= 3;  // each is in three rings
+        c.measure = [held] { return seconds_per_iteration(*held->engine, 1); };
+    }
+
+    void add_cpu(const std::string& part, int side, int images) {
+        struct Held {
+            TriangleAtlas atlas;
+            SharedSamples samples;
+            std::unique_ptr<LfmProblem<float>> problem = {};
+            std::unique_ptr<StreamEngine<float>> engine = {};
+            std::vector<float> start = {};
+        };
+        const FitRequest request = o_.request(side, o_.side);
+        const auto held = std::make_shared<Held>(Held{TriangleAtlas(dataset_.mesh, side), {}});
+        held->samples = distribute(dataset_, held->atlas, request, views(images));
+        held->problem = std::make_unique<LfmProblem<float>>(dataset_, held->atlas, rings_, held->samples.list,
+                                                            request.model_options());
+        held->engine = std::make_unique<StreamEngine<float>>(*held->problem);
+        held->start = lfm_start(held->problem->layout(), held->engine->count().mean, request.seed);
+        Contestant& c =
+            add(part, "cpu", Contestant::iteration, side, images, held->problem->layout().parameter_count());
+        c.samples = held->samples.list.samples.size();
+        c.measure = [held, iterations = o_.cpu_iterations] {
+            start(*held->engine, held->start);  // again: a problem that has stopped would be skipped
+            return seconds_per_iteration(*held->engine, iterations);
+        };
+    }
+
+    void add_cpu_distribution(const std::string& part, int side, int images) {
+        const auto atlas = std::make_shared<TriangleAtlas>(dataset_.mesh, side);
+        const FitRequest request = o_.request(side, o_.side);
+        const auto once = [this, atlas, request, images] {
+            return distribute(dataset_, *atlas, request, views(images));
+        };
+        Contestant& c = add(part, "cpu", Contestant::distribution, side, images, 0);
+        c.samples = once().list.samples.size();
+        c.measure = [once] { return once().seconds; };
+    }
+
+    /// All by turns: what slows the machine for a while meets all of them.
+    std::vector<Contestant> run() {
+        Progress progress(contestants_.front().part + ", rounds", size_t(o_.rounds));
+        for (int round = 0; round < o_.rounds; ++round, progress.advance())
+            for (Contestant& c : contestants_) c.seconds.push_back(c.measure());
+        for (Contestant& c : contestants_) c.measure = {};  // lets go of its engine
+        return std::move(contestants_);
+    }
+
+private:
+    std::vector<uint32_t> views(int images) const { return spread_views(dataset_.split(false), images); }
+    Contestant& add(const std::string& part, const std::string& engine, const std::string& what, int side, int images,
+                    uint64_t parameters) {
+        const uint64_t texels = dataset_.mesh.triangle_count() * uint64_t(side) * uint64_t(side + 1) / 2;
+        return contestants_.emplace_back(Contestant{part, engine, what, side, size_t(images), texels, 0, parameters});
+    }
+
+    const Dataset& dataset_;
+    const VertexRings& rings_;
+    const Options& o_;
+    std::vector<Contestant> contestants_;
+};
+
+std::vector<Contestant> time_all(const Dataset& dataset, const VertexRings& rings, const Options& o) {
+    std::vector<Contestant> all;
+    const auto run = [&](const auto& fill) {
+        Contest contest(dataset, rings, o);
+        fill(contest);
+        std::ranges::move(contest.run(), std::back_inserter(all));
+    };
+    run([&](Contest& contest) {
+        for (const int images : o.images) {
+            contest.add_cpu("samples", o.side, images);
+            for (const char* passes : {"paper", "combined"}) contest.add_fragment("samples", passes, o.side, images);
+        }
+    });
+    run([&](Contest& contest) {
+        for (const int side : o.sides) {
+            contest.add_cpu("texels", side, o.texel_images);
+            for (const char* passes : {"paper", "combined"})
+                contest.add_fragment("texels", passes, side, o.texel_images);
+        }
+    });
+    run([&](Contest& contest) {
+        for (const bool keep : {false, true})
+            contest.add_fragment("distribution", "paper", o.side, o.distribution_images, keep);
+        contest.add_cpu("distribution", o.side, o.distribution_images);
+        contest.add_cpu_distribution("distribution", o.side, o.distribution_images);
+    });
+    return all;
+}
+
+// Rows.
+
+/// Medians over rounds, each with its interval of 95 % where there were enough.
+class Summary {
+public:
+    explicit Summary(const ResultFolder& results)
+        : rows_(results.path() / "summary.csv", {"of", "engine", "median", "low", "high"}) {}
+    void add(const std::string& of, const std::string& engine, double value, const std::optional<Interval>& interval) {
+        const auto number = [](double x) { return fmt::format("{:.4f}", x); };
+        const std::string low = interval ? number(interval->low) : "", high = interval ? number(interval->high) : "";
+        rows_.row({of, engine, number(value), low, high});
+        table_.add({of, engine, number(value), interval ? low + " to " + high : "too few rounds"});
+    }
+    void add(const std::string& of, const std::string& engine, const std::vector<double>& values) {
+        add(of, engine, median(values), median_interval(values, values.size()));
+    }
+    /// Slopes of log y over log x, one for each round.
+    void add_slopes(const std::string& of, const std::vector<Contestant>& all, const std::string& part,
+                    uint64_t Contestant::*x) {
+        std::map<std::string, std::vector<const Contestant*>> lines;
+        for (const Contestant& c : all)
+            if (c.part == part) lines[c.name()].push_back(&c);
+        for (const auto& [name, line] : lines) {
+            std::vector<double> slopes;
+            for (size_t round = 0; round < line.front()->seconds.size(); ++round) {
+                Points points;
+                for (const Contestant* c : line) points.emplace_back(double(c->*x), c->seconds[round]);
+                slopes.push_back(log_slope(points));
+            }
+            add(of, name, slopes);
+        }
+    }
+    void commit() {
+        rows_.commit();
+        log_info("slopes of logarithms, and ratios of times\n" + table_.text());
+    }
+
+private:
+    CsvWriter rows_;
+    Table table_{{"of", "engine", "median", "95 % interval"}};
+};
+
+void write_memory(const ResultFolder& results, const Dataset& dataset, const std::vector<Memory>& memory,
+                  Summary& summary) {
+    CsvWriter rows(results.path() / "memory.csv",
+                   {"engine", "storage", "passes", "side", "triangles", "vertices", "parameters", "planned_bytes",
+                    "allocated_bytes", "opengl_bytes", "process_bytes", "paper_layout_bytes"});
+    Table table({"engine", "side of maps", "parameters", "plan", "allocated", "OpenGL's own account",
+                 "growth of the process", "Section 6.3's accounting"});
+    const auto megabytes = [](double b) { return fmt::format("{:.2f} MB", b / 1e6); };
+    Lines bytes;
+    for (const Memory& m : memory) {
+        rows.row({"fragment", m.storage, m.passes, std::to_string(m.side),
+                  std::to_string(dataset.mesh.triangle_count()), std::to_string(dataset.mesh.vertex_count()),
+                  std::to_string(m.parameters), std::to_string(m.planned), std::to_string(m.allocated),
+                  std::to_string(m.told_by_gl), m.process ? std::to_string(*m.process) : "",
+                  std::to_string(m.paper_layout)});
+        const std::string name = fmt::format("fragment {} {}", m.passes, m.storage);
+        table.add({name, std::to_string(m.side), std::to_string(m.parameters), megabytes(double(m.planned)),
+                   megabytes(double(m.allocated)), megabytes(double(m.told_by_gl)),
+                   m.process ? megabytes(double(*m.process)) : "", megabytes(double(m.paper_layout))});
+        bytes[name].emplace_back(double(m.parameters), double(m.told_by_gl));
+    }
+    rows.commit();
+    log_info("memory, the same for either optimizer\n" + table.text());
+    for (const auto& [engine, points] : bytes) {
+        const double slope = log_slope(points);  // counted, so the same in every round
+        summary.add("bytes over parameters", engine, slope, Interval{slope, slope});
+    }
+}
+
+void write_times(const ResultFolder& results, const std::vector<Contestant>& times, const std::string& gl_renderer,
+                 const std::string& cpu) {
+    CsvWriter rows(results.path() / "time.csv", {"part", "engine", "what", "side", "images", "texels", "samples",
+                                                 "parameters", "repetition", "seconds", "renderer"});
+    for (const Contestant& c : times)
+        for (size_t round = 0; round < c.seconds.size(); ++round)
+            rows.row({c.part, c.engine, c.what, std::to_string(c.side), std::to_string(c.images),
+                      std::to_string(c.texels), std::to_string(c.samples), std::to_string(c.parameters),
+                      std::to_string(round), fmt::format("{:.6g}", c.seconds[round]),
+                      c.engine == "cpu" ? cpu : gl_renderer});
+    rows.commit();
+}
+
+/// What distribution costs, round by round: time with over time without.
+void add_ratios(const std::vector<Contestant>& times, Summary& summary) {
+    const auto of = [&](const std::string& engine, const std::string& what) -> const std::vector<double>& {
+        return std::ranges::find_if(times,
+                                    [&](const Contestant& c) {
+                                        return c.part == "distribution" && c.engine == engine && c.what == what;
+                                    })
+            ->seconds;
+    };
+    std::vector<double> device, cpu;
+    for (size_t round = 0; round < times.front().seconds.size(); ++round) {
+        device.push_back(of("fragment paper", Contestant::iteration)[round] /
+                         of("fragment paper", Contestant::kept)[round]);
+        cpu.push_back(1 + of("cpu", Contestant::distribution)[round] / of("cpu", Contestant::iteration)[round]);
+    }
+    summary.add("time with distribution over time without", "fragment paper", device);
+    summary.add("time with distribution over time without", "cpu", cpu);
 }
 
 void scaling(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
-    const size_t training = dataset.split(false).size();
-    for (const int count : o.images)
-        if (size_t(count) > training)
-            experiment.config().reject(
-                "images", fmt::format("holds {}, but {} has {} training views", count, dataset.name, training));
-    std::vector<Memory> memory;
-    for (const char* passes : {"paper", "combined"})
-        for (const char* storage : {"fp32", "fp16"})
-            for (int side : o.sides) {
-                FitRequest request = o.request(side);
-                request.set("engine", "fragment");
-                request.set("source", "disk");  // images are not part of the engine's memory
-                request.set("passes", passes);
-                request.set("storage", storage);
-                memory.push_back(memory_of(dataset, request));
-            }
-    const std::vector<Time> times = times_of(experiment, dataset, o);
+    o.check(experiment.config(), dataset);
+    const VertexRings rings(dataset.mesh);
+    const auto context = Context::create(o.request(o.side, o.side).context);
+    note_gl(*context, experiment.record());
+    const std::vector<Memory> memory = memory_of_all(dataset, rings, o);
+    const std::vector<Contestant> times = time_all(dataset, rings, o);
 
-    const std::string renderer = times.back().renderer;
-    ResultFolder results = experiment.open_results(renderer);
-    Lines bytes, seconds;
-    CsvWriter memory_rows(results.path() / "memory.csv", {"engine", "storage", "passes", "side", "parameters",
-                                                          "planned_bytes", "allocated_bytes", "paper_layout_bytes"});
-    Table table({"engine", "side of maps", "parameters", "plan", "allocated", "Section 6.3's accounting"});
-    const auto megabytes = [](uint64_t b) { return fmt::format("{:.2f} MB", double(b) / 1e6); };
-    for (const Memory& m : memory) {
-        memory_rows.row({"fragment", m.storage, m.passes, std::to_string(m.side), std::to_string(m.parameters),
-                         std::to_string(m.planned), std::to_string(m.allocated), std::to_string(m.paper_layout)});
-        const std::string name = fmt::format("fragment {} {}", m.passes, m.storage);
-        table.add({name, std::to_string(m.side), std::to_string(m.parameters), megabytes(m.planned),
-                   megabytes(m.allocated), megabytes(m.paper_layout)});
-        bytes[name].emplace_back(double(m.parameters), double(m.allocated));
-    }
-    CsvWriter time_rows(results.path() / "time.csv",
-                        {"engine", "images", "samples", "parameters", "seconds_per_iteration", "renderer"});
-    for (const Time& t : times) {
-        time_rows.row({t.engine, std::to_string(t.images), std::to_string(t.samples), std::to_string(t.parameters),
-                       fmt::format("{:.6f}", t.seconds), t.renderer});
-        seconds[t.engine].emplace_back(double(t.samples), t.seconds);
-    }
-    CsvWriter slope_rows(results.path() / "slopes.csv", {"of", "engine", "slope"});
-    Table slopes({"slope of log", "engine", ""});
-    const auto write_slopes = [&](const char* of, const char* over, const Lines& lines) {
-        for (const auto& [engine, points] : lines) {
-            const std::string slope = fmt::format("{:.3f}", log_slope(points));
-            slope_rows.row({of, engine, slope});
-            slopes.add({fmt::format("{} over {}", of, over), engine, slope});
-        }
-    };
-    write_slopes("bytes", "parameters", bytes);
-    write_slopes("seconds", "samples", seconds);
-    memory_rows.commit();
-    time_rows.commit();
-    slope_rows.commit();
-    results.commit();
-    log_info("memory, the same for either optimizer\n" + table.text());
-    log_info("slopes\n" + slopes.text());
-    experiment.draw(results, fmt::format("{} ({} scale); OpenGL: {}; CPU: {}", dataset.name, experiment.profile(),
-                                         renderer, experiment.cpu_name()));
+    ResultFolder results = experiment.open_results(context->renderer());
+    Summary summary(results);
+    write_memory(results, dataset, memory, summary);
+    write_times(results, times, context->renderer(), experiment.cpu_name());
+    summary.add_slopes("seconds over samples", times, "samples", &Contestant::samples);
+    summary.add_slopes("seconds over texels", times, "texels", &Contestant::texels);
+    add_ratios(times, summary);
+    summary.commit();
+    experiment.finish(results,
+                      fmt::format("{} ({} scale), {} rounds; OpenGL: {}; CPU: {}", dataset.name, experiment.profile(),
+                                  o.rounds, context->renderer(), experiment.cpu_device()));
 }
 
 }  // namespace

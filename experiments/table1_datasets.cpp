@@ -4,14 +4,17 @@
 #include <algorithm>
 
 #include "app/limits.h"
+#include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
+#include "base/statistics.h"
 #include "capture/png_file.h"
 #include "cpu/texel_solver.h"
 #include "dataset/image_stream.h"
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
+#include "samples/image_samples.h"
 
 namespace radiafit {
 namespace {
@@ -40,26 +43,86 @@ Stated stated_in_paper(const std::string& dataset) {
     return {"not stated", "not stated"};
 }
 
-/// One photograph of each dataset beside the others, rows of the tallest filled with white.
-void draw_photographs(const std::vector<Dataset>& datasets, const std::filesystem::path& file) {
-    std::vector<TargetImage> photographs(datasets.size());
-    int width = 0, height = 0;
-    for (size_t i = 0; i < datasets.size(); ++i) {
-        ImageStream(datasets[i], StreamSource::disk).load(0, photographs[i]);
-        width += photographs[i].width;
-        height = std::max(height, photographs[i].height);
+void write_photograph(const Dataset& dataset, const std::filesystem::path& file) {
+    TargetImage photograph;
+    ImageStream(dataset, StreamSource::disk).load(0, photograph);
+    std::vector<uint8_t> rgb;
+    for (size_t pixel = 0; pixel < size_t(photograph.width) * size_t(photograph.height); ++pixel) {
+        const auto value = photograph.channel16(pixel);
+        for (int c = 0; c < 3; ++c) rgb.push_back(uint8_t(value[c] >> 8));
     }
-    std::vector<uint8_t> rgb(size_t(3) * width * height, 255);
-    int left = 0;
-    for (const TargetImage& photograph : photographs) {
-        for (int y = 0; y < photograph.height; ++y)
-            for (int x = 0; x < photograph.width; ++x) {
-                const auto value = photograph.channel16(size_t(y) * photograph.width + x);
-                for (int c = 0; c < 3; ++c) rgb[3 * (size_t(y) * width + left + x) + c] = uint8_t(value[c] >> 8);
-            }
-        left += photograph.width;
+    write_png(file, photograph.width, photograph.height, rgb);
+}
+
+/// What one image's pixels find: claim C17 is about surfaces whose texels are finer than the images.
+struct ImageCounts {
+    uint32_t covered_pixels = 0, kept_pixels = 0;
+    uint64_t facing_texels = 0;  ///< of triangles that face the camera, whether or not something hides them
+};
+
+uint64_t facing_texels(const TriangleAtlas& atlas, const Camera& camera) {
+    const Mesh& mesh = atlas.mesh();
+    const Vec3f eye = camera.center().cast<float>();
+    uint64_t facing = 0;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const Vec3f &a = mesh.positions[mesh.triangles[t][0]], &b = mesh.positions[mesh.triangles[t][1]];
+        const Vec3f& c = mesh.positions[mesh.triangles[t][2]];
+        facing += !atlas.degenerate(t) && (b - a).cross(c - a).dot(eye - a) > 0;
     }
-    write_png(file, width, height, rgb);
+    return facing * atlas.texels_per_tile();
+}
+
+std::vector<ImageCounts> count_images(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                                      const std::vector<uint32_t>& views) {
+    const Distributors distributors = make_distributors(atlas, request);
+    SampleCollector collector(dataset, atlas.texels_per_tile(), distributors.workers(), request.space);
+    std::vector<ImageSamples<Sample>> images(size_t(collector.at_once()));
+    std::vector<ImageCounts> counts;
+    for (size_t first = 0; first < views.size(); first += images.size()) {
+        const size_t count = std::min(images.size(), views.size() - first);
+        collector.collect(views, first, std::span(images).first(count));
+        for (size_t k = 0; k < count; ++k)
+            counts.push_back({images[k].covered_pixels, uint32_t(images[k].samples.size()),
+                              facing_texels(atlas, dataset.views[views[first + k]].camera)});
+    }
+    return counts;
+}
+
+/// Writes them; returns the median over images of texels that face the camera per covered pixel.
+double write_images(const Dataset& dataset, const std::vector<uint32_t>& views, const std::vector<ImageCounts>& counts,
+                    const std::filesystem::path& file) {
+    CsvWriter rows(file, {"image", "covered_pixels", "kept_pixels", "facing_texels"});
+    std::vector<double> ratios;
+    for (size_t i = 0; i < views.size(); ++i) {
+        const ImageCounts& c = counts[i];
+        rows.row({dataset.views[views[i]].name, std::to_string(c.covered_pixels), std::to_string(c.kept_pixels),
+                  std::to_string(c.facing_texels)});
+        if (c.covered_pixels) ratios.push_back(double(c.facing_texels) / c.covered_pixels);
+    }
+    rows.commit();
+    return median(ratios);
+}
+
+/// Over usable texels: [samples] how many texels have so many.
+std::vector<uint64_t> samples_histogram(const Atlas& atlas, const DistributionStatistics& statistics) {
+    std::vector<uint64_t> counts;
+    for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel) {
+        if (!atlas.usable(texel)) continue;
+        const uint32_t samples = statistics.samples_per_texel[texel];
+        counts.resize(std::max<size_t>(counts.size(), samples + 1));
+        ++counts[samples];
+    }
+    return counts;
+}
+
+/// The share of texels with fewer samples than that.
+double share_below(size_t samples, const std::vector<uint64_t>& histogram) {
+    uint64_t below = 0, all = 0;
+    for (size_t i = 0; i < histogram.size(); ++i) {
+        all += histogram[i];
+        below += i < samples ? histogram[i] : 0;
+    }
+    return double(below) / double(all);
 }
 
 /// How often a texel takes two pixels of one image: never, or distribution is broken (Section 5.1.1, claim C17).
@@ -113,67 +176,72 @@ void table1(Experiment& experiment) {
     request.model.terms = o.terms;
     request.check();
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    CsvWriter rows(results.path() / "datasets.csv",
-                   {"dataset", "triangles", "vertices", "images", "held_out", "image_bytes", "parameters",
-                    "parameter_texels", "problems", "samples", "covered_pixels", "kept_share",
-                    "median_samples_per_texel", "shared_texels", "paper_layout_bytes", "cpu_engine_bytes"});
+    CsvWriter rows(
+        results.path() / "datasets.csv",
+        {"dataset", "triangles", "vertices", "images", "held_out", "image_bytes", "parameters", "parameter_texels",
+         "problems", "samples", "covered_pixels", "kept_share", "texels_per_pixel", "median_samples_per_texel",
+         "without_samples_share", "below_10_samples_share", "shared_texels", "paper_layout_bytes", "cpu_engine_bytes"});
     Table table({"dataset", "triangles (paper)", "vertices", "images (held out)", "raw images (paper)", "parameters",
-                 "parameter texels", "problems", "samples", "pixels kept", "samples per texel (median)",
+                 "parameter texels", "problems", "samples", "pixels kept", "texels per covered pixel (median image)",
+                 "samples per texel (median)", "texels without samples", "texels with fewer than 10",
                  "memory, paper's layout", "memory, CPU engine"});
-    std::vector<Dataset> datasets;
     for (const std::string& shape : o.datasets) {
-        datasets.push_back(experiment.dataset(shape));
-        const Dataset& dataset = datasets.back();
+        const Dataset dataset = experiment.dataset(shape);
         const Sizes sizes = dataset.light_moves() ? lafortune_sizes(dataset) : light_field_sizes(dataset, request);
         const TriangleAtlas atlas(dataset.mesh, sizes.side);
         FitRequest here = request;
         here.model.surface_side = sizes.side;
         const SharedSamples samples = distribute(dataset, atlas, here);
         const DistributionStatistics& s = samples.statistics;
+        const std::vector<uint64_t> histogram = samples_histogram(atlas, s);
+        const std::vector<uint32_t> views = dataset.split(false);
+        const double texels_per_pixel = write_images(dataset, views, count_images(dataset, atlas, here, views),
+                                                     results.path() / (dataset.name + "_images.csv"));
         const size_t held_out = dataset.split(true).size();
         rows.row({dataset.name, std::to_string(dataset.mesh.triangle_count()),
                   std::to_string(dataset.mesh.vertex_count()), std::to_string(dataset.views.size()),
                   std::to_string(held_out), std::to_string(dataset.image_bytes()), std::to_string(sizes.parameters),
                   std::to_string(sizes.texels), std::to_string(sizes.problems), std::to_string(s.samples),
                   std::to_string(s.covered_pixels), fmt::format("{:.4f}", s.kept_share()),
-                  fmt::format("{:g}", s.median_samples_per_texel), std::to_string(shared_texels(samples.list)),
-                  std::to_string(sizes.paper_bytes), std::to_string(sizes.engine_bytes)});
+                  fmt::format("{:.4f}", texels_per_pixel), fmt::format("{:g}", s.median_samples_per_texel),
+                  fmt::format("{:.4f}", share_below(1, histogram)), fmt::format("{:.4f}", share_below(10, histogram)),
+                  std::to_string(shared_texels(samples.list)), std::to_string(sizes.paper_bytes),
+                  std::to_string(sizes.engine_bytes)});
         const Stated stated = stated_in_paper(shape);
         const auto mega = [](double x, const char* unit) { return fmt::format("{:.2f} {}", x / 1e6, unit); };
-        table.add({dataset.name, fmt::format("{} ({})", dataset.mesh.triangle_count(), stated.triangles),
-                   std::to_string(dataset.mesh.vertex_count()), fmt::format("{} ({})", dataset.views.size(), held_out),
-                   fmt::format("{:.1f} MB ({})", double(dataset.image_bytes()) / 1e6, stated.image_bytes),
-                   mega(double(sizes.parameters), "M"), mega(double(sizes.texels), "MT"),
-                   std::to_string(sizes.problems), mega(double(s.samples), "M"),
-                   fmt::format("{:.1f}%", 100 * s.kept_share()), fmt::format("{:g}", s.median_samples_per_texel),
-                   sizes.paper_bytes ? mega(double(sizes.paper_bytes), "MB") : "",
-                   mega(double(sizes.engine_bytes), "MB")});
+        table.add(
+            {dataset.name, fmt::format("{} ({})", dataset.mesh.triangle_count(), stated.triangles),
+             std::to_string(dataset.mesh.vertex_count()), fmt::format("{} ({})", dataset.views.size(), held_out),
+             fmt::format("{:.1f} MB ({})", double(dataset.image_bytes()) / 1e6, stated.image_bytes),
+             mega(double(sizes.parameters), "M"), mega(double(sizes.texels), "MT"), std::to_string(sizes.problems),
+             mega(double(s.samples), "M"), fmt::format("{:.1f}%", 100 * s.kept_share()),
+             fmt::format("{:.2f}", texels_per_pixel), fmt::format("{:g}", s.median_samples_per_texel),
+             fmt::format("{:.1f}%", 100 * share_below(1, histogram)),
+             fmt::format("{:.1f}%", 100 * share_below(10, histogram)),
+             sizes.paper_bytes ? mega(double(sizes.paper_bytes), "MB") : "", mega(double(sizes.engine_bytes), "MB")});
 
-        CsvWriter histogram(results.path() / (dataset.name + "_samples_per_texel.csv"), {"samples", "texels"});
-        std::vector<uint64_t> counts;
-        for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel) {
-            if (!atlas.usable(texel)) continue;
-            counts.resize(std::max<size_t>(counts.size(), s.samples_per_texel[texel] + 1));
-            ++counts[s.samples_per_texel[texel]];
-        }
-        for (size_t i = 0; i < counts.size(); ++i) histogram.row({std::to_string(i), std::to_string(counts[i])});
-        histogram.commit();
+        CsvWriter histogram_rows(results.path() / (dataset.name + "_samples_per_texel.csv"), {"samples", "texels"});
+        for (size_t i = 0; i < histogram.size(); ++i)
+            histogram_rows.row({std::to_string(i), std::to_string(histogram[i])});
+        histogram_rows.commit();
+        write_photograph(dataset, results.path() / (dataset.name + ".png"));
     }
     rows.commit();
-    results.commit();
     const std::string title = fmt::format("Table 1, stand-ins at {} scale", experiment.profile());
     log_info(title + "\n" + table.text());
-    write_file(experiment.figures() / "table1_datasets.md",
-               fmt::format("# {}\n\nIn brackets: what the paper states of its own captures, which are not public. "
-                           "Surface maps of side {} ({} texels; "
-                           "the paper: 32), view maps {} x {}, {} term(s); of the ornament Lafortune's nine parameters "
-                           "per texel. Memory: bytes of all vectors and states, "
-                           "images and samples left out.\n\n{}",
-                           title, o.surface_side, o.surface_side * (o.surface_side + 1) / 2, o.view_side, o.view_side,
-                           o.terms, table.markdown()));
-    draw_photographs(datasets, experiment.figures() / "table1_datasets.png");
-    log_info(fmt::format("table: {}; rows: {}", (experiment.figures() / "table1_datasets.md").string(),
-                         results.path().string()));
+    write_file(
+        results.path() / "table1_datasets.md",
+        fmt::format(
+            "# {}\n\nIn brackets: what the paper states of its own captures, which are not public. "
+            "Surface maps of side {} ({} texels; "
+            "the paper: 32), view maps {} x {}, {} term(s); of the ornament Lafortune's nine parameters "
+            "per texel. A covered pixel sees the model; it is kept if a texel takes it; texels per covered pixel "
+            "are those of all triangles that face the camera. Memory: bytes of all vectors and states, "
+            "images and samples left out.\n\n{}",
+            title, o.surface_side, o.surface_side * (o.surface_side + 1) / 2, o.view_side, o.view_side, o.terms,
+            table.markdown()));
+    experiment.finish(results,
+                      fmt::format("Synthetic stand-ins ({} scale) for the paper's captures", experiment.profile()));
 }
 
 }  // namespace

@@ -115,6 +115,16 @@ class Smoke(ProgramTest):
             histogram = tables[row["dataset"] + "_samples_per_texel"]
             self.assertEqual(sum(int(bin["samples"]) * int(bin["texels"]) for bin in histogram), samples)
             self.assertEqual(sum(int(bin["texels"]) for bin in histogram), 36 * 320)
+            without = sum(int(bin["texels"]) for bin in histogram if bin["samples"] == "0")
+            self.assertAlmostEqual(float(row["without_samples_share"]), without / (36 * 320), places=4)
+            images = tables[row["dataset"] + "_images"]
+            self.assertEqual(len(images), 21)
+            self.assertEqual(sum(int(image["kept_pixels"]) for image in images), samples)
+            self.assertEqual(sum(int(image["covered_pixels"]) for image in images), pixels)
+            for image in images:
+                self.assertTrue(0.3 * 36 * 320 < int(image["facing_texels"]) < 0.7 * 36 * 320)
+            ratios = sorted(int(image["facing_texels"]) / int(image["covered_pixels"]) for image in images)
+            self.assertAlmostEqual(float(row["texels_per_pixel"]), ratios[10], places=3)
 
     def check_fig7_convergence(self, tables):
         self.assertEqual([row["dataset"] for row in tables["summary"]], ["star", "bust"])
@@ -330,22 +340,36 @@ class Smoke(ProgramTest):
     def check_scaling(self, tables):
         for row in tables["memory"]:
             self.assertEqual(row["planned_bytes"], row["allocated_bytes"])
+            self.assertEqual(row["allocated_bytes"], row["opengl_bytes"], "of Mesa; another driver may store another format")
             self.assertGreater(int(row["allocated_bytes"]), 7 * int(row["parameters"]) * (4 if row["storage"] == "fp32" else 2))
+            self.assertGreater(int(row["process_bytes"]), 0)
         kinds = [f"fragment {p} {s}" for p in ("paper", "combined") for s in ("fp32", "fp16")]
-        slopes = {(r["of"], r["engine"]): float(r["slope"]) for r in tables["slopes"]}
+        summary = {(r["of"], r["engine"]): r for r in tables["summary"]}
         for kind in kinds:  # what doesn't grow is a few images: the slope tends to 1 from below
-            self.assertTrue(0.9 < slopes["bytes", kind] < 1.01, kind)
-        engines = {}
+            self.assertTrue(0.5 < float(summary["bytes over parameters", kind]["median"]) < 1.01, kind)
+        engines = {"cpu", "fragment paper", "fragment combined"}
+        self.assertEqual(set(summary), {("bytes over parameters", k) for k in kinds} |
+                         {(f"seconds over {size}", e) for size in ("samples", "texels") for e in engines} |
+                         {("time with distribution over time without", e) for e in ("fragment paper", "cpu")})
+        for row in tables["summary"]:
+            self.assertLessEqual(float(row["low"]), float(row["median"]))
+            self.assertLessEqual(float(row["median"]), float(row["high"]))
+        times = {}
         for row in tables["time"]:
-            engines.setdefault(row["engine"], []).append(row)
-        self.assertEqual(set(engines), {"cpu", "fragment paper", "fragment combined"})
-        self.assertEqual(set(slopes), {("bytes", k) for k in kinds} | {("seconds", e) for e in engines})
-        for rows in engines.values():
-            self.assertEqual(len({r["parameters"] for r in rows}), 1)
-            samples = [int(r["samples"]) for r in rows]
-            self.assertEqual(samples, sorted(samples))
-            per_image = [s / int(r["images"]) for s, r in zip(samples, rows)]
-            self.assertLess(max(per_image), 1.2 * min(per_image))  # any spread of views sees as much
+            times.setdefault(tuple(row[key] for key in ("part", "engine", "what", "side", "images")), []).append(row)
+        for rows in times.values():
+            self.assertEqual([row["repetition"] for row in rows], [str(i) for i in range(6)])
+            self.assertEqual(len({(row["texels"], row["samples"], row["parameters"]) for row in rows}), 1)
+        for part, size in (("samples", "images"), ("texels", "side")):
+            for engine in engines:
+                lines = [rows[0] for key, rows in times.items() if key[:2] == (part, engine)]
+                self.assertEqual(len(lines), 5 if part == "samples" else 3)
+                for smaller, larger in zip(lines, lines[1:]):
+                    self.assertLess(int(smaller[size]), int(larger[size]))
+                    self.assertLess(int(smaller["samples"]), int(larger["samples"]))
+        what = {key[1:3] for key in times if key[0] == "distribution"}
+        self.assertEqual(what, {("fragment paper", "iteration"), ("fragment paper", "iteration, samples kept"),
+                                ("cpu", "iteration"), ("cpu", "distribution")})
 
     def check_precision(self, tables):
         kinds = {(s, k) for s in ("fp32", "fp16", "fp16-truncate") for k in ("fp32", "fp16")}

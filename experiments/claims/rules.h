@@ -29,11 +29,11 @@ Judgement switching_share(const FinishedRun& run);
 Judgement utilization(const FinishedRun& run);
 Judgement memory_over_disk(const FinishedRun& run);
 Judgement combined_passes(const FinishedRun& run);
-Judgement redistribution(const FinishedRun& run);
 Judgement cheap_penalties(const FinishedRun& run);
 Judgement paper_chip(const FinishedRun& run);
 
 // How time and memory grow: scale.cpp.
+Judgement redistribution(const FinishedRun& run);
 Judgement memory_linear(const FinishedRun& run);
 Judgement gather_and_scatter(const FinishedRun& run);
 Judgement pixels_and_texels(const FinishedRun& run);

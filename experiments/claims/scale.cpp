@@ -1,10 +1,293 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "base/error.h"
 #include "rules.h"
 
 namespace radiafit {
+namespace {
 
-Judgement memory_linear(const FinishedRun&) { return {.not_run = "no rule yet"}; }
-Judgement gather_and_scatter(const FinishedRun&) { return {.not_run = "no rule yet"}; }
-Judgement pixels_and_texels(const FinishedRun&) { return {.not_run = "no rule yet"}; }
-Judgement cost_linear(const FinishedRun&) { return {.not_run = "no rule yet"}; }
+/// What scaling's summary writes of the same figures; the rules work from the rows of every round.
+constexpr const char *iteration = "iteration", *kept = "iteration, samples kept", *distribution = "distribution";
+const std::string paper = "fragment paper", combined = "fragment combined", cpu = "cpu";
+
+std::string plain_name(const std::string& engine) {
+    return engine == paper ? "OpenGL, the paper's passes" : engine == combined ? "OpenGL, combined passes" : "the CPU";
+}
+
+std::string with_interval(const Figure& figure) {
+    return figure.interval
+               ? fmt::format("{:.3g} ({:.3g} to {:.3g})", figure.value, figure.interval->low, figure.interval->high)
+               : fmt::format("{:.3g}", figure.value);
+}
+
+/// Of a straight line by least squares through logarithms.
+double log_slope(const std::map<double, double>& points) {
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (const auto& [a, b] : points) {
+        const double u = std::log(a), v = std::log(b);
+        x += u, y += v, xx += u * u, xy += u * v;
+    }
+    const double n = double(points.size());
+    return (n * xy - x * y) / (n * xx - x * x);
+}
+
+/// time.csv: seconds by size, round by round.
+class Times {
+public:
+    explicit Times(const FinishedRun& run) : t_(run.table("time.csv")) {
+        for (size_t i = 0; i < t_.row_count(); ++i)
+            if (t_.text(i, "engine") == paper) renderer = t_.text(i, "renderer");
+        if (renderer.empty()) throw UserError("time.csv: no row of " + paper + "; run scaling again");
+    }
+    /// [round]: seconds by size, a column of the table.
+    std::vector<std::map<double, double>> rounds(const char* part, const std::string& engine, const char* size,
+                                                 const char* what = iteration) const {
+        std::map<int, std::map<double, double>> out;
+        for (size_t i = 0; i < t_.row_count(); ++i)
+            if (t_.text(i, "part") == part && t_.text(i, "engine") == engine && t_.text(i, "what") == what)
+                out[int(t_.number(i, "repetition"))][t_.number(i, size)] = t_.number(i, "seconds");
+        if (out.empty())
+            throw UserError(fmt::format("time.csv: no row {}, {}, {}; run scaling again", part, engine, what));
+        std::vector<std::map<double, double>> list;
+        for (const auto& [round, points] : out) list.push_back(points);
+        return list;
+    }
+    /// Of log time over log size, a slope for each round.
+    Figure slope(const char* part, const std::string& engine, const char* size) const {
+        std::vector<double> slopes;
+        for (const auto& points : rounds(part, engine, size)) {
+            if (points.size() < 3) throw UserError("time.csv: a slope needs three sizes; run scaling again");
+            slopes.push_back(log_slope(points));
+        }
+        return median_of_rounds(slopes);
+    }
+    std::string renderer;
+
+private:
+    CsvTable t_;
+};
+
+/// memory.csv: the slope of what OpenGL holds over parameters, kind by kind, and least and largest side of maps.
+struct MemoryLines {
+    std::map<std::string, double> slopes;
+    double least_side = HUGE_VAL, largest_side = 0;
+
+    explicit MemoryLines(const CsvTable& t) {
+        std::map<std::string, std::map<double, double>> lines;
+        for (size_t i = 0; i < t.row_count(); ++i) {
+            lines[fmt::format("{} passes, {}", t.text(i, "passes"), t.text(i, "storage"))][t.number(i, "parameters")] =
+                t.number(i, "opengl_bytes");
+            least_side = std::min(least_side, t.number(i, "side"));
+            largest_side = std::max(largest_side, t.number(i, "side"));
+        }
+        for (const auto& [name, points] : lines) {
+            if (points.size() < 3) throw UserError("memory.csv: a slope needs three sizes; run scaling again");
+            slopes[name] = log_slope(points);
+        }
+        if (slopes.empty()) throw UserError("memory.csv: no rows; run scaling again");
+    }
+    double least() const { return by_value(std::ranges::min_element).second; }
+    double largest() const { return by_value(std::ranges::max_element).second; }
+
+private:
+    std::pair<std::string, double> by_value(const auto& choose) const {
+        return *choose(slopes, {}, [](const auto& s) { return s.second; });
+    }
+};
+
+}  // namespace
+
+Judgement redistribution(const FinishedRun& run) {
+    const Times times(run);
+    Judgement j{.renderer = times.renderer};
+    const auto only = [](const std::map<double, double>& points) { return points.begin()->second; };
+    std::vector<double> device, on_cpu;
+    const auto with = times.rounds("distribution", paper, "images"),
+               without = times.rounds("distribution", paper, "images", kept);
+    for (size_t i = 0; i < std::min(with.size(), without.size()); ++i)
+        device.push_back(only(with[i]) / only(without[i]));
+    const auto step2 = times.rounds("distribution", cpu, "images"),
+               step1 = times.rounds("distribution", cpu, "images", distribution);
+    for (size_t i = 0; i < std::min(step1.size(), step2.size()); ++i)
+        on_cpu.push_back(1 + only(step1[i]) / only(step2[i]));
+    const Figure figure = median_of_rounds(device), beside = median_of_rounds(on_cpu);
+    j.measures.push_back(
+        {.of = "OpenGL, time with distribution over time without", .figure = figure, .bound = at_most(1.1)});
+    j.beside.push_back(fmt::format(
+        "on the CPU, an iteration over samples in memory and one distribution of all images take {} times as long as "
+        "the iteration alone",
+        with_interval(beside)));
+    j.beside.push_back(
+        "without: what every texel takes of each image was kept on the device by an earlier sweep, with images kept "
+        "there in both cases; the rest of the passes is the same, and so are the results, to the bit");
+    j.sentence = fmt::format(
+        "In OpenGL, finding again in each sweep which pixel every surface texel takes makes an iteration {} times as "
+        "long as with those samples kept; on the CPU, {:.3g} times.",
+        with_interval(figure), beside.value);
+    j.demand_graphics_chip();
+    return j;
+}
+
+Judgement memory_linear(const FinishedRun& run) {
+    const CsvTable t = run.table("memory.csv");
+    const MemoryLines lines(t);
+    Judgement j{.renderer = Times(run).renderer};
+    double worst = 0, layout = std::nan(""), layout_side = 0;
+    double process_least = HUGE_VAL, process_most = 0;
+    for (size_t i = 0; i < t.row_count(); ++i) {
+        const double planned = t.number(i, "planned_bytes");
+        worst = std::max(worst, t.number(i, "opengl_bytes") / planned);
+        if (t.number(i, "side") == 8) layout = t.number(i, "paper_layout_bytes"), layout_side = 8;
+        if (t.text(i, "process_bytes").empty()) continue;
+        process_least = std::min(process_least, t.number(i, "process_bytes") / planned);
+        process_most = std::max(process_most, t.number(i, "process_bytes") / planned);
+    }
+    j.measures.push_back(
+        {.of = "the most that OpenGL holds over what was planned", .figure = exact(worst), .bound = at_most(1.05)});
+    for (const auto& [name, slope] : lines.slopes)
+        j.measures.push_back(
+            {.of = name + ", slope of bytes over parameters", .figure = exact(slope), .bound = at_most(1.05)});
+    const double triangles = t.number(0, "triangles"), vertices = t.number(0, "vertices");
+    const bool of_the_paper = std::abs(triangles / 6093 - 1) <= 0.01 && layout_side == 8;
+    j.demand(of_the_paper,
+             fmt::format("a star of 6,093 triangles with maps of 8 x 8, not of {:.0f} triangles", triangles));
+    if (of_the_paper)
+        j.measures.push_back({.of = "the paper's layout of its star",
+                              .figure = exact(layout / 1e6),
+                              .bound = between(0.95 * 142, 1.05 * 142),
+                              .unit = "MB"});
+    j.demand(lines.least_side <= 8 && lines.largest_side >= 32, "maps of sides from 8 to 32");
+    j.beside.push_back(
+        "what OpenGL holds: the sum over all its textures and buffers of the sizes and formats that the driver tells "
+        "of each; padding of the driver's own it does not tell");
+    if (process_most > 0)
+        j.beside.push_back(fmt::format(
+            "where OpenGL runs in the process, its resident memory grew by {:.3g} to {:.3g} of what was planned, "
+            "compiled shaders included",
+            process_least, process_most));
+    const std::string layout_text =
+        of_the_paper ? fmt::format(
+                           "; the paper's own layout comes to {:.1f} MB for {:.0f} triangles and {:.0f} "
+                           "vertices, where it states 142 MB",
+                           layout / 1e6, triangles, vertices)
+                     : "";
+    j.sentence = fmt::format(
+        "From maps of side {:g} to {:g} memory grows as the number of parameters to the power {:.3g} to {:.3g}, "
+        "and is {:.3g} times what was planned at most{}.",
+        lines.least_side, lines.largest_side, lines.least(), lines.largest(), worst, layout_text);
+    return j;
+}
+
+Judgement gather_and_scatter(const FinishedRun& run) {
+    const Times times(run);
+    Judgement j{.renderer = times.renderer};
+    std::vector<std::string> found;
+    for (const std::string& engine : {paper, combined}) {
+        const Figure slope = times.slope("texels", engine, "texels");
+        j.measures.push_back({.of = "gather, " + plain_name(engine), .figure = slope, .bound = at_least(0.5)});
+        found.push_back(fmt::format("{} with {}", with_interval(slope),
+                                    engine == paper ? "the paper's passes" : "combined passes"));
+    }
+    const auto rounds = times.rounds("texels", paper, "texels");
+    const double factor = rounds.front().rbegin()->first / rounds.front().begin()->first;
+    const Figure on_cpu = times.slope("texels", cpu, "texels");
+    j.demand(factor >= 10, "texels over a factor of 10 at least");
+    j.beside.push_back(fmt::format(
+        "on the CPU, which walks through samples instead of texels, the power is {}; the number of samples itself "
+        "grows a little with that of texels, for more of the pixels find one",
+        with_interval(on_cpu)));
+    j.sentence = fmt::format(
+        "With gathers alone, an iteration's time grows as the number of surface texels to the power {} ({:.3g} times "
+        "as many texels, the same images); on the CPU, which can scatter, to the power {}. A fragment unit with "
+        "scatter was not measured.",
+        fmt::format("{} and {}", found[0], found[1]), factor, with_interval(on_cpu));
+    j.not_run = "the scatter half needs passes that write where they choose (compute shaders), and there are none";
+    return j;
+}
+
+Judgement pixels_and_texels(const FinishedRun& run) {
+    const CsvTable t = run.table("datasets.csv");
+    Judgement j;
+    std::set<std::string> names;
+    std::vector<std::string> found;
+    double shared_texels = 0;
+    for (size_t i = 0; i < t.row_count(); ++i) {
+        const std::string& name = t.text(i, "dataset");
+        names.insert(name);
+        const CsvTable images = run.table(name + "_images.csv"), histogram = run.table(name + "_samples_per_texel.csv");
+        std::vector<double> density;
+        double covered = 0, kept_pixels = 0;
+        for (size_t k = 0; k < images.row_count(); ++k) {
+            covered += images.number(k, "covered_pixels");
+            kept_pixels += images.number(k, "kept_pixels");
+            if (images.number(k, "covered_pixels") > 0)
+                density.push_back(images.number(k, "facing_texels") / images.number(k, "covered_pixels"));
+        }
+        double texels = 0, without = 0, few = 0;
+        for (size_t k = 0; k < histogram.row_count(); ++k) {
+            const double samples = histogram.number(k, "samples"), count = histogram.number(k, "texels");
+            texels += count;
+            without += samples == 0 ? count : 0;
+            few += samples < 10 ? count : 0;
+        }
+        double up_to = 0, middle = 0;  // the median texel's samples
+        for (size_t k = 0; k < histogram.row_count() && up_to < 0.5 * texels; ++k) {
+            up_to += histogram.number(k, "texels");
+            middle = histogram.number(k, "samples");
+        }
+        const double per_pixel = median(density), shared = t.number(i, "shared_texels");
+        shared_texels += shared;
+        j.demand(per_pixel >= 1,
+                 fmt::format("surfaces with a texel for each covered pixel at least; {} has {:.3g}", name, per_pixel));
+        j.measures.push_back(
+            {.of = name + ", samples of the median texel", .figure = exact(middle), .bound = at_least(10)});
+        j.measures.push_back(
+            {.of = name + ", texels that took two pixels of one image", .figure = exact(shared), .bound = at_most(0)});
+        j.beside.push_back(fmt::format(
+            "{}: {:.3g} texels per covered pixel in the median image; {:.1f} % of the pixels are dropped, because no "
+            "texel takes them; {:.1f} % of the texels have no sample, {:.1f} % fewer than 10",
+            name, per_pixel, 100 * (1 - kept_pixels / covered), 100 * without / texels, 100 * few / texels));
+        found.push_back(fmt::format("{:g} on the {} ({:.2f} texels per pixel)", middle, name, per_pixel));
+    }
+    j.demand(names.contains("star") && names.contains("bust"), "star and bust");
+    j.sentence = fmt::format(
+        "{} texel takes two pixels of one image, and the median texel gets as many samples over all images as: {}.",
+        shared_texels > 0 ? "Some" : "No", fmt::join(found, ", "));
+    return j;
+}
+
+Judgement cost_linear(const FinishedRun& run) {
+    const Times times(run);
+    Judgement j{.renderer = times.renderer};
+    std::vector<std::string> found;
+    size_t sizes = SIZE_MAX;
+    double factor = HUGE_VAL;
+    for (const std::string& engine : {cpu, paper, combined}) {
+        const auto points = times.rounds("samples", engine, "samples").front();
+        sizes = std::min(sizes, points.size());
+        factor = std::min(factor, points.rbegin()->first / points.begin()->first);
+        const Figure slope = times.slope("samples", engine, "samples");
+        j.measures.push_back(
+            {.of = plain_name(engine) + ", slope of time over samples", .figure = slope, .bound = at_most(1.1)});
+        found.push_back(fmt::format("{} ({})", with_interval(slope), plain_name(engine)));
+    }
+    const MemoryLines lines(run.table("memory.csv"));
+    j.measures.push_back(
+        {.of = "largest slope of memory over parameters", .figure = exact(lines.largest()), .bound = at_most(1.1)});
+    j.demand(sizes >= 5 && factor >= 16,
+             fmt::format("at least 5 numbers of samples over a factor of 16, not {} over {:.3g}", sizes, factor));
+    j.beside.push_back(
+        "every image counts once: smaller sizes are fewer images of the same dataset; a part of every iteration costs "
+        "by parameters, and makes slopes smaller than 1");
+    j.sentence = fmt::format(
+        "Over {:.3g} times as many radiance samples, an iteration's time grows as their number to the power {}; memory "
+        "as the number of parameters to the power {:.3g} at most.",
+        factor, fmt::join(found, ", "), lines.largest());
+    return j;
+}
 
 }  // namespace radiafit

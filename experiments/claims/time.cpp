@@ -10,7 +10,6 @@ Judgement switching_share(const FinishedRun&) { return {.not_run = "no rule yet"
 Judgement utilization(const FinishedRun&) { return {.not_run = "no rule yet"}; }
 Judgement memory_over_disk(const FinishedRun&) { return {.not_run = "no rule yet"}; }
 Judgement combined_passes(const FinishedRun&) { return {.not_run = "no rule yet"}; }
-Judgement redistribution(const FinishedRun&) { return {.not_run = "no rule yet"}; }
 Judgement cheap_penalties(const FinishedRun&) { return {.not_run = "no rule yet"}; }
 Judgement paper_chip(const FinishedRun&) { return {.not_run = "no rule yet"}; }
 

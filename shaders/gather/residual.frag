@@ -1,10 +1,15 @@
 #version 450 core
-// variants: WEIGHTED=-,1 VALUES=0,2
+// variants: WEIGHTED=-,1 VALUES=0,2 CACHED=-,1
 // Convert-R-To-SLS (Section 5.1.1) for one corner: residuals of the pixels that texels take; alpha 1 where one is.
 // TARGET_ONLY: the target L t itself, to count samples and find its mean. WEIGHTED: residuals times the root of their weight.
 #include "model/prelude.glsl"
 #include "model/lfm.glsl"
+#include "distribute/tiles.glsl"
+#ifdef CACHED
+#include "distribute/taken.glsl"
+#else
 #include "distribute/take.glsl"
+#endif
 #include "gather/maps.glsl"
 #include "gather/view_values.glsl"
 

@@ -20,6 +20,10 @@ struct FragmentOptions {
     StreamSource source = StreamSource::memory;
     bool keep_on_device = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
     TargetSpace space = TargetSpace::stored;
+    /// What texels take of each image stays on the device from the first sweep on, a map of the surface for each, and
+    /// later sweeps don't distribute again: memory is O(S), and images are needed in the first sweep only. Of light
+    /// field maps with the paper's passes.
+    bool keep_samples = false;
     /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least;
     /// over a grid there are two such stacks. With another number sums are rounded otherwise.
     int images_per_pass = 0;

@@ -116,6 +116,9 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("footprints and view values", fmt::format("{} x {} per vertex", batch, 2 + 2 * terms),
              batch * (2 + 2 * terms) * problems, float4);
     if (!combined) {
+        if (fragment_options.keep_samples)
+            plan.add("samples kept", fmt::format("{} x {} x {}", views.size(), atlas.width(), atlas.height()),
+                     views.size() * layout, bits == 8 ? 4 : 8);
         plan.add("residuals, products", fmt::format("6 x {} x {}", atlas.width(), atlas.height()), 6 * layout, float4);
         return plan.arrays;
     }

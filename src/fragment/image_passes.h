@@ -54,6 +54,7 @@ struct PassResources {
     ViewLookup lookup;
     int max_width, max_height;  ///< of the images
     int bits;                   ///< per channel
+    size_t kept_images = 0;     ///< whose samples stay on the device; 0: all are distributed in every sweep
 };
 
 /// The camera's centre for shaders/gather/footprint.frag: each coordinate as the sum of two floats.

@@ -45,20 +45,26 @@ public:
     void line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) override;
 
 private:
-    void begin_image(const ImageOnDevice& image);
+    void begin_image(const ImageOnDevice& image, bool distribute);
     void look_up(const MapVector& x, const std::vector<Framebuffer>& targets);
-    void residuals(const ImageOnDevice& image, const Program& program);
+    void keep(const ImageOnDevice& image);
+    const Texture& taken_from(const ImageOnDevice& image) const {
+        return kept_.empty() ? *image.texture : kept_[image.position];
+    }
+    void residuals(const ImageOnDevice& image, const Texture& texture, const Program& program);
     void gradient_of(const MapVector& x, MapSums& sums, bool squares);
 
     PassResources w_;
     ItemBuffer items_;
     Texture residual_, product_;         // [3 corners] in SLS: rgb, alpha 1 where a sample is
+    std::vector<Texture> kept_;          // [image] in SLS: what each texel takes, if that is to stay
     Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
     Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
     std::vector<Framebuffer> residual_targets_, product_targets_, value_targets_, slope_targets_;
     Framebuffer footprint_target_;
-    Program footprint_program_, look_up_program_, target_program_, residual_program_;
-    Program surface_program_[2], scatter_program_[2];  // [1]: squares for diag(J'J)
+    Program footprint_program_, look_up_program_, target_program_, residual_program_, keep_program_;
+    std::vector<const Program*> taking_programs_{&target_program_};  // that find the pixels of texels
+    Program surface_program_[2], scatter_program_[2];                // [1]: squares for diag(J'J)
     Program line_program_[4];
 };
 
@@ -87,8 +93,20 @@ PaperPasses::PaperPasses(const PassResources& resources)
     look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);
     target_program_ = Program::draw("gather/map.vert", "gather/residual.frag",
                                     shape + Defines{{"TARGET_ONLY", ""}, {"PROJECTED", ""}});
-    residual_program_ =
-        Program::draw("gather/map.vert", "gather/residual.frag", shape + all + Defines{{"PROJECTED", ""}});
+    const bool keep = w_.kept_images > 0;
+    residual_program_ = Program::draw("gather/map.vert", "gather/residual.frag",
+                                      shape + all + Defines{{keep ? "CACHED" : "PROJECTED", ""}});
+    if (keep) {
+        keep_program_ = Program::draw("distribute/tile.vert", "distribute/keep.frag",
+                                      w_.mesh.defines() + Defines{{"PROJECTED", ""}});
+        w_.mesh.set_layout(keep_program_);
+        taking_programs_.push_back(&keep_program_);
+        for (size_t i = 0; i < w_.kept_images; ++i)
+            kept_.emplace_back(w_.bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, w_.shape.atlas->width(),
+                               w_.shape.atlas->height());
+    } else {
+        taking_programs_.push_back(&residual_program_);
+    }
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = shape + (squares ? Defines{{"DIAGONAL", ""}} : Defines{});
         surface_program_[squares] = Program::draw("gather/map.vert", "gather/surface_gradient.frag", what + one);
@@ -112,13 +130,15 @@ PaperPasses::PaperPasses(const PassResources& resources)
     }
     footprint_program_.bind("vertex_frames", w_.vertices);
     look_up_program_.bind("footprints", footprint_);
-    for (Program* program : {&target_program_, &residual_program_}) program->bind("items", items_.items());
+    for (const Program* program : taking_programs_) program->bind("items", items_.items());
 }
 
-void PaperPasses::begin_image(const ImageOnDevice& image) {
-    for (Program* program : {&target_program_, &residual_program_}) SlsMesh::set_camera(*program, *image.camera);
+void PaperPasses::begin_image(const ImageOnDevice& image, bool distribute) {
     w_.mesh.select({{image.camera}});
-    w_.run.draw_items(items_, *image.camera);
+    if (distribute) {
+        for (const Program* program : taking_programs_) SlsMesh::set_camera(*program, *image.camera);
+        w_.run.draw_items(items_, *image.camera);
+    }
     set_camera_centre(footprint_program_, *image.camera);
     w_.run.draw_whole(footprint_target_, footprint_program_);
     w_.gathers.mark_tiles(w_.mesh);
@@ -133,8 +153,16 @@ void PaperPasses::look_up(const MapVector& x, const std::vector<Framebuffer>& ta
     }
 }
 
-void PaperPasses::residuals(const ImageOnDevice& image, const Program& program) {
-    program.bind("image", *image.texture);
+void PaperPasses::keep(const ImageOnDevice& image) {
+    const Framebuffer target({{&kept_[image.position]}});
+    w_.run.clear(target);
+    keep_program_.bind("image", *image.texture);
+    w_.run.draw_tiles(target, keep_program_);
+}
+
+// texture: the image, or what was kept of it.
+void PaperPasses::residuals(const ImageOnDevice& image, const Texture& texture, const Program& program) {
+    program.bind("image", texture);
     program.set("target_scale", image.target_scale);
     program.set("to_16_bit", image.bits == 8 ? 257 : 1);
     for (int corner = 0; corner < 3; ++corner) {
@@ -145,8 +173,9 @@ void PaperPasses::residuals(const ImageOnDevice& image, const Program& program) 
 
 void PaperPasses::count(const std::vector<ImageOnDevice>& images) {
     for (const ImageOnDevice& image : images) {
-        begin_image(image);
-        residuals(image, target_program_);
+        begin_image(image, true);
+        if (!kept_.empty()) keep(image);
+        residuals(image, *image.texture, target_program_);
         for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::sum);
         w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::target), Gather::sum, true);
     }
@@ -177,10 +206,10 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
 void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
                             MapSums* squares) {
     for (const ImageOnDevice& image : images) {
-        begin_image(image);
+        begin_image(image, kept_.empty());
         look_up(x, value_targets_);
         residual_program_.bind("surface_maps", x.surface());
-        residuals(image, residual_program_);
+        residuals(image, taken_from(image), residual_program_);
         for (int corner = 0; corner < 3; ++corner) w_.gathers.tiles(w_.run, residual_, corner, Gather::squares);
         w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.sum_target(Sum::residual), Gather::sum, true);
         gradient_of(x, gradient, false);
@@ -191,11 +220,11 @@ void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapV
 void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) {
     constexpr Sum sums[4] = {Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth};
     for (const ImageOnDevice& image : images) {
-        begin_image(image);
+        begin_image(image, kept_.empty());
         look_up(x, value_targets_);
         look_up(d, slope_targets_);
         residual_program_.bind("surface_maps", x.surface());
-        residuals(image, residual_program_);
+        residuals(image, taken_from(image), residual_program_);
         for (int quantity = 0; quantity < (quartic ? 4 : 2); ++quantity) {
             const Program& program = line_program_[quantity];
             program.bind_if_used("surface_maps", x.surface());

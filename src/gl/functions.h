@@ -18,7 +18,7 @@ namespace radiafit {
     X(GetString) X(PixelStorei) X(Scissor) X(TextureBarrier) X(Viewport) \
     /* textures */ \
     X(BindTextureUnit) X(ClearTexImage) X(CreateTextures) X(DeleteTextures) \
-    X(GetTextureSubImage) X(TextureBuffer) X(TextureParameteri) X(TextureStorage2D) \
+    X(GetTextureLevelParameteriv) X(GetTextureParameteriv) X(GetTextureSubImage) X(IsTexture) X(TextureBuffer) X(TextureParameteri) X(TextureStorage2D) \
     X(TextureStorage3D) X(TextureSubImage2D) X(TextureSubImage3D) \
     /* framebuffers */ \
     X(BindFramebuffer) X(CheckNamedFramebufferStatus) X(ClearNamedFramebufferfv) \
@@ -27,9 +27,10 @@ namespace radiafit {
     /* buffers and vertex arrays */ \
     X(BindVertexArray) \
     X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
-    X(EnableVertexArrayAttrib) X(GetNamedBufferSubData) X(MapNamedBufferRange) X(NamedBufferStorage) \
-    X(NamedBufferSubData) X(UnmapNamedBuffer) X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) \
-    X(VertexArrayAttribIFormat) X(VertexArrayBindingDivisor) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) \
+    X(EnableVertexArrayAttrib) X(GetNamedBufferParameteri64v) X(GetNamedBufferSubData) X(IsBuffer) \
+    X(MapNamedBufferRange) X(NamedBufferStorage) X(NamedBufferSubData) X(UnmapNamedBuffer) \
+    X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) X(VertexArrayAttribIFormat) \
+    X(VertexArrayBindingDivisor) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) \
     /* programs */ \
     X(AttachShader) X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteProgram) X(DeleteShader) X(DetachShader) \
     X(GetProgramInfoLog) X(GetProgramInterfaceiv) X(GetProgramResourceName) X(GetProgramResourceiv) X(GetProgramiv) \

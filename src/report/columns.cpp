@@ -34,9 +34,11 @@ const std::vector<TableRules>& all_rules() {
          "datasets.csv",
          {keys("dataset"),
           exact("triangles vertices images held_out parameters parameter_texels problems samples covered_pixels"),
-          exact("median_samples_per_texel shared_texels"), shares("kept_share"),
+          exact("median_samples_per_texel shared_texels"), shares("kept_share texels_per_pixel"),
+          shares("without_samples_share below_10_samples_share"),
           memory("image_bytes paper_layout_bytes cpu_engine_bytes")}},
         {"table1_datasets", "*_samples_per_texel.csv", {keys("samples"), exact("texels")}},
+        {"table1_datasets", "*_images.csv", {keys("image"), exact("covered_pixels kept_pixels facing_texels")}},
 
         {"fig7_convergence",
          "summary.csv",
@@ -113,12 +115,14 @@ const std::vector<TableRules>& all_rules() {
 
         {"scaling",
          "memory.csv",
-         {keys("engine storage passes side"), exact("parameters"),
-          memory("planned_bytes allocated_bytes paper_layout_bytes")}},
+         {keys("engine storage passes side"), exact("triangles vertices parameters"),
+          memory("planned_bytes allocated_bytes opengl_bytes paper_layout_bytes"), told("process_bytes")}},
+        // OpenGL's samples differ from the CPU's in some pixels, and between devices.
         {"scaling",
          "time.csv",
-         {keys("engine images"), exact("samples parameters"), times("seconds_per_iteration"), told("renderer")}},
-        {"scaling", "slopes.csv", {keys("of engine"), told("slope")}},
+         {keys("part engine what side images"), repetition("repetition"), exact("texels parameters"), errors("samples"),
+          times("seconds"), told("renderer")}},
+        {"scaling", "summary.csv", {keys("of engine"), told("median low high")}},  // of those
 
         // Who has spent its seconds takes no further vertex, so a slow machine compares fewer; and the best error is
         // the least of all who came.

@@ -1,2 +1,138 @@
 """Rules of experiments/claims/scale.cpp."""
 from claims.fixture import GPU, LLVMPIPE, ClaimsTest
+
+SIZES = (1e5, 2e5, 4e5, 8e5, 1.6e6)
+ENGINES = ("cpu", "fragment paper", "fragment combined")
+
+
+def noise(round_, spread):
+    """Of one round: a factor around 1, both ways."""
+    return 1 + spread * ((round_ * 5) % 9 - 4) / 4
+
+
+def rows_of_times(part, size, sizes, power, *, spread=0.0, rounds=9, renderer=GPU):
+    """Seconds = size to the power; power and spread of all engines, or by engine."""
+    rows = []
+    for engine in ENGINES:
+        exponent = power[engine] if isinstance(power, dict) else power
+        for r in range(rounds):
+            rows += [{"part": part, "engine": engine, "what": "iteration", "side": 8, "images": i + 1, "texels": 1000, "samples": 1000,
+                      "parameters": 10, size: n, "repetition": r, "seconds": 1e-9 * n ** (exponent * noise(r, spread)),
+                      "renderer": "cpu, 2 threads" if engine == "cpu" else renderer} for i, n in enumerate(sizes)]
+    return rows
+
+
+def distribution(ratio=1.05, spread=0.0, rounds=9, renderer=GPU):
+    rows = []
+    for r in range(rounds):
+        for engine, what, seconds in (("fragment paper", "iteration", ratio * noise(r, spread)),
+                                      ("fragment paper", "iteration, samples kept", 1),
+                                      ("cpu", "iteration", 1), ("cpu", "distribution", 2)):
+            rows.append({"part": "distribution", "engine": engine, "what": what, "side": 8, "images": 20, "texels": 1000,
+                         "samples": 1000, "parameters": 10, "repetition": r, "seconds": seconds,
+                         "renderer": "cpu, 2 threads" if engine == "cpu" else renderer})
+    return rows
+
+
+def memory(power=1.0, excess=1.0, sides=(8, 12, 16, 24, 32), triangles=6094, layout=143.5e6):
+    return [{"engine": "fragment", "storage": storage, "passes": passes, "side": side, "triangles": triangles, "vertices": 3049,
+             "parameters": 100 * side**2, "planned_bytes": 8000 * (side**2) ** power,
+             "opengl_bytes": 8000 * (side**2) ** power * excess, "allocated_bytes": 1,
+             "process_bytes": "" if passes == "paper" else 9000 * side**2, "paper_layout_bytes": layout * (side / 8) ** 2}
+            for passes in ("paper", "combined") for storage in ("fp32", "fp16") for side in sides]
+
+
+class Scaling(ClaimsTest):
+    def scaling(self, claim, time=None, **changed):
+        return self.finding(claim, "scaling", {"memory": memory(**changed), "time": time or distribution()})
+
+    def test_distribution_in_every_sweep(self):
+        def finding(**changed):
+            return self.scaling("C13", distribution(**changed))
+
+        row = finding(spread=0.01)
+        self.assertEqual(row["verdict"], "holds")
+        self.assertEqual(row["renderer"], GPU)
+        self.assertAlmostEqual(row["measures"][0]["value"], 1.05)
+        self.assertIn("1.05", row["sentence"])
+        self.assertIn("on the CPU, 3 times", row["sentence"])
+        self.assertEqual(finding(ratio=1.2, spread=0.01)["verdict"], "does not hold")
+        self.assertEqual(finding(ratio=1.1, spread=0.1)["verdict"], "undecided")
+        self.assertEqual(finding(rounds=8)["verdict"], "undecided")
+        self.assertEqual(finding(renderer=LLVMPIPE)["verdict"], "not comparable")
+
+    def test_memory(self):
+        row = self.scaling("C14")
+        self.assertEqual(row["verdict"], "holds")
+        self.assertEqual(len(row["measures"]), 6)
+        self.assertIn("143.5 MB for 6094 triangles", row["sentence"])
+        self.assertTrue(any("resident memory grew by 1.12" in text for text in row["beside"]))
+        self.assertEqual(self.scaling("C14", power=1.08)["verdict"], "does not hold")
+        self.assertEqual(self.scaling("C14", power=0.8)["verdict"], "holds", "an upper bound")
+        self.assertEqual(self.scaling("C14", excess=1.06)["verdict"], "does not hold")
+        self.assertEqual(self.scaling("C14", excess=0.9)["verdict"], "holds")
+        self.assertEqual(self.scaling("C14", layout=151e6)["verdict"], "does not hold")
+        self.assertEqual(self.scaling("C14", layout=134e6)["verdict"], "does not hold")
+        row = self.scaling("C14", triangles=1280, layout=30e6)
+        self.assertEqual(row["verdict"], "not comparable", "of another mesh the paper states nothing")
+        self.assertEqual(len(row["measures"]), 5)
+        self.assertEqual(self.scaling("C14", sides=(12, 16, 24, 32))["verdict"], "not comparable")
+        self.assertEqual(self.scaling("C14", sides=(8, 12, 16))["verdict"], "not comparable")
+
+    def test_gather(self):
+        row = self.scaling("C15", rows_of_times("texels", "texels", SIZES, 0.9, spread=0.02))
+        self.assertEqual(row["verdict"], "not run", "the scatter half")
+        self.assertIn("compute shaders", row["reason"])
+        self.assertEqual([m["outcome"] for m in row["measures"]], ["holds", "holds"])
+        self.assertAlmostEqual(row["measures"][0]["value"], 0.9)
+        self.assertIn("0.9 (", row["sentence"])
+        row = self.scaling("C15", rows_of_times("texels", "texels", SIZES, 0.3))
+        self.assertEqual([m["outcome"] for m in row["measures"]], ["does not hold"] * 2)
+
+    def test_cost(self):
+        def finding(sizes=SIZES, power=1.0, spread=0.0, rounds=9, **changed):
+            return self.scaling("C18", rows_of_times("samples", "samples", sizes, power, spread=spread, rounds=rounds), **changed)
+
+        row = finding(spread=0.02)
+        self.assertEqual(row["verdict"], "holds")
+        self.assertEqual(len(row["measures"]), 4)
+        self.assertAlmostEqual(row["measures"][0]["value"], 1)
+        self.assertEqual(finding(power=0.3)["verdict"], "holds", "an upper bound can't be failed by being cheaper")
+        self.assertEqual(finding(power=1.2, spread=0.02)["verdict"], "does not hold")
+        self.assertEqual(finding(power={**dict.fromkeys(ENGINES, 1.0), "fragment combined": 1.2})["verdict"], "does not hold")
+        self.assertEqual(finding(power=1.08, spread=0.1)["verdict"], "undecided")
+        self.assertEqual(finding(rounds=8)["verdict"], "undecided")
+        self.assertEqual(finding(SIZES[:4])["verdict"], "not comparable")
+        self.assertEqual(finding([n**0.9 for n in SIZES])["verdict"], "not comparable", "less than a factor of 16")
+        self.assertEqual(finding(sides=(8, 16, 32))["verdict"], "holds")
+        self.assertEqual(self.scaling("C18", rows_of_times("samples", "samples", SIZES, 1.0), power=1.2)["verdict"],
+                         "does not hold", "memory")
+
+    def test_rows_of_another_version(self):
+        row = self.finding("C18", "scaling", {"memory": memory(), "time": [{"engine": "cpu", "seconds": 1}]})
+        self.assertEqual(row["verdict"], "not run")
+
+
+class Samples(ClaimsTest):
+    def verdict_of(self, median=26, facing=1500, shared=0, names=("star", "bust")):
+        tables = {"datasets": [{"dataset": name, "shared_texels": shared if name == "bust" else 0} for name in names]}
+        for name in names:
+            tables[name + "_images"] = [{"image": i, "covered_pixels": 1000, "kept_pixels": 700, "facing_texels": facing + i - 2}
+                                        for i in range(5)]
+            tables[name + "_samples_per_texel"] = [{"samples": n, "texels": count} for n, count in
+                                                   ((0, 10), (9, 20), (median if name == "bust" else 30, 300), (90, 50))]
+        return self.finding("C17", "table1_datasets", tables)
+
+    def test_pixels_and_texels(self):
+        row = self.verdict_of()
+        self.assertEqual(row["verdict"], "holds")
+        self.assertIn("No texel takes two pixels", row["sentence"])
+        self.assertIn("26 on the bust (1.50 texels per pixel)", row["sentence"])
+        self.assertIn("star: 1.5 texels per covered pixel in the median image; 30.0 % of the pixels are dropped, because no texel "
+                      "takes them; 2.6 % of the texels have no sample, 7.9 % fewer than 10", row["beside"])
+        self.assertEqual(self.verdict_of(median=8)["verdict"], "does not hold")
+        self.assertEqual(self.verdict_of(shared=1)["verdict"], "does not hold")
+        row = self.verdict_of(facing=900)
+        self.assertEqual(row["verdict"], "not comparable")
+        self.assertIn("bust has 0.9", row["reason"])
+        self.assertEqual(self.verdict_of(names=("bust",))["verdict"], "not comparable")

@@ -1,0 +1,58 @@
+# Above: one photograph of each dataset. Below: the share of its texels that get at most so many samples (Section 5.1.1).
+# -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
+set datafile separator comma
+datasets = rows . '/datasets.csv'
+names = system(sprintf("awk -F, 'NR > 1 {print $1}' '%s'", datasets))
+field(name, column) = real(system(sprintf("awk -F, -v name='%s' -v column='%s' 'NR == 1 {for (i = 1; i <= NF; ++i) if ($i == column) at = i} $1 == name {print $at}' '%s'", name, column, datasets)))
+n = words(names)
+if (terminal eq 'svg') {
+    set terminal svg size 380 * n,800 font 'DejaVu Sans,13' background 'white'
+} else {
+    set terminal pngcairo size 380 * n,800 font 'DejaVu Sans,11'
+}
+set output output
+set multiplot title "{/:Bold Datasets, and how many samples their texels get}\n" . caption
+left(i) = (i - 1.0) / n + 0.065
+right(i) = real(i) / n - 0.02
+count(x) = x < 9999.5 ? sprintf('%d', x) : x < 999999.5 ? sprintf('%.3g thousand', x / 1e3) : sprintf('%.3g million', x / 1e6)
+do for [i=1:n] {
+    name = word(names, i)
+    set lmargin at screen left(i)
+    set rmargin at screen right(i)
+    set tmargin at screen 0.82
+    set bmargin at screen 0.48
+    unset border
+    unset tics
+    unset key
+    unset arrow
+    unset label
+    set size ratio -1
+    set autoscale
+    set title sprintf("{/:Bold %s}: %d triangles,\n%d images, %.1f MB;\n%s problems, %s parameters", name, field(name, 'triangles'), \
+        field(name, 'images'), field(name, 'image_bytes') / 1e6, count(field(name, 'problems')), count(field(name, 'parameters')))
+    unset xlabel
+    unset ylabel
+    plot rows . '/' . name . '.png' binary filetype=png with rgbimage
+    middle = field(name, 'median_samples_per_texel')
+    file = rows . '/' . name . '_samples_per_texel.csv'
+    stats file using 2 every ::1 nooutput name 'texels'
+    set size noratio
+    set tmargin at screen 0.365
+    set bmargin at screen 0.09
+    set border 3
+    set xtics nomirror
+    set ytics nomirror
+    set grid lc rgb '#dddddd'
+    set title sprintf("%.2f texels per covered pixel; %.0f %% of\nthe pixels are taken; a texel gets %g samples\n(median), and %.1f %% of them get none", \
+        field(name, 'texels_per_pixel'), 100 * field(name, 'kept_share'), middle, 100 * field(name, 'without_samples_share'))
+    set xlabel 'samples of a texel'
+    if (i == 1) { set ylabel 'texels with at most so many, %' offset 1 }
+    set xrange [0:(middle < 10 ? 30 : 3 * middle)]
+    set yrange [0:100]
+    set arrow from 10,0 to 10,100 nohead dt 2 lc rgb '#d55e00'
+    set label '10' at 10,100 offset 0.4,-0.6 tc rgb '#d55e00'
+    set arrow from 0,50 to middle,50 nohead dt 3 lc rgb '#888888'
+    set arrow from middle,0 to middle,50 nohead dt 3 lc rgb '#888888'
+    plot file using 1:(100 * $2 / texels_sum) every ::1 smooth cumulative with steps lw 2 lc rgb '#0072b2'
+}
+unset multiplot
