@@ -41,9 +41,19 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
         std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, numbers_, vectors_, options_, storage);
 
     const auto [width, height] = images_.largest();
-    const PassResources resources{shape_,         mesh_,     run_,    gathers_,
-                                  problems_,      vertices_, storage, fragment_options.sums,
-                                  options.lookup, width,     height,  images_.bits()};
+    const PassResources resources{shape_,
+                                  mesh_,
+                                  run_,
+                                  gathers_,
+                                  problems_,
+                                  vertices_,
+                                  storage,
+                                  fragment_options.sums,
+                                  options.lookup,
+                                  width,
+                                  height,
+                                  images_.bits(),
+                                  fragment_options.images_per_pass};
     image_passes_ =
         fragment_options.passes == Passes::paper ? make_paper_passes(resources) : make_combined_passes(resources);
     images_.set_batch(image_passes_->batch());

@@ -20,8 +20,9 @@ struct FragmentOptions {
     StreamSource source = StreamSource::memory;
     bool keep_on_device = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
     TargetSpace space = TargetSpace::stored;
-    /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least;
-    /// over a grid there are two such stacks. With another number sums are rounded otherwise.
+    /// Images that combined passes take together; 0: as many as they can. Of light field maps at most 4, or what
+    /// varyings have room for; of reflectance as many as 256 MiB hold, but 4 at least, and over a grid there are two
+    /// such stacks. With another number sums are rounded otherwise.
     int images_per_pass = 0;
     /// Whether the host leaves triangles that face away out of what is drawn; sums are the same bits without.
     bool cull = true;
