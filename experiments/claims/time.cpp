@@ -15,6 +15,8 @@ namespace {
 
 constexpr const char* optimizers[] = {"sd", "cg"};
 constexpr const char* problems[] = {"light field map", "Lafortune"};
+constexpr const char* full_record = "two-step (full record)";
+constexpr const char* compact_record = "two-step (compact record)";
 constexpr const char* paper_passes = "OpenGL (paper passes)";
 constexpr const char* batched_passes = "OpenGL (combined passes)";
 constexpr const char* image_by_image = "OpenGL (combined passes, image by image)";
@@ -95,12 +97,11 @@ Rounds totals(const FinishedRun& run, const CsvTable& t, const std::string& meth
     });
 }
 
-/// The thread counts of the two-step solver, in order.
-std::set<int> thread_counts(const CsvTable& t) {
-    std::set<int> counts;
-    for (const size_t row : rows_where(t, {{"method", "two-step (full record)"}}))
-        counts.insert(int(t.number(row, "threads")));
-    return counts;
+/// What stands in a column of the two-step solver's rows with the paper's record, in order.
+std::set<int> those_of(const CsvTable& t, const char* column) {
+    std::set<int> numbers;
+    for (const size_t row : rows_where(t, {{"method", full_record}})) numbers.insert(int(t.number(row, column)));
+    return numbers;
 }
 
 }  // namespace
@@ -112,12 +113,12 @@ Judgement faster_than_cpu(const FinishedRun& run) {
     j.demand(run.text("dataset") == "star", "the star");
     j.demand(run.setting("iterations") == 100, "100 iterations");
     std::vector<std::string> found;
-    for (const std::string optimizer : {"cg", "sd"}) {
+    for (const std::string optimizer : optimizers) {
         const Rounds opengl = totals(run, t, paper_passes, optimizer);
-        for (const int threads : thread_counts(t)) {
+        for (const int threads : those_of(t, "threads")) {
             const std::string on = fmt::format("{} thread{}", threads, threads == 1 ? "" : "s");
-            const Rounds full = totals(run, t, "two-step (full record)", optimizer, std::to_string(threads)),
-                         compact = totals(run, t, "two-step (compact record)", optimizer, std::to_string(threads));
+            const Rounds full = totals(run, t, full_record, optimizer, std::to_string(threads)),
+                         compact = totals(run, t, compact_record, optimizer, std::to_string(threads));
             const Rounds& cpu = median_of(full) < median_of(compact) ? full : compact;
             const Figure ratio = median_of_rounds(ratios(cpu, opengl));
             j.measures.push_back(
@@ -138,15 +139,17 @@ Judgement faster_than_cpu(const FinishedRun& run) {
 
 Judgement distribution_share(const FinishedRun& run) {
     const CsvTable t = run.table("repetitions.csv");
-    const std::string threads = std::to_string(*thread_counts(t).rbegin());
+    const std::set<int> all_iterations = those_of(t, "iterations");
+    const std::string threads = std::to_string(*those_of(t, "threads").rbegin());
     Judgement j{.renderer = "cpu, " + threads + " threads"};
+    j.demand(all_iterations.contains(25) && all_iterations.contains(100), "25 and 100 iterations");
     std::vector<Measure> all;
-    for (const std::string optimizer : {"cg", "sd"})
-        for (const char* iterations : {"25", "100"}) {
-            const Where where{{"method", "two-step (full record)"},
+    for (const std::string optimizer : optimizers)
+        for (const int iterations : all_iterations) {
+            const Where where{{"method", full_record},
                               {"optimizer", optimizer},
                               {"threads", threads},
-                              {"iterations", iterations}};
+                              {"iterations", std::to_string(iterations)}};
             const auto share = ratios(rounds(t, where, "distribution_s"), rounds(t, where, "total_s"));
             all.push_back({.of = fmt::format("{}, {} iterations", upper(optimizer), iterations),
                            .figure = median_of_rounds(share),
