@@ -1,17 +1,22 @@
 // Figure 10 of the paper: the share of the device's peaks of arithmetic, memory traffic and texture reads that the
-// fragment engines reach, by what their programs declare, how often they ran, and how long an iteration took.
+// fragment engines reach, by what their programs declare, how often they ran, and how long an iteration took. The same
+// counts tell what penalties cost, and are those that a model of the paper's chip starts from.
 #include <fmt/format.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
 
 #include "app/limits.h"
 #include "base/error.h"
-#include "base/file.h"
 #include "base/log.h"
+#include "base/statistics.h"
 #include "cpu/peaks.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
 #include "gl/peaks.h"
+#include "iteration_time.h"
 #include "model/lfm_start.h"
-#include "optim/optimizer.h"
 #include "reflectance_problem.h"
 #include "report/csv.h"
 #include "report/table.h"
@@ -19,11 +24,10 @@
 namespace radiafit {
 namespace {
 
-constexpr Range<int> timed_iterations{2, limits::iterations.upper, "the first is not timed"};
-
 struct Options {
     std::string dataset = "star";
     std::vector<std::string> passes{"paper", "combined"};
+    int repetitions = 9;
     FitRequest request;
     ReflectanceProblem reflectance;
 
@@ -31,25 +35,26 @@ struct Options {
         request.set("mode", "paper");
         request.set("view", "nearest");
         request.set("source", "disk-cold");
-        request.iterations = 5;
         c.read("dataset", dataset, [](const std::string& shape) {
             if (!shape.empty()) check_light_field_shape(shape);
         });
         read_maps(c, request.model);
         read_option(c, request, "source");
         c.read("passes", passes, valid_option("passes"));
-        c.read("iterations", request.iterations, timed_iterations);
+        c.read("repetitions", repetitions, limits::repetitions);
         c.finish();
     }
 };
 
-/// One iteration of one problem after the first: a direction and, but for steepest descent, a line.
+/// What one iteration after the first asks of the device. Steepest descent: a direction; conjugate gradients: a line
+/// and a direction.
 struct Usage {
-    std::string problem, optimizer, passes;
+    std::string optimizer = {};
     std::map<std::string, PassTally> tallies = {};
-    uint64_t cleared_bytes = 0;
-    double seconds = 0;
-    double cached_share = 0;  ///< of the pages of the images, where they come from disk
+    uint64_t cleared_bytes = 0, switches = 0;
+    uint64_t image_bytes = 0;  ///< streamed
+    /// Operations of the passes that only penalties need; and of those that they share with the gradient's last step.
+    uint64_t penalty_operations = 0, shared_operations = 0;
 
     Work work() const {
         Work sum;
@@ -64,88 +69,208 @@ struct Usage {
     }
 };
 
-/// Counts the passes of one iteration, and times others.
-template <Engine E>
-void measure(E& engine, std::span<const float> start, OptimizerOptions optimizer, Usage& usage) {
+/// One problem with one kind of passes.
+struct Contest {
+    std::string problem, passes;
+    std::function<IterationTime()> iterate;  ///< by an engine that has begun its fit
+    std::vector<Usage> usages = {};          ///< [optimizer]
+    std::vector<IterationTime> times = {};   ///< [repetition]
+};
+
+struct Peaks {
+    GlPeaks gl;
+    CpuPeaks cpu;
+};
+
+/// Tallies of what body issues.
+template <class E, class Body>
+Usage tally(E& engine, const Body& body) {
     PassRunner& passes = engine.passes();
-    OptimizerOptions two = optimizer;
-    two.iterations = 2;
-    engine.reset(start);
-    optimize(engine, two, [&](int iteration) {
-        if (iteration == 1) passes.tally(true);
-    });
+    const uint64_t switches = passes.counters.framebuffer_switches;
+    passes.tally(true);
+    body();
     passes.tally(false);
-    usage.tallies = passes.tallies();
-    usage.cleared_bytes = passes.cleared_bytes();
+    Usage usage{.tallies = passes.tallies(), .cleared_bytes = passes.cleared_bytes()};
+    usage.switches = passes.counters.framebuffer_switches - switches;
     for (const auto& [label, tally] : usage.tallies)
         if (!tally.cost)
-            throw UserError(
-                fmt::format("{} declares no cost in src/gl/pass_costs.cpp; choose a dataset with 8 bits a "
-                            "channel",
-                            label));
-    engine.reset(start);
-    const std::vector<TraceRow> rows = optimize(engine, optimizer).rows;
-    usage.seconds = (rows.back().time_s - rows[1].time_s) / double(rows.size() - 2);
-}
-
-Usage light_field_map(const Dataset& dataset, FitRequest request, const char* optimizer, const std::string& passes) {
-    request.set("optimizer", optimizer);
-    request.set("passes", passes);
-    const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
-    const VertexRings rings(dataset.mesh);
-    FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(),
-                          request.fragment_options());
-    const ProblemStatistics statistics = engine.count();
-    Usage usage{.problem = "light field map", .optimizer = optimizer, .passes = passes};
-    measure(engine, lfm_start(engine.layout(), statistics.mean, request.seed), request.optimizer_options(), usage);
-    usage.cached_share = cached_share(dataset.folder / dataset_images_name);
+            throw UserError(fmt::format(
+                "{} declares no cost in src/gl/pass_costs.cpp; choose a dataset with 8 bits a channel", label));
     return usage;
 }
 
-Usage lafortune(const ReflectanceProblem& problem, FitRequest request, const char* optimizer,
-                const std::string& passes) {
-    request.set("optimizer", optimizer);
-    request.set("passes", passes);
-    const auto engine = problem.engine(request.fragment_options());
-    Usage usage{.problem = "Lafortune", .optimizer = optimizer, .passes = passes};
-    measure(*engine, engine->start(), request.optimizer_options(), usage);
-    usage.cached_share = cached_share(problem.dataset().folder / dataset_images_name);
-    return usage;
+/// Programs that compute penalties alone; the gradient's last step adds them to the sums over samples.
+bool is_penalty(const std::string& label) {
+    return label.starts_with("optimize/laplacian") || label.starts_with("optimize/penalty") ||
+           label.starts_with("reflect/penalty");
+}
+bool is_last_step(const std::string& label) {
+    return label.starts_with("optimize/gradient") || label.starts_with("reflect/gradient");
 }
 
-void write_passes(const ResultFolder& results, const std::vector<Usage>& usages) {
+/// The engine has begun its iterations. image_bytes: of one sweep.
+template <class E>
+std::vector<Usage> count_usages(E& engine, uint64_t image_bytes) {
+    // Penalties are gathered as a dot product is, by the same passes.
+    const Usage dot = tally(engine, [&] { engine.dot({{vector::d, vector::d, vector::none, PRODUCT_NORM}}); });
+    uint64_t gather = 0;
+    for (const auto& [label, tally] : dot.tallies)
+        if (!label.starts_with("optimize/dot")) gather += tally.work().operations;
+    std::vector<Usage> usages;
+    for (const std::string optimizer : optimizer_names) {
+        const int sweeps = is_descent(optimizer) ? 1 : 2;
+        const ConjugateGradients& schedule = is_descent(optimizer) ? paper_descent : paper_gradients;
+        Usage usage = tally(engine, [&] {
+            schedule.move(engine, 1);
+            schedule.judge(engine, 1);
+        });
+        usage.optimizer = optimizer;
+        usage.image_bytes = uint64_t(sweeps) * image_bytes;
+        usage.penalty_operations = uint64_t(sweeps) * gather;
+        for (const auto& [label, tally] : usage.tallies) {
+            if (is_penalty(label)) usage.penalty_operations += tally.work().operations;
+            if (is_last_step(label)) usage.shared_operations += tally.work().operations;
+        }
+        usages.push_back(std::move(usage));
+    }
+    return usages;
+}
+
+uint64_t image_bytes(const Dataset& dataset, const std::vector<uint32_t>& views) {
+    uint64_t bytes = 0;
+    for (const uint32_t v : views) bytes += pixel_bytes(dataset.views[v].camera, dataset.encoding);
+    return bytes;
+}
+
+template <class E>
+Contest contest(const char* problem, const FitRequest& request, std::shared_ptr<E> engine, std::span<const float> start,
+                const Dataset& dataset, const std::vector<uint32_t>& views) {
+    start_iterations(*engine, start);
+    return {.problem = problem,
+            .passes = to_string(request.passes),
+            .iterate = [engine, images = dataset.folder / dataset_images_name,
+                        source = request.source] { return time_iteration(*engine, images, source); },
+            .usages = count_usages(*engine, image_bytes(dataset, views))};
+}
+
+Contest light_field_map(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                        const FitRequest& request) {
+    const std::vector<uint32_t> views = dataset.split(false);
+    const auto engine = std::make_shared<FragmentEngine>(dataset, atlas, rings, views, request.model_options(),
+                                                         request.fragment_options());
+    const ProblemStatistics statistics = engine->count();
+    return contest("light field map", request, engine, lfm_start(engine->layout(), statistics.mean, request.seed),
+                   dataset, views);
+}
+
+Contest lafortune(const ReflectanceProblem& problem, const FitRequest& request) {
+    const std::shared_ptr<TexelFragmentEngine> engine = problem.engine(request.fragment_options());
+    return contest("Lafortune", request, engine, engine->start(), problem.dataset(), problem.views());
+}
+
+std::string number(double x) { return fmt::format("{:.5g}", x); }
+
+void write_passes(const ResultFolder& results, const std::vector<Contest>& contests) {
     CsvWriter rows(results.path() / "passes.csv",
                    {"problem", "optimizer", "passes", "program", "draws", "fragments", "entries", "operations", "reads",
                     "read_bytes", "written_bytes", "blended_bytes"});
-    for (const Usage& u : usages)
-        for (const auto& [label, t] : u.tallies) {
-            const Work work = t.work();
-            std::vector<std::string> row{u.problem, u.optimizer, u.passes, label};
-            for (uint64_t value : {t.draws, t.fragments, t.entries, work.operations, work.reads, work.read_bytes,
-                                   t.written_bytes, t.blended_bytes})
+    for (const Contest& c : contests)
+        for (const Usage& u : c.usages)
+            for (const auto& [label, t] : u.tallies) {
+                const Work work = t.work();
+                std::vector<std::string> row{c.problem, u.optimizer, c.passes, label};
+                for (uint64_t value : {t.draws, t.fragments, t.entries, work.operations, work.reads, work.read_bytes,
+                                       t.written_bytes, t.blended_bytes})
+                    row.push_back(std::to_string(value));
+                rows.row(row);
+            }
+    rows.commit();
+}
+
+/// Sums over an iteration's passes.
+void write_work(const ResultFolder& results, const std::vector<Contest>& contests) {
+    CsvWriter rows(results.path() / "work.csv", {"problem", "optimizer", "passes", "operations", "reads", "bytes",
+                                                 "switches", "image_bytes", "penalty_operations", "shared_operations"});
+    for (const Contest& c : contests)
+        for (const Usage& u : c.usages) {
+            const Work work = u.work();
+            std::vector<std::string> row{c.problem, u.optimizer, c.passes};
+            for (uint64_t value : {work.operations, work.reads, u.bytes(), u.switches, u.image_bytes,
+                                   u.penalty_operations, u.shared_operations})
                 row.push_back(std::to_string(value));
             rows.row(row);
         }
     rows.commit();
 }
 
-void write_peaks(const ResultFolder& results, const GlPeaks& gl, const CpuPeaks& cpu, const std::string& renderer,
-                 const std::string& processor) {
-    CsvWriter rows(results.path() / "peaks.csv", {"device", "peak", "per_second"});
-    const auto row = [&](const std::string& device, const char* peak, double rate) {
-        rows.row({device, peak, fmt::format("{:.4g}", rate)});
-    };
-    row(renderer, "operations of fragments", gl.operations_s);
-    row(renderer, "texture reads", gl.reads_s);
-    row(renderer, "bytes", gl.bytes_s);
-    row(processor, "operations of one core", 1e9 * cpu.fma_gflop_s);
-    row(processor, "bytes from one core's L2", 1e9 * cpu.l2_gb_s);
-    row(processor, "bytes", 1e9 * cpu.triad_gb_s);
+void write_iterations(const ResultFolder& results, const std::vector<Contest>& contests) {
+    CsvWriter rows(results.path() / "iterations.csv",
+                   {"problem", "optimizer", "passes", "repetition", "seconds", "penalties_s", "cached_share"});
+    for (const Contest& c : contests)
+        for (const std::string optimizer : optimizer_names)
+            for (size_t r = 0; r < c.times.size(); ++r) {
+                const HalfTime time = c.times[r].of(is_descent(optimizer));
+                rows.row({c.problem, optimizer, c.passes, std::to_string(r), number(time.seconds),
+                          number(time.penalties), number(c.times[r].cached_share)});
+            }
     rows.commit();
-    log_info(fmt::format(
-        "peaks of {}: {:.3g} G operations/s, {:.3g} G texture reads/s, {:.3g} GB/s; the CPU itself: "
-        "{:.3g} G operations/s a core, {:.3g} GB/s",
-        renderer, 1e-9 * gl.operations_s, 1e-9 * gl.reads_s, 1e-9 * gl.bytes_s, cpu.fma_gflop_s, cpu.triad_gb_s));
+}
+
+void write_peaks(const ResultFolder& results, const std::vector<Peaks>& peaks, const std::string& renderer,
+                 const std::string& processor) {
+    CsvWriter rows(results.path() / "peaks.csv", {"device", "peak", "repetition", "per_second"});
+    for (size_t r = 0; r < peaks.size(); ++r) {
+        const auto row = [&](const std::string& device, const char* peak, double rate) {
+            rows.row({device, peak, std::to_string(r), number(rate)});
+        };
+        const auto& [gl, cpu] = peaks[r];
+        row(renderer, "operations of fragments", gl.operations_s);
+        row(renderer, "texture reads", gl.reads_s);
+        row(renderer, "bytes", gl.bytes_s);
+        row(processor, "operations of one core", 1e9 * cpu.fma_gflop_s);
+        row(processor, "bytes from one core's L2", 1e9 * cpu.l2_gb_s);
+        row(processor, "bytes", 1e9 * cpu.triad_gb_s);
+    }
+    rows.commit();
+}
+
+/// The bars: medians over the repetitions, each by the peaks of its own round, and their 95 % intervals where there are
+/// enough repetitions for one.
+void write_utilization(const ResultFolder& results, const std::vector<Contest>& contests,
+                       const std::vector<Peaks>& peaks, const FitRequest& request, const std::string& renderer) {
+    CsvWriter rows(results.path() / "utilization.csv",
+                   {"problem", "optimizer", "passes", "computation_share", "computation_low", "computation_high",
+                    "bandwidth_share", "bandwidth_low", "bandwidth_high", "reads_share", "reads_low", "reads_high",
+                    "seconds_per_iteration", "repetitions", "source", "renderer"});
+    Table table({"problem", "passes", "time per iteration", "computation", "memory bandwidth", "texture reads"});
+    for (const Contest& c : contests)
+        for (const Usage& u : c.usages) {
+            std::vector<double> seconds, computation, bandwidth, reads;
+            for (size_t r = 0; r < c.times.size(); ++r) {
+                const double s = c.times[r].of(is_descent(u.optimizer)).seconds;
+                seconds.push_back(s);
+                computation.push_back(double(u.work().operations) / s / peaks[r].gl.operations_s);
+                bandwidth.push_back(double(u.bytes()) / s / peaks[r].gl.bytes_s);
+                reads.push_back(double(u.work().reads) / s / peaks[r].gl.reads_s);
+            }
+            std::vector<std::string> row{c.problem, u.optimizer, c.passes};
+            for (const auto* shares : {&computation, &bandwidth, &reads}) {
+                const auto interval = median_interval(*shares, shares->size());
+                row.push_back(number(median(*shares)));
+                row.push_back(interval ? number(interval->low) : "");
+                row.push_back(interval ? number(interval->high) : "");
+            }
+            for (const std::string& text :
+                 {number(median(seconds)), std::to_string(seconds.size()), request.text("source"), renderer})
+                row.push_back(text);
+            rows.row(row);
+            const auto percent = [](const std::vector<double>& x) { return fmt::format("{:.1f} %", 100 * median(x)); };
+            table.add({fmt::format("{}, {}", c.problem, u.optimizer), c.passes,
+                       fmt::format("{:.3f} s", median(seconds)), percent(computation), percent(bandwidth),
+                       percent(reads)});
+        }
+    rows.commit();
+    log_info("share of the measured peaks\n" + table.text());
 }
 
 void fig10(Experiment& experiment) {
@@ -156,43 +281,38 @@ void fig10(Experiment& experiment) {
     const auto context = Context::create(o.request.context);
     const std::string renderer = context->renderer();
     note_gl(*context, experiment.record());
-    const GlPeaks peaks = measure_gl_peaks();
-    const CpuPeaks cpu = measure_cpu_peaks();
+    std::optional<TriangleAtlas> atlas;
+    std::optional<VertexRings> rings;
+    if (maps) {
+        atlas.emplace(dataset.mesh, o.request.model.surface_side);
+        rings.emplace(dataset.mesh);
+    }
 
-    std::vector<Usage> usages;
+    std::vector<Contest> contests;
     for (const std::string& passes : o.passes)
-        for (const char* optimizer : {"sd", "cg"})
-            if (maps) usages.push_back(light_field_map(dataset, o.request, optimizer, passes));
+        if (maps) contests.push_back(light_field_map(dataset, *atlas, *rings, o.request.set("passes", passes)));
     for (const std::string& passes : o.passes)
-        for (const char* optimizer : {"sd", "cg"})
-            usages.push_back(lafortune(o.reflectance, o.request, optimizer, passes));
+        contests.push_back(lafortune(o.reflectance, o.request.set("passes", passes)));
+    std::vector<Peaks> peaks;
+    for (int r = 0; r < o.repetitions; ++r) {
+        peaks.push_back({measure_gl_peaks(), measure_cpu_peaks()});
+        for (Contest& c : contests) c.times.push_back(c.iterate());
+        log_info(fmt::format("repetition {} of {}", r + 1, o.repetitions));
+    }
 
     ResultFolder results = experiment.open_results(renderer);
-    write_peaks(results, peaks, cpu, renderer, experiment.cpu_name());
-    write_passes(results, usages);
-    CsvWriter rows(results.path() / "utilization.csv",
-                   {"problem", "optimizer", "passes", "computation_share", "bandwidth_share", "reads_share",
-                    "operations", "bytes", "reads", "seconds_per_iteration", "source", "cached_share", "renderer"});
-    Table table({"problem", "passes", "time per iteration", "computation", "memory bandwidth", "texture reads"});
-    for (const Usage& u : usages) {
-        const Work work = u.work();
-        const double computation = double(work.operations) / u.seconds / peaks.operations_s;
-        const double bandwidth = double(u.bytes()) / u.seconds / peaks.bytes_s;
-        const double reads = double(work.reads) / u.seconds / peaks.reads_s;
-        const auto share = [](double x) { return fmt::format("{:.5f}", x); };
-        rows.row({u.problem, u.optimizer, u.passes, share(computation), share(bandwidth), share(reads),
-                  std::to_string(work.operations), std::to_string(u.bytes()), std::to_string(work.reads),
-                  fmt::format("{:.5g}", u.seconds), o.request.text("source"), share(u.cached_share), renderer});
-        const auto percent = [](double x) { return fmt::format("{:.1f} %", 100 * x); };
-        table.add({fmt::format("{}, {}", u.problem, u.optimizer), u.passes, fmt::format("{:.3f} s", u.seconds),
-                   percent(computation), percent(bandwidth), percent(reads)});
-    }
-    rows.commit();
-    results.commit();
-    log_info("share of the measured peaks\n" + table.text());
-    experiment.draw(
-        results, fmt::format("{}{} ({} scale), images from {}; {}", maps ? dataset.name + " and " : "",
-                             o.reflectance.dataset().name, experiment.profile(), o.request.text("source"), renderer));
+    write_peaks(results, peaks, renderer, experiment.cpu_name());
+    write_passes(results, contests);
+    write_work(results, contests);
+    write_iterations(results, contests);
+    write_utilization(results, contests, peaks, o.request, renderer);
+    const bool cold = o.request.source == ImageSource::disk_cold;
+    experiment.finish(
+        results, fmt::format("stand-ins: {}{} ({} scale); images from {} in every sweep; {} repetitions; "
+                             "{} on {}",
+                             maps ? dataset.name + " and " : "", o.reflectance.dataset().name, experiment.profile(),
+                             cold ? "disk, not in the page cache," : o.request.text("source"), o.repetitions, renderer,
+                             experiment.cpu_device()));
 }
 
 }  // namespace

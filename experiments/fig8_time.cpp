@@ -1,14 +1,22 @@
 // Figure 8 of the paper: the time of the CPU baseline, distribution and optimization, against OpenGL's, image
-// streaming, computation and switching; conjugate gradients and steepest descent in the paper's mode.
+// streaming, computation and switching; conjugate gradients and steepest descent in the paper's mode. Every round runs
+// each contestant once, so that what slows the machine for a while meets all.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <set>
 
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
+#include "base/statistics.h"
+#include "dataset/dataset_json.h"
 #include "experiment.h"
+#include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "report/csv.h"
 #include "report/table.h"
@@ -16,9 +24,15 @@
 namespace radiafit {
 namespace {
 
+constexpr Range<double> budget_seconds{0, 1e6};
+/// The time of an iteration is told from those after the first.
+constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "the first is not timed"};
+
 struct Options {
     std::string dataset = "star";
-    int record_iterations = 100, repetitions = 1;
+    std::vector<int> share_iterations{25, 100};
+    int repetitions = 9, software_iterations = 2;
+    double software_seconds = 45;
     FitRequest request;
 
     explicit Options(Config& c) {
@@ -27,205 +41,384 @@ struct Options {
         request.set("source", "disk-cold");
         c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, request.model);
-        c.read("iterations", request.iterations, limits::some_iterations);
-        c.read("record_iterations", record_iterations, limits::some_iterations);
+        c.read("iterations", request.iterations, iterations_after_the_first);
+        c.read("share_iterations", share_iterations, limits::some_iterations);
         read_option(c, request, "source");
         c.read("repetitions", repetitions, limits::repetitions);
+        c.read("software_iterations", software_iterations, iterations_after_the_first);
+        c.read("software_seconds", software_seconds, budget_seconds);
         c.finish();
     }
 };
 
-/// One bar. Seconds; what the parts leave of the total is the remainder.
-struct Bar {
-    std::string method, optimizer = {}, renderer = {};
-    int iterations = 0;
-    double distribution = 0, streaming = 0, computation = 0, switching = 0, total = 0;
-    double cached_share = 0;                    ///< of the pages that were read from disk
-    double error = 0;                           ///< sum of E_t at the end
-    std::vector<double> vertex_error = {};      ///< E of each vertex, its three problems together
-    std::vector<uint32_t> samples = {};         ///< of each vertex
-    std::optional<double> agreeing_share = {};  ///< of the vertices, with the cpu engine's ends
-    uint64_t bytes_written = 0, bytes_read = 0;
-    double remainder() const { return total - distribution - streaming - computation - switching; }
+/// Ends of whole fits.
+struct End {
+    double error = 0;                       ///< sum of E_t
+    std::vector<double> vertex_error = {};  ///< E of each vertex, its three problems together
+    std::vector<uint32_t> samples = {};     ///< of each vertex
 };
 
-/// What every method tells of its end.
-void fill_end(Bar& bar, const FitOutcome& out) {
-    bar.total = out.times.total;
-    bar.error = out.trace.rows.back().error;
-    bar.vertex_error.assign(out.fit.error.size() / 3, 0.0);
-    bar.samples.resize(bar.vertex_error.size());
-    for (size_t v = 0; v < bar.samples.size(); ++v) bar.samples[v] = out.fit.samples[3 * v];
-    for (size_t i = 0; i < out.fit.error.size(); ++i) bar.vertex_error[i / 3] += double(out.fit.error[i]);
+End end_of(const FitOutcome& out) {
+    End end{.error = out.trace.rows.back().error};
+    end.vertex_error.assign(out.fit.error.size() / 3, 0.0);
+    end.samples.resize(end.vertex_error.size());
+    for (size_t v = 0; v < end.samples.size(); ++v) end.samples[v] = out.fit.samples[3 * v];
+    for (size_t i = 0; i < out.fit.error.size(); ++i) end.vertex_error[i / 3] += double(out.fit.error[i]);
+    return end;
 }
 
-/// Agree before you time: throws SystemError unless both end at the same error, and fills the share of vertices with
-/// samples that do within a relative 1e-4.
-void check_end(Bar& bar, const Bar& expected) {
-    if (!(std::abs(bar.error - expected.error) <= 5e-3 * expected.error))
+/// Agree before you time: throws SystemError unless both end at the same error; the share of vertices with samples that
+/// do within a relative 1e-4.
+double agreeing_share(const std::string& name, const End& end, const End& expected) {
+    if (!(std::abs(end.error - expected.error) <= 5e-3 * expected.error))
         throw SystemError(
-            fmt::format("{} and {} disagree: {:.6g}, {:.6g}", bar.method, expected.method, bar.error, expected.error));
+            fmt::format("{} and the cpu engine disagree: {:.6g}, {:.6g}", name, end.error, expected.error));
     // A handful of samples can be fitted exactly: what is left then is rounding, which nobody can agree on. An error
     // counts as no less than that of residuals of one rounding of white.
     constexpr double rounding = 0x1p-24;
     size_t agreeing = 0, seen = 0;
-    for (size_t v = 0; v < bar.vertex_error.size(); ++v) {
-        if (bar.samples[v] == 0) continue;
-        const double least = 0.5 * 3 * bar.samples[v] * rounding * rounding;
+    for (size_t v = 0; v < end.vertex_error.size(); ++v) {
+        if (end.samples[v] == 0) continue;
+        const double least = 0.5 * 3 * end.samples[v] * rounding * rounding;
         const double error = expected.vertex_error[v];
-        agreeing += std::abs(bar.vertex_error[v] - error) <= 1e-4 * std::max(error, least);
+        agreeing += std::abs(end.vertex_error[v] - error) <= 1e-4 * std::max(error, least);
         ++seen;
     }
-    bar.agreeing_share = double(agreeing) / double(seen);
+    return double(agreeing) / double(seen);
 }
 
 /// The cpu engine over a sample list in memory: no bar of the figure, but the others must end where it does. Which
 /// pixel a texel takes can differ between the distributors, so each has its own.
-Bar cpu_engine(const Dataset& dataset, FitRequest request, const std::string& distributor) {
+End cpu_engine(const Dataset& dataset, FitRequest request, const std::string& distributor) {
     request.set("source", "memory");
     request.set("distributor", distributor);
-    Bar bar{.method = "cpu engine (samples by " + distributor + ")"};
-    fill_end(bar, solve(dataset, request));
-    return bar;
+    return end_of(solve(dataset, request));
 }
 
-Bar two_step(const Dataset& dataset, FitRequest request, const std::string& record, const std::string& cpu) {
+/// Whole fits by one contestant, [repetition].
+struct Runs {
+    std::string method, optimizer;
+    int threads = 0, iterations = 0;
+    std::optional<double> agreeing = {};  ///< share of the vertices, with the cpu engine's ends
+    double error = 0;
+    uint64_t bytes_written = 0, bytes_read = 0;  ///< of the two-step solver's records
+    std::vector<FitTimes> times = {};
+    std::vector<double> iteration_s = {};   ///< of OpenGL: an iteration's time, by those after the first
+    std::vector<double> cached_share = {};  ///< of the pages that were read from disk
+
+    std::string name() const {
+        return fmt::format("{}, {}, {} threads, {} iterations", method, optimizer, threads, iterations);
+    }
+    /// Seconds of that many iterations, [repetition].
+    std::vector<double> totals(int of_iterations) const {
+        std::vector<double> out;
+        for (size_t r = 0; r < times.size(); ++r)
+            out.push_back(times[r].total + (iteration_s.empty() ? 0.0 : (of_iterations - iterations) * iteration_s[r]));
+        return out;
+    }
+};
+
+void run_two_step(Runs& runs, const Dataset& dataset, FitRequest request, const std::string& record,
+                  const std::optional<End>& expected) {
     request.solver = "two-step";
+    request.set("optimizer", runs.optimizer);
     request.set("record", record);
+    request.iterations = runs.iterations;
     request.cold = request.source == ImageSource::disk_cold;
     request.scratch = dataset.folder.parent_path();  // a disk, which the system's temporary folder need not be
+    const int threads = thread_count();
+    set_thread_count(runs.threads);
     const FitOutcome out = solve(dataset, request);
-    Bar bar{.method = "two-step (" + record + " record)", .optimizer = request.text("optimizer"), .renderer = cpu};
-    bar.iterations = request.iterations;
-    bar.distribution = out.times.distribution;
-    bar.streaming = out.times.streaming;
-    bar.computation = out.times.optimization;
-    fill_end(bar, out);
-    bar.cached_share = out.record_cached_share;
-    bar.bytes_written = out.records.bytes_written;
-    bar.bytes_read = out.record_bytes_read;
-    return bar;
+    set_thread_count(threads);
+    const End end = end_of(out);
+    if (expected) runs.agreeing = agreeing_share(runs.name(), end, *expected);
+    runs.error = end.error;
+    runs.bytes_written = out.records.bytes_written;
+    runs.bytes_read = out.record_bytes_read;
+    runs.times.push_back(out.times);
+    runs.cached_share.push_back(out.record_cached_share);
 }
 
-/// Seconds per image of the commands alone: the same sweeps, cut to one texel. The first of each also compiles.
-struct Switching {
-    double direction = 1e9, line = 1e9;
-};
-Switching switching_of(const Dataset& dataset, const FitRequest& request) {
-    const auto context = Context::create(request.context);
-    const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
-    const VertexRings rings(dataset.mesh);
-    FragmentOptions options = request.fragment_options();
-    options.source = StreamSource::memory;
-    options.scissored = true;
-    FragmentEngine engine(dataset, atlas, rings, dataset.split(false), request.model_options(), options);
-    const ProblemStatistics statistics = engine.count();
-    engine.reset(lfm_start(engine.layout(), statistics.mean, 1));
-    const auto per_image = [&](const auto& sweep) {
-        const FragmentTimes before = engine.times();
-        sweep();
-        const FragmentTimes& after = engine.times();
-        const double streaming = after.stream_s - before.stream_s + after.upload_s - before.upload_s;
-        return (after.sweep_s - before.sweep_s - streaming) / double(after.images - before.images);
-    };
-    Switching least;
-    for (int i = 0; i < 4; ++i) {
-        least.direction = std::min(least.direction, per_image([&] { engine.gradient_pass(false); }));
-        least.line = std::min(least.line, per_image([&] { engine.directional_pass(); }));
-    }
-    return least;
-}
-
-Bar fragment(Record& record, const Dataset& dataset, FitRequest request, const std::string& passes) {
+void run_opengl(Runs& runs, const Dataset& dataset, FitRequest request, const std::string& passes,
+                const End& expected) {
+    request.set("optimizer", runs.optimizer);
     request.set("engine", "fragment");
     request.set("passes", passes);
-    const Switching switching = switching_of(dataset, request);
+    request.iterations = runs.iterations;
     const FitOutcome out = solve(dataset, request);
-    note_gl(out, record);
-    Bar bar{.method = "OpenGL (" + passes + " passes)",
-            .optimizer = request.text("optimizer"),
-            .renderer = out.gl_renderer};
-    bar.iterations = request.iterations;
-    bar.streaming = out.times.streaming;
-    // one sweep of lines for each iteration, but one alone for steepest descent; one of directions more than iterations
-    const double images = double(out.sweeps.images) / double(out.sweeps.sweeps);
-    const int lines = request.optimizer->lines ? request.iterations : 1;
-    bar.switching = images * (switching.direction * (request.iterations + 1) + switching.line * lines);
-    bar.computation = out.times.optimization - bar.switching;
-    if (bar.computation < 0) {  // measured apart, on a machine that was busy then
-        log_info(fmt::format("{}: switching alone took {:.2f} s, the whole {:.2f} s; run it again on an idle machine",
-                             bar.method, bar.switching, out.times.optimization));
-        bar.switching = out.times.optimization;
-        bar.computation = 0;
+    const End end = end_of(out);
+    runs.agreeing = agreeing_share(runs.name(), end, expected);
+    runs.error = end.error;
+    runs.times.push_back(out.times);
+    const std::vector<TraceRow>& rows = out.trace.rows;
+    runs.iteration_s.push_back((rows.back().time_s - rows[1].time_s) / double(rows.size() - 2));
+    runs.cached_share.push_back(out.images_cached_share);
+}
+
+/// One that runs whole fits; run() adds a repetition.
+struct Contestant {
+    Runs runs;
+    bool opengl;
+    std::function<void(Runs&)> run;
+};
+
+/// Single iterations of one kind of passes: as they are; and cut to one texel, which leaves the commands alone.
+class Iterations {
+public:
+    Iterations(const char* name, const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+               FitRequest request, const char* passes, int images_per_pass)
+        : name(name), images_(dataset.folder / dataset_images_name), source_(request.source) {
+        request.set("passes", passes);
+        const auto make = [&](bool scissored) {
+            request.set("source", scissored ? "device" : request.text("source"));
+            FragmentOptions options = request.fragment_options();
+            options.scissored = scissored;
+            options.images_per_pass = images_per_pass;
+            auto engine = std::make_unique<FragmentEngine>(dataset, atlas, rings, dataset.split(false),
+                                                           request.model_options(), options);
+            const ProblemStatistics statistics = engine->count();
+            start_iterations(*engine, lfm_start(engine->layout(), statistics.mean, request.seed));
+            return engine;
+        };
+        whole_ = make(false);
+        scissored_ = make(true);
     }
-    fill_end(bar, out);
-    bar.cached_share = out.images_cached_share;
+
+    void run() {
+        times.push_back(time_iteration(*whole_, images_, source_));
+        const IterationTime cut = time_iteration(*scissored_, images_, ImageSource::device);
+        line_switching.push_back(cut.line.sweep);
+        direction_switching.push_back(cut.direction.sweep);
+    }
+    double switching(size_t r, bool descent) const {
+        return direction_switching[r] + (descent ? 0 : line_switching[r]);
+    }
+    struct Counts {
+        Work work;
+        uint64_t draws = 0, switches = 0;
+    };
+    /// What an iteration declares and issues; waits for each draw, so not while others are timed.
+    Counts count(bool descent) {
+        PassRunner& passes = whole_->passes();
+        const PassCounters before = passes.counters;
+        const ConjugateGradients& schedule = descent ? paper_descent : paper_gradients;
+        passes.tally(true);
+        schedule.move(*whole_, 1);
+        schedule.judge(*whole_, 1);
+        passes.tally(false);
+        Counts counts;
+        counts.draws = passes.counters.draws - before.draws;
+        counts.switches = passes.counters.framebuffer_switches - before.framebuffer_switches;
+        for (const auto& [label, tally] : passes.tallies()) {
+            if (!tally.cost)
+                throw UserError(fmt::format(
+                    "{} declares no cost in src/gl/pass_costs.cpp; choose a dataset with 8 bits a channel", label));
+            counts.work += tally.work();
+        }
+        return counts;
+    }
+
+    std::string name;
+    std::vector<IterationTime> times = {};                              ///< [repetition]
+    std::vector<double> line_switching = {}, direction_switching = {};  ///< [repetition] seconds
+
+private:
+    std::filesystem::path images_;
+    ImageSource source_;
+    std::unique_ptr<FragmentEngine> whole_, scissored_;
+};
+
+std::string number(double x) { return fmt::format("{:.5g}", x); }
+
+void write_repetitions(const ResultFolder& results, const std::vector<Contestant>& all) {
+    CsvWriter rows(results.path() / "repetitions.csv",
+                   {"method", "optimizer", "threads", "iterations", "repetition", "distribution_s", "streaming_s",
+                    "optimization_s", "total_s", "iteration_s", "error", "cached_share"});
+    for (const auto& [runs, opengl, run] : all)
+        for (size_t r = 0; r < runs.times.size(); ++r) {
+            const FitTimes& t = runs.times[r];
+            const double iteration =
+                runs.iteration_s.empty() ? t.optimization / double(runs.iterations) : runs.iteration_s[r];
+            std::vector<std::string> row{runs.method, runs.optimizer, std::to_string(runs.threads),
+                                         std::to_string(runs.iterations), std::to_string(r)};
+            for (double x : {t.distribution, t.streaming, t.optimization, t.total, iteration}) row.push_back(number(x));
+            row.push_back(fmt::format("{:.8g}", runs.error));
+            row.push_back(number(runs.cached_share[r]));
+            rows.row(row);
+        }
+    rows.commit();
+}
+
+void write_iterations(const ResultFolder& results, const std::vector<Iterations>& all) {
+    CsvWriter rows(results.path() / "iterations.csv",
+                   {"method", "optimizer", "repetition", "seconds", "streaming_s", "switching_s", "cached_share"});
+    for (const Iterations& one : all)
+        for (const std::string optimizer : optimizer_names)
+            for (size_t r = 0; r < one.times.size(); ++r) {
+                const HalfTime time = one.times[r].of(is_descent(optimizer));
+                rows.row({one.name, optimizer, std::to_string(r), number(time.seconds), number(time.streaming),
+                          number(one.switching(r, is_descent(optimizer))), number(one.times[r].cached_share)});
+            }
+    rows.commit();
+}
+
+void write_work(const ResultFolder& results, std::vector<Iterations>& all) {
+    CsvWriter rows(results.path() / "work.csv", {"method", "optimizer", "operations", "reads", "draws", "switches"});
+    for (Iterations& one : all)
+        for (const std::string optimizer : optimizer_names) {
+            const Iterations::Counts counts = one.count(is_descent(optimizer));
+            rows.row({one.name, optimizer, std::to_string(counts.work.operations), std::to_string(counts.work.reads),
+                      std::to_string(counts.draws), std::to_string(counts.switches)});
+        }
+    rows.commit();
+}
+
+/// The parts of a fit of so many iterations. Seconds; what they leave of the total is the remainder.
+struct Bar {
+    double distribution = 0, streaming = 0, computation = 0, switching = 0, total = 0;
+    double remainder() const { return total - distribution - streaming - computation - switching; }
+};
+
+double median_of(const auto& items, const auto& number_of) {
+    std::vector<double> values;
+    for (const auto& item : items) values.push_back(number_of(item));
+    return median(values);
+}
+
+Bar two_step_bar(const Runs& runs) {
+    return {.distribution = median_of(runs.times, [](const FitTimes& t) { return t.distribution; }),
+            .streaming = median_of(runs.times, [](const FitTimes& t) { return t.streaming; }),
+            .computation = median_of(runs.times, [](const FitTimes& t) { return t.optimization; }),
+            .total = median(runs.totals(runs.iterations))};
+}
+
+/// A direction more than iterations; a line for each, but one alone for steepest descent. What these sweeps leave of
+/// the total: counting samples, passes over maps, and making it all ready.
+Bar opengl_bar(const Runs& runs, int iterations, const Iterations& one) {
+    const double directions = iterations + 1, lines = is_descent(runs.optimizer) ? 1 : iterations;
+    const auto sum = [&](double HalfTime::*part) {
+        return directions * median_of(one.times, [&](const IterationTime& t) { return t.direction.*part; }) +
+               lines * median_of(one.times, [&](const IterationTime& t) { return t.line.*part; });
+    };
+    Bar bar{.streaming = sum(&HalfTime::streaming), .total = median(runs.totals(iterations))};
+    bar.switching = directions * median(one.direction_switching) + lines * median(one.line_switching);
+    bar.computation = std::max(0.0, sum(&HalfTime::sweep) - bar.streaming - bar.switching);
     return bar;
 }
 
-/// The run with the median total of several.
-template <class Run>
-Bar median_of(int repetitions, const Run& run) {
-    std::vector<Bar> bars;
-    for (int i = 0; i < repetitions; ++i) bars.push_back(run());
-    std::sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.total < b.total; });
-    return bars[bars.size() / 2];
+std::vector<Contestant> contestants(const Options& o, const Dataset& dataset, bool software) {
+    std::vector<Contestant> out;
+    const int opengl_iterations = software ? o.software_iterations : o.request.iterations;
+    const int most = thread_count();
+    for (const char* optimizer : {"cg", "sd"}) {
+        FitRequest request = o.request;
+        request.set("optimizer", optimizer);
+        const End by_cpu = cpu_engine(dataset, request, "cpu");
+        const auto two_step = [&](const std::string& record, int threads, int iterations, std::optional<End> expected) {
+            out.push_back({{.method = "two-step (" + record + " record)",
+                            .optimizer = optimizer,
+                            .threads = threads,
+                            .iterations = iterations},
+                           false,
+                           [&dataset, request, record, expected](Runs& runs) {
+                               run_two_step(runs, dataset, request, record, expected);
+                           }});
+        };
+        for (const char* record : {"full", "compact"})
+            for (const int threads : std::set{1, most}) two_step(record, threads, request.iterations, by_cpu);
+        for (const int iterations : o.share_iterations)
+            if (iterations != request.iterations) two_step("full", most, iterations, {});
+        request.iterations = opengl_iterations;
+        const End by_gl = cpu_engine(dataset, request, "gl");
+        for (const std::string passes : {"paper", "combined"})
+            out.push_back({{.method = "OpenGL (" + passes + " passes)",
+                            .optimizer = optimizer,
+                            .threads = most,
+                            .iterations = opengl_iterations},
+                           true,
+                           [&dataset, request, passes, by_gl](Runs& runs) {
+                               run_opengl(runs, dataset, request, passes, by_gl);
+                           }});
+    }
+    return out;
+}
+
+void write_times(const ResultFolder& results, const Options& o, const std::vector<Contestant>& all,
+                 const std::vector<Iterations>& iterations, const std::string& cpu, const std::string& renderer) {
+    CsvWriter rows(results.path() / "times.csv",
+                   {"method",         "optimizer",     "threads",       "iterations",  "timed_iterations",
+                    "distribution_s", "streaming_s",   "computation_s", "switching_s", "remainder_s",
+                    "total_s",        "low_s",         "high_s",        "repetitions", "error",
+                    "agreeing_share", "bytes_written", "bytes_read",    "source",      "renderer"});
+    Table table({"method", "threads", "distribution", "streaming, reading", "computation", "switching", "remainder",
+                 "total", "same end"});
+    for (const auto& [runs, opengl, run] : all) {
+        if (!runs.agreeing) continue;  // no bar: of other iterations, for claim C4
+        const auto own = std::ranges::find(iterations, runs.method, &Iterations::name);
+        const Bar bar = opengl ? opengl_bar(runs, o.request.iterations, *own) : two_step_bar(runs);
+        const std::vector<double> totals = runs.totals(o.request.iterations);
+        const auto interval = median_interval(totals, totals.size());
+        std::vector<std::string> row{runs.method, runs.optimizer, std::to_string(runs.threads),
+                                     std::to_string(o.request.iterations), std::to_string(runs.iterations)};
+        for (double x : {bar.distribution, bar.streaming, bar.computation, bar.switching, bar.remainder(), bar.total})
+            row.push_back(fmt::format("{:.4f}", x));
+        for (const std::string& text :
+             {interval ? number(interval->low) : "", interval ? number(interval->high) : "",
+              std::to_string(totals.size()), fmt::format("{:.8g}", runs.error), fmt::format("{:.4f}", *runs.agreeing),
+              std::to_string(runs.bytes_written), std::to_string(runs.bytes_read), o.request.text("source"),
+              opengl ? renderer : cpu})
+            row.push_back(text);
+        rows.row(row);
+        const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
+        table.add({fmt::format("{}, {}", runs.method, runs.optimizer), std::to_string(runs.threads),
+                   seconds(bar.distribution), seconds(bar.streaming), seconds(bar.computation), seconds(bar.switching),
+                   seconds(bar.remainder()), seconds(bar.total), fmt::format("{:.1f} %", 100 * *runs.agreeing)});
+    }
+    rows.commit();
+    log_info(fmt::format("where the time of {} iterations goes\n{}", o.request.iterations, table.text()));
 }
 
 void fig8(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
-    const std::string cpu = experiment.cpu_name();
-    std::vector<Bar> bars, records;
-    for (const char* optimizer : {"cg", "sd"}) {
-        FitRequest request = o.request;
-        request.set("optimizer", optimizer);
-        const auto measured = [&](const auto& run) {
-            Bar bar = median_of(o.repetitions, run);
-            log_info(fmt::format("{}, {}, {} iterations: {:.2f} s", bar.method, optimizer, bar.iterations, bar.total));
-            return bar;
-        };
-        const Bar by_cpu = cpu_engine(dataset, request, "cpu"), by_gl = cpu_engine(dataset, request, "gl");
-        for (const char* record : {"full", "compact"}) {
-            bars.push_back(measured([&] { return two_step(dataset, request, record, cpu); }));
-            check_end(bars.back(), by_cpu);
+    const TriangleAtlas atlas(dataset.mesh, o.request.model.surface_side);
+    const VertexRings rings(dataset.mesh);
+    const auto context = Context::create(o.request.context);
+    note_gl(*context, experiment.record());
+    const bool software = context->software();
+    std::vector<Contestant> all = contestants(o, dataset, software);
+    context->make_current();
+    std::vector<Iterations> iterations;
+    iterations.emplace_back("OpenGL (paper passes)", dataset, atlas, rings, o.request, "paper", 0);
+    iterations.emplace_back("OpenGL (combined passes, image by image)", dataset, atlas, rings, o.request, "combined",
+                            1);
+    iterations.emplace_back("OpenGL (combined passes)", dataset, atlas, rings, o.request, "combined", 0);
+
+    double opengl_seconds = 0;
+    for (int r = 0; r < o.repetitions; ++r) {
+        const bool enough = software && r > 0 && opengl_seconds >= o.software_seconds;
+        for (Contestant& c : all) {
+            if (c.opengl && enough) continue;
+            c.run(c.runs);
+            if (c.opengl) opengl_seconds += c.runs.times.back().total;
         }
-        for (const char* passes : {"paper", "combined"}) {
-            bars.push_back(measured([&] { return fragment(experiment.record(), dataset, request, passes); }));
-            check_end(bars.back(), by_gl);
-        }
-        if (o.record_iterations == request.iterations) continue;  // the bars say it
-        request.iterations = o.record_iterations;
-        for (const char* record : {"full", "compact"})
-            records.push_back(measured([&] { return two_step(dataset, request, record, cpu); }));
+        context->make_current();
+        for (Iterations& one : iterations) one.run();
+        log_info(fmt::format("repetition {} of {}{}", r + 1, o.repetitions,
+                             enough ? ": of OpenGL's single iterations only" : ""));
     }
 
-    const std::string renderer = bars.back().renderer;
-    ResultFolder results = experiment.open_results(renderer);
-    CsvWriter rows(results.path() / "times.csv",
-                   {"part", "method", "optimizer", "iterations", "distribution_s", "streaming_s", "computation_s",
-                    "switching_s", "remainder_s", "total_s", "cached_share", "error", "agreeing_share", "bytes_written",
-                    "bytes_read", "source", "renderer"});
-    Table table({"method", "iterations", "distribution", "streaming, reading", "computation", "switching", "remainder",
-                 "total", "same end"});
-    const auto write = [&](const char* part, const Bar& b) {
-        const auto s = [](double x) { return fmt::format("{:.4f}", x); };
-        rows.row({part, b.method, b.optimizer, std::to_string(b.iterations), s(b.distribution), s(b.streaming),
-                  s(b.computation), s(b.switching), s(b.remainder()), s(b.total), s(b.cached_share),
-                  fmt::format("{:.8g}", b.error), b.agreeing_share ? s(*b.agreeing_share) : "",
-                  std::to_string(b.bytes_written), std::to_string(b.bytes_read), o.request.text("source"), b.renderer});
-        const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
-        table.add({fmt::format("{}, {}", b.method, b.optimizer), std::to_string(b.iterations), seconds(b.distribution),
-                   seconds(b.streaming), seconds(b.computation), seconds(b.switching), seconds(b.remainder()),
-                   seconds(b.total), b.agreeing_share ? fmt::format("{:.1f} %", 100 * *b.agreeing_share) : ""});
-    };
-    for (const Bar& bar : bars) write("figure", bar);
-    for (const Bar& bar : records) write("record", bar);
-    rows.commit();
-    results.commit();
-    log_info("where the time goes\n" + table.text());
-    experiment.draw(results, fmt::format("{} ({} scale), {} iterations; OpenGL: {}; CPU: {}", dataset.name,
-                                         experiment.profile(), o.request.iterations, renderer, cpu));
+    ResultFolder results = experiment.open_results(context->renderer());
+    write_repetitions(results, all);
+    write_iterations(results, iterations);
+    write_work(results, iterations);
+    write_times(results, o, all, iterations, experiment.cpu_name(), context->renderer());
+    const int ran = all.back().runs.iterations;
+    experiment.finish(results,
+                      fmt::format("{} stand-in ({} scale), {} iterations{}; CPU: {}; OpenGL: {}", dataset.name,
+                                  experiment.profile(), o.request.iterations,
+                                  ran == o.request.iterations ? "" : fmt::format(" (OpenGL: reckoned from {})", ran),
+                                  experiment.cpu_device(), context->renderer()));
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ public:
         views_ = spread_views(dataset_.split(false), images_);
     }
     const Dataset& dataset() const { return dataset_; }
+    const std::vector<uint32_t>& views() const { return views_; }
     size_t images() const { return views_.size(); }
     /// Samples counted.
     std::unique_ptr<TexelFragmentEngine> engine(const FragmentOptions& options) const {

@@ -2,16 +2,15 @@
 // textures that stay on the device.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "app/limits.h"
 #include "base/error.h"
-#include "base/file.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
+#include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "reflectance_problem.h"
 #include "report/csv.h"
@@ -20,12 +19,13 @@
 namespace radiafit {
 namespace {
 
-constexpr const char* sources[] = {"disk-cold", "disk", "memory", "device"};
-constexpr int cold = 0, warm = 1, source_count = 4;
+constexpr ImageSource sources[] = {ImageSource::disk_cold, ImageSource::disk, ImageSource::memory, ImageSource::device};
+constexpr const char* source_names[] = {"disk-cold", "disk", "memory", "device"};
+constexpr int cold = 0, source_count = 4;
 
 struct Options {
     std::string dataset = "star";
-    int repetitions = 5;
+    int images = 32, repetitions = 9;
     FitRequest request;
     ReflectanceProblem reflectance;
 
@@ -34,126 +34,88 @@ struct Options {
         request.set("view", "nearest");
         c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, request.model);
+        c.read("images", images, limits::images);
         c.read("repetitions", repetitions, limits::repetitions);
         c.finish();
     }
 };
 
-/// Seconds of one iteration's halves; streaming: reading images and handing them to OpenGL, which the total includes.
-struct Iteration {
-    double line = 0, direction = 0, line_streaming = 0, direction_streaming = 0;
-    double total(bool descent) const { return direction + (descent ? 0 : line); }
-    double streaming(bool descent) const { return direction_streaming + (descent ? 0 : line_streaming); }
-};
-
 /// One problem with one kind of passes.
 struct Contest {
     std::string problem, passes;
-    std::vector<Iteration> times[source_count] = {};  ///< [source][repetition]
-    double cached_share = 0;  ///< of the images' pages, the most before or after any iteration from a cold disk
-    double warm_share = 1;    ///< the least before any iteration from the page cache
+    std::vector<IterationTime> times[source_count] = {};  ///< [source][repetition]
 };
 
-const ConjugateGradients schedule({.rule = Rule::cg_paper});
-
-/// An iteration as optim/optimizer.h calls it. Steepest descent takes the same but for the line, which it has in its
-/// first iteration only.
-template <Engine E>
-Iteration iterate(E& engine) {
-    Iteration took;
-    const auto time_half = [&](double& seconds, double& streaming, const auto& half) {
-        const FragmentTimes before = engine.times();
-        Stopwatch clock;
-        half();
-        engine.summary();  // waits
-        seconds = clock.wall_s();
-        streaming = engine.times().stream_s - before.stream_s + engine.times().upload_s - before.upload_s;
-    };
-    time_half(took.line, took.line_streaming, [&] { schedule.move(engine, 1); });
-    time_half(took.direction, took.direction_streaming, [&] { schedule.judge(engine, 1); });
-    return took;
-}
-
-/// Into the page cache.
-void read_whole(const std::filesystem::path& path) {
-    const InputFile file(path);
-    std::vector<char> bytes(1 << 20);
-    for (uint64_t at = 0; at < file.size(); at += bytes.size())
-        file.read(bytes.data(), at, std::min<uint64_t>(bytes.size(), file.size() - at));
-}
-
-/// All sources by turns. make(options): an engine, started.
+/// All sources by turns. make(options): an engine and its start.
 template <class Make>
 Contest contest(const Dataset& dataset, const Options& o, const char* problem, const char* passes, const Make& make) {
     Contest c{.problem = problem, .passes = passes};
-    std::vector<decltype(make(FragmentOptions()))> engines;
+    std::vector<decltype(make(FragmentOptions()).first)> engines;
     std::vector<double> error;
-    for (const char* source : sources) {
+    for (const char* source : source_names) {
         FitRequest request = o.request;
         request.set("passes", passes);
         request.set("source", source);
-        engines.push_back(make(request.fragment_options()));
-        auto& engine = *engines.back();
-        engine.make_room(schedule.room());
-        schedule.judge(engine, 0);  // also compiles
-        error.push_back(engine.summary().error);
+        auto [engine, start] = make(request.fragment_options());
+        start_iterations(*engine, start);
+        error.push_back(engine->summary().error);
         if (!(error.back() == error.front()))  // agree before you time
             throw SystemError(fmt::format("{} with images from {}: error {:.9g}, from {}: {:.9g}", problem, source,
-                                          error.back(), sources[0], error.front()));
+                                          error.back(), source_names[0], error.front()));
+        engines.push_back(std::move(engine));
     }
     const std::filesystem::path images = dataset.folder / dataset_images_name;
     for (int repetition = 0; repetition < o.repetitions; ++repetition)
-        for (int i = 0; i < source_count; ++i) {
-            // Whoever came before left the page cache as it liked.
-            if (i == cold) drop_from_cache(images);
-            if (i == warm) read_whole(images);
-            const double before = cached_share(images);
-            if (i == warm) c.warm_share = std::min(c.warm_share, before);
-            c.times[i].push_back(iterate(*engines[size_t(i)]));
-            if (i == cold) c.cached_share = std::max({c.cached_share, before, cached_share(images)});
-        }
+        for (int i = 0; i < source_count; ++i)
+            c.times[i].push_back(time_iteration(*engines[size_t(i)], images, sources[i]));
+    log_info(fmt::format("{}, {} passes: {} iterations from each source", problem, passes, o.repetitions));
     return c;
 }
 
-void write_rows(const ResultFolder& results, const std::vector<Contest>& contests, const std::string& renderer) {
-    CsvWriter each(results.path() / "iterations.csv", {"problem", "passes", "source", "repetition", "line_s",
-                                                       "line_streaming_s", "direction_s", "direction_streaming_s"});
-    CsvWriter rows(
-        results.path() / "times.csv",
-        {"problem", "passes", "optimizer", "source", "seconds_per_iteration", "streaming_s", "streaming_share",
-         "over_disk_cold", "faster_repetitions", "repetitions", "cached_share", "warm_share", "renderer"});
-    Table table({"problem", "passes", "source", "time per iteration", "streaming", "over a cold disk"});
-    for (const Contest& c : contests) {
+std::string number(double x) { return fmt::format("{:.5g}", x); }
+
+void write_iterations(const ResultFolder& results, const std::vector<Contest>& contests) {
+    CsvWriter rows(results.path() / "iterations.csv",
+                   {"problem", "passes", "source", "repetition", "line_s", "line_streaming_s", "direction_s",
+                    "direction_streaming_s", "cached_share"});
+    for (const Contest& c : contests)
         for (int i = 0; i < source_count; ++i)
             for (size_t r = 0; r < c.times[i].size(); ++r) {
-                const Iteration& t = c.times[i][r];
-                std::vector<std::string> row{c.problem, c.passes, sources[i], std::to_string(r)};
-                for (double x : {t.line, t.line_streaming, t.direction, t.direction_streaming})
-                    row.push_back(fmt::format("{:.5g}", x));
-                each.row(row);
+                const auto& [line, direction, cached_share] = c.times[i][r];
+                std::vector<std::string> row{c.problem, c.passes, source_names[i], std::to_string(r)};
+                for (double x : {line.seconds, line.streaming, direction.seconds, direction.streaming, cached_share})
+                    row.push_back(number(x));
+                rows.row(row);
             }
-        for (const bool descent : {true, false})
+    rows.commit();
+}
+
+/// Medians of the same, with the 95 % interval of the time where there are enough repetitions for one.
+void write_times(const ResultFolder& results, const std::vector<Contest>& contests, const std::string& renderer) {
+    CsvWriter rows(results.path() / "times.csv",
+                   {"problem", "passes", "optimizer", "source", "seconds_per_iteration", "low_s", "high_s",
+                    "streaming_s", "streaming_share", "over_disk_cold", "repetitions", "renderer"});
+    Table table({"problem", "passes", "source", "time per iteration", "streaming", "over a cold disk"});
+    for (const Contest& c : contests)
+        for (const std::string optimizer : optimizer_names)
             for (int i = 0; i < source_count; ++i) {
                 std::vector<double> seconds, streaming, shares, ratios;
                 for (size_t r = 0; r < c.times[i].size(); ++r) {
-                    const Iteration &t = c.times[i][r], &cold = c.times[0][r];
-                    seconds.push_back(t.total(descent));
-                    streaming.push_back(t.streaming(descent));
-                    shares.push_back(streaming.back() / seconds.back());
-                    ratios.push_back(seconds.back() / cold.total(descent));
+                    const HalfTime time = c.times[i][r].of(is_descent(optimizer));
+                    seconds.push_back(time.seconds);
+                    streaming.push_back(time.streaming);
+                    shares.push_back(time.streaming / time.seconds);
+                    ratios.push_back(time.seconds / c.times[cold][r].of(is_descent(optimizer)).seconds);
                 }
-                const auto faster = std::count_if(ratios.begin(), ratios.end(), [](double x) { return x < 1; });
-                const auto number = [](double x) { return fmt::format("{:.5g}", x); };
-                rows.row({c.problem, c.passes, descent ? "sd" : "cg", sources[i], number(median(seconds)),
+                const auto interval = median_interval(seconds, seconds.size());
+                rows.row({c.problem, c.passes, optimizer, source_names[i], number(median(seconds)),
+                          interval ? number(interval->low) : "", interval ? number(interval->high) : "",
                           number(median(streaming)), number(median(shares)), number(median(ratios)),
-                          std::to_string(faster), std::to_string(ratios.size()), number(c.cached_share),
-                          number(c.warm_share), renderer});
-                table.add({fmt::format("{}, {}", c.problem, descent ? "sd" : "cg"), c.passes, sources[i],
+                          std::to_string(seconds.size()), renderer});
+                table.add({fmt::format("{}, {}", c.problem, optimizer), c.passes, source_names[i],
                            fmt::format("{:.3f} s", median(seconds)), fmt::format("{:.1f} %", 100 * median(shares)),
                            fmt::format("{:.3f}", median(ratios))});
             }
-    }
-    each.commit();
     rows.commit();
     log_info("time of an iteration by where its images come from\n" + table.text());
 }
@@ -166,27 +128,29 @@ void streaming(Experiment& experiment) {
     note_gl(*context, experiment.record());
     const TriangleAtlas atlas(dataset.mesh, o.request.model.surface_side);
     const VertexRings rings(dataset.mesh);
+    const std::vector<uint32_t> views = spread_views(dataset.split(false), o.images);
     std::vector<Contest> contests;
     for (const char* passes : {"paper", "combined"})
         contests.push_back(contest(dataset, o, "light field map", passes, [&](const FragmentOptions& options) {
-            auto engine = std::make_unique<FragmentEngine>(dataset, atlas, rings, dataset.split(false),
-                                                           o.request.model_options(), options);
-            engine->reset(lfm_start(engine->layout(), engine->count().mean, o.request.seed));
-            return engine;
+            auto engine =
+                std::make_unique<FragmentEngine>(dataset, atlas, rings, views, o.request.model_options(), options);
+            std::vector<float> start = lfm_start(engine->layout(), engine->count().mean, o.request.seed);
+            return std::pair(std::move(engine), std::move(start));
         }));
     for (const char* passes : {"paper", "combined"})
         contests.push_back(
             contest(o.reflectance.dataset(), o, "Lafortune", passes, [&](const FragmentOptions& options) {
                 auto engine = o.reflectance.engine(options);
-                engine->reset(engine->start());
-                return engine;
+                std::vector<float> start = engine->start();
+                return std::pair(std::move(engine), std::move(start));
             }));
     ResultFolder results = experiment.open_results(context->renderer());
-    write_rows(results, contests, context->renderer());
-    results.commit();
-    experiment.draw(results, fmt::format("{} and {} images of {} ({} scale), medians of {} iterations; {}",
-                                         dataset.name, o.reflectance.images(), o.reflectance.dataset().name,
-                                         experiment.profile(), o.repetitions, context->renderer()));
+    write_iterations(results, contests);
+    write_times(results, contests, context->renderer());
+    experiment.finish(results,
+                      fmt::format("{} images of the {} stand-in, {} of the {} ({} scale), {} repetitions; {} on {}",
+                                  views.size(), dataset.name, o.reflectance.images(), o.reflectance.dataset().name,
+                                  experiment.profile(), o.repetitions, context->renderer(), experiment.cpu_device()));
 }
 
 }  // namespace

@@ -108,7 +108,10 @@ def bytes_of_texels(name, defines):
     """By sampler."""
     reflect = name.startswith("reflect/")
     sizes = dict(BYTES_REFLECT if reflect else BYTES)
-    sizes.update((BYTES_REFLECT_COLOUR if reflect else BYTES_COLOUR).get(dict(defines).get("COLOUR"), {}))
+    colour, batch = dict(defines).get("COLOUR"), dict(defines).get("BATCH")
+    sizes.update((BYTES_REFLECT_COLOUR if reflect else BYTES_COLOUR).get(colour, {}))
+    if batch:  # what texels keep of each image (shaders/combine/colours.glsl)
+        sizes["colours"] = int(batch) * int(colour) // 2
     return sizes
 
 

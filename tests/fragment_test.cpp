@@ -74,6 +74,7 @@ struct Case {
     Encoding encoding = Encoding::u8_linear;
     int levels = 1;
     Loss loss = {};
+    int images_per_pass = 0;
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
@@ -107,6 +108,7 @@ TEST_P(FragmentAgreement, WithTheOracle) {
     options.lambda_surface = options.lambda_view = options.mu = 0;  // the oracle has no penalties
     FragmentOptions fragment;
     fragment.passes = c.passes;
+    fragment.images_per_pass = c.images_per_pass;
     FragmentEngine engine(dataset, atlas, rings, all_views(), options, fragment);
     const LfmLayout& layout = engine.layout();
 
@@ -257,6 +259,7 @@ std::vector<Case> cases() {
                         .view_side = 2,
                         .passes = passes});
     }
+    list.push_back({.name = "combined_image_by_image", .passes = Passes::combined, .images_per_pass = 1});
     return list;
 }
 INSTANTIATE_TEST_SUITE_P(Cases, FragmentAgreement, ::testing::ValuesIn(cases()),
@@ -454,14 +457,18 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
     for (const Dataset* dataset : {&noise.dataset, &deep.dataset})
         for (Passes passes : {Passes::paper, Passes::combined})
             for (Storage storage : {Storage::fp32, Storage::fp16, Storage::fp16_truncate})
-                for (const auto& [sums, resident] :
-                     {std::pair{Sums::fp32, false}, std::pair{Sums::fp16, false}, std::pair{Sums::fp32, true}}) {
+                for (const auto& [sums, resident, together] :
+                     {std::tuple{Sums::fp32, false, 0}, std::tuple{Sums::fp16, false, 1},
+                      std::tuple{Sums::fp32, true, 0}}) {
                     LfmOptions options;
                     options.terms = dataset == &deep.dataset ? 2 : 1;
                     options.surface_side = dataset == &deep.dataset ? 22 : 8;
                     options.view_side = dataset == &deep.dataset ? 17 : 8;
-                    const FragmentOptions fragment{
-                        .passes = passes, .storage = storage, .sums = sums, .keep_on_device = resident};
+                    const FragmentOptions fragment{.passes = passes,
+                                                   .storage = storage,
+                                                   .sums = sums,
+                                                   .keep_on_device = resident,
+                                                   .images_per_pass = together};
                     const TriangleAtlas atlas(dataset->mesh, options.surface_side);
                     const VertexRings rings(dataset->mesh);
                     const Room room = room_of({.rule = resident ? Rule::lbfgs : Rule::cg_modern});

@@ -71,7 +71,8 @@ GLenum colours_format(int parts) { return parts == 1 ? GL_R32UI : parts == 2 ? G
 
 CombinedPasses::CombinedPasses(const PassResources& resources)
     : w_(resources),
-      batch_(combined_batch(resources.shape.terms(), resources.bits, Context::current().limits().varying_components)),
+      batch_(combined_batch(resources.shape.terms(), resources.bits, Context::current().limits().varying_components,
+                            resources.images_per_pass)),
       items_(resources.mesh, resources.max_width, resources.max_height, resources.bits, batch_),
       taken_(colours_format(batch_ * resources.bits / 8), resources.shape.atlas->width(),
              resources.shape.atlas->height()),
@@ -330,9 +331,10 @@ void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVec
 
 // As many as one RGBA32UI texel holds the colours of, and as varyings have room for, whose number per image is that of
 // the corners and their values in map3.vert.
-int combined_batch(int terms, int bits, int varying_components) {
+int combined_batch(int terms, int bits, int varying_components, int images_per_pass) {
     const int locations = std::min(31, varying_components / 4);
-    return std::clamp((locations - 1) / (3 * (terms + 1)), 1, bits == 8 ? most_batch : 2);
+    const int most = std::clamp((locations - 1) / (3 * (terms + 1)), 1, bits == 8 ? most_batch : 2);
+    return images_per_pass > 0 ? std::min(images_per_pass, most) : most;
 }
 
 std::unique_ptr<ImagePasses> make_combined_passes(const PassResources& resources) {

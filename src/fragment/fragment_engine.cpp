@@ -54,6 +54,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
                                   width,
                                   height,
                                   images_.bits(),
+                                  fragment_options.images_per_pass,
                                   fragment_options.keep_samples ? images_.views().size() : 0};
     if (fragment_options.keep_samples && fragment_options.passes != Passes::paper)
         throw std::invalid_argument("samples are kept by the paper's passes only");

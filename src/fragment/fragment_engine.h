@@ -24,8 +24,9 @@ struct FragmentOptions {
     /// later sweeps don't distribute again: memory is O(S), and images are needed in the first sweep only. Of light
     /// field maps with the paper's passes.
     bool keep_samples = false;
-    /// Images that the combined passes of reflectance loop over; 0: as many as 256 MiB hold, but 4 at least;
-    /// over a grid there are two such stacks. With another number sums are rounded otherwise.
+    /// Images that combined passes take together; 0: as many as they can. Of light field maps at most 4, or what
+    /// varyings have room for; of reflectance as many as 256 MiB hold, but 4 at least, and over a grid there are two
+    /// such stacks. With another number sums are rounded otherwise.
     int images_per_pass = 0;
     /// Whether the host leaves triangles that face away out of what is drawn; sums are the same bits without.
     bool cull = true;

@@ -70,7 +70,8 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     const uint64_t summed = fragment_options.sums == Sums::fp32 ? float4 : half4;
     const bool combined = fragment_options.passes == Passes::combined;
     constexpr int usual_varyings = 124;  // components; what today's devices have at least
-    const uint64_t batch = combined ? uint64_t(combined_batch(options.terms, bits, usual_varyings)) : 1;
+    const int together = combined_batch(options.terms, bits, usual_varyings, fragment_options.images_per_pass);
+    const uint64_t batch = combined ? uint64_t(together) : 1;
 
     Plan plan;
     const std::string maps = fmt::format("{} x 3 x {} x {} + {} x {} x {}", terms, atlas.width(), atlas.height(), terms,

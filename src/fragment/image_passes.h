@@ -54,6 +54,7 @@ struct PassResources {
     ViewLookup lookup;
     int max_width, max_height;  ///< of the images
     int bits;                   ///< per channel
+    int images_per_pass;        ///< see FragmentOptions
     size_t kept_images = 0;     ///< whose samples stay on the device; 0: all are distributed in every sweep
 };
 
@@ -63,8 +64,8 @@ void set_camera_centre(const Program& program, const Camera& camera);
 /// Section 5 as it stands: one image at a time; item buffer; residuals in SLS for each corner; gradients by blending
 /// and gather. One render target a pass.
 std::unique_ptr<ImagePasses> make_paper_passes(const PassResources& resources);
-/// Images that a combined pass takes at a time.
-int combined_batch(int terms, int bits, int varying_components);
+/// Images that a combined pass takes at a time; images_per_pass: see FragmentOptions.
+int combined_batch(int terms, int bits, int varying_components, int images_per_pass);
 /// The same sums in few passes: several images at a time, up to 8 render targets (Section 6.5's proposal).
 std::unique_ptr<ImagePasses> make_combined_passes(const PassResources& resources);
 

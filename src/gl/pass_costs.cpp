@@ -9,13 +9,16 @@ namespace {
 // shader, variant, targets, a fragment's {operations, reads, bytes read}, {} or the same of an entry of its loop
 // clang-format off
 constexpr PassCost table[] = {
+    {"combine/direction.frag", "BATCH=1 COLOUR=8 PROJECTED STORAGE=0 TERMS=1", 4, {110, 4, 56}, {}},
     {"combine/direction.frag", "BATCH=4 COLOUR=8 PROJECTED STORAGE=0 TERMS=1", 4, {407, 7, 80}, {}},
     {"combine/gradient.frag", "BATCH=4 COLOUR=8 DIAGONAL STORAGE=0 TERMS=1", 3, {116, 1, 16}, {}},
+    {"combine/tile_direction.frag", "BATCH=1 COLOUR=8 CORNERS=3 FIRST=0 STORAGE=0 TERMS=1 WITH_ERROR", 6, {19, 5, 68}, {108, 4, 52}},
     {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 DIAGONAL FIRST=2 STORAGE=0 TERMS=1", 4, {13, 2, 20}, {35, 2, 32}},
     {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=0 STORAGE=0 TERMS=1 WITH_ERROR", 5, {15, 6, 84}, {175, 2, 32}},
     {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=1 STORAGE=0 TERMS=1 WITH_ERROR", 5, {15, 6, 84}, {173, 2, 32}},
     {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=2 STORAGE=0 TERMS=1 WITH_ERROR", 5, {15, 6, 84}, {173, 2, 32}},
     {"combine/tile_direction.frag", "BATCH=4 COLOUR=8 CORNERS=2 DIAGONAL FIRST=0 STORAGE=0 TERMS=1", 8, {13, 2, 20}, {59, 3, 48}},
+    {"combine/tile_line.frag", "BATCH=1 COLOUR=8 CORNERS=3 FIRST=0 STORAGE=0 TERMS=1", 6, {82, 11, 164}, {224, 7, 104}},
     {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=1 FIRST=2 QUARTIC STORAGE=0 TERMS=1", 4, {271, 13, 196}, {458, 6, 64}},
     {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=2 FIRST=0 QUARTIC STORAGE=0 TERMS=1", 8, {271, 21, 324}, {722, 8, 96}},
     {"combine/tile_line.frag", "BATCH=4 COLOUR=8 CORNERS=3 COUNT FIRST=0 STORAGE=0 TERMS=1", 3, {271, 5, 68}, {278, 4, 32}},

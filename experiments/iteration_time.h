@@ -1,0 +1,118 @@
+#pragma once
+#include <algorithm>
+#include <filesystem>
+#include <span>
+
+#include "app/fit_request.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "gl/context.h"
+#include "optim/optimizer.h"
+
+/// One iteration of a fragment engine, timed half by half, for the experiments about where the time goes.
+namespace radiafit {
+
+/// Seconds of one half: a sweep over the images, then passes over maps.
+struct HalfTime {
+    double seconds = 0;    ///< all of it
+    double sweep = 0;      ///< until the last image is done
+    double streaming = 0;  ///< of the sweep: reading images and handing them to OpenGL
+    /// From the sweep's end to the finished gradient or line: penalties, their gather, and the gradient's last step.
+    double penalties = 0;
+    friend HalfTime operator+(const HalfTime& a, const HalfTime& b) {
+        return {a.seconds + b.seconds, a.sweep + b.sweep, a.streaming + b.streaming, a.penalties + b.penalties};
+    }
+};
+
+struct IterationTime {
+    HalfTime line, direction;
+    /// Of the images' pages, what the cache held: before it began; from a cold disk before or after, whichever is more.
+    double cached_share = 0;
+
+    /// Steepest descent has its line in its first iteration only.
+    HalfTime of(bool descent) const { return descent ? direction : line + direction; }
+};
+
+/// The optimizers in the rows.
+constexpr const char* optimizer_names[] = {"sd", "cg"};
+inline bool is_descent(const std::string& optimizer) { return optimizer == "sd"; }
+
+inline const ConjugateGradients paper_gradients({.rule = Rule::cg_paper}),
+    paper_descent({.rule = Rule::steepest_descent});
+
+/// The engine's verbs that those schedules call; passes that hold a sweep are timed to their end.
+template <class E>
+class PassClock {
+public:
+    explicit PassClock(E& engine) : engine_(engine) {}
+    void gradient_pass(bool diagonal) {
+        time([&] { engine_.gradient_pass(diagonal); });
+    }
+    void directional_pass() {
+        time([&] { engine_.directional_pass(); });
+    }
+    void dot(std::initializer_list<DotProduct> products) { engine_.dot(products); }
+    void step(Step which, const Turn& turn) { engine_.step(which, turn); }
+    void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants) {
+        engine_.update(which, vectors, numbers, constants);
+    }
+    double seconds() const { return seconds_; }
+
+private:
+    template <class Body>
+    void time(const Body& body) {
+        const Stopwatch clock;
+        body();
+        gl().Finish();
+        seconds_ += clock.wall_s();
+    }
+    E& engine_;
+    double seconds_ = 0;
+};
+
+/// Begins a fit; also compiles.
+template <class E>
+void start_iterations(E& engine, std::span<const float> start) {
+    engine.reset(start);
+    engine.make_room(paper_gradients.room());
+    paper_gradients.judge(engine, 0);
+    engine.summary();
+}
+
+/// Reads a file into the page cache.
+inline void read_whole(const std::filesystem::path& path) {
+    const InputFile file(path);
+    std::vector<char> bytes(1 << 20);
+    for (uint64_t at = 0; at < file.size(); at += bytes.size())
+        file.read(bytes.data(), at, std::min<uint64_t>(bytes.size(), file.size() - at));
+}
+
+/// An iteration after the first, in the paper's mode; `images`: the file that the engine reads from `source`. Whoever
+/// came before left the page cache as it liked.
+template <class E>
+IterationTime time_iteration(E& engine, const std::filesystem::path& images, ImageSource source) {
+    const auto half = [&](const auto& body) {
+        const FragmentTimes before = engine.times();
+        PassClock<E> passes(engine);
+        const Stopwatch clock;
+        body(passes);
+        engine.summary();  // waits
+        const double seconds = clock.wall_s();
+        const FragmentTimes after = engine.times();
+        const double sweep = after.sweep_s - before.sweep_s;
+        return HalfTime{seconds, sweep, after.stream_s - before.stream_s + after.upload_s - before.upload_s,
+                        passes.seconds() - sweep};
+    };
+    const bool cold = source == ImageSource::disk_cold;
+    if (cold) drop_from_cache(images);
+    if (source == ImageSource::disk) read_whole(images);
+    IterationTime time;
+    time.cached_share = cached_share(images);
+    time.line = half([](auto& passes) { paper_gradients.move(passes, 1); });
+    time.direction = half([](auto& passes) { paper_gradients.judge(passes, 1); });
+    if (cold) time.cached_share = std::max(time.cached_share, cached_share(images));
+    return time;
+}
+
+}  // namespace radiafit
