@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/solver.h"
+#include "base/atomic_file.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
 #include "reference/lfm_vertex.h"
