@@ -55,6 +55,16 @@ const std::vector<TableRules>& all_rules() {
           iterations("cg_median_iterations sd_median_iterations varpro_median_iterations"),
           shares("cg_censored_share sd_censored_share")}},
 
+        {"departures",
+         "fits.csv",
+         {keys("departure without problem optimizer numbers"), told("renderer"), exact("iterations problems"),
+          shares("arrived_share stalled_share not_finite_share"), iterations("iterations_median"),
+          errors("error error_ratio ape"), decibels("psnr_db held_psnr_db")}},
+        {"departures",
+         "culling.csv",
+         {keys("departure without"), told("renderer"), exact("images same_parameters"),
+          exact("fragments operations reads"), ratios("operations_ratio reads_ratio")}},
+
         {"fig8_time",
          "times.csv",
          {keys("part method optimizer iterations"), errors("error"), shares("agreeing_share"),
