@@ -260,10 +260,9 @@ void fig7(Experiment& experiment) {
         for (const double lambda : o.other_lambdas) run(lambda, false);
     }
     rows.commit();
-    results.commit();
-    experiment.draw(results,
-                    fmt::format("synthetic stand-ins of the paper's star and bust, {} scale; lambda = {:g}; {}",
-                                experiment.profile(), o.lambda(), experiment.cpu_device()));
+    experiment.finish(results,
+                      fmt::format("synthetic stand-ins of the paper's star and bust, {} scale; lambda = {:g}; {}",
+                                  experiment.profile(), o.lambda(), experiment.cpu_device()));
 }
 
 }  // namespace

@@ -195,8 +195,7 @@ void stopping(Experiment& experiment) {
     std::vector<Vertex> vertices(bench.seen().size());
     bench.for_each(o.lambda(), "vertices", [&](size_t i, BenchVertex& vertex) { vertices[i] = solve(o, all, vertex); });
     write(results, o, all, vertices);
-    results.commit();
-    experiment.draw(
+    experiment.finish(
         results, fmt::format("synthetic stand-in of the paper's {}, {} scale; lambda = {:g}, paper mode; {}", o.dataset,
                              experiment.profile(), o.lambda(), experiment.cpu_device()));
 }
