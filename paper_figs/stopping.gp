@@ -2,6 +2,7 @@
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 set datafile columnheaders
+set datafile missing NaN  # rows that a line leaves out do not break it
 if (terminal eq 'svg') {
     set terminal svg size 1700,820 font 'DejaVu Sans,13' background 'white'
 } else {
