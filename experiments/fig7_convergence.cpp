@@ -69,11 +69,13 @@ std::vector<Entrant> entrants() {
     return all;
 }
 
-/// Where an optimizer ends.
+/// Where an optimizer ends, and the minimum there: our conjugate gradients go on from its end until they rest.
 struct End {
     double error;
     int iterations;
     bool at_rest;
+    double minimum;
+    bool minimum_at_rest;
 };
 
 /// One of a vertex's three problems under every solver.
@@ -107,8 +109,9 @@ std::vector<std::string> problem_columns() {
 
 Rows::Rows(const std::filesystem::path& folder)
     : problems(folder / "problems.csv", problem_columns()),
-      ends(folder / "ends.csv", {"dataset", "vertex", "channel", "cg_error", "sd_error", "cg_iterations",
-                                 "sd_iterations", "cg_at_rest", "sd_at_rest"}),
+      ends(folder / "ends.csv",
+           {"dataset", "vertex", "channel", "cg_error", "sd_error", "cg_iterations", "sd_iterations", "cg_at_rest",
+            "sd_at_rest", "cg_minimum", "sd_minimum", "cg_minimum_at_rest", "sd_minimum_at_rest"}),
       curves(folder / "curves.csv",
              {"dataset", "method", "shown", "vertex", "channel", "iteration", "error", "error_over_best"}),
       summary(folder / "summary.csv", {"dataset", "lambda", "problems", "cap", "ratio_quartile1", "ratio_median",
@@ -159,13 +162,15 @@ Contest::Contest(const Options& o, const VertexBench& bench, const std::string& 
 
 void Contest::solve(size_t i, BenchVertex& vertex) {
     const bool to_ends = std::ranges::binary_search(to_ends_, i);
-    std::vector<Course> courses;
+    std::vector<Course> courses, minima;
     for (size_t s = 0; s < entrants_.size(); ++s) {
         OptimizerOptions options = entrants_[s].options;
         options.iterations = !entrants_[s].capped              ? o_.rival_iterations
                              : to_ends && s < methods_of_paper ? o_.ends_cap
                                                                : cap_;
         courses.push_back(vertex.optimize(options));
+        if (to_ends && s < methods_of_paper)
+            minima.push_back(vertex.go_on({.rule = Rule::cg_modern, .iterations = o_.ends_cap}));
     }
     courses.push_back(vertex.varpro(o_.rival_iterations));
     const Course& newton = courses.back();
@@ -179,7 +184,9 @@ void Contest::solve(size_t i, BenchVertex& vertex) {
             problem.arrived.push_back(course.first_below(o_.tolerance * problem.best, c, cap_));
         for (size_t s = 0; s < methods_of_paper; ++s) {
             const Course& course = courses[s];
-            if (to_ends) problem.ends.push_back({course.end[c], course.iterations(), course.at_rest[c]});
+            if (to_ends)
+                problem.ends.push_back(
+                    {course.end[c], course.iterations(), course.at_rest[c], minima[s].end[c], minima[s].at_rest[c]});
             if (std::ranges::count(shown_, 3 * i + c))
                 for (int k = 0; k <= cap_; ++k) problem.curves[s].push_back(course.error(k, c));
         }
@@ -202,6 +209,8 @@ void Contest::write(Rows& rows) const {
             for (const End& end : p.ends) row.push_back(number(end.error));
             for (const End& end : p.ends) row.push_back(std::to_string(end.iterations));
             for (const End& end : p.ends) row.push_back(end.at_rest ? "1" : "0");
+            for (const End& end : p.ends) row.push_back(number(end.minimum));
+            for (const End& end : p.ends) row.push_back(end.minimum_at_rest ? "1" : "0");
             rows.ends.row(row);
         }
     for (size_t shown = 0; shown < shown_.size(); ++shown) {

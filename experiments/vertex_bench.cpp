@@ -79,6 +79,12 @@ Course BenchVertex::optimize(const OptimizerOptions& options, std::span<const fl
     return out;
 }
 
+Course BenchVertex::go_on(const OptimizerOptions& options) {
+    std::vector<float> from(start_.size());
+    engine_.read_parameters(from);
+    return optimize(options, from);
+}
+
 const LfmVertex& BenchVertex::gathered() {
     if (!is_gathered_) gatherer_->gather(id_, gathered_);
     is_gathered_ = true;

@@ -52,6 +52,8 @@ public:
     uint32_t id() const { return id_; }
     /// Ends when all three problems have come to rest or have been stopped, or after options.iterations.
     Course optimize(const OptimizerOptions& options) { return optimize(options, start_); }
+    /// The same from where the last run ended.
+    Course go_on(const OptimizerOptions& options);
     /// Newton's steps on the view map, the surface maps in closed form. The solver needs the modern penalty for bounds:
     /// `errors` are of that objective, `end` is of the paper's.
     Course varpro(int iterations);

@@ -26,7 +26,6 @@ set grid lc rgb '#dddddd'
 set border 3
 set tics nomirror
 of(name) = strcol('dataset') eq name
-at_rest(unused) = column('cg_at_rest') == 1 && column('sd_at_rest') == 1
 # The legends of both rows stand between them.
 do for [shape in 'star bust'] {
     set logscale xy
@@ -83,7 +82,7 @@ do for [shape in 'star bust'] {
 
     stats ends using (of(shape) ? 1 : NaN) nooutput
     set title sprintf("%s: ends of %d problems that run on", shape, STATS_records)
-    set xlabel "SD's last error / CG's last error"
+    set xlabel "SD's error / CG's error"
     set ylabel 'share of problems below' offset 0.5
     set xrange [0.9:1.3]
     unset logscale x
@@ -91,9 +90,9 @@ do for [shape in 'star bust'] {
     set arrow 1 from 0.99,0 to 0.99,1 nohead dt 3 lw 1.5 lc rgb '#888888'
     set arrow 2 from 1.01,0 to 1.01,1 nohead dt 3 lw 1.5 lc rgb '#888888'
     plot ends using (of(shape) ? column('sd_error') / column('cg_error') : NaN):(1.0 / STATS_records) smooth cumulative \
-             with lines lw 2 lc rgb color[8] title 'all', \
-         ends using (of(shape) && at_rest(0) ? column('sd_error') / column('cg_error') : NaN):(1.0 / STATS_records) smooth cumulative \
-             with lines lw 2 lc rgb color[4] title 'both at rest', \
+             with lines lw 2 dt 2 lc rgb color[4] title "at rest, or at the cap", \
+         ends using (of(shape) ? column('sd_minimum') / column('cg_minimum') : NaN):(1.0 / STATS_records) smooth cumulative \
+             with lines lw 3 lc rgb color[4] title 'followed down to their minima', \
          NaN with lines dt 3 lw 1.5 lc rgb '#888888' title '1 % apart'
     unset arrow
 }
