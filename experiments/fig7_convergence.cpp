@@ -1,10 +1,9 @@
-// Figure 7 of the paper: how fast conjugate gradients and steepest descent converge, in the paper's mode.
+// Figure 7 of the paper: how fast conjugate gradients and steepest descent converge, in the paper's mode; and to which
+// ends both come when they run on.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
 
 #include "app/limits.h"
 #include "base/error.h"
@@ -13,6 +12,7 @@
 #include "base/statistics.h"
 #include "experiment.h"
 #include "report/csv.h"
+#include "vertex_bench.h"
 
 namespace radiafit {
 namespace {
@@ -21,204 +21,257 @@ constexpr Range<int> caps{10, limits::iterations.upper}, shown_problems{1, 6};
 
 struct Options {
     std::vector<std::string> datasets = {"star", "bust"};
-    std::string engine = "cpu";
     LfmOptions model;
+    std::vector<double> other_lambdas = {1e-3, 1e-2};
     double tolerance = 1.01;
-    int cap = 3000, modern_iterations = 400, problems = 3, seed = 7, shown_cg = 50, shown_sd = 500;
+    int cap = 3000, other_cap = 1000, rival_iterations = 400, ends = 60, ends_cap = 30000, problems = 3, seed = 7;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_light_field_shape);
-        c.read("engine", engine, valid_option("engine"));
         read_maps(c, model);
+        c.read("other_lambdas", other_lambdas, limits::weight);
         c.read("tolerance", tolerance, limits::tolerance);
         c.read("cap", cap, caps);
-        c.read("modern_iterations", modern_iterations, limits::some_iterations);
+        c.read("other_cap", other_cap, caps);
+        c.read("rival_iterations", rival_iterations, limits::some_iterations);
+        c.read("ends", ends, limits::repetitions);
+        c.read("ends_cap", ends_cap, caps);
         c.read("problems", problems, shown_problems);
         c.read("seed", seed, limits::draw_seed);
-        c.read("shown_cg", shown_cg, limits::some_iterations);
-        c.read("shown_sd", shown_sd, limits::some_iterations);
         c.finish();
+        if (ends_cap < cap) c.reject("ends_cap", "needs at least `cap`");
+        if (std::ranges::count(other_lambdas, model.lambda_surface, [](double x) { return float(x); }))
+            c.reject("other_lambdas", "has `lambda` among them");
     }
+    double lambda() const { return double(model.lambda_surface); }
 };
 
-/// E_t of every problem after every iteration: errors[iteration][problem].
-struct Run {
-    std::vector<std::vector<float>> errors;
-    std::vector<Status> status;
-    double error_at(size_t iteration, size_t problem) const {
-        return errors[std::min(iteration, errors.size() - 1)][problem];
-    }
-    /// First iteration with an error of at most `level`; -1 if none.
-    int first_below(double level, size_t problem) const {
-        const auto found =
-            std::partition_point(errors.begin(), errors.end(), [&](const auto& row) { return row[problem] > level; });
-        return found == errors.end() ? -1 : int(found - errors.begin());
-    }
+/// An optimizer, and the column of its iterations.
+struct Entrant {
+    std::string name;
+    OptimizerOptions options;
+    bool capped = true;  ///< runs to the cap; the others are candidates for the least error
 };
 
-Run run(Record& record, const Dataset& dataset, const Options& o, const SharedSamples& samples, const char* optimizer,
-        const char* mode, int iterations) {
-    FitRequest request;
-    request.set("engine", o.engine);
-    request.set("optimizer", optimizer);
-    request.set("mode", mode);
-    request.model = o.model;
-    request.iterations = iterations;
-    Run out;
-    out.status = solve_noting_errors(dataset, request, samples, out.errors, record).fit.status;
-    return out;
-}
+enum : size_t { cg, sd, methods_of_paper };
+constexpr const char* newton_name = "varpro";  ///< comes behind all entrants
 
-struct Comparison {
-    std::vector<size_t> problems;  ///< with samples
-    std::vector<double> best;      ///< least error any solver reached
-    std::vector<int> cg, sd;       ///< iterations to tolerance * best, -1 if never
-    std::vector<double> ratio;     ///< of the problems whose CG finished; a censored SD counts as the cap
-};
-
-Comparison compare(const Run& cg, const Run& sd, const Run& modern, const Options& o) {
-    Comparison c;
-    for (size_t i = 0; i < cg.status.size(); ++i) {
-        if (cg.status[i] == Status::no_samples || cg.status[i] == Status::not_finite) continue;
-        const double best =
-            std::min({cg.error_at(~size_t(0), i), sd.error_at(~size_t(0), i), modern.error_at(~size_t(0), i)});
-        c.problems.push_back(i);
-        c.best.push_back(best);
-        c.cg.push_back(cg.first_below(o.tolerance * best, i));
-        c.sd.push_back(sd.first_below(o.tolerance * best, i));
-        if (c.cg.back() >= 0)
-            c.ratio.push_back(double(c.sd.back() < 0 ? o.cap : c.sd.back()) / std::max(1, c.cg.back()));
-    }
-    return c;
-}
-
-double share(size_t part, size_t whole) { return whole ? double(part) / double(whole) : 0; }
-
-void write_rows(const ResultFolder& results, const Dataset& dataset, const Options& o, const Run& cg, const Run& sd,
-                const Comparison& c) {
-    // three problems drawn by seed among those that both methods brought to the end
-    std::vector<size_t> finished;
-    for (size_t j = 0; j < c.problems.size(); ++j)
-        if (c.cg[j] >= 0) finished.push_back(j);
-    Rng rng(uint64_t(o.seed));
-    CsvWriter curves(results.path() / (dataset.name + "_curves.csv"),
-                     {"method", "shown", "vertex", "channel", "iteration", "error", "error_over_best"});
-    for (int shown = 1; shown <= o.problems && !finished.empty(); ++shown) {
-        const size_t j = finished[rng.index(uint32_t(finished.size()))];
-        const auto add = [&](const char* method, const Run& run, int last) {
-            for (int k = 0; k <= last; ++k) {
-                const double e = run.error_at(size_t(k), c.problems[j]);
-                curves.row({method, std::to_string(shown), std::to_string(c.problems[j] / 3),
-                            std::string(1, "rgb"[c.problems[j] % 3]), std::to_string(k), fmt::format("{:.6g}", e),
-                            fmt::format("{:.6g}", e / c.best[j])});
-            }
-        };
-        add("cg", cg, std::min(o.shown_cg, o.cap));
-        add("sd", sd, std::min(o.shown_sd, o.cap));
-    }
-    curves.commit();
-
-    CsvWriter problems(results.path() / (dataset.name + "_problems.csv"),
-                       {"vertex", "channel", "best_error", "cg_iterations", "sd_iterations"});
-    for (size_t j = 0; j < c.problems.size(); ++j)
-        problems.row({std::to_string(c.problems[j] / 3), std::string(1, "rgb"[c.problems[j] % 3]),
-                      fmt::format("{:.6g}", c.best[j]), std::to_string(c.cg[j]), std::to_string(c.sd[j])});
-    problems.commit();
-
-    std::vector<double> sorted = c.ratio;
-    std::sort(sorted.begin(), sorted.end());
-    CsvWriter distribution(results.path() / (dataset.name + "_ratio.csv"), {"ratio", "share_below"});
-    for (size_t i = 0; i < sorted.size(); ++i)
-        distribution.row({fmt::format("{:.5g}", sorted[i]), fmt::format("{:.6f}", share(i + 1, sorted.size()))});
-    distribution.commit();
-}
-
-/// The share of problems that are within the tolerance of the best error, by iteration, of every optimizer of the list.
-/// Those that Figure 7 doesn't have run for as long as modern conjugate gradients.
-void write_methods(ResultFolder& results, const Dataset& dataset, const Options& o, const SharedSamples& samples,
-                   const std::map<Rule, const Run*>& at_hand, const Comparison& c) {
-    std::vector<std::string> columns = {"iteration"};
-    std::vector<std::vector<int>> reached;  // by method: sorted iterations
+std::vector<Entrant> entrants() {
+    std::vector<Entrant> all(methods_of_paper);
+    all[cg] = {"cg_paper", {.rule = Rule::cg_paper}};
+    all[sd] = {"sd", {.rule = Rule::steepest_descent}};
+    all.push_back({"sd_growing", {.rule = Rule::steepest_descent, .left_out = WITHOUT_FIXED_STEP}});
     for (const NamedRule& ours : named_rules()) {
-        const auto found = at_hand.find(ours.rule);
-        std::optional<Run> own;
-        if (found == at_hand.end())
-            own = run(results.record(), dataset, o, samples, ours.method->name, ours.mode, o.modern_iterations);
-        const Run& one = own ? *own : *found->second;
-        columns.push_back(ours.name);
-        std::vector<int>& list = reached.emplace_back();
-        for (size_t j = 0; j < c.problems.size(); ++j)
-            if (const int k = one.first_below(o.tolerance * c.best[j], c.problems[j]); k >= 0) list.push_back(k);
-        std::sort(list.begin(), list.end());
+        if (ours.rule == Rule::cg_paper || ours.rule == Rule::steepest_descent) continue;
+        all.push_back({ours.name, {.rule = ours.rule}, false});
+        std::ranges::replace(all.back().name, ' ', '_');
     }
-    CsvWriter shares(results.path() / (dataset.name + "_methods.csv"), columns);
-    for (int k = 0; k <= o.modern_iterations; ++k) {
-        std::vector<std::string> row = {std::to_string(k)};
-        for (const auto& list : reached)
-            row.push_back(fmt::format(
-                "{:.5f}",
-                share(size_t(std::upper_bound(list.begin(), list.end(), k) - list.begin()), c.problems.size())));
-        shares.row(row);
-    }
-    shares.commit();
+    return all;
 }
 
-std::vector<std::string> summary_row(const Dataset& dataset, const Options& o, const Run& cg, const Run& sd,
-                                     const Comparison& c) {
-    const auto count = [](const std::vector<int>& v) { return size_t(std::count(v.begin(), v.end(), -1)); };
-    const auto doubles = [&](const std::vector<int>& v) {
-        std::vector<double> out;
-        for (int x : v) out.push_back(x < 0 ? o.cap : x);
-        return out;
-    };
-    size_t better = 0;  // C2: CG's error against SD's at ten times the iterations
-    for (size_t i : c.problems) better += cg.error_at(size_t(o.cap) / 10, i) < sd.error_at(size_t(o.cap), i);
-    const auto number = [](double x) { return fmt::format("{:.4g}", x); };
-    return {dataset.name,
-            std::to_string(c.problems.size()),
-            number(quantile(c.ratio, 0.25)),
-            number(quantile(c.ratio, 0.5)),
-            number(quantile(c.ratio, 0.75)),
-            number(quantile(doubles(c.cg), 0.5)),
-            number(quantile(doubles(c.sd), 0.5)),
-            number(share(count(c.sd), c.problems.size())),
-            number(share(count(c.cg), c.problems.size())),
-            number(share(better, c.problems.size())),
-            std::to_string(o.cap)};
+/// Where an optimizer ends, and the minimum there: our conjugate gradients go on from its end until they rest.
+struct End {
+    double error;
+    int iterations;
+    bool at_rest;
+    double minimum;
+    bool minimum_at_rest;
+};
+
+/// One of a vertex's three problems under every solver.
+struct Problem {
+    double best = 0;          ///< least error that any of them ended with
+    std::string best_solver;  ///< whose
+    double penalty = 0;  ///< what the paper's penalty for bounds adds to varpro's error in place of its own; a share
+    std::vector<int> arrived;  ///< [solver] iterations to tolerance * best; -1: never within the cap
+    std::vector<End> ends;     ///< [method of the paper], of vertices whose ends are compared
+    std::vector<double> curves[methods_of_paper];  ///< error by iteration, of problems that are shown
+};
+
+std::string channel_name(size_t channel) { return std::string(1, "rgb"[channel]); }
+
+/// The files of rows.
+struct Rows {
+    CsvWriter problems, ends, curves, summary;
+    explicit Rows(const std::filesystem::path& folder);
+    void commit() {
+        for (CsvWriter* file : {&problems, &ends, &curves, &summary}) file->commit();
+    }
+};
+
+std::vector<std::string> problem_columns() {
+    std::vector<std::string> columns = {"dataset",    "lambda",      "vertex",        "channel",
+                                        "best_error", "best_solver", "varpro_penalty"};
+    for (const Entrant& e : entrants()) columns.push_back(e.name);
+    columns.push_back(newton_name);
+    return columns;
+}
+
+Rows::Rows(const std::filesystem::path& folder)
+    : problems(folder / "problems.csv", problem_columns()),
+      ends(folder / "ends.csv",
+           {"dataset", "vertex", "channel", "cg_error", "sd_error", "cg_iterations", "sd_iterations", "cg_at_rest",
+            "sd_at_rest", "cg_minimum", "sd_minimum", "cg_minimum_at_rest", "sd_minimum_at_rest"}),
+      curves(folder / "curves.csv",
+             {"dataset", "method", "shown", "vertex", "channel", "iteration", "error", "error_over_best"}),
+      summary(folder / "summary.csv", {"dataset", "lambda", "problems", "cap", "ratio_quartile1", "ratio_median",
+                                       "ratio_quartile3", "cg_median_iterations", "sd_median_iterations",
+                                       "varpro_median_iterations", "cg_censored_share", "sd_censored_share"}) {}
+
+/// All solvers on all problems of a dataset at one lambda. At the one that claims are judged at, some vertices run on
+/// to their ends, and some problems are shown.
+class Contest {
+public:
+    Contest(const Options& o, const VertexBench& bench, const std::string& dataset, double lambda, bool judged);
+    void run() {
+        bench_.for_each(lambda_, fmt::format("{}, lambda {:g}, vertices", dataset_, lambda_),
+                        [&](size_t i, BenchVertex& vertex) { solve(i, vertex); });
+    }
+    void write(Rows& rows) const;
+
+private:
+    void solve(size_t i, BenchVertex& vertex);
+    void summarize(Rows& rows) const;
+    double counted(const Problem& p, size_t solver) const {
+        return p.arrived[solver] < 0 ? double(cap_) : double(p.arrived[solver]);
+    }
+
+    const Options& o_;
+    const VertexBench& bench_;
+    const std::string& dataset_;
+    double lambda_;
+    int cap_;
+    const std::vector<Entrant> entrants_ = entrants();
+    std::vector<std::array<Problem, 3>> problems_;  ///< [vertices with samples]
+    std::vector<size_t> to_ends_;                   ///< places among those
+    std::vector<size_t> shown_;                     ///< likewise, three times the place plus the channel
+};
+
+Contest::Contest(const Options& o, const VertexBench& bench, const std::string& dataset, double lambda, bool judged)
+    : o_(o), bench_(bench), dataset_(dataset), lambda_(lambda), cap_(judged ? o.cap : o.other_cap) {
+    problems_.resize(bench.seen().size());
+    if (!judged) return;
+    to_ends_ = bench.draw(size_t(o.ends), uint64_t(o.seed));
+    Rng rng(uint64_t(o.seed));
+    const size_t count = 3 * problems_.size();
+    while (shown_.size() < std::min(size_t(o.problems), count)) {
+        const size_t drawn = rng.index(uint32_t(count));
+        if (!std::ranges::count(shown_, drawn)) shown_.push_back(drawn);
+    }
+}
+
+void Contest::solve(size_t i, BenchVertex& vertex) {
+    const bool to_ends = std::ranges::binary_search(to_ends_, i);
+    std::vector<Course> courses, minima;
+    for (size_t s = 0; s < entrants_.size(); ++s) {
+        OptimizerOptions options = entrants_[s].options;
+        options.iterations = !entrants_[s].capped              ? o_.rival_iterations
+                             : to_ends && s < methods_of_paper ? o_.ends_cap
+                                                               : cap_;
+        courses.push_back(vertex.optimize(options));
+        if (to_ends && s < methods_of_paper)
+            minima.push_back(vertex.go_on({.rule = Rule::cg_modern, .iterations = o_.ends_cap}));
+    }
+    courses.push_back(vertex.varpro(o_.rival_iterations));
+    const Course& newton = courses.back();
+    for (size_t c = 0; c < 3; ++c) {
+        Problem& problem = problems_[i][c];
+        const auto best = std::ranges::min_element(courses, {}, [&](const Course& course) { return course.end[c]; });
+        problem.best = best->end[c];
+        problem.best_solver = &*best == &newton ? newton_name : entrants_[size_t(best - courses.begin())].name;
+        problem.penalty = newton.end[c] / newton.errors.back()[c] - 1;
+        for (const Course& course : courses)
+            problem.arrived.push_back(course.first_below(o_.tolerance * problem.best, c, cap_));
+        for (size_t s = 0; s < methods_of_paper; ++s) {
+            const Course& course = courses[s];
+            if (to_ends)
+                problem.ends.push_back(
+                    {course.end[c], course.iterations(), course.at_rest[c], minima[s].end[c], minima[s].at_rest[c]});
+            if (std::ranges::count(shown_, 3 * i + c))
+                for (int k = 0; k <= cap_; ++k) problem.curves[s].push_back(course.error(k, c));
+        }
+    }
+}
+
+void Contest::write(Rows& rows) const {
+    const auto number = [](double x) { return fmt::format("{:.8g}", x); };
+    for (size_t i = 0; i < problems_.size(); ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            const Problem& p = problems_[i][c];
+            const std::string vertex = std::to_string(bench_.seen()[i]), channel = channel_name(c);
+            std::vector<std::string> row = {
+                dataset_,      fmt::format("{:g}", lambda_),    vertex, channel, number(p.best),
+                p.best_solver, fmt::format("{:.3g}", p.penalty)};
+            for (const int k : p.arrived) row.push_back(std::to_string(k));
+            rows.problems.row(row);
+            if (p.ends.empty()) continue;
+            row = {dataset_, vertex, channel};
+            for (const End& end : p.ends) row.push_back(number(end.error));
+            for (const End& end : p.ends) row.push_back(std::to_string(end.iterations));
+            for (const End& end : p.ends) row.push_back(end.at_rest ? "1" : "0");
+            for (const End& end : p.ends) row.push_back(number(end.minimum));
+            for (const End& end : p.ends) row.push_back(end.minimum_at_rest ? "1" : "0");
+            rows.ends.row(row);
+        }
+    for (size_t shown = 0; shown < shown_.size(); ++shown) {
+        const size_t i = shown_[shown] / 3, c = shown_[shown] % 3;
+        const Problem& p = problems_[i][c];
+        for (size_t s = 0; s < methods_of_paper; ++s)
+            for (const int k : sparse_iterations(cap_)) {
+                const double error = p.curves[s][size_t(k)];
+                rows.curves.row({dataset_, s == cg ? "cg" : "sd", std::to_string(shown + 1),
+                                 std::to_string(bench_.seen()[i]), channel_name(c), std::to_string(k), number(error),
+                                 number(error / p.best)});
+            }
+    }
+    summarize(rows);
+}
+
+void Contest::summarize(Rows& rows) const {
+    const size_t newton = entrants_.size();
+    std::vector<double> ratios, cg_iterations, sd_iterations, newton_iterations;
+    double cg_censored = 0, sd_censored = 0;
+    for (const auto& vertex : problems_)
+        for (const Problem& p : vertex) {
+            cg_iterations.push_back(counted(p, cg));
+            sd_iterations.push_back(counted(p, sd));
+            newton_iterations.push_back(counted(p, newton));
+            ratios.push_back(std::max(1.0, sd_iterations.back()) / std::max(1.0, cg_iterations.back()));
+            cg_censored += p.arrived[cg] < 0;
+            sd_censored += p.arrived[sd] < 0;
+        }
+    const double count = double(ratios.size());
+    const auto text = [](double x) { return fmt::format("{:.4g}", x); };
+    rows.summary.row({dataset_, fmt::format("{:g}", lambda_), std::to_string(ratios.size()), std::to_string(cap_),
+                      text(quantile(ratios, 0.25)), text(median(ratios)), text(quantile(ratios, 0.75)),
+                      text(median(cg_iterations)), text(median(sd_iterations)), text(median(newton_iterations)),
+                      text(cg_censored / count), text(sd_censored / count)});
+    log_info(fmt::format(
+        "{}, lambda {:g}: steepest descent needs {:.3g} times the iterations of conjugate gradients (quartiles {:.3g} "
+        "and {:.3g}); after {}, {:.1f} % and {:.1f} % of the problems are not there",
+        dataset_, lambda_, median(ratios), quantile(ratios, 0.25), quantile(ratios, 0.75), cap_,
+        100 * sd_censored / count, 100 * cg_censored / count));
 }
 
 void fig7(Experiment& experiment) {
     const Options o(experiment.config());
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    CsvWriter summary(
-        results.path() / "summary.csv",
-        {"dataset", "problems", "ratio_quartile1", "ratio_median", "ratio_quartile3", "cg_median_iterations",
-         "sd_median_iterations", "sd_censored_share", "cg_unfinished_share", "cg_better_at_tenth_share", "cap"});
+    Rows rows(results.path());
     for (const std::string& shape : o.datasets) {
         const Dataset dataset = experiment.dataset(shape);
-        FitRequest request;
-        request.model = o.model;
-        const TriangleAtlas atlas(dataset.mesh, o.model.surface_side);
-        const SharedSamples samples = distribute(dataset, atlas, request);
-        const Run cg = run(results.record(), dataset, o, samples, "cg", "paper", o.cap);
-        const Run sd = run(results.record(), dataset, o, samples, "sd", "paper", o.cap);
-        const Run modern = run(results.record(), dataset, o, samples, "cg", "modern", o.modern_iterations);
-        const Comparison comparison = compare(cg, sd, modern, o);
-        write_rows(results, dataset, o, cg, sd, comparison);
-        write_methods(results, dataset, o, samples,
-                      {{Rule::cg_paper, &cg}, {Rule::steepest_descent, &sd}, {Rule::cg_modern, &modern}}, comparison);
-        const auto row = summary_row(dataset, o, cg, sd, comparison);
-        summary.row(row);
-        log_info(
-            fmt::format("{}: steepest descent needs {} times the iterations of conjugate gradients (quartiles {} and "
-                        "{}; {} of SD censored, "
-                        "{} of CG unfinished at {})",
-                        shape, row[3], row[2], row[4], row[7], row[8], o.cap));
+        const VertexBench bench(dataset, o.model);
+        const auto run = [&](double lambda, bool judged) {
+            Contest contest(o, bench, dataset.name, lambda, judged);
+            contest.run();
+            contest.write(rows);
+        };
+        run(o.lambda(), true);
+        for (const double lambda : o.other_lambdas) run(lambda, false);
     }
-    summary.commit();
-    results.commit();
-    experiment.draw(results, fmt::format("{} engine ({}), {} scale stand-ins", o.engine, experiment.cpu_name(),
-                                         experiment.profile()));
+    rows.commit();
+    experiment.finish(results,
+                      fmt::format("synthetic stand-ins of the paper's star and bust, {} scale; lambda = {:g}; {}",
+                                  experiment.profile(), o.lambda(), experiment.cpu_device()));
 }
 
 }  // namespace

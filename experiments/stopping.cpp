@@ -11,6 +11,7 @@
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
+#include "vertex_bench.h"
 
 namespace radiafit {
 namespace {
@@ -18,150 +19,185 @@ namespace {
 constexpr Range<double> thresholds{1e-6, 1e6};
 
 struct Options {
-    std::string dataset = "star", engine = "cpu";
+    std::string dataset = "star";
     LfmOptions model;
     std::vector<double> levels = {8, 4, 2, 1, 0.5};
-    int iterations = 100, cap = 500, modern_iterations = 400;
+    int cg_iterations = 100, sd_iterations = 1000, cap = 1000, rival_iterations = 400;
     double tolerance = 1.01;
 
     explicit Options(Config& c) {
         c.read("dataset", dataset, check_light_field_shape);
-        c.read("engine", engine, valid_option("engine"));
         read_maps(c, model);
         c.read("levels", levels, thresholds);
-        c.read("iterations", iterations, limits::some_iterations);
+        c.read("cg_iterations", cg_iterations, limits::some_iterations);
+        c.read("sd_iterations", sd_iterations, limits::some_iterations);
         c.read("cap", cap, limits::some_iterations);
-        c.read("modern_iterations", modern_iterations, limits::some_iterations);
+        c.read("rival_iterations", rival_iterations, limits::some_iterations);
         c.read("tolerance", tolerance, limits::tolerance);
         c.finish();
-        if (cap < iterations) c.reject("cap", "needs at least `iterations`");
+        if (cap < cg_iterations) c.reject("cap", "needs at least `cg_iterations`");
     }
+    double lambda() const { return double(model.lambda_surface); }
 };
 
-struct Run {
-    std::vector<std::vector<float>> errors;  ///< [iteration][problem]
-    std::vector<double> active;              ///< [iteration] share of the problems with samples
-    std::vector<uint32_t> samples;           ///< [problem]
+/// A way of stopping, under an optimizer.
+struct Setting {
+    const char* rule;  ///< of the two; "none" without a threshold
+    double levels;     ///< 1/255 of the encoding's range, of a pixel's residual
+    const char* optimizer;
+    OptimizerOptions options;  ///< without the threshold
 };
 
-FitRequest request_of(const Options& o, const char* optimizer) {
-    FitRequest request;
-    request.set("engine", o.engine);
-    request.set("optimizer", optimizer);
-    request.set("mode", "paper");
-    request.model = o.model;
-    request.iterations = o.iterations;
-    return request;
+std::vector<Setting> settings(const Options& o) {
+    std::vector<Setting> all;
+    for (const auto& [optimizer, rule, iterations] : {std::tuple("cg", Rule::cg_paper, o.cg_iterations),
+                                                      std::tuple("sd", Rule::steepest_descent, o.sd_iterations)}) {
+        const OptimizerOptions options{.rule = rule, .iterations = iterations};
+        all.push_back({"none", 0, optimizer, options});
+        for (const char* stop : {"residual", "output change"})
+            for (const double levels : o.levels) all.push_back({stop, levels, optimizer, options});
+    }
+    return all;
 }
 
-Run run(Record& record, const Dataset& dataset, const FitRequest& request, const SharedSamples& samples) {
-    Run out;
-    const FitOutcome fit = solve_noting_errors(dataset, request, samples, out.errors, record);
-    out.samples = fit.fit.samples;
-    const auto seen = double(std::count_if(out.samples.begin(), out.samples.end(), [](uint32_t n) { return n > 0; }));
-    for (const TraceRow& row : fit.trace.rows) out.active.push_back(double(row.active) / seen);
+/// How a vertex's three problems went under a setting, against the least errors that any solver reached.
+struct Stopped {
+    std::array<int, 3> stopped_at, arrived_at;  ///< iterations; -1: never
+    std::array<double, 3> final;                ///< error over the best
+    std::array<std::vector<float>, 3> ratios;   ///< by iteration; ends when all three have been stopped
+};
+
+struct Vertex {
+    uint32_t id;
+    double weight;                  ///< root mean square of Lambda
+    std::vector<Stopped> settings;  ///< in the order of settings()
+};
+
+Vertex solve(const Options& o, const std::vector<Setting>& all, BenchVertex& vertex) {
+    Vertex out{vertex.id(), vertex.rms_weight(), {}};
+    std::vector<Course> courses;
+    for (const Setting& s : all) {
+        OptimizerOptions options = s.options;
+        // of the rules' own unit, which is a residual times Lambda
+        const auto threshold = float(s.levels / 255 * out.weight);
+        (s.rule == std::string("residual") ? options.stop_residual : options.stop_output_change) = threshold;
+        courses.push_back(vertex.optimize(options));
+    }
+    std::array<double, 3> best = vertex.varpro(o.rival_iterations).end;
+    const auto take_best = [&](const std::array<double, 3>& end) {
+        for (size_t c = 0; c < 3; ++c) best[c] = std::min(best[c], end[c]);
+    };
+    for (const Course& course : courses) take_best(course.end);
+    take_best(vertex.optimize({.rule = Rule::cg_paper, .iterations = o.cap}).end);
+    take_best(vertex.optimize({.rule = Rule::cg_modern, .iterations = o.rival_iterations}).end);
+    for (const Course& course : courses) {
+        Stopped& stopped = out.settings.emplace_back();
+        stopped.stopped_at = course.stopped_at;
+        for (size_t c = 0; c < 3; ++c) {
+            stopped.arrived_at[c] = course.first_below(o.tolerance * best[c], c, course.iterations());
+            stopped.final[c] = course.end[c] / best[c];
+            for (const auto& errors : course.errors) stopped.ratios[c].push_back(float(errors[c] / best[c]));
+        }
+    }
     return out;
 }
 
-/// Where a run stands after each iteration, against the least error that any solver reached on each problem.
-struct Course {
+/// All problems under a setting.
+struct Summary {
     std::vector<double> active, median;              ///< [iteration] share still running; median of E_t over the best
     int first_below_half = -1, median_reached = -1;  ///< iterations; -1: never
-    double stopped_short = 0;                        ///< share of the stopped that aren't within the tolerance
+    double short_of_best = 0;                        ///< share of the problems that don't end within the tolerance
 
-    /// More than half of the problems are idle before the median one has arrived.
-    bool idle_before_arrival() const {
-        return first_below_half >= 0 && (median_reached < 0 || first_below_half < median_reached);
-    }
     double mean_active() const {
         double sum = 0;
-        for (double share : active) sum += share;
+        for (const double share : active) sum += share;
         return sum / double(active.size());
     }
 };
 
-Course course_of(const Run& run, const std::vector<double>& best, double tolerance) {
-    Course course{.active = run.active, .median = {}};
-    std::vector<double> ratios;
-    for (size_t k = 0; k < run.errors.size(); ++k) {
-        ratios.clear();
-        for (size_t i = 0; i < best.size(); ++i)
-            if (run.samples[i] && best[i] > 0) ratios.push_back(double(run.errors[k][i]) / best[i]);
-        course.median.push_back(median(ratios));
-        if (course.first_below_half < 0 && course.active[k] < 0.5) course.first_below_half = int(k);
-        if (course.median_reached < 0 && course.median.back() <= tolerance) course.median_reached = int(k);
+Summary summarize(const Options& o, const std::vector<Vertex>& vertices, const Setting& setting, size_t s) {
+    Summary out;
+    const double count = double(3 * vertices.size());
+    for (int k = 0; k <= setting.options.iterations; ++k) {
+        double active = 0;
+        std::vector<double> ratios;
+        for (const Vertex& vertex : vertices)
+            for (size_t c = 0; c < 3; ++c) {
+                const Stopped& one = vertex.settings[s];
+                active += one.stopped_at[c] < 0 || one.stopped_at[c] > k;
+                ratios.push_back(double(one.ratios[c][std::min(size_t(k), one.ratios[c].size() - 1)]));
+            }
+        out.active.push_back(active / count);
+        out.median.push_back(median(std::move(ratios)));
+        if (out.first_below_half < 0 && out.active.back() < 0.5) out.first_below_half = k;
+        if (out.median_reached < 0 && out.median.back() <= o.tolerance) out.median_reached = k;
     }
-    const auto short_of_it =
-        double(std::count_if(ratios.begin(), ratios.end(), [&](double ratio) { return ratio > tolerance; }));
-    course.stopped_short = short_of_it / double(ratios.size());
-    return course;
+    for (const Vertex& vertex : vertices)
+        for (size_t c = 0; c < 3; ++c) out.short_of_best += (vertex.settings[s].arrived_at[c] < 0) / count;
+    return out;
+}
+
+void write(const ResultFolder& results, const Options& o, const std::vector<Setting>& all,
+           const std::vector<Vertex>& vertices) {
+    CsvWriter problems(results.path() / "problems.csv", {"rule", "levels", "optimizer", "vertex", "channel",
+                                                         "stopped_at", "arrived_at", "error_over_best"});
+    CsvWriter weights(results.path() / "weights.csv", {"vertex", "weight"});
+    CsvWriter curves(results.path() / "curves.csv",
+                     {"rule", "levels", "optimizer", "iteration", "active_share", "median_error_over_best"});
+    CsvWriter rules(results.path() / "rules.csv",
+                    {"rule", "levels", "optimizer", "first_below_half", "median_reached", "median_error_over_best",
+                     "mean_active_share", "short_of_best_share", "iterations"});
+    Table table({"rule", "threshold", "optimizer", "half idle at iteration", "median arrives at", "it ends at",
+                 "active on average"});
+    std::vector<double> all_weights;
+    for (const Vertex& vertex : vertices) {
+        weights.row({std::to_string(vertex.id), fmt::format("{:.5g}", vertex.weight)});
+        all_weights.push_back(vertex.weight);
+    }
+    for (size_t s = 0; s < all.size(); ++s) {
+        const std::vector<std::string> keys = {all[s].rule, fmt::format("{:g}", all[s].levels), all[s].optimizer};
+        const auto row = [&](std::vector<std::string> more) {
+            more.insert(more.begin(), keys.begin(), keys.end());
+            return more;
+        };
+        for (const Vertex& vertex : vertices)
+            for (size_t c = 0; c < 3; ++c) {
+                const Stopped& one = vertex.settings[s];
+                problems.row(
+                    row({std::to_string(vertex.id), std::string(1, "rgb"[c]), std::to_string(one.stopped_at[c]),
+                         std::to_string(one.arrived_at[c]), fmt::format("{:.6g}", one.final[c])}));
+            }
+        const Summary sum = summarize(o, vertices, all[s], s);
+        for (const int k : sparse_iterations(all[s].options.iterations))
+            curves.row(row({std::to_string(k), fmt::format("{:.5f}", sum.active[size_t(k)]),
+                            fmt::format("{:.6g}", sum.median[size_t(k)])}));
+        rules.row(row({std::to_string(sum.first_below_half), std::to_string(sum.median_reached),
+                       fmt::format("{:.6g}", sum.median.back()), fmt::format("{:.5f}", sum.mean_active()),
+                       fmt::format("{:.5f}", sum.short_of_best), std::to_string(all[s].options.iterations)}));
+        const auto iteration = [&](int k) { return k < 0 ? "never" : std::to_string(k); };
+        table.add({keys[0], all[s].levels > 0 ? keys[1] + "/255" : "", keys[2], iteration(sum.first_below_half),
+                   iteration(sum.median_reached), fmt::format("{:.3f} x best", sum.median.back()),
+                   fmt::format("{:.1f} %", 100 * sum.mean_active())});
+    }
+    for (CsvWriter* file : {&problems, &weights, &curves, &rules}) file->commit();
+    log_info(
+        fmt::format("threshold rules for stopping; a pixel's residual counts {:.2f} of itself in the median "
+                    "vertex\n{}",
+                    median(all_weights), table.text()));
 }
 
 void stopping(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
-    const TriangleAtlas atlas(dataset.mesh, o.model.surface_side);
-    const SharedSamples samples = distribute(dataset, atlas, request_of(o, "cg"));
+    const VertexBench bench(dataset, o.model);
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-
-    // As in fig7_convergence: the least of both optimizers without thresholds, and of ours.
-    std::vector<double> best(3 * dataset.mesh.vertex_count(), HUGE_VAL);
-    Run free_runs[2];
-    const auto take_best = [&](const Run& run) {
-        for (size_t i = 0; i < best.size(); ++i) best[i] = std::min(best[i], double(run.errors.back()[i]));
-    };
-    constexpr const char* optimizers[] = {"cg", "sd"};
-    for (int i = 0; i < 2; ++i) {
-        FitRequest request = request_of(o, optimizers[i]);
-        request.iterations = o.cap;
-        free_runs[i] = run(results.record(), dataset, request, samples);
-        take_best(free_runs[i]);
-        const size_t shown = std::min(free_runs[i].errors.size(), size_t(o.iterations) + 1);
-        free_runs[i].errors.resize(shown);
-        free_runs[i].active.resize(shown);
-    }
-    FitRequest modern = request_of(o, "cg");
-    modern.set("mode", "modern");
-    modern.iterations = o.modern_iterations;
-    take_best(run(results.record(), dataset, modern, samples));
-
-    CsvWriter curves(results.path() / "curves.csv",
-                     {"rule", "levels", "optimizer", "iteration", "active_share", "median_error_over_best"});
-    CsvWriter rows(results.path() / "rules.csv",
-                   {"rule", "levels", "optimizer", "first_below_half", "median_reached", "idle_before_arrival",
-                    "mean_active_share", "short_of_best_share", "iterations"});
-    Table table({"rule", "threshold", "optimizer", "half idle at iteration", "median arrives at", "active on average"});
-    const auto add = [&](const char* rule, double levels, const char* optimizer, const Course& course) {
-        const std::string threshold = fmt::format("{:g}", levels);
-        for (size_t k = 0; k < course.active.size(); ++k)
-            curves.row({rule, threshold, optimizer, std::to_string(k), fmt::format("{:.5f}", course.active[k]),
-                        fmt::format("{:.6g}", course.median[k])});
-        rows.row({rule, threshold, optimizer, std::to_string(course.first_below_half),
-                  std::to_string(course.median_reached), course.idle_before_arrival() ? "1" : "0",
-                  fmt::format("{:.5f}", course.mean_active()), fmt::format("{:.5f}", course.stopped_short),
-                  std::to_string(course.active.size() - 1)});
-        const auto iteration = [&](int k) { return k < 0 ? "never" : std::to_string(k); };
-        table.add({rule, levels > 0 ? threshold + " levels" : "none", optimizer, iteration(course.first_below_half),
-                   iteration(course.median_reached), fmt::format("{:.1f} %", 100 * course.mean_active())});
-    };
-    for (int i = 0; i < 2; ++i) {
-        const Course free_course = course_of(free_runs[i], best, o.tolerance);
-        for (const char* rule : {"residual", "output change"}) {
-            add(rule, 0, optimizers[i], free_course);
-            for (double levels : o.levels) {
-                FitRequest request = request_of(o, optimizers[i]);
-                (rule[0] == 'r' ? request.stop_residual : request.stop_output_change) = levels / 255;
-                add(rule, levels, optimizers[i],
-                    course_of(run(results.record(), dataset, request, samples), best, o.tolerance));
-            }
-        }
-    }
-    curves.commit();
-    rows.commit();
-    results.commit();
-    log_info("threshold rules for stopping\n" + table.text());
-    experiment.draw(results, fmt::format("{} ({} scale), conjugate gradients, paper mode, {} engine ({})", dataset.name,
-                                         experiment.profile(), o.engine, experiment.cpu_name()));
+    const std::vector<Setting> all = settings(o);
+    std::vector<Vertex> vertices(bench.seen().size());
+    bench.for_each(o.lambda(), "vertices", [&](size_t i, BenchVertex& vertex) { vertices[i] = solve(o, all, vertex); });
+    write(results, o, all, vertices);
+    experiment.finish(
+        results, fmt::format("synthetic stand-in of the paper's {}, {} scale; lambda = {:g}, paper mode; {}", o.dataset,
+                             experiment.profile(), o.lambda(), experiment.cpu_device()));
 }
 
 }  // namespace

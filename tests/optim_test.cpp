@@ -246,6 +246,14 @@ TEST(Optimizer, MendsCanBeLeftOut) {
     given.left_out = WITHOUT_MEASURED_STEP;
     given.first_step = 0.01f;
     EXPECT_EQ(run(quadratic(), given).second.state.alpha, 0.01f);
+
+    given.iterations = 200;
+    const double fixed = run(quadratic(), given).first.rows.back().error;
+    given.left_out |= WITHOUT_FIXED_STEP;  // grows out of a first step that is much too small
+    const auto [trace, grown] = run(quadratic(), given);
+    EXPECT_LT(trace.rows.back().error, 0.1 * fixed);
+    EXPECT_GT(grown.state.step_factor, 1);
+    for (size_t k = 1; k < trace.rows.size(); ++k) EXPECT_LE(trace.rows[k].error, trace.rows[k - 1].error);
 }
 
 TEST(Optimizer, NotFiniteStartStopsTheProblem) {

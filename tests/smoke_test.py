@@ -128,31 +128,42 @@ class Smoke(ProgramTest):
             self.assertAlmostEqual(float(row["texels_per_pixel"]), ratios[10], places=3)
 
     def check_fig7_convergence(self, tables):
-        self.assertEqual([row["dataset"] for row in tables["summary"]], ["star", "bust"])
+        solvers = ["cg_paper", "sd", "sd_growing", "cg_modern", "lbfgs", "adam", "varpro"]
+        self.assertEqual([(row["dataset"], row["lambda"]) for row in tables["summary"]],
+                         [(d, lam) for d in ("star", "bust") for lam in ("0.0001", "0.001", "0.01")])
         for row in tables["summary"]:
-            quartiles = [float(row[key]) for key in ("ratio_quartile1", "ratio_median", "ratio_quartile3")]
-            self.assertEqual(quartiles, sorted(quartiles))
-            self.assertGreater(quartiles[1], 1, "steepest descent is no faster than conjugate gradients")
-            problems = tables[row["dataset"] + "_problems"]
-            self.assertEqual(len(problems), int(row["problems"]))
-            unfinished = sum(1 for p in problems if p["cg_iterations"] == "-1")
-            self.assertAlmostEqual(float(row["cg_unfinished_share"]), unfinished / len(problems), places=3)
-            self.assertLess(float(row["cg_unfinished_share"]), 0.5)
-            ratios = [float(r["ratio"]) for r in tables[row["dataset"] + "_ratio"]]
-            self.assertEqual(len(ratios), len(problems) - unfinished)
-            self.assertEqual(ratios, sorted(ratios))
-            curves = tables[row["dataset"] + "_curves"]
-            self.assertEqual({(c["method"], c["shown"]) for c in curves}, {(m, s) for m in ("cg", "sd") for s in "123"})
-            for method in ("cg", "sd"):
-                errors = [float(c["error_over_best"]) for c in curves if (c["method"], c["shown"]) == (method, "1")]
-                self.assertEqual(errors, sorted(errors, reverse=True))  # what raises the error is not accepted
-                self.assertGreaterEqual(errors[-1], 0.9999)
-            shares = tables[row["dataset"] + "_methods"]
-            self.assertLessEqual({"cg modern", "cg paper", "sd", "lbfgs", "adam"}, set(shares[0]))
-            for method in set(shares[0]) - {"iteration"}:
-                column = [float(r[method]) for r in shares]
-                self.assertEqual(column, sorted(column))
-                self.assertLessEqual(column[-1], 1)
+            own = [p for p in tables["problems"] if (p["dataset"], p["lambda"]) == (row["dataset"], row["lambda"])]
+            cap = int(row["cap"])
+            self.assertEqual(len(own), int(row["problems"]))
+            for solver in solvers:
+                self.assertTrue(all(-1 <= int(p[solver]) <= cap for p in own), solver)
+            for p in own:
+                self.assertGreater(float(p["best_error"]), 0)
+                self.assertIn(p["best_solver"], solvers)
+            ratios = sorted((int(p["sd"]) if int(p["sd"]) >= 0 else cap) / (int(p["cg_paper"]) if int(p["cg_paper"]) >= 0 else cap)
+                            for p in own)
+            self.assertAlmostEqual(float(row["ratio_median"]), ratios[len(ratios) // 2], delta=0.1 * ratios[len(ratios) // 2])
+            for method, solver in (("cg", "cg_paper"), ("sd", "sd")):
+                censored = sum(p[solver] == "-1" for p in own) / len(own)
+                self.assertAlmostEqual(float(row[f"{method}_censored_share"]), censored, places=3)
+            if row["lambda"] == "0.0001":
+                self.assertGreater(float(row["ratio_median"]), 1, "steepest descent is no faster than conjugate gradients")
+                self.assertLess(float(row["cg_censored_share"]), 0.5)
+                self.assertLess(float(row["varpro_median_iterations"]), float(row["cg_median_iterations"]))
+                curves = [c for c in tables["curves"] if c["dataset"] == row["dataset"]]
+                self.assertEqual({(c["method"], c["shown"]) for c in curves}, {(m, s) for m in ("cg", "sd") for s in "123"})
+                for method in ("cg", "sd"):
+                    errors = [float(c["error_over_best"]) for c in curves if (c["method"], c["shown"]) == (method, "1")]
+                    self.assertEqual(errors, sorted(errors, reverse=True))  # what raises the error is not accepted
+                    self.assertGreaterEqual(errors[-1], 0.9999)
+                ends = [e for e in tables["ends"] if e["dataset"] == row["dataset"]]
+                self.assertEqual(len(ends), 3 * 10)
+                best = {(p["vertex"], p["channel"]): float(p["best_error"]) for p in own}
+                for e in ends:
+                    least = min(float(e["cg_error"]), float(e["sd_error"]))
+                    self.assertGreaterEqual(least, 0.9999 * best[e["vertex"], e["channel"]])
+                    self.assertLessEqual(int(e["cg_iterations"]), 1000)
+                self.assertTrue(any(e["cg_at_rest"] == "1" for e in ends))
 
     def check_fig8_time(self, tables):
         bars = tables["times"]
@@ -303,24 +314,33 @@ class Smoke(ProgramTest):
     def check_stopping(self, tables):
         rules = tables["rules"]
         self.assertEqual({(r["rule"], r["optimizer"]) for r in rules},
-                         {(rule, o) for rule in ("residual", "output change") for o in ("cg", "sd")})
+                         {(rule, o) for rule in ("none", "residual", "output change") for o in ("cg", "sd")})
+        self.assertTrue(all(0.2 < float(w["weight"]) < 0.6 for w in tables["weights"]))
+        count = 3 * len(tables["weights"])
         for row in rules:
-            own = [c for c in tables["curves"] if all(c[k] == row[k] for k in ("rule", "levels", "optimizer"))]
+            keys = ("rule", "levels", "optimizer")
+            own = [c for c in tables["curves"] if all(c[k] == row[k] for k in keys)]
             active = [float(c["active_share"]) for c in own]
             median = [float(c["median_error_over_best"]) for c in own]
-            self.assertEqual(len(own), int(row["iterations"]) + 1)
+            self.assertEqual(own[-1]["iteration"], row["iterations"])
             self.assertEqual(active, sorted(active, reverse=True))  # a stopped problem stays so
             self.assertEqual(median, sorted(median, reverse=True))  # an error never rises
-            half = next((k for k, share in enumerate(active) if share < 0.5), -1)
-            arrived = next((k for k, m in enumerate(median) if m <= 1.01), -1)
-            self.assertEqual((half, arrived), (int(row["first_below_half"]), int(row["median_reached"])))
-            self.assertEqual(row["idle_before_arrival"] == "1", half >= 0 and (arrived < 0 or half < arrived))
+            problems = [p for p in tables["problems"] if all(p[k] == row[k] for k in keys)]
+            self.assertEqual(len(problems), count)
+            idle = sorted(int(p["stopped_at"]) for p in problems if p["stopped_at"] != "-1")
+            half = idle[count // 2] if len(idle) > count // 2 else -1  # more than half are idle from then on
+            self.assertEqual(int(row["first_below_half"]), half)
+            last = sum(p["stopped_at"] == "-1" for p in problems) / count
+            self.assertAlmostEqual(active[-1], last, places=4)
+            short = sum(p["arrived_at"] == "-1" for p in problems) / count
+            self.assertAlmostEqual(float(row["short_of_best_share"]), short, places=4)
             if row["levels"] == "0":
                 self.assertGreater(active[-1], 0.9, "nothing but rounding stops a problem without a threshold")
         for rule in ("residual", "output change"):  # a looser threshold stops no fewer
-            ends = [(float(r["levels"]), float(r["mean_active_share"])) for r in rules
-                    if (r["rule"], r["optimizer"]) == (rule, "sd") and float(r["levels"]) in (0, 0.5)]
-            self.assertGreater(dict(ends)[0], dict(ends)[0.5])
+            for optimizer in ("cg", "sd"):
+                means = [float(r["mean_active_share"]) for level in ("8", "4", "2", "1", "0.5") for r in rules
+                         if (r["rule"], r["levels"], r["optimizer"]) == (rule, level, optimizer)]
+                self.assertEqual(means, sorted(means))
 
     def check_departures(self, tables):
         rows = tables["fits"]

@@ -87,6 +87,24 @@ TEST(Statistics, TheMediansIntervalIsBetweenOrderStatistics) {
     EXPECT_NEAR(thirds->high - 0.5, 1.96 * 0.5 / std::sqrt(10000.0), 2e-4);
 }
 
+// Of n values, the quartile lies between the i-th and the j-th with the probability that i to j - 1 of n lie below it.
+TEST(Statistics, AQuantilesIntervalIsBetweenOrderStatistics) {
+    std::vector<double> values(20);
+    for (size_t i = 0; i < values.size(); ++i) values[i] = double(i + 1);
+    // Binomial(20, 1/4): P(X <= 1) = 0.0243, P(X <= 2) = 0.0913; P(X >= 9) = 0.0409, P(X >= 10) = 0.0139.
+    const auto quartile = quantile_interval(values, 0.25, 20);
+    ASSERT_TRUE(quartile);
+    EXPECT_NEAR(quartile->low, 2, 1e-9);
+    EXPECT_NEAR(quartile->high, 10, 1e-9);
+    const auto upper = quantile_interval(values, 0.75, 20);
+    ASSERT_TRUE(upper);
+    EXPECT_NEAR(upper->low, 11, 1e-9);
+    EXPECT_NEAR(upper->high, 19, 1e-9);
+    EXPECT_FALSE(quantile_interval({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, 0.25, 12)) << "0.75^12 = 3.2 %";
+    const auto surer = quantile_interval(values, 0.5, 20, 0.99);
+    EXPECT_LT(surer->low, median_interval(values, 20)->low);
+}
+
 TEST(Statistics, WilsonsIntervalOfAShare) {
     EXPECT_FALSE(share_interval(0, 0));
     // Brown, Cai and DasGupta 2001: none of ten, z = 1.96, gives 0 to 0.278.

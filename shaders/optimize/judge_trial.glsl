@@ -31,7 +31,8 @@ SHARED_FN void judge_trial(INOUT(ProblemState) s, INOUT(Own) own, Given given, T
     bool small_change = descent && !first && descent_change <= texels * stop.output_change * stop.output_change;
 
     real factor_after_rejection = SELECT(descent || s.beta == real(0.0), real(0.5) * s.step_factor, s.step_factor);
-    s.step_factor = SELECT(accepted, SELECT(descent, s.step_factor, real(1.0)), SELECT(rejected, factor_after_rejection, s.step_factor));
+    real factor_of_descent = (turn.left_out & WITHOUT_FIXED_STEP) != 0 ? real(1.1) * s.step_factor : s.step_factor;
+    s.step_factor = SELECT(accepted, SELECT(descent, factor_of_descent, real(1.0)), SELECT(rejected, factor_after_rejection, s.step_factor));
     s.slope = SELECT(accepted, slope, SELECT(rejected, -s.norm, s.slope));
     s.norm = SELECT(accepted, trial_norm, s.norm);
     s.beta = SELECT(accepted, beta, SELECT(rejected, real(0.0), s.beta));

@@ -58,6 +58,7 @@ struct Turn {
 #define WITHOUT_DOWNHILL 4      // beta stays where d climbs
 #define WITHOUT_RETRY 8         // a problem ends when its error rises
 #define WITHOUT_MEASURED_STEP 16  // steepest descent begins with first_step, not with the minimum along its first direction
+#define WITHOUT_FIXED_STEP 32  // steepest descent's step grows by a tenth wherever the error falls
 
 #define HUGE_ERROR real(3.0e38)
 #define STATUS_ACTIVE real(0.0)

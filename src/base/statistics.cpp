@@ -36,20 +36,35 @@ Interval ratio_of_medians(const std::vector<double>& above, const std::vector<do
     return {quantile(ratios, 0.5 - 0.5 * confidence), quantile(ratios, 0.5 + 0.5 * confidence)};
 }
 
-std::optional<Interval> median_interval(std::vector<double> values, size_t independent) {
-    const size_t n = std::min(independent, values.size());
-    // The largest rank r, from 1, that P(the median lies below the r-th value of n) <= 2.5 % allows: that is the chance
-    // of fewer than r heads in n throws of a coin. Its terms by their logarithms: 2^-n is no number for a large n.
-    const auto log_term = [n](size_t k) {
-        return std::lgamma(double(n) + 1) - std::lgamma(double(k) + 1) - std::lgamma(double(n - k) + 1) -
-               double(n) * std::log(2.0);
+namespace {
+
+/// The largest rank r, from 1, at which P(the quantile lies below the r-th value of n) <= chance: that of fewer than r
+/// of n values below the quantile, each of which is so with probability q. 0: there is none.
+size_t rank_above(double q, size_t n, double chance) {
+    // The terms by their logarithms: q^n is no number for a large n.
+    const auto log_term = [&](size_t k) {
+        return std::lgamma(double(n) + 1) - std::lgamma(double(k) + 1) - std::lgamma(double(n - k) + 1) +
+               double(k) * std::log(q) + double(n - k) * std::log1p(-q);
     };
     double below = 0;
     size_t rank = 0;
-    while (2 * rank < n && (below += std::exp(log_term(rank))) <= 0.025) ++rank;
-    if (rank == 0) return std::nullopt;
-    const double at = double(rank - 1) / double(n - 1);
-    return Interval{quantile(values, at), quantile(values, 1 - at)};
+    while (rank < n && (below += std::exp(log_term(rank))) <= chance) ++rank;
+    return rank;
+}
+
+}  // namespace
+
+std::optional<Interval> quantile_interval(std::vector<double> values, double q, size_t independent, double confidence) {
+    const size_t n = std::min(independent, values.size());
+    const double chance = 0.5 * (1 - confidence);
+    const size_t low = rank_above(q, n, chance), high = rank_above(1 - q, n, chance);  // high: from the largest
+    if (low == 0 || high == 0) return std::nullopt;
+    return Interval{quantile(values, double(low - 1) / double(n - 1)),
+                    quantile(values, double(n - high) / double(n - 1))};
+}
+
+std::optional<Interval> median_interval(std::vector<double> values, size_t independent) {
+    return quantile_interval(std::move(values), 0.5, independent);
 }
 
 std::optional<Interval> share_interval(double share, size_t count) {

@@ -27,6 +27,10 @@ Interval ratio_of_medians(const std::vector<double>& above, const std::vector<do
 /// independent of each other, at most all. None for fewer than six.
 std::optional<Interval> median_interval(std::vector<double> values, size_t independent);
 
+/// The same of any quantile, at another confidence if need be. None where there are too few values beyond it.
+std::optional<Interval> quantile_interval(std::vector<double> values, double q, size_t independent,
+                                          double confidence = 0.95);
+
 /// Of a share that was found among so many: Wilson's (1927). None for none.
 std::optional<Interval> share_interval(double share, size_t count);
 

@@ -1,2 +1,150 @@
 """Rules of experiments/claims/convergence.cpp."""
-from claims.fixture import GPU, LLVMPIPE, ClaimsTest
+from claims.fixture import ClaimsTest
+
+CONFIG = {"lambda": 1e-4, "tolerance": 1.01, "cap": 3000, "ends_cap": 30000}
+
+
+def spread(low, high, count):
+    """From low to high, evenly on a logarithmic axis."""
+    return [low * (high / low) ** (i / (count - 1)) for i in range(count)]
+
+
+def problems(star=(10, 12), bust=None, cg=20, newton=15, names=("star", "bust"), missing=0, penalty=0.0, vertices=100):
+    """Three problems per vertex, with such ratios of iterations; SD never arrives in a share `missing` of them."""
+    rows = []
+    for name, (low, high) in zip(names, (star, bust or star)):
+        for v, ratio in enumerate(spread(low, high, vertices)):
+            for channel in "rgb":
+                sd = -1 if v < missing * vertices else round(cg * ratio)
+                rows.append({"dataset": name, "lambda": 0.0001, "vertex": v, "channel": channel, "best_error": 1,
+                             "best_solver": "varpro", "varpro_penalty": penalty, "cg_paper": cg, "sd": sd,
+                             "sd_growing": round(cg * ratio / 2), "varpro": newton})
+    rows.append({**rows[0], "lambda": 0.001, "sd": -1})
+    return rows
+
+
+SUMMARY = [{"dataset": "star", "lambda": lam, "cap": 3000, "ratio_quartile1": 4, "ratio_median": 10, "ratio_quartile3": 20,
+            "cg_censored_share": 0.01, "sd_censored_share": 0.1} for lam in (0.0001, 0.001)]
+
+
+def ends(apart=0.2, lower=0.9, moving=0.0, vertices=120):
+    """Of each vertex's three problems: a share `apart` of the vertices has minima 2 % apart, CG below in a share `lower`."""
+    rows = []
+    for v in range(vertices):
+        differs = v < apart * vertices
+        sd = (1.02 if v < lower * apart * vertices else 0.98) if differs else 1.001
+        for channel in "rgb":
+            rows.append({"dataset": "star", "vertex": v, "channel": channel, "cg_error": 1, "sd_error": 1.5, "cg_at_rest": 1,
+                         "sd_at_rest": int(v % 2), "cg_minimum": 1, "sd_minimum": sd, "cg_minimum_at_rest": 1,
+                         "sd_minimum_at_rest": int(v < (1 - moving) * vertices)})
+    return rows
+
+
+def stopped(residual, change, free=40, vertices=100):
+    """residual and change: {levels: (share of the problems that are stopped at 3, their error over the best, spread)}."""
+    rows = []
+    for rule, settings in (("none", {0: (0, 1, 0)}), ("residual", residual), ("output change", change)):
+        for levels, (share, error, noise) in settings.items():
+            for optimizer in ("cg", "sd"):
+                for v in range(vertices):
+                    stops = v < share * vertices
+                    rows += [{"rule": rule, "levels": levels, "optimizer": optimizer, "vertex": v, "channel": channel,
+                              "stopped_at": 3 if stops else -1, "arrived_at": -1 if stops else free,
+                              "error_over_best": error + noise * (v - vertices / 2) / vertices if stops else 1.001}
+                             for channel in "rgb"]
+    return {"problems": rows, "weights": [{"vertex": v, "weight": 0.4} for v in range(3)]}
+
+
+class Convergence(ClaimsTest):
+    def fig7(self, claim, rows=None, end_rows=None, **config):
+        tables = {"problems": rows or problems(), "summary": SUMMARY, "ends": end_rows or ends()}
+        return self.finding(claim, "fig7_convergence", tables, **{**CONFIG, **config})
+
+    def test_iteration_ratio(self):
+        found = self.fig7("C1")
+        self.assertEqual(found["verdict"], "holds")
+        self.assertAlmostEqual(found["measures"][0]["value"], 11, delta=0.1)
+        low, high = found["measures"][0]["interval"]
+        self.assertTrue(10.5 < low < 11 < high < 11.5)
+        self.assertIn("11", found["sentence"])
+        self.assertTrue(any("lambda = 0.001" in text for text in found["beside"]))
+        self.assertTrue(any("sweeps" in text and " 5.4" in text for text in found["beside"]))
+        self.assertEqual(self.fig7("C1", problems((2, 4)))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C1", problems(bust=(2, 4)))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C1", problems((4, 6)))["verdict"], "undecided")
+        self.assertEqual(self.fig7("C1", problems(cg=3))["verdict"], "holds")
+
+    def test_who_does_not_arrive_counts_as_arriving_at_the_cap(self):
+        half = self.fig7("C1", problems((2, 2), missing=0.6))
+        self.assertEqual(half["measures"][0]["value"], 3000 / 20)
+        self.assertTrue(any("60 % of SD's problems" in text for text in half["beside"]))
+        both = self.fig7("C1", problems((2, 2), cg=-1, missing=1))
+        self.assertEqual(both["measures"][0]["value"], 1)
+
+    def test_premises(self):
+        for other in ({"cap": 300}, {"tolerance": 1.1}, {"lambda": 0.001}):
+            for claim in ("C1", "C19", "C22"):
+                self.assertEqual(self.fig7(claim, **other)["verdict"], "not comparable", other)
+        star = self.fig7("C1", problems(names=("star",)))
+        self.assertEqual(star["verdict"], "not comparable")
+        self.assertIn("the bust", star["reason"])
+
+    def test_newton_rate(self):
+        self.assertEqual(self.fig7("C19")["verdict"], "holds")
+        self.assertEqual(self.fig7("C19", problems(newton=5))["verdict"], "does not hold")
+        rows = problems()
+        for row in rows:  # half of the vertices at a ratio of 1.9, half at 2.2
+            row["varpro"] = 10.5 if int(row["vertex"]) % 2 else 9
+        self.assertEqual(self.fig7("C19", rows)["verdict"], "undecided")
+        rows = problems()
+        for row in rows:  # where bounds are at work, nothing is compared
+            if int(row["vertex"]) < 20:
+                row.update(varpro=1, varpro_penalty=0.1)
+        found = self.fig7("C19", rows)
+        self.assertEqual(found["verdict"], "holds")
+        self.assertTrue(any("20 % of the problems are left out" in text for text in found["beside"]))
+        self.assertEqual(self.fig7("C19", problems(penalty=0.1))["verdict"], "not comparable")
+
+    def test_consistent_ratio(self):
+        self.assertEqual(self.fig7("C22")["verdict"], "holds")
+        self.assertEqual(self.fig7("C22", problems((1, 1000)))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C22", problems((10, 12), (20, 22)))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C22", problems((20, 22), (10, 12)))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C22", problems((1, 8)))["verdict"], "undecided")
+
+    def test_better_minimum(self):
+        found = self.fig7("C2")
+        self.assertEqual(found["verdict"], "holds")
+        self.assertAlmostEqual(found["measures"][0]["value"], 0.2)
+        self.assertAlmostEqual(found["measures"][1]["value"], 0.9, places=1)
+        self.assertEqual(self.fig7("C2", end_rows=ends(lower=0.1))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C2", end_rows=ends(lower=0.6))["verdict"], "undecided")
+        self.assertEqual(self.fig7("C2", end_rows=ends(apart=0))["verdict"], "does not hold")
+        self.assertEqual(self.fig7("C2", end_rows=ends(apart=0.05))["verdict"], "undecided")
+        self.assertEqual(self.fig7("C2", end_rows=ends(vertices=90))["verdict"], "not comparable")
+        moving = self.fig7("C2", end_rows=ends(moving=0.5))
+        self.assertEqual(moving["verdict"], "not comparable")
+        self.assertIn("did not come to rest", moving["reason"])
+        self.assertIn("where both methods came to rest by themselves: of 180 problems 180 are more than 1 % apart, "
+                      "CG the lower in 180 of them", found["beside"])
+
+    def stopping(self, residual, change, free=40, **config):
+        return self.finding("C16", "stopping", stopped(residual, change, free),
+                            **{"tolerance": 1.01, "lambda": 1e-4, **config})
+
+    def test_idle_before_arrival(self):
+        early, never, late = (0.8, 2.0, 0.1), (0.0, 1.0, 0), (0.2, 1.5, 0)
+        found = self.stopping({8: early, 1: never}, {8: early, 1: early})
+        self.assertEqual(found["verdict"], "holds")
+        self.assertIn("residual below 8/255", found["measures"][0]["of"])
+        self.assertIn("output change below 1/255", found["measures"][2]["of"])
+        self.assertAlmostEqual(found["measures"][1]["value"], 0.2)
+        alone = self.stopping({8: never}, {8: early})
+        self.assertEqual(alone["verdict"], "does not hold")
+        self.assertIn("the rule of the output change alone: holds", alone["beside"])
+        self.assertIn("the rule of the residual alone: does not hold", alone["beside"])
+        self.assertEqual(self.stopping({8: early}, {8: late})["verdict"], "does not hold", "the median problem arrives")
+        self.assertEqual(self.stopping({8: early}, {8: (0.55, 1.5, 0)})["verdict"], "undecided")
+        self.assertEqual(self.stopping({8: early}, {8: (0.8, 1.01, 0.01)})["verdict"], "does not hold", "good enough")
+        self.assertEqual(self.stopping({8: early}, {8: early}, free=-1)["verdict"], "not comparable")
+        self.assertEqual(self.stopping({8: early}, {8: early}, tolerance=1.1)["verdict"], "not comparable")
