@@ -18,7 +18,6 @@
 #include "dataset/checksums.h"
 #include "gl/context.h"
 #include "report/figures.h"
-#include "synthetic/synthetic.h"
 
 namespace radiafit {
 
@@ -50,13 +49,14 @@ void Experiment::require_figures() const {
                         figures().string()));
 }
 
-Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament,
-                            const std::string& variant) const {
-    SyntheticOptions options{.shape = shape, .scale = profile_, .ornament = ornament};
+Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament, const std::string& variant,
+                            uint64_t seed) const {
+    SyntheticOptions options{.shape = shape, .scale = profile_, .seed = seed, .ornament = ornament};
     require_figures();
     synthetic_size(options);  // an unknown name shows before any work
-    const std::filesystem::path folder =
-        root_ / "datasets" / "packed" / fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
+    std::string name = fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
+    if (seed != SyntheticOptions().seed) name += fmt::format("-seed{}", seed);
+    const std::filesystem::path folder = root_ / "datasets" / "packed" / name;
     if (std::filesystem::exists(folder)) {
         Dataset dataset = open_dataset(folder);
         if (dataset.source == synthetic_source(options)) return noted(std::move(dataset));
