@@ -80,6 +80,24 @@ std::string values_text(const Judgement& j) {
     return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+/// In order, those that either profile has figures of; one without a name if there are none.
+std::vector<std::string> renderers_of(std::span<const Finding> paper, std::span<const Finding> beside) {
+    std::vector<std::string> names;
+    for (const auto findings : {paper, beside})
+        for (const Finding& f : findings)
+            if (!f.run.empty() && !std::ranges::count(names, f.judgement.renderer))
+                names.push_back(f.judgement.renderer);
+    if (names.empty()) names.push_back("");
+    return names;
+}
+
+/// Null if there is none.
+const Finding* of_renderer(std::span<const Finding> findings, const std::string& renderer) {
+    const auto found =
+        std::ranges::find_if(findings, [&](const Finding& f) { return f.judgement.renderer == renderer; });
+    return found == findings.end() ? nullptr : &*found;
+}
+
 nlohmann::ordered_json json_of(const Finding& f) {
     return {{"id", f.claim->id},
             {"section", f.claim->section},
@@ -127,6 +145,10 @@ void write_claims(Experiment& experiment) {
     });
     experiment.config().finish();
     const fs::path results = experiment.root() / folder;
+    const bool beside_rows = experiment.standard();
+    if (!beside_rows && experiment.results() == experiment.root() / "results")
+        throw UserError(
+            "claims.json in `results` is of the standard configuration; say by --output where the verdicts go");
     const fs::path roots[] = {results, experiment.root() / "results" / "reference"};
     const std::string& profile = experiment.profile();
 
@@ -138,20 +160,23 @@ void write_claims(Experiment& experiment) {
         std::vector<Finding> findings = findings_of(claim, judged_profile, roots);
         const std::vector<Finding> smaller =
             profile == judged_profile ? std::vector<Finding>() : findings_of(claim, profile, std::span(roots, 1));
-        for (size_t i = 0; i < std::max(findings.size(), smaller.size()); ++i) {
-            const Finding* paper = i < findings.size() ? &findings[i] : nullptr;
-            const Finding* beside = i < smaller.size() ? &smaller[i] : nullptr;
-            const auto text = [](const Finding* f) { return f ? values_text(f->judgement) : ""; };
-            shown.add({claim.id, claim.states, text(paper), paper ? paper->verdict() : "",
-                       paper ? paper->judgement.renderer : beside->judgement.renderer, text(beside),
-                       beside ? (beside->judgement.not_run.empty() ? beside->by_the_rule() : "not run") : ""});
+        for (const std::string& renderer : renderers_of(findings, smaller)) {
+            const Finding* paper = of_renderer(findings, renderer);
+            const Finding* beside = of_renderer(smaller, renderer);
+            shown.add({claim.id, claim.states, paper ? values_text(paper->judgement) : "",
+                       paper ? paper->verdict() : "not run", renderer, beside ? values_text(beside->judgement) : "",
+                       beside ? beside->by_the_rule() : ""});
         }
         findings.insert(findings.end(), smaller.begin(), smaller.end());
         for (const Finding& f : findings) json["claims"].push_back(json_of(f));
         sections += "\n" + section_of(claim, findings);
     }
-    fs::create_directories(results);
-    write_file(results / "claims.json", json.dump(2) + "\n");
+    const fs::path verdicts =
+        experiment.results() /
+        (profile == "standard" || !beside_rows ? "claims.json" : fmt::format("claims-{}.json", profile));
+    fs::create_directories(verdicts.parent_path());
+    fs::create_directories(experiment.figures());
+    write_file(verdicts, json.dump(2) + "\n");
     write_file(
         experiment.figures() / "claims.md",
         fmt::format(
@@ -160,8 +185,7 @@ void write_claims(Experiment& experiment) {
             "(undecided).\n\n{}{}",
             utc_now().substr(0, 10), profile, shown.markdown(), sections));
     log_info("the paper's claims, as measured here\n" + shown.text());
-    log_info(fmt::format("verdicts: {} and {}", (results / "claims.json").string(),
-                         (experiment.figures() / "claims.md").string()));
+    log_info(fmt::format("verdicts: {} and {}", verdicts.string(), (experiment.figures() / "claims.md").string()));
 }
 
 }  // namespace

@@ -396,22 +396,6 @@ void Departures::reflectance() {
     }
 }
 
-constexpr const char* columns_text = R"(Columns of fits.csv:
-
-- `departure`: the number of the mend that is left out, in docs/paper.md; empty: all mends are there. `without`: how.
-- `problem`, `optimizer`, `numbers`, `renderer`, `iterations`: what is fitted, by what, in which floats, where, and how long.
-- `problems`: those with samples; of Lafortune's, texels of gold and green with at least nine.
-- `arrived_share`: of the light field map's problems those within the tolerance of the least E_t that any fit of the same
-  objective reached; of Lafortune's texels those within so much of Levenberg-Marquardt's root mean square error.
-- `iterations_median`: to there, those that don't arrive counted as one more than were done.
-- `stalled_share`: stationary without having arrived (16-bit fits: stationary). `not_finite_share`: not finite.
-- `error`: sum of E = 1/2 sum r^2 over all problems, penalties left out. `error_ratio`: over that with all mends.
-- `psnr_db`, `ape`, `held_psnr_db`: on training and on held-out photographs.
-
-Columns of culling.csv: `fragments`, `operations` and `reads` of one iteration and the evaluation before it, in the paper's
-passes over `images` photographs; `same_parameters`: whether both end with the same bits.
-)";
-
 void Departures::write() {
     ResultFolder results = experiment_.open_results(rows_.back().renderer);
     CsvWriter csv(results.path() / "fits.csv",
@@ -446,17 +430,15 @@ void Departures::write() {
         work.add(row);
     }
     culling.commit();
-    results.commit();
     log_info(table.text());
-    const std::string title =
-        fmt::format("What mends of the paper's text are worth: {} and {}, {} scale; {}; {}", o_.dataset, o_.reflectance,
-                    experiment_.profile(), experiment_.cpu_device(), culling_.front()[2]);
-    write_file(experiment_.figures() / "departures.md",
-               fmt::format("# {}\n\nEvery row leaves out one mend; docs/paper.md numbers and explains them. lambda = "
-                           "{:g}.\n\n{}\n{}\n{}",
-                           title, o_.model.lambda_surface, table.markdown(), work.markdown(), columns_text));
-    log_info(fmt::format("table: {}; rows: {}", (experiment_.figures() / "departures.md").string(),
-                         results.path().string()));
+    const std::string caption = fmt::format("{} and {}, {} scale; {}; {}", o_.dataset, o_.reflectance,
+                                            experiment_.profile(), experiment_.cpu_device(), culling_.front()[2]);
+    write_file(
+        results.path() / "departures.md",
+        fmt::format("# What mends of the paper's text are worth: {}\n\nEvery row leaves out one mend; docs/paper.md "
+                    "numbers and explains them, docs/results.md the columns. lambda = {:g}.\n\n{}\n{}",
+                    caption, o_.model.lambda_surface, table.markdown(), work.markdown()));
+    experiment_.finish(results, caption);
 }
 
 void Departures::run() {

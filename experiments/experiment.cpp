@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "app/command_line.h"
 #include "app/limits.h"
@@ -18,46 +19,84 @@
 #include "dataset/checksums.h"
 #include "gl/context.h"
 #include "report/figures.h"
+#include "report/row_files.h"
 
 namespace radiafit {
 
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_checkout(const fs::path& folder) {
+    return folder_stands(folder / "experiments") && folder_stands(folder / "paper_figs");
+}
+
+/// Of the config file, or else of the working folder.
+fs::path find_checkout(const fs::path& config) {
+    for (fs::path folder = fs::absolute(config).parent_path(); folder != folder.root_path();
+         folder = folder.parent_path())
+        if (is_checkout(folder)) return folder;
+    for (fs::path folder = fs::current_path();; folder = folder.parent_path()) {
+        if (is_checkout(folder)) return folder;
+        if (folder == folder.root_path()) break;
+    }
+    throw UserError(
+        fmt::format("{}: neither this file nor the working folder lies in a checkout, which has experiments/ "
+                    "and paper_figs/; run it in one",
+                    config.string()));
+}
+
+nlohmann::json read_record(const fs::path& run) {
+    const fs::path file = run / "run.json";
+    auto record = nlohmann::json::parse(read_file(file, "record of a run"), nullptr, false);
+    if (!record.is_object()) throw UserError(fmt::format("{}: no JSON object; choose another run", file.string()));
+    return record;
+}
+
+}  // namespace
+
 Experiment::Experiment(std::string name, int argc, const char* const* argv) : name_(std::move(name)) {
     CommandLine program(name_, "Runs one experiment and draws its figure.");
-    std::string config;
+    std::string config = "experiments/" + name_ + ".toml", output, run;
     std::vector<std::string> overrides;
     int threads = 0;
-    program.add_text("--config", config, "experiments/" + name_ + ".toml").required();
+    program.add_text("--config", config, "any file; the checkout's own gives the standard run");
     program.add_word("--profile", profile_, "smoke, standard or paper");
     program.add_words("--set", overrides, "key=value, over the config file");
+    program.add_text("--output", output, "folder for rows and figures, in place of the checkout's").hide_default();
+    program.add_flag("--resume", resume_, "do nothing if this revision's run of the profile is there");
     program.add_number("--threads", threads, limits::threads, "0 is all cores");
+    program.add_text("--run", run, "only draw the figure of this earlier run, here or in the output folder")
+        .hide_default();
     if (!program.parse(argc, argv)) {
         finish_standard_output();
         std::exit(0);
     }
     set_thread_count(threads);
-    root_ = std::filesystem::absolute(config).parent_path().parent_path();
+    root_ = find_checkout(config);
+    output_ = output;
+    run_ = run;
+    standard_ = overrides.empty() && output.empty() &&
+                fs::weakly_canonical(config) == fs::weakly_canonical(root_ / "experiments" / (name_ + ".toml"));
+    if (!run_.empty()) return;
     config_ = std::make_unique<Config>(config, profile_, overrides);
     record_ = make_record(argc, argv);
-    AtomicFolder(root_ / "results" / name_ / "probe");  // a folder that can't be written shows before any work
+    AtomicFolder(results() / name_ / "probe");  // a folder that can't be written shows before any work
 }
 
-void Experiment::require_figures() const {
-    if (!folder_stands(figures()))
-        throw UserError(
-            fmt::format("{}: no such folder, so no figure can be drawn; give a config file in a checkout's "
-                        "experiments/",
-                        figures().string()));
+fs::path Experiment::figures() const {
+    if (!output_.empty()) return output_;
+    return profile_ == "standard" ? root_ / "paper_figs" : root_ / "paper_figs" / profile_;
 }
 
 Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament, const std::string& variant,
                             uint64_t seed) const {
     SyntheticOptions options{.shape = shape, .scale = profile_, .seed = seed, .ornament = ornament};
-    require_figures();
     synthetic_size(options);  // an unknown name shows before any work
     std::string name = fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
     if (seed != SyntheticOptions().seed) name += fmt::format("-seed{}", seed);
-    const std::filesystem::path folder = root_ / "datasets" / "packed" / name;
-    if (std::filesystem::exists(folder)) {
+    const fs::path folder = root_ / "datasets" / "packed" / name;
+    if (fs::exists(folder)) {
         Dataset dataset = open_dataset(folder);
         if (dataset.source == synthetic_source(options)) return noted(std::move(dataset));
     }
@@ -66,7 +105,7 @@ Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& orn
     return open(folder);
 }
 
-Dataset Experiment::open(const std::filesystem::path& folder) const { return noted(open_dataset(folder)); }
+Dataset Experiment::open(const fs::path& folder) const { return noted(open_dataset(folder)); }
 
 Dataset Experiment::noted(Dataset dataset) const {
     const std::string note = dataset_note(dataset);
@@ -75,22 +114,83 @@ Dataset Experiment::noted(Dataset dataset) const {
 }
 
 ResultFolder Experiment::open_results(const std::string& device) const {
-    require_figures();
     Record record = record_;
     record.config = config_->resolved();
     record.more.emplace_back("profile", json_string(profile_));
+    record.more.emplace_back("standard", standard_ ? "true" : "false");
     // What is drawn besides, an experiment's config has under "seed".
     record.more.emplace_back(
         "seeds", fmt::format(R"({{"datasets": {}, "start": {}}})", SyntheticOptions().seed, FitRequest().seed));
-    return ResultFolder(root_ / "results", name_, device, record);
+    return ResultFolder(results(), name_, device, record);
 }
 
-void Experiment::draw(const ResultFolder& results, const std::string& caption) const {
-    const std::filesystem::path stem = figures() / name_;
-    draw_figure(
-        figures() / (name_ + ".gp"), stem,
-        {{"rows", results.path().string()}, {"caption", fmt::format("{}; {}", caption, utc_now().substr(0, 10))}});
-    log_info(fmt::format("figure: {0}.svg and .png; rows: {1}", stem.string(), results.path().string()));
+std::vector<fs::path> Experiment::show(const fs::path& rows, const std::string& caption, const fs::path& folder) const {
+    fs::create_directories(folder);
+    std::vector<fs::path> shown;
+    for (const char* extension : {".md", ".png"})
+        if (const fs::path made = rows / (name_ + extension); fs::exists(made)) {
+            shown.push_back(folder / made.filename());
+            write_file(shown.back(), read_file(made, "figure"));
+        }
+    const fs::path script = root_ / "paper_figs" / (name_ + ".gp");
+    if (fs::exists(script)) {
+        draw_figure(script, folder / name_, {{"rows", rows.string()}, {"caption", caption}});
+        for (const char* extension : {".svg", ".png"}) shown.push_back(folder / (name_ + extension));
+    }
+    return shown;
+}
+
+void Experiment::finish(ResultFolder& results, const std::string& caption) const {
+    const std::string dated = fmt::format("{}; {}", caption, utc_now().substr(0, 10));
+    results.record().more.emplace_back("caption", json_string(dated));
+    std::vector<fs::path> shown;
+    if (standard_ || !output_.empty()) {
+        results.commit();
+        shown = show(results.path(), dated, figures());
+    } else {
+        shown = show(results.path(), dated, results.path());
+        const fs::path hidden = results.path();
+        results.commit();
+        for (fs::path& file : shown) file = results.path() / file.lexically_relative(hidden);
+    }
+    for (const fs::path& file : shown) log_info("figure: " + file.string());
+    log_info("rows: " + results.path().string());
+}
+
+void Experiment::redraw(const fs::path& run) const {
+    const auto record = read_record(run);
+    const std::string program = record.value("program", ""), caption = record.value("caption", "");
+    if (program != name_) throw UserError(fmt::format("{}: a run of {}, not of {}", run.string(), program, name_));
+    if (caption.empty())
+        throw UserError(fmt::format("{}: of an older version; run the experiment again", run.string()));
+    const fs::path folder = output_.empty() ? fs::current_path() : output_;
+    const AtomicFolder unpacked(folder / (name_ + "-rows"));  // goes again
+    for (const std::string& file : run_files(run)) write_file(unpacked.path() / file, read_run_file(run, file));
+    const std::vector<fs::path> shown = show(unpacked.path(), caption, folder);
+    for (const fs::path& file : shown) log_info("figure: " + file.string());
+    if (shown.empty()) throw UserError(fmt::format("{}: no figure belongs to its rows", run.string()));
+}
+
+bool Experiment::finished_before() const {
+    for (const fs::path& run : newest_runs(results(), name_, profile_)) {
+        const auto record = read_record(run);
+        const auto same = [&](const char* key, const auto& value) {
+            return record.value(key, nlohmann::json()) == value;
+        };
+        if (record_.git_revision.ends_with("-dirty") || !same("git_revision", record_.git_revision)) continue;
+        if (!same("cpu", record_.cpu) || !same("threads", record_.threads)) continue;
+        log_info(fmt::format("{} is there: {}", name_, run.string()));
+        return true;
+    }
+    return false;
+}
+
+bool Experiment::done() {
+    if (!run_.empty()) {
+        redraw(run_);
+        return true;
+    }
+    return resume_ && standard_ && finished_before();
 }
 
 std::string Experiment::cpu_name() const { return fmt::format("cpu, {} threads", thread_count()); }
@@ -172,7 +272,7 @@ int run_experiment(const std::string& name, int argc, const char* const* argv,
     prepare_standard_streams();
     try {
         Experiment experiment(name, argc, argv);
-        body(experiment);
+        if (!experiment.done()) body(experiment);
         return 0;
     } catch (const std::exception& e) {
         const Failure failure = describe(e);

@@ -18,9 +18,14 @@ class Context;
 
 class Experiment {
 public:
-    /// NAME --config FILE [--profile smoke|standard|paper] [--set key=value ...] [--threads N]
-    /// Folders are beside the config's: datasets/packed, results and paper_figs of the checkout.
+    /// NAME [--config FILE] [--profile smoke|standard|paper] [--set key=value ...] [--output FOLDER] [--resume]
+    /// [--threads N], or NAME --run FOLDER [--output FOLDER]. The checkout that datasets, results and figures lie in is
+    /// the config file's, or else the one that it is run in.
     Experiment(std::string name, int argc, const char* const* argv);
+
+    /// Whether nothing is left to measure: an earlier run's figure was asked for, and is drawn now; or with --resume
+    /// `results` hold a run of this revision, machine and profile.
+    bool done();
 
     Config& config() { return *config_; }
     const std::string& profile() const { return profile_; }
@@ -38,10 +43,21 @@ public:
     Record& record() { return record_; }
     /// Opens the result folder: results/NAME/DEVICE/UTC-REVISION. Call once the config is finished.
     ResultFolder open_results(const std::string& device) const;
-    /// Draws paper_figs/NAME.gp over the rows in `results` and says where everything lies.
-    void draw(const ResultFolder& results, const std::string& caption) const;
+    /// Gives the result folder its name, and shows it: draws paper_figs/NAME.gp over the rows and copies what is called
+    /// NAME.md or NAME.png among them; says where everything lies.
+    void finish(ResultFolder& results, const std::string& caption) const;
+    void draw(const ResultFolder& results, const std::string& caption) const {
+        show(results.path(), caption, figures());
+    }
     const std::filesystem::path& root() const { return root_; }  ///< the checkout
-    std::filesystem::path figures() const { return root_ / "paper_figs"; }
+    /// Of the rows: the checkout's `results`, or what --output says.
+    std::filesystem::path results() const { return output_.empty() ? root_ / "results" : output_; }
+    /// Where figures go: paper_figs; paper_figs/PROFILE for other profiles than the standard one; or what --output
+    /// says.
+    std::filesystem::path figures() const;
+    /// Whether it runs by the checkout's own config file with nothing set beside. Only such runs count as "the" run of
+    /// their profile; the figures of others lie among their rows.
+    bool standard() const { return standard_; }
     /// "cpu, 2 threads": in rows, the renderer of a figure that the CPU made.
     std::string cpu_name() const;
     /// "AMD EPYC 7763, 2 threads": in captions, and for the folder of results that no OpenGL made.
@@ -50,11 +66,15 @@ public:
 private:
     /// The record names it, once.
     Dataset noted(Dataset dataset) const;
-    /// Throws UserError if their folder is missing: that shows before any work.
-    void require_figures() const;
+    /// Shows a run's rows in a folder; returns what it made.
+    std::vector<std::filesystem::path> show(const std::filesystem::path& rows, const std::string& caption,
+                                            const std::filesystem::path& folder) const;
+    void redraw(const std::filesystem::path& run) const;
+    bool finished_before() const;
 
     std::string name_, profile_ = "standard";
-    std::filesystem::path root_;
+    std::filesystem::path root_, output_, run_;
+    bool standard_ = true, resume_ = false;
     std::unique_ptr<Config> config_;
     Record record_;
 };

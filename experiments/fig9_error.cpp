@@ -248,7 +248,7 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
                    pca ? fmt::format("{:.0f}%", 100 * r.invented_share) : ""});
     }
     csv.commit();
-    write_file(folder / "errors.md", table.markdown());
+    write_file(folder / "fig9_error.md", table.markdown());
     log_info("what is left of the error\n" + table.text());
 }
 
@@ -287,9 +287,8 @@ void fig9(Experiment& experiment) {
     ResultFolder results = experiment.open_results(renderer);
     write_errors(results.path(), contest.rows());
     write_choice(results.path(), contest.trials());
-    results.commit();
-    experiment.draw(results, fmt::format("{} scale, foreground pixels; {}; OpenGL: {}", experiment.profile(),
-                                         experiment.cpu_device(), renderer));
+    experiment.finish(results, fmt::format("{} scale, foreground pixels; {}; OpenGL: {}", experiment.profile(),
+                                           experiment.cpu_device(), renderer));
 }
 
 }  // namespace

@@ -277,9 +277,8 @@ void reflectance(Experiment& experiment) {
         }
     }
     rows.commit();
-    results.commit();
-    experiment.draw(results,
-                    fmt::format("ornament, {} scale; {}{}", experiment.profile(), experiment.cpu_device(), opengl));
+    experiment.finish(results,
+                      fmt::format("ornament, {} scale; {}{}", experiment.profile(), experiment.cpu_device(), opengl));
 }
 
 }  // namespace

@@ -363,7 +363,6 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
     rows.commit();
     write_problems(results, o, table, vertices);
     write_repetitions(results, table);
-    results.commit();
     log_info("time until a vertex's three problems are within the tolerance of the least error\n" + text.text());
     const auto ceres =
         std::find_if(table.begin(), table.end(), [](const Summary& s) { return s.contestant->solver == ceres_name; });
@@ -372,8 +371,8 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
                     "{:.1f} times as long as cg modern ({:.1f})",
                     ceres->contestant->setting, ceres->to_varpro.all, ceres->to_varpro.median, ceres->to_modern.all,
                     ceres->to_modern.median));
-    experiment.draw(results, fmt::format("{} ({} scale), {} vertices, three problems each; {}", o.dataset,
-                                         experiment.profile(), vertices.size(), experiment.cpu_device()));
+    experiment.finish(results, fmt::format("{} ({} scale), {} vertices, three problems each; {}", o.dataset,
+                                           experiment.profile(), vertices.size(), experiment.cpu_device()));
 }
 
 void compare_solvers(Experiment& experiment) {

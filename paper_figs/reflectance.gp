@@ -66,6 +66,6 @@ set xlabel 'texels fitted in a second'
 set logscale x
 set format x '10^{%L}'
 at(n) = strcol(1) eq kind[n] ? place(strcol(2)) : NaN
-do for [n=1:2] { set label n kind[n] . ' images' at screen left[4] + 0.1 * (n - 1),0.855 point pt 5 * n - 4 offset 1,0 }
+do for [n=1:2] { set label n kind[n] . ' images' at screen left[4] + 0.115 * (n - 1),0.855 point pt 5 * n - 4 offset 1,0 }
 plot for [n=1:2] times using 10:(at(n)) with points pt 5 * n - 4 lc rgb '#000000'
 unset multiplot

@@ -3,7 +3,9 @@
 # claims (which reads the others' results) last.
 # Usage: run-experiments.sh BUILD PROFILE [ONLY]    ONLY: a part of the names to run, such as fig7
 #        run-experiments.sh --list [ONLY]           prints the names in order
-# An experiment that fails doesn't keep the others from running; the exit status is that of the first failure.
+# An experiment that fails doesn't keep the others from running; the exit status is that of the first failure. The paper
+# profile, which takes hours, says before it starts what it needs, and goes on where it was broken off: what this revision has
+# run already is not run again.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -41,13 +43,22 @@ MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$(cd "$build" && pwd)/shader-cach
 export MESA_SHADER_CACHE_DIR
 mkdir -p "$MESA_SHADER_CACHE_DIR"
 
+resume=""
+if [ "$profile" = paper ]; then
+    resume=--resume
+    python3 -B scripts/profile-needs.py "$profile" $list >&2
+fi
+figures=paper_figs
+[ "$profile" = standard ] || figures=paper_figs/$profile
+
 started=$(date +%s)
 first_failure=0
 failed=""
 for name in $list; do
     echo "== $name ($profile)" >&2
     status=0
-    "$build/experiments/$name" --config "experiments/$name.toml" --profile "$profile" </dev/null || status=$?
+    "$build/experiments/$name" --config "experiments/$name.toml" --profile "$profile" $resume </dev/null ||
+        status=$?
     if [ "$status" != 0 ]; then
         echo "$name failed with status $status" >&2
         failed="$failed $name"
@@ -59,7 +70,7 @@ echo
 echo "took $(($(date +%s) - started)) s; where to look:"
 for name in $list; do
     case " $failed " in *" $name "*) echo "  $name: failed" && continue ;; esac
-    for drawn in paper_figs/"$name".*; do
+    for drawn in "$figures/$name".*; do
         case $drawn in *.gp | *'*') ;; *) echo "  $drawn" ;; esac
     done
     # Names of runs begin with their time, in a form that sorts.

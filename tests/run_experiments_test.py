@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """scripts/run-experiments.sh and scripts/install-packages.sh, over a made-up tree and made-up programs."""
+import json
 import os
 import pathlib
 import shutil
@@ -19,8 +20,10 @@ for time in 20240101T000000Z 20240102T000000Z; do
     mkdir -p "results/$name/cpu-$time/$time-abc"
     touch "results/$name/cpu-$time/$time-abc/run.json"
 done
-mkdir -p paper_figs
-touch "paper_figs/$name.svg" "paper_figs/$name.gp"
+figures=paper_figs
+[ "$4" = standard ] || figures=paper_figs/$4
+mkdir -p "$figures"
+touch "$figures/$name.svg" "paper_figs/$name.gp"
 """
 
 
@@ -42,7 +45,8 @@ class RunExperiments(Tree):
                               stdin=subprocess.DEVNULL)
 
     def make(self, *names):
-        self.program("scripts/run-experiments.sh", (SCRIPTS / "run-experiments.sh").read_text(encoding="utf-8"))
+        for script in ("run-experiments.sh", "profile-needs.py"):
+            self.program(f"scripts/{script}", (SCRIPTS / script).read_text(encoding="utf-8"))
         for name in names:
             self.program(f"experiments/{name}.toml", "")
             self.program(f"build/experiments/{name}", EXPERIMENT)
@@ -57,7 +61,7 @@ class RunExperiments(Tree):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(self.log(), [f"{name} --config experiments/{name}.toml --profile smoke" for name in
                                       ("table1_datasets", "fig7_convergence", "fig8_time", "streaming", "claims")])
-        self.assertIn("  paper_figs/fig7_convergence.svg\n", result.stdout)
+        self.assertIn("  paper_figs/smoke/fig7_convergence.svg\n", result.stdout)
         self.assertNotIn(".gp", result.stdout)
         self.assertIn("  results/streaming/cpu-20240102T000000Z/20240102T000000Z-abc/", result.stdout)
         self.assertNotIn("20240101", result.stdout)
@@ -78,7 +82,24 @@ class RunExperiments(Tree):
         result = self.run_script("build", "smoke")
         self.assertEqual(result.returncode, 3)
         self.assertIn("fig1_broken: failed", result.stdout)
-        self.assertIn("paper_figs/fig2_good.svg", result.stdout)
+        self.assertIn("paper_figs/smoke/fig2_good.svg", result.stdout)
+
+    def test_the_paper_profile_tells_its_needs_and_goes_on_where_it_was_broken_off(self):
+        self.make("fig7_convergence", "fig8_time", "streaming")
+        for name, minutes, bytes in (("fig7_convergence", 60, 3e9), ("fig8_time", 90, 2e9)):
+            folder = self.root / "results/reference" / name / "cpu/20240101T000000Z-abc"
+            folder.mkdir(parents=True)
+            (folder / "run.json").write_text(json.dumps({
+                "profile": "paper", "wall_s": 60 * minutes, "peak_memory_bytes": bytes, "cpu": "C", "cores": 2,
+                "datasets": [{"checksum": "star", "bytes": 4e8}, {"checksum": name, "bytes": 1e8}]}))
+        (folder / "times.csv").write_text("method,bytes_written\nfirst,1500000000\nsecond,\n")
+        result = self.run_script("build", "paper")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("took 2.5 h on C, 2 cores, at most 3.0 GB of memory, and 2.1 GB of disk\n", result.stderr)
+        self.assertIn("no paper run to tell the needs of: streaming\n", result.stderr)
+        self.assertEqual({line.split(" ", 1)[1].split(" ", 2)[2] for line in self.log()}, {"--profile paper --resume"})
+        self.assertEqual(self.run_script("build", "standard").returncode, 0)
+        self.assertNotIn("--resume", self.log()[-1])
 
 
 class InstallPackages(Tree):

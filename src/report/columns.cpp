@@ -52,6 +52,16 @@ const std::vector<TableRules>& all_rules() {
         {"fig7_convergence", "*_ratio.csv", {told("ratio share_below")}},  // *_problems.csv, sorted
         {"fig7_convergence", "*_methods.csv", {keys("iteration"), shares("*")}},
 
+        {"departures",
+         "fits.csv",
+         {keys("departure without problem optimizer numbers"), told("renderer"), exact("iterations problems"),
+          shares("arrived_share stalled_share not_finite_share"), iterations("iterations_median"),
+          errors("error error_ratio ape"), decibels("psnr_db held_psnr_db")}},
+        {"departures",
+         "culling.csv",
+         {keys("departure without"), told("renderer"), exact("images same_parameters"),
+          exact("fragments operations reads"), ratios("operations_ratio reads_ratio")}},
+
         {"fig8_time",
          "times.csv",
          {keys("part method optimizer iterations"), errors("error"), shares("agreeing_share"),

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -51,6 +53,9 @@ void ResultFolder::commit() {
     Record record = record_;
     record.more.emplace_back("wall_s", fmt::format("{:.3f}", record.watch.wall_s()));
     record.more.emplace_back("cpu_s", fmt::format("{:.3f}", record.watch.cpu_s()));
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    record.more.emplace_back("peak_memory_bytes", std::to_string(1024 * uint64_t(usage.ru_maxrss)));
     record.more.emplace_back("files", file_list_json(folder_->path()));
     write_file(folder_->path() / "run.json", record_json(record));
     folder_->commit();
@@ -72,7 +77,7 @@ std::vector<fs::path> newest_runs(const fs::path& root, const std::string& exper
         if (profile.empty()) return true;
         std::ifstream file(run / "run.json");
         const auto json = nlohmann::json::parse(file, nullptr, false);
-        return json.is_object() && json.value("profile", "") == profile;
+        return json.is_object() && json.value("profile", "") == profile && json.value("standard", true);
     };
     std::vector<fs::path> result;
     for (const fs::path& device : folders_in(root / experiment)) {

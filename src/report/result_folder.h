@@ -28,7 +28,8 @@ public:
     const std::filesystem::path& path() const;
     /// What run.json will hold, for facts known only later (GL strings, peaks).
     Record& record() { return record_; }
-    /// Adds "wall_s" and "cpu_s" since the record was made to run.json, and "files": what each was written with.
+    /// Adds to run.json "wall_s" and "cpu_s" since the record was made, "peak_memory_bytes" of this process, and "files"
+    /// (report/row_files.h).
     void commit();
 
 private:
@@ -41,7 +42,7 @@ private:
 std::vector<std::filesystem::path> folders_in(const std::filesystem::path& folder);
 
 /// The newest whole run of an experiment on each device, in the order of device names; empty if there is none.
-/// `profile`: only runs whose run.json names it.
+/// `profile`: only runs whose run.json names it, and with no other settings than the profile's.
 std::vector<std::filesystem::path> newest_runs(const std::filesystem::path& root, const std::string& experiment,
                                                const std::string& profile = "");
 
