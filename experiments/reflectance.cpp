@@ -142,8 +142,8 @@ Verdict compare(const Group& group, const ReflectanceFit& fit, const Reflectance
 std::vector<PartFigures> image_errors(const ReflectanceOutcome& outcome, const Dataset& dataset,
                                       const ReflectanceTruth& truth) {
     const ReflectanceRenderer renderer(*outcome.atlas, outcome.fit);
-    SurfaceParts parts{
-        .of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); }};
+    SurfaceParts parts;
+    parts.of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); };
     for (const TruthMaterial& material : truth.materials) parts.names.push_back(material.name);
     JudgeResult judged = judge(contestant_of(outcome.fit, *outcome.atlas), dataset, Split::test, &parts);
     judged.parts.insert(judged.parts.begin(), {"all", judged.stored});

@@ -202,7 +202,7 @@ class Smoke(ProgramTest):
                          {(d, "1", *m, 2) for d in shapes for m in two_terms})
         for (dataset, seed, method, weights, k), row in rows.items():
             half, pca, cg = method == "cg-low-fp16", method.startswith("pca"), method.startswith("cg")
-            self.assertEqual(row["surface_side"], "8" if "low" in method else "16")
+            self.assertEqual(row["surface_side"], "8" if "low" in method else "10")
             self.assertEqual([row[key] for key in ("storage", "sums", "passes")],
                              ["fp16", "fp16", "paper"] if half else ["fp32", "", ""])
             self.assertEqual(row["mode"], "" if not cg else "modern" if "modern" in method else "paper")
