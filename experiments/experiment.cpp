@@ -20,7 +20,6 @@
 #include "gl/context.h"
 #include "report/figures.h"
 #include "report/row_files.h"
-#include "synthetic/synthetic.h"
 
 namespace radiafit {
 
@@ -90,12 +89,13 @@ fs::path Experiment::figures() const {
     return profile_ == "standard" ? root_ / "paper_figs" : root_ / "paper_figs" / profile_;
 }
 
-Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament,
-                            const std::string& variant) const {
-    SyntheticOptions options{.shape = shape, .scale = profile_, .ornament = ornament};
+Dataset Experiment::dataset(const std::string& shape, const OrnamentOptions& ornament, const std::string& variant,
+                            uint64_t seed) const {
+    SyntheticOptions options{.shape = shape, .scale = profile_, .seed = seed, .ornament = ornament};
     synthetic_size(options);  // an unknown name shows before any work
-    const fs::path folder =
-        root_ / "datasets" / "packed" / fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
+    std::string name = fmt::format("{}-{}{}{}", shape, profile_, variant.empty() ? "" : "-", variant);
+    if (seed != SyntheticOptions().seed) name += fmt::format("-seed{}", seed);
+    const fs::path folder = root_ / "datasets" / "packed" / name;
     if (fs::exists(folder)) {
         Dataset dataset = open_dataset(folder);
         if (dataset.source == synthetic_source(options)) return noted(std::move(dataset));

@@ -10,7 +10,7 @@
 #include "base/config.h"
 #include "base/record.h"
 #include "report/result_folder.h"
-#include "synthetic/ornament_options.h"
+#include "synthetic/synthetic.h"
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
 namespace radiafit {
@@ -32,9 +32,9 @@ public:
     const std::string& name() const { return name_; }
 
     /// The synthetic dataset of this profile's scale, generated if it isn't there yet. run.json notes what was opened.
-    /// `variant` names one whose images differ.
-    Dataset dataset(const std::string& shape, const OrnamentOptions& ornament = {},
-                    const std::string& variant = {}) const;
+    /// `variant` names one whose images differ; another seed makes another object of the shape, and names it too.
+    Dataset dataset(const std::string& shape, const OrnamentOptions& ornament = {}, const std::string& variant = {},
+                    uint64_t seed = SyntheticOptions().seed) const;
 
     /// A packed dataset at any place, such as a capture.
     Dataset open(const std::filesystem::path& folder) const;

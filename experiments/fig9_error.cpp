@@ -19,82 +19,179 @@ namespace {
 
 struct Options {
     std::vector<std::string> datasets = {"star", "bust"};
-    std::string capture, held_out = "test";
-    std::vector<int> terms = {1, 2, 3};
-    int high_side = 16, low_side = 8, high_iterations = 40, low_iterations = 15, refills = 10;
-    double lambda_surface = 1e-2, lambda_view = 0.1;
+    std::vector<int> seeds = {1, 2, 3}, terms = {1, 2, 3};
+    std::string capture;
+    int high_side = 16, low_side = 8, iterations = 100, modern_iterations = 40, opengl_iterations = 40;
+    std::vector<double> lambda_surface = {1e-2}, lambda_view = {0.1}, other_lambdas = {1e-3, 1e-4};
+    std::vector<int> refills = {10};
+    int validation = 8;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_light_field_shape);
+        c.read("seeds", seeds, limits::draw_seed);
         c.read("capture", capture);
         c.read("terms", terms, limits::terms);
         c.read("high_side", high_side, limits::map_side);
         c.read("low_side", low_side, limits::map_side);
-        c.read("high_iterations", high_iterations, limits::iterations);
-        c.read("low_iterations", low_iterations, limits::iterations);
+        c.read("iterations", iterations, limits::iterations);
+        c.read("modern_iterations", modern_iterations, limits::iterations);
+        c.read("opengl_iterations", opengl_iterations, limits::iterations);
         c.read("lambda_surface", lambda_surface, limits::weight);
         c.read("lambda_view", lambda_view, limits::weight);
+        c.read("other_lambdas", other_lambdas, limits::weight);
         c.read("refills", refills, limits::refills);
-        c.read("held_out", held_out);
+        c.read("validation", validation, limits::validation);
         c.finish();
-        if (held_out != "test" && held_out != "validation") c.reject("held_out", "is test or validation");
+        if (validation < 2) c.reject("validation", "is 2 at least: some views to fit, some to choose by");
     }
-    FitRequest request(int k, int side, int iterations) const {
+    /// In the paper's mode, with the first of the weights.
+    FitRequest request(int side) const {
         FitRequest r;
-        r.model.terms = k;
+        r.set("mode", "paper");
         r.model.surface_side = r.model.view_side = side;
-        r.model.lambda_surface = float(lambda_surface);
-        r.model.lambda_view = float(lambda_view);
+        r.model.terms = terms.front();
         r.iterations = iterations;
-        r.refills = refills;
+        return weighted(r, lambda_surface.front(), lambda_view.front());
+    }
+    FitRequest solved_by(const char* solver) const {
+        FitRequest r = request(high_side);
+        r.solver = solver;
+        return r;
+    }
+    static FitRequest weighted(FitRequest r, double surface, double view) {
+        r.model.lambda_surface = float(surface);
+        r.model.lambda_view = float(view);
         return r;
     }
 };
 
-/// Without its held-out views, and with every eighth training view held out in their stead: for choosing options.
-Dataset validation_of(Dataset dataset) {
-    dataset.name += "-validation";
-    std::erase_if(dataset.views, [](const View& view) { return view.held_out; });
-    for (size_t i = 0; i < dataset.views.size(); ++i) dataset.views[i].held_out = i % 8 == 4;
-    return dataset;
-}
+/// A fit's options in a row, empty where they mean nothing to it.
+class Told {
+public:
+    explicit Told(const FitRequest& request) : request_(request), uses_(uses_of(request)) {}
+    std::string text(const char* option) const {
+        return uses_ & find_fit_option(option).uses ? request_.text(option) : "";
+    }
+
+private:
+    const FitRequest& request_;
+    uint32_t uses_;
+};
 
 struct Row {
-    std::string dataset, method, renderer;
+    std::string dataset, seed, method, weights, renderer;
     FitRequest request;
     JudgeResult train, held;
     double invented_share = 0, seconds = 0;
+};
+
+/// One candidate of a choice by validation views.
+struct Trial {
+    std::string dataset, seed, method;
+    FitRequest request;
+    JudgeResult judged;
+    bool chosen = false;
+};
+
+/// The requests that did best on the validation views of one dataset, for all datasets of its shape.
+struct Chosen {
+    FitRequest high, low, pca;
 };
 
 class Contest {
 public:
     Contest(const Options& options, Experiment& experiment) : options_(options), experiment_(experiment) {}
 
-    void run(const Dataset& dataset) {
+    Chosen choose(const Dataset& dataset, const std::string& seed) {
         const Options& o = options_;
-        FitRequest mean = o.request(1, o.high_side, 0);
-        mean.solver = "mean";
-        add(dataset, "mean", mean);
-        for (int k : o.terms) {
-            FitRequest pca = o.request(k, o.high_side, 0);
-            pca.solver = "pca";
-            add(dataset, "pca", pca);
-            add(dataset, "cpu-high", o.request(k, o.high_side, o.high_iterations));
-            FitRequest low = o.request(k, o.low_side, o.low_iterations);
-            add(dataset, "cpu-low", low);
-            low.set("engine", "fragment");
-            low.set("storage", "fp16");
-            add(dataset, "fragment-fp16", low);
+        const auto weights = [&](int side) {
+            std::vector<FitRequest> requests;
+            for (const double surface : o.lambda_surface)
+                for (const double view : o.lambda_view)
+                    requests.push_back(Options::weighted(o.request(side), surface, view));
+            return requests;
+        };
+        std::vector<FitRequest> refilled;
+        for (const int refills : o.refills) {
+            refilled.push_back(o.solved_by("pca"));
+            refilled.back().refills = refills;
+        }
+        return {best_of(dataset, seed, "cg-high", weights(o.high_side)),
+                best_of(dataset, seed, "cg-low", weights(o.low_side)),
+                best_of(dataset, seed, "pca-refilled", std::move(refilled))};
+    }
+
+    /// With one term; with more of them, if asked for, what Figure 9 compares on the CPU.
+    void run(const Dataset& dataset, const std::string& seed, const Chosen& chosen, bool more_terms) {
+        const Options& o = options_;
+        const auto add = [&](const char* method, const std::string& weights, const FitRequest& request) {
+            rows_.push_back(fitted(dataset, seed, method, weights, request));
+        };
+        add("mean", "", o.solved_by("mean"));
+        add("pca-published", "", o.solved_by("pca"));
+        add("pca-refilled", "", chosen.pca);
+        add("cg-high", "chosen", chosen.high);
+        for (const double lambda : o.other_lambdas)
+            add("cg-high", fmt::format("{}", lambda), Options::weighted(chosen.high, lambda, lambda));
+        FitRequest modern = chosen.high;
+        modern.set("mode", "modern");
+        modern.iterations = o.modern_iterations;
+        add("cg-modern-high", "chosen", modern);
+        add("cg-low", "chosen", chosen.low);
+        FitRequest brief = chosen.low;
+        brief.iterations = o.opengl_iterations;
+        add("cg-low-brief", "chosen", brief);
+        brief.set("engine", "fragment").set("passes", "paper").set("storage", "fp16").set("sums", "fp16");
+        add("cg-low-fp16", "chosen", brief);
+        for (size_t i = 1; more_terms && i < o.terms.size(); ++i) {
+            const auto with_terms = [&](FitRequest request) {
+                request.model.terms = o.terms[i];
+                return request;
+            };
+            add("pca-refilled", "", with_terms(chosen.pca));
+            add("cg-high", "chosen", with_terms(chosen.high));
+            add("cg-low", "chosen", with_terms(chosen.low));
         }
     }
     const std::vector<Row>& rows() const { return rows_; }
+    const std::vector<Trial>& trials() const { return trials_; }
 
 private:
-    void add(const Dataset& dataset, const std::string& method, const FitRequest& request) {
+    /// The candidate of the highest PSNR on validation views; a single one needs no trial.
+    FitRequest best_of(const Dataset& dataset, const std::string& seed, const std::string& method,
+                       std::vector<FitRequest> candidates) {
+        if (candidates.size() == 1) return candidates.front();
+        const Dataset validated = for_validation(dataset, options_.validation);
+        const size_t first = trials_.size();
+        for (FitRequest& request : candidates) {
+            request.validation = options_.validation;
+            const FitOutcome out = solve(dataset, request);
+            trials_.push_back({.dataset = dataset.name,
+                               .seed = seed,
+                               .method = method,
+                               .request = request,
+                               .judged = judge(contestant_of(out.fit, dataset.mesh), validated, Split::validation)});
+            log_info(fmt::format("{}, {}, weights {:g} and {:g}, {} refills: {:.2f} dB on validation views",
+                                 dataset.name, method, request.model.lambda_surface, request.model.lambda_view,
+                                 request.refills, trials_.back().judged.psnr()));
+        }
+        const auto best =
+            std::max_element(trials_.begin() + ptrdiff_t(first), trials_.end(),
+                             [](const auto& a, const auto& b) { return a.judged.psnr() < b.judged.psnr(); });
+        best->chosen = true;
+        FitRequest request = best->request;
+        request.validation = 0;
+        return request;
+    }
+
+    Row fitted(const Dataset& dataset, const std::string& seed, const std::string& method, const std::string& weights,
+               const FitRequest& request) {
         const FitOutcome out = solve(dataset, request);
         note_gl(out, experiment_.record());
         Row row{.dataset = dataset.name,
+                .seed = seed,
                 .method = method,
+                .weights = weights,
                 .renderer = out.gl_renderer.empty() ? experiment_.cpu_name() : out.gl_renderer,
                 .request = request,
                 .train = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train),
@@ -103,63 +200,95 @@ private:
                 .seconds = out.times.total};
         log_info(fmt::format("{}, {}, K = {}: PSNR {:.2f} dB in training, {:.2f} dB held out; {:.1f} s", row.dataset,
                              method, request.model.terms, row.train.psnr(), row.held.psnr(), row.seconds));
-        rows_.push_back(std::move(row));
+        return row;
     }
 
     Options options_;
     Experiment& experiment_;
     std::vector<Row> rows_;
+    std::vector<Trial> trials_;
 };
 
-void write(const std::filesystem::path& folder, const std::vector<Row>& rows) {
+void write_errors(const std::filesystem::path& folder, const std::vector<Row>& rows) {
     CsvWriter csv(folder / "errors.csv",
-                  {"dataset", "method", "terms", "surface_side", "view_side", "storage", "renderer", "train_psnr_db",
-                   "train_ape", "held_psnr_db", "held_ape", "invented_share", "lambda_surface", "lambda_view",
-                   "iterations", "refills", "seconds"});
+                  {"dataset",   "seed",           "method",      "weights",       "terms",     "surface_side",
+                   "view_side", "mode",           "passes",      "storage",       "sums",      "iterations",
+                   "refills",   "lambda_surface", "lambda_view", "train_psnr_db", "train_ape", "held_psnr_db",
+                   "held_ape",  "invented_share", "seconds",     "renderer"});
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
-        const LfmOptions& m = r.request.model;
-        const uint32_t uses = uses_of(r.request);
-        const bool resampled = uses & use::refills, iterated = uses & use::iterations;
-        const auto given = [](bool is, const std::string& text) { return is ? text : std::string(); };
-        csv.row({r.dataset, r.method, std::to_string(m.terms), std::to_string(m.surface_side),
-                 std::to_string(uses & use::maps ? m.view_side : 1), r.request.text("storage"), r.renderer,
-                 fmt::format("{:.4f}", r.train.psnr()), fmt::format("{:.4f}", r.train.ape()),
-                 fmt::format("{:.4f}", r.held.psnr()), fmt::format("{:.4f}", r.held.ape()),
-                 given(resampled, fmt::format("{:.5f}", r.invented_share)),
-                 given(iterated, fmt::format("{}", m.lambda_surface)),
-                 given(iterated, fmt::format("{}", m.lambda_view)),
-                 given(iterated, std::to_string(r.request.iterations)),
-                 given(resampled, std::to_string(r.request.refills)), fmt::format("{:.3f}", r.seconds)});
-        table.add({fmt::format("{}, {}, K = {}", r.dataset, r.method, m.terms),
+        const Told told(r.request);
+        const bool pca = r.request.solver == "pca";
+        csv.row({r.dataset,
+                 r.seed,
+                 r.method,
+                 r.weights,
+                 r.request.text("terms"),
+                 told.text("surface_side"),
+                 told.text("view_side"),
+                 told.text("mode"),
+                 told.text("passes"),
+                 r.request.text("storage"),
+                 told.text("sums"),
+                 told.text("iterations"),
+                 told.text("refills"),
+                 told.text("lambda_surface"),
+                 told.text("lambda_view"),
+                 fmt::format("{:.4f}", r.train.psnr()),
+                 fmt::format("{:.4f}", r.train.ape()),
+                 fmt::format("{:.4f}", r.held.psnr()),
+                 fmt::format("{:.4f}", r.held.ape()),
+                 pca ? fmt::format("{:.5f}", r.invented_share) : "",
+                 fmt::format("{:.3f}", r.seconds),
+                 r.renderer});
+        table.add({fmt::format("{} {}, {}{}{}, K = {}", r.dataset, r.seed, r.method,
+                               r.weights.empty() ? "" : ", weights ", r.weights, r.request.model.terms),
                    fmt::format("{:.2f} dB", r.train.psnr()), fmt::format("{:.2f}", r.train.ape()),
                    fmt::format("{:.2f} dB", r.held.psnr()), fmt::format("{:.2f}", r.held.ape()),
-                   given(resampled, fmt::format("{:.0f}%", 100 * r.invented_share))});
+                   pca ? fmt::format("{:.0f}%", 100 * r.invented_share) : ""});
     }
     csv.commit();
-    write_file(folder / "errors.md", table.markdown());
+    write_file(folder / "fig9_error.md", table.markdown());
     log_info("what is left of the error\n" + table.text());
+}
+
+void write_choice(const std::filesystem::path& folder, const std::vector<Trial>& trials) {
+    if (trials.empty()) return;
+    CsvWriter csv(folder / "choice.csv", {"dataset", "seed", "method", "lambda_surface", "lambda_view", "refills",
+                                          "validation_psnr_db", "validation_ape", "chosen"});
+    for (const Trial& t : trials) {
+        const Told told(t.request);
+        csv.row({t.dataset, t.seed, t.method, told.text("lambda_surface"), told.text("lambda_view"),
+                 told.text("refills"), fmt::format("{:.4f}", t.judged.psnr()), fmt::format("{:.4f}", t.judged.ape()),
+                 t.chosen ? "1" : "0"});
+    }
+    csv.commit();
 }
 
 void fig9(Experiment& experiment) {
     const Options o(experiment.config());
     std::optional<Dataset> capture;
     if (!o.capture.empty()) require_light_field(capture.emplace(experiment.open(o.capture)));
-    std::vector<Dataset> datasets;
-    for (const std::string& shape : o.datasets) datasets.push_back(experiment.dataset(shape));
-    if (capture) datasets.push_back(std::move(*capture));
     Contest contest(o, experiment);
-    for (const Dataset& dataset : datasets) contest.run(o.held_out == "validation" ? validation_of(dataset) : dataset);
+    for (const std::string& shape : o.datasets) {
+        std::optional<Chosen> chosen;
+        for (const int seed : o.seeds) {
+            const Dataset dataset = experiment.dataset(shape, {}, {}, uint64_t(seed));
+            const std::string text = std::to_string(seed);
+            const bool first = !chosen;
+            if (first) chosen = contest.choose(dataset, text);
+            contest.run(dataset, text, *chosen, first);
+        }
+    }
+    if (capture) contest.run(*capture, "", contest.choose(*capture, ""), true);
     std::string renderer;
     for (const Row& row : contest.rows())
-        if (row.method == "fragment-fp16") renderer = row.renderer;
+        if (row.method == "cg-low-fp16") renderer = row.renderer;
     ResultFolder results = experiment.open_results(renderer);
-    write(results.path(), contest.rows());
-    results.commit();
-    experiment.draw(results,
-                    fmt::format("{} scale, foreground pixels{}; lambda {} and {}, PCA refilled {} times; {}; {}",
-                                experiment.profile(), o.held_out == "test" ? "" : ", VALIDATION views held out",
-                                o.lambda_surface, o.lambda_view, o.refills, experiment.cpu_name(), renderer));
+    write_errors(results.path(), contest.rows());
+    write_choice(results.path(), contest.trials());
+    experiment.finish(results, fmt::format("{} scale, foreground pixels; {}; OpenGL: {}", experiment.profile(),
+                                           experiment.cpu_device(), renderer));
 }
 
 }  // namespace

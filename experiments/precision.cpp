@@ -98,11 +98,10 @@ void precision(Experiment& experiment) {
     }
     curves.commit();
     finals.commit();
-    results.commit();
     log_info("what 16-bit floats cost\n" + table.text());
-    experiment.draw(results,
-                    fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name, experiment.profile(),
-                                views.size(), o.request.text("passes"), runs[0].renderer));
+    experiment.finish(
+        results, fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name, experiment.profile(),
+                             views.size(), o.request.text("passes"), runs[0].renderer));
 }
 
 }  // namespace

@@ -1,15 +1,21 @@
 // Lafortune's reflectance model (Sections 4.2 and 6.5): every solver on the same samples of the ornament, against its
-// truth and against Ceres, texel by texel.
+// truth and against Ceres, texel by texel, and against held-out images. White, which is made by another model, has no
+// truth that parameters could be compared with.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "app/limits.h"
+#include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "dataset/truth.h"
+#include "eval/judge.h"
+#include "eval/reflectance_renderer.h"
 #include "eval/truth_errors.h"
 #include "experiment.h"
 #include "report/csv.h"
@@ -40,10 +46,9 @@ struct Options {
     }
 };
 
-struct Contestant {
+struct Entrant {
     std::string name;
     FitRequest request;
-    ReflectanceOutcome outcome = {};
 };
 
 FitRequest request_of(const char* solver, const char* optimizer, const char* mode, int iterations, int side) {
@@ -58,8 +63,8 @@ FitRequest request_of(const char* solver, const char* optimizer, const char* mod
 }
 
 /// OpenGL on noisy images alone, for its time; it distributes by itself, so some of its samples are others.
-std::vector<Contestant> contestants_of(const Options& o, int side, bool noisy) {
-    std::vector<Contestant> out;
+std::vector<Entrant> entrants_of(const Options& o, int side, bool noisy) {
+    std::vector<Entrant> out;
     out.push_back({"Ceres", request_of("ceres", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"Ceres varpro", request_of("ceres-varpro", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"TinySolver", request_of("tinysolver", "cg", "modern", o.lm_iterations, side)});
@@ -82,15 +87,18 @@ struct Group {
 
 double exponent(const ReflectanceTruth& truth, size_t texel) { return double(truth.parameters[texel][8]); }
 
+/// Every material; and of those that the fitted model made, the texels by their lobes.
 std::vector<Group> groups_of(const ReflectanceTruth& truth, const Options& o) {
-    std::vector<Group> out = {{"gold", {}}, {"green", {}}, {"moderate lobes", {}}, {"sharp lobes", {}}};
+    std::vector<Group> out;
+    for (const TruthMaterial& material : truth.materials) out.push_back({material.name, {}});
+    Group moderate{"moderate lobes", {}}, sharp{"sharp lobes", {}};
     for (uint32_t t = 0; t < truth.material.size(); ++t) {
-        const TruthMaterial& material = truth.materials[truth.material[t]];
-        if (material.model != fitted_model) continue;
-        for (Group& group : out)
-            if (group.name == material.name) group.texels.push_back(t);
-        out[exponent(truth, t) < o.sharp ? 2 : 3].texels.push_back(t);
+        out[truth.material[t]].texels.push_back(t);
+        if (truth.materials[truth.material[t]].model == fitted_model)
+            (exponent(truth, t) < o.sharp ? moderate : sharp).texels.push_back(t);
     }
+    out.push_back(std::move(moderate));
+    out.push_back(std::move(sharp));
     return out;
 }
 
@@ -99,10 +107,11 @@ constexpr double least_rms = 1e-4;
 
 struct Verdict {
     size_t texels = 0;
-    double worst_median = 0, recovered = 0, within = 0, iterations = 0;
+    double within = 0, iterations = 0;
+    std::optional<double> worst_median = {}, recovered = {};  ///< of texels whose truth is of the fitted model
 };
-Verdict judge(const Group& group, const ReflectanceFit& fit, const ReflectanceFit& ceres, const ReflectanceTruth& truth,
-              const Options& o) {
+Verdict compare(const Group& group, const ReflectanceFit& fit, const ReflectanceFit& ceres,
+                const ReflectanceTruth& truth, const Options& o) {
     Verdict out;
     std::vector<double> worst, iterations;
     std::vector<TruthComparison> comparisons;
@@ -110,92 +119,166 @@ Verdict judge(const Group& group, const ReflectanceFit& fit, const ReflectanceFi
     for (const uint32_t t : group.texels) {
         // what every contestant was given: distributors may differ in some pixels
         if (fit.samples[t] < 9 || ceres.samples[t] < 9) continue;
-        worst.push_back(comparisons[truth.material[t]].worst({&fit.parameters[9 * t], 9}, truth.parameters[t]));
+        const TruthComparison& comparison = comparisons[truth.material[t]];
+        if (comparison.possible()) worst.push_back(comparison.worst({&fit.parameters[9 * t], 9}, truth.parameters[t]));
         iterations.push_back(fit.iterations[t]);
         const auto rms = [&](const ReflectanceFit& f) {
             return std::sqrt(2 * double(f.error[t]) / (3.0 * f.samples[t]));
         };
         out.within += rms(fit) <= std::max(o.within * rms(ceres), least_rms);
-        out.recovered += worst.back() < o.recovered;
     }
-    out.texels = worst.size();
+    out.texels = iterations.size();
     out.within /= double(out.texels);
-    out.recovered /= double(out.texels);
-    out.worst_median = median(std::move(worst));
+    if (!worst.empty()) {
+        const auto recovered = std::ranges::count_if(worst, [&](double error) { return error < o.recovered; });
+        out.recovered = double(recovered) / double(worst.size());
+        out.worst_median = median(std::move(worst));
+    }
     out.iterations = median(std::move(iterations));
     return out;
+}
+
+/// The error of held-out images: of the whole ornament and of each material, by name.
+std::vector<PartFigures> image_errors(const ReflectanceOutcome& outcome, const Dataset& dataset,
+                                      const ReflectanceTruth& truth) {
+    const ReflectanceRenderer renderer(*outcome.atlas, outcome.fit);
+    SurfaceParts parts;
+    parts.of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); };
+    for (const TruthMaterial& material : truth.materials) parts.names.push_back(material.name);
+    JudgeResult judged = judge(contestant_of(outcome.fit, *outcome.atlas), dataset, Split::test, &parts);
+    judged.parts.insert(judged.parts.begin(), {"all", judged.stored});
+    return std::move(judged.parts);
+}
+
+/// One kind of images of the ornament, and what is true of it.
+struct Images {
+    std::string name;  ///< "noisy"
+    Dataset dataset;
+    ReflectanceTruth truth;
+    std::vector<Group> groups;
+};
+
+class Rows {
+public:
+    explicit Rows(const std::filesystem::path& folder)
+        : folder_(folder),
+          fits_(folder / "fits.csv", {"images", "method", "renderer", "iterations", "group", "texels",
+                                      "worst_error_median", "recovered_share", "within_share", "iterations_median"}),
+          // samples: those that count. solve_s: from samples at hand to parameters and their errors, the same work in
+          // every row but OpenGL's: it reads images in load_s and distributes them in solve_s, both in every sweep,
+          // where the others share one distribution, and load_s is reading its samples and shading them (Ceres': once
+          // more for its errors).
+          times_(folder / "times.csv",
+                 {"images", "method", "renderer", "distributes", "texels", "samples", "distribution_s", "load_s",
+                  "solve_s", "fits_per_s", "ns_per_sample_iteration"}),
+          pictures_(folder / "images.csv",
+                    {"images", "method", "renderer", "part", "pixels", "held_psnr_db", "held_ape"}),
+          table_({"images", "method", "solve s", "fits/s", "gold within", "green within", "white within", "gold off by",
+                  "green off by", "held-out PSNR"}) {}
+
+    void add(const Images& images, const Entrant& entrant, const std::string& renderer,
+             const ReflectanceOutcome& outcome, const ReflectanceFit& ceres, double distribution_s, const Options& o) {
+        const bool streams = !outcome.gl_renderer.empty();
+        const FitTimes& t = outcome.times;
+        const double texels = double(outcome.fit.problem_count()), solve_s = t.optimization;
+        const double ns = 1e9 * solve_s / double(std::max<uint64_t>(1, outcome.sample_iterations));
+        uint64_t samples = 0;
+        for (const uint32_t n : outcome.fit.samples) samples += n;
+        times_.row({images.name, entrant.name, renderer, streams ? "every sweep" : "once", fmt::format("{}", texels),
+                    fmt::format("{}", samples), fmt::format("{:.4g}", streams ? 0 : distribution_s),
+                    fmt::format("{:.4g}", t.streaming), fmt::format("{:.4g}", solve_s),
+                    fmt::format("{:.4g}", texels / solve_s), fmt::format("{:.4g}", ns)});
+        std::map<std::string, Verdict> verdicts;
+        for (const Group& group : images.groups) {
+            const Verdict v = compare(group, outcome.fit, ceres, images.truth, o);
+            verdicts.emplace(group.name, v);
+            fits_.row({images.name, entrant.name, renderer, std::to_string(entrant.request.iterations), group.name,
+                       fmt::format("{}", v.texels), v.worst_median ? fmt::format("{:.4g}", *v.worst_median) : "",
+                       v.recovered ? fmt::format("{:.5f}", *v.recovered) : "", fmt::format("{:.5f}", v.within),
+                       fmt::format("{}", v.iterations)});
+        }
+        const auto within = [&](const char* group) { return fmt::format("{:.2f} %", 100 * verdicts[group].within); };
+        const auto off_by = [&](const char* group) {
+            return fmt::format("{:.2g} %", 100 * verdicts[group].worst_median.value_or(NAN));
+        };
+        table_.add({images.name, entrant.name, fmt::format("{:.2f}", solve_s), fmt::format("{:.0f}", texels / solve_s),
+                    within("gold"), within("green"), within("white"), off_by("gold"), off_by("green"),
+                    add_pictures(images, entrant.name, renderer, outcome)});
+    }
+    /// A fit that only its pictures are of interest of.
+    void add_baseline(const Images& images, const std::string& name, const std::string& renderer,
+                      const ReflectanceOutcome& outcome) {
+        table_.add({images.name, name, "", "", "", "", "", "", "", add_pictures(images, name, renderer, outcome)});
+    }
+    void commit() {
+        fits_.commit();
+        times_.commit();
+        pictures_.commit();
+        write_file(folder_ / "reflectance.md", table_.markdown());
+        log_info(table_.text());
+    }
+
+private:
+    /// Returns the whole ornament's PSNR.
+    std::string add_pictures(const Images& images, const std::string& method, const std::string& renderer,
+                             const ReflectanceOutcome& outcome) {
+        const std::vector<PartFigures> parts = image_errors(outcome, images.dataset, images.truth);
+        for (const PartFigures& part : parts)
+            pictures_.row({images.name, method, renderer, part.name, std::to_string(part.stored.values / 3),
+                           fmt::format("{:.4f}", part.stored.psnr()), fmt::format("{:.4f}", part.stored.ape())});
+        return fmt::format("{:.2f} dB", parts.front().stored.psnr());
+    }
+
+    std::filesystem::path folder_;
+    CsvWriter fits_, times_, pictures_;
+    Table table_;
+};
+
+Images images_of(const Experiment& experiment, const Options& o, bool noisy) {
+    OrnamentOptions ornament;
+    if (noisy) {
+        ornament.sensor.read_noise = float(o.read_noise);
+        ornament.sensor.shot_noise = float(o.shot_noise);
+    } else {
+        ornament.sensor.encoding = Encoding::f32_linear;
+    }
+    Images images{.name = noisy ? "noisy" : "noise-free",
+                  .dataset = experiment.dataset("ornament", ornament, noisy ? "noisy" : "exact"),
+                  .truth = {},
+                  .groups = {}};
+    images.truth = read_truth(images.dataset.folder);
+    images.groups = groups_of(images.truth, o);
+    return images;
 }
 
 void reflectance(Experiment& experiment) {
     const Options o(experiment.config());
     const std::string cpu = experiment.cpu_name();
     std::string opengl;
-    ResultFolder results = experiment.open_results(cpu);
-    CsvWriter fits(results.path() / "fits.csv",
-                   {"images", "method", "renderer", "iterations", "group", "texels", "worst_error_median",
-                    "recovered_share", "within_share", "iterations_median"});
-    // samples: those that count. solve_s: from samples at hand to parameters and their errors, the same work in every
-    // row but OpenGL's: it reads images in load_s and distributes them in solve_s, both in every sweep, where the
-    // others share one distribution, and load_s is reading its samples and shading them (Ceres': once more for its
-    // errors).
-    CsvWriter times(results.path() / "times.csv",
-                    {"images", "method", "renderer", "distributes", "texels", "samples", "distribution_s", "load_s",
-                     "solve_s", "fits_per_s", "ns_per_sample_iteration"});
-    Table table(
-        {"images", "method", "solve s", "fits/s", "moderate within", "sharp within", "gold off by", "green off by"});
+    ResultFolder results = experiment.open_results(experiment.cpu_device());
+    Rows rows(results.path());
     for (const bool noisy : {false, true}) {
-        OrnamentOptions ornament;
-        if (noisy) {
-            ornament.sensor.read_noise = float(o.read_noise);
-            ornament.sensor.shot_noise = float(o.shot_noise);
-        } else {
-            ornament.sensor.encoding = Encoding::f32_linear;
-        }
-        const Dataset dataset = experiment.dataset("ornament", ornament, noisy ? "noisy" : "exact");
-        const ReflectanceTruth truth = read_truth(dataset.folder);
-        const std::vector<Group> groups = groups_of(truth, o);
-        const char* images = noisy ? "noisy" : "noise-free";
-        std::vector<Contestant> contestants = contestants_of(o, dataset.normal_map.side, noisy);
-        SharedTexels shared = distribute_texels(dataset, contestants.front().request, dataset.split(false));
-        for (Contestant& m : contestants) {
-            log_info(fmt::format("{}, {} images", m.name, images));
-            m.outcome = solve_reflectance(dataset, m.request, {}, nullptr, &shared);
-            if (!m.outcome.gl_renderer.empty()) note_gl(m.outcome, results.record());
-            const std::string renderer = m.outcome.gl_renderer.empty() ? cpu : m.outcome.gl_renderer;
-            if (!m.outcome.gl_renderer.empty()) opengl = "; OpenGL: " + renderer;
-            const FitTimes& t = m.outcome.times;
-            const double solve_s = t.optimization, texels = double(m.outcome.fit.problem_count());
-            const bool streams = !m.outcome.gl_renderer.empty();
-            uint64_t samples = 0;
-            for (const uint32_t n : m.outcome.fit.samples) samples += n;
-            const double ns = 1e9 * solve_s / double(std::max<uint64_t>(1, m.outcome.sample_iterations));
-            times.row({images, m.name, renderer, streams ? "every sweep" : "once",
-                       fmt::format("{}", m.outcome.fit.problem_count()), fmt::format("{}", samples),
-                       fmt::format("{:.4g}", streams ? 0 : shared.seconds), fmt::format("{:.4g}", t.streaming),
-                       fmt::format("{:.4g}", solve_s), fmt::format("{:.4g}", texels / solve_s),
-                       fmt::format("{:.4g}", ns)});
-            std::vector<Verdict> verdicts;
-            for (const Group& group : groups) {
-                const Verdict v = judge(group, m.outcome.fit, contestants.front().outcome.fit, truth, o);
-                verdicts.push_back(v);
-                fits.row({images, m.name, renderer, std::to_string(m.request.iterations), group.name,
-                          fmt::format("{}", v.texels), fmt::format("{:.4g}", v.worst_median),
-                          fmt::format("{:.5f}", v.recovered), fmt::format("{:.5f}", v.within),
-                          fmt::format("{}", v.iterations)});
-            }
-            table.add({images, m.name, fmt::format("{:.2f}", solve_s), fmt::format("{:.0f}", texels / solve_s),
-                       fmt::format("{:.2f} %", 100 * verdicts[2].within),
-                       fmt::format("{:.2f} %", 100 * verdicts[3].within),
-                       fmt::format("{:.2g} %", 100 * verdicts[0].worst_median),
-                       fmt::format("{:.2g} %", 100 * verdicts[1].worst_median)});
-            if (&m != &contestants.front()) m.outcome = {};
+        const Images images = images_of(experiment, o, noisy);
+        const Dataset& dataset = images.dataset;
+        const std::vector<Entrant> entrants = entrants_of(o, dataset.normal_map.side, noisy);
+        const SharedTexels shared = distribute_texels(dataset, entrants.front().request, dataset.split(false));
+        FitRequest diffuse = request_of("stream", "lm", "modern", o.lm_iterations, dataset.normal_map.side);
+        diffuse.set("model", "lambert");
+        rows.add_baseline(images, "Lambertian", cpu, solve_reflectance(dataset, diffuse, {}, nullptr, &shared));
+        ReflectanceFit ceres;
+        for (const Entrant& entrant : entrants) {
+            log_info(fmt::format("{}, {} images", entrant.name, images.name));
+            const ReflectanceOutcome outcome = solve_reflectance(dataset, entrant.request, {}, nullptr, &shared);
+            if (&entrant == &entrants.front()) ceres = outcome.fit;
+            if (!outcome.gl_renderer.empty()) note_gl(outcome, results.record());
+            if (!outcome.gl_renderer.empty()) opengl = "; OpenGL: " + outcome.gl_renderer;
+            rows.add(images, entrant, outcome.gl_renderer.empty() ? cpu : outcome.gl_renderer, outcome, ceres,
+                     shared.seconds, o);
         }
     }
-    fits.commit();
-    times.commit();
-    results.commit();
-    log_info(table.text());
-    experiment.draw(results, fmt::format("ornament, {} scale; {}{}", experiment.profile(), cpu, opengl));
+    rows.commit();
+    experiment.finish(results,
+                      fmt::format("ornament, {} scale; {}{}", experiment.profile(), experiment.cpu_device(), opengl));
 }
 
 }  // namespace

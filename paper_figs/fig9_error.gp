@@ -1,51 +1,114 @@
-# Figure 9: PSNR and average pixel error by number of terms, one row of panels per dataset.
+# Figure 9: PSNR and average pixel error (APE) of every method with one term, and PSNR by number of terms.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 errors = rows . '/errors.csv'
 names = system(sprintf("tail -n +2 '%s' | cut -d, -f1 | uniq", errors))
 count = words(names)
-height = 120 + 280 * count
+lower = int((count + 1) / 2)  # rows of panels by terms, two datasets in each
+height = 680 + 260 * lower
 if (terminal eq 'svg') {
-    set terminal svg size 1300,height font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 1400,height font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 1300,height font 'DejaVu Sans,11'
+    set terminal pngcairo size 1400,height font 'DejaVu Sans,11'
 }
 set output output
-array method[4] = ['pca', 'cpu-high', 'cpu-low', 'fragment-fp16']
-array what[4] = ['factorization (PCA), fp32', 'nonlinear, CPU, fp32', 'nonlinear, CPU, fp32', 'nonlinear, OpenGL, fp16']
-array color[4] = ['#d55e00', '#0072b2', '#009e73', '#cc79a7']
-array point[4] = [5, 7, 9, 6]
-array size[4] = [1, 1, 1.2, 1.9]
-array title[4] = ['PSNR, training views', 'PSNR, held-out views', 'APE, training views', 'APE, held-out views']
-array unit[4] = ['dB', 'dB', 'APE (0 to 255)', 'APE (0 to 255)']
-array value[4] = [8, 10, 9, 11]
-of(dataset, m) = sprintf("< grep '^%s,%s,' '%s'", dataset, m, errors)
-texels(n, m) = sprintf('%d surface, %d view texels', n * (n + 1) / 2, m * m)
-set multiplot layout count,4 title "{/:Bold Figure 9: error of factorization and of nonlinear optimization, by terms K}\n" . caption \
-    margins 0.05,0.99,60.0/height,1-136.0/height spacing 0.055,92.0/height
+down(pixels) = 1 - real(pixels) / height
+awk(program) = system(sprintf("awk -F, '%s' '%s'", program, errors))
+of(dataset, method, weights) = \
+    sprintf("< awk -F, '$1 == \"%s\" && $3 == \"%s\" && $4 == \"%s\"' '%s'", dataset, method, weights, errors)
+cell(method, weights, column) = awk(sprintf('$3 == "%s" && $4 == "%s" {print $%d; exit}', method, weights, column))
+pair(dataset, method) = dataset . ' ' . \
+    awk(sprintf('$1 == "%s" && $3 == "%s" && $4 == "chosen" {print $14 " and " $15; exit}', dataset, method))
+chosen(method) = pair(word(names, 1), method) . (count > 1 ? ', ' . pair(word(names, 2), method) : '') \
+    . (count > 2 ? ', ' . pair(word(names, 3), method) : '')
+texels(method) = sprintf('%d surface and %d view texels', cell(method, 'chosen', 6) * (cell(method, 'chosen', 6) + 1) / 2, \
+    cell(method, 'chosen', 7) ** 2)
+brief = cell('cg-low-brief', 'chosen', 12)
+
+# Methods from the top, those of the high resolution and then those of the low one.
+array method[9] = ['pca-published', 'pca-refilled', 'cg-high', 'cg-high', 'cg-high', 'cg-modern-high', 'cg-low', 'cg-low-brief', \
+    'cg-low-fp16']
+array weights[9] = ['', '', '0.0001', '0.001', 'chosen', 'chosen', 'chosen', 'chosen', 'chosen']
+array what[9] = ['PCA as published', sprintf('PCA, refilled %s times', cell('pca-refilled', '', 13)), 'CG, {/Symbol l} = 10^{–4}', \
+    'CG, {/Symbol l} = 10^{–3}', 'CG, {/Symbol l} chosen', 'modern CG, {/Symbol l} chosen', 'CG, CPU, 32 bits', \
+    sprintf('the same, %s iterations', brief), sprintf('CG, OpenGL, 16 bits, %s it.', brief)]
+place(i) = -i - (i > 6)
+array color[3] = ['#0072b2', '#d55e00', '#009e73']
+array title[4] = ['PSNR, training images', 'PSNR, held-out images', 'APE, training images', 'APE, held-out images']
+array column_of[4] = [16, 18, 17, 19]
+# one range for both figures of a kind
+array from[2]
+array to[2]
+do for [kind=1:2] {
+    stats sprintf("< awk -F, '$5 == 1 && $3 != \"mean\" {print $%d; print $%d}' '%s'", column_of[2 * kind - 1], \
+        column_of[2 * kind], errors) using 1 nooutput name 'range'
+    from[kind] = range_min - 0.05 * (range_max - range_min)
+    to[kind] = range_max + 0.05 * (range_max - range_min)
+}
+stats errors using 5 every ::1 nooutput name 'terms'
+stats sprintf("< awk -F, '$3 == \"pca-refilled\" || $3 == \"cg-low\" || $3 == \"cg-high\" && $4 == \"chosen\" " \
+    . "{print $16; print $18}' '%s'", errors) using 1 nooutput name 'psnr'
+
+set multiplot title "{/:Bold Figure 9: error of factorization (PCA) and of nonlinear optimization (CG, conjugate gradients)}\n" \
+    . caption . sprintf("\nCG: the paper's mode, %s iterations (modern CG %s); OpenGL: the paper's passes, storage and sums in 16 bits\n" \
+    . "{/Symbol l}: weights of smoothness, of surface maps and of view maps, chosen on validation images:\n" \
+    . "high resolution: %s; low: %s", \
+    cell('cg-high', 'chosen', 12), cell('cg-modern-high', 'chosen', 12), chosen('cg-high'), chosen('cg-low'))
 set border 3
 set tics nomirror
-set grid ytics lc rgb '#dddddd'
-set offsets 0,0,graph 0.08,graph 0.08
-set xtics 1
-set xlabel 'terms K' offset 0,0.5
+set grid lt 1 lc rgb '#cccccc'
 unset key
-array at[5] = [0.03, 0.25, 0.455, 0.655, 0.87]
-do for [k=1:4] {
-    stats of('[^,]*', method[k]) using 4:5 nooutput name 'side'
-    set label k sprintf("%s\n%s", what[k], texels(side_max_x, side_max_y)) at screen at[k],1-62.0/height tc rgb color[k] point pt point[k] ps size[k] lc rgb color[k] offset 1.2,0
-}
-set label 5 "– – mean colour\nper texel" at screen at[5],1-62.0/height tc rgb '#777777'
-stats of('[^,]*', 'pca') using 3 nooutput name 'terms'
+set tmargin at screen down(185)
+set bmargin at screen down(540)
+set yrange [place(9) - 0.7:0.5]
+set ytics scale 0 (sprintf('%s:', texels('cg-high')) 0, sprintf('%s:', texels('cg-low')) -7)
+do for [i=1:9] { set ytics add (what[i] place(i)) }
+set label 10 'one term; a point for each object (seed of the generator):' at screen 0.185,down(140)
 do for [d=1:count] {
-    name = word(names, d)
-    do for [p=1:4] {
-        set title sprintf('%s: %s', name, title[p])
-        set ylabel unit[p] offset 1.5
-        stats of(name, 'mean') using (column(value[p])) nooutput name 'mean'
-        plot [0.7:terms_max + 0.3] mean_max with lines dt 2 lc rgb '#777777', \
-             for [k=1:4] of(name, method[k]) using 3:(column(value[p])) with linespoints pt point[k] ps size[k] lw 1.5 lc rgb color[k]
-        unset for [k=1:5] label k
+    set label d word(names, d) at screen 0.50 + 0.06 * (d - 1),down(140) tc rgb color[d] point pt 7 lc rgb color[d] offset 1,0
+}
+do for [p=1:4] {
+    kind = p < 3 ? 1 : 2
+    set lmargin at screen 0.185 + 0.205 * (p - 1)
+    set rmargin at screen 0.185 + 0.205 * (p - 1) + 0.19
+    set title title[p]
+    set xlabel (kind == 1 ? 'dB' : 'mean |difference|, 0 to 255') offset 0,0.4
+    set xrange [from[kind]:to[kind]]
+    plot for [d=1:count] for [i=1:9] of(word(names, d), method[i], weights[i]) \
+        using ($5 == 1 ? column(column_of[p]) : NaN):(place(i) + 0.15 * (count + 1 - 2 * d)) \
+        with points pt 7 ps 0.9 lc rgb color[d]
+    unset label
+    set format y ''
+    set ytics scale 0 ('' 0)
+    do for [i=1:9] { set ytics add ('' place(i)) }
+}
+
+array shown[3] = ['pca-refilled', 'cg-high', 'cg-low']
+array shown_as[3] = ['PCA, refilled', 'CG, high resolution', 'CG, low resolution']
+array shown_weights[3] = ['', 'chosen', 'chosen']
+array point[3] = [5, 7, 9]
+set format y '%g'
+set ytics auto scale 1
+set xtics 1
+set xlabel 'terms K' offset 0,0.4
+set xrange [0.7:terms_max + 0.3]
+set yrange [psnr_min - 0.5:psnr_max + 0.5]
+do for [i=1:3] { set label i shown_as[i] at screen 0.06 + 0.14 * (i - 1),down(618) point pt point[i] offset 1,0 }
+do for [d=1:count] {
+    seed = awk(sprintf('$1 == "%s" {print $2; exit}', word(names, d)))
+    do for [part=1:2] {
+        across = 2 * ((d - 1) % 2) + part - 1
+        above = 260 * int((d - 1) / 2)
+        set lmargin at screen 0.045 + 0.24 * across
+        set rmargin at screen 0.045 + 0.24 * across + 0.205
+        set tmargin at screen down(665 + above)
+        set bmargin at screen down(880 + above)
+        set title sprintf('%s, %s images', word(names, d), part == 1 ? 'training' : 'held-out')
+        set ylabel (across == 0 ? 'PSNR, dB' : '')
+        plot for [i=1:3] of(word(names, d), shown[i], shown_weights[i]) \
+            using (strcol(2) eq seed ? $5 : NaN):(column(part == 1 ? 16 : 18)) \
+            with linespoints pt point[i] lw 1.5 lc rgb '#000000' dt i
+        unset label
     }
 }
 unset multiplot

@@ -1,5 +1,6 @@
-# What parameters and sums in 16 bits change: the error by iteration, and the judge's PSNR at the end, both against those
-# of 32 bits throughout.
+# What parameters and sums in 16 bits change, against 32 bits throughout: E_t by iteration, as each engine sums it itself, and
+# the judge's PSNR at the end. Sums in 16 bits round E_t down, so its difference says nothing about which fit is better: only
+# its size is drawn.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 if (terminal eq 'svg') {
@@ -21,6 +22,8 @@ set grid lc rgb '#dddddd'
 set border 3
 set tics nomirror
 unset key
+set label 1 'left: the size of the difference between what the engines sum as the error E_t; sums in 16 bits round it down, which makes no fit better' \
+    at screen 0.075,0.895 tc rgb '#777777'
 array at[3] = [0.075, 0.30, 0.56]
 do for [s=1:3] {
     do for [k=1:2] {
@@ -29,22 +32,27 @@ do for [s=1:3] {
     }
 }
 set xlabel 'iteration'
-set format y '%+g'
+set logscale y
+set format y '%g'
+set yrange [1e-3:*]
 do for [panel=1:2] {
     optimizer = word('cg sd', panel)
     set lmargin at screen (panel == 1 ? 0.075 : 0.395)
     set rmargin at screen (panel == 1 ? 0.335 : 0.655)
     set title panel == 1 ? 'conjugate gradients' : 'steepest descent'
-    set ylabel panel == 1 ? "E_t as the engine sums it, against 32 bits, %" : ''
-    plot for [k=1:2] for [s=1:3] curves using (same(s, k, optimizer) ? $4 : NaN):(100 * ($6 - 1)) \
+    set ylabel panel == 1 ? "|E_t / E_t of 32 bits – 1|, %" : ''
+    plot for [k=1:2] for [s=1:3] curves using (same(s, k, optimizer) ? $4 : NaN):(100 * abs($6 - 1)) \
         with lines lw (k == 1 ? 2 : 3) dt 2 * k - 1 lc rgb color[s]
-    do for [s=1:3] { unset label 10 * s + 1; unset label 10 * s + 2 }
+    unset label
 }
+unset logscale y
+set yrange [*:*]
+set format y '%+g'
 set lmargin at screen 0.735
 set rmargin at screen 0.985
-set title 'the judge, at the end (hatched: sums fp16)'
+set title 'PSNR at the end (hatched: sums fp16)'
 set xlabel ''
-set ylabel 'PSNR on training images less that of 32 bits, dB' offset 0.5
+set ylabel 'training images, less that of 32 bits, dB' offset 0.5
 set xrange [-0.7:12.7]
 single(optimizer) = system(sprintf("awk -F, '$1 == \"%s\" && $2 == \"fp32\" && $3 == \"fp32\" {printf \"%%.2f\", $8}' '%s'", optimizer, finals))
 set xtics (sprintf("CG\n32 bits: %s dB", single('cg')) 2.5, sprintf("SD\n32 bits: %s dB", single('sd')) 9.5) scale 0

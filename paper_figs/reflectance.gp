@@ -1,54 +1,71 @@
-# Lafortune's model on the ornament: which share of the texels each solver fits as well as Ceres, and how many it fits in a
-# second.
+# Lafortune's model on the ornament: which share of the texels each solver fits as well as Ceres, how well held-out images are
+# reproduced, and how many texels are fitted in a second.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 if (terminal eq 'svg') {
-    set terminal svg size 1400,560 font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 1400,620 font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 1400,560 font 'DejaVu Sans,11'
+    set terminal pngcairo size 1400,620 font 'DejaVu Sans,11'
 }
 set output output
 fits = rows . '/fits.csv'
 times = rows . '/times.csv'
-# Methods in the order of the rows. OpenGL's, the last, is stopped early, for its time: its rate is not one of finished
-# fits, and says so.
+images = rows . '/images.csv'
+# Methods in the order of the rows, from the top; behind them the Lambertian model, which only has images.
 methods = ''
 add(name) = strstrt(methods, '"' . name . '"') ? 0 : (methods = methods . ' "' . name . '"', 0)
 stats times using (add(strcol(2))) every ::1 nooutput
-index_of(name) = sum [i=1:words(methods)] (word(methods, i) eq name ? i : 0)
-in_lines(name) = strstrt(name, ' ') ? name[1:strstrt(name, ' ') - 1] . "\n" . in_lines(name[strstrt(name, ' ') + 1:]) : name
+dummy = add('Lambertian')
 count = words(methods)
+place(name) = -(sum [i=1:count] (word(methods, i) eq name ? i : 0))
 is_opengl(name) = strstrt(name, 'OpenGL') > 0
-finished = is_opengl(word(methods, count)) ? count - 1 : count
 stats fits using (is_opengl(strcol(2)) ? $4 : NaN) name 'OPENGL' nooutput
-early(name) = is_opengl(name) ? sprintf(",\n%d iterations\nonly", int(OPENGL_max)) : ''
-set multiplot title "{/:Bold Nine parameters of Lafortune's model per texel: what each solver reaches}\n" . caption
-set tmargin at screen 0.76
-set bmargin at screen 0.17
-set grid y lc rgb '#dddddd'
+told(name) = is_opengl(name) ? sprintf('%s, %d it.', name, int(OPENGL_max)) : \
+    name eq 'Lambertian' ? 'Lambertian model' : name
+set multiplot title "{/:Bold Nine parameters of Lafortune's model in every texel: what each solver reaches}\n" . caption \
+    . "\nfound: a root mean square error of at most 1.05 times Ceres'. White is made by another model (Oren–Nayar and Blinn)"
+set tmargin at screen 0.78
+set bmargin at screen 0.10
+set grid lt 1 lc rgb '#cccccc'
 set border 3
 set tics nomirror
-set style fill solid 0.9 border -1
-set xtics () scale 0
-do for [i=1:count] { set xtics add (in_lines(word(methods, i)) . early(word(methods, i)) i) }
-set lmargin at screen 0.08
-set rmargin at screen 0.52
-set yrange [0:105]
-set xrange [0.4:finished + 0.6]
-set ylabel "texels within 1.05 of Ceres, noisy images, %" offset 1
-set key at screen 0.52, screen 0.85 right horizontal
-of(group) = strcol(1) eq 'noisy' && strcol(5) eq group ? index_of(strcol(2)) : NaN
-plot fits using (of('moderate lobes') - 0.2):(100 * $9):(0.38) with boxes lc rgb '#0072b2' title 'moderate lobes', \
-    fits using (of('sharp lobes') + 0.2):(100 * $9):(0.38) with boxes lc rgb '#d55e00' title 'sharp lobes'
-set lmargin at screen 0.61
-set rmargin at screen 0.98
-set key at screen 0.98, screen 0.85 right
-set ylabel 'texels fitted in a second' offset 1
-set xrange [0.4:count + 0.6]
-set logscale y
-set yrange [10:*]
-set format y '10^{%L}'
-at(images) = strcol(1) eq images ? index_of(strcol(2)) : NaN
-plot times using (at('noise-free') - 0.2):10:(0.38) with boxes lc rgb '#999999' title 'noise-free images', \
-    times using (at('noisy') + 0.2):10:(0.38) with boxes lc rgb '#555555' title 'noisy images'
+unset key
+set yrange [-count - 0.6:-0.4]
+set ytics scale 0 ('' 0)
+do for [i=1:count] { set ytics add (told(word(methods, i)) -i) }
+array color[3] = ['#b8860b', '#009e73', '#777777']
+array part[3] = ['gold', 'green', 'white']
+do for [k=1:3] {
+    set label k part[k] at screen 0.14 + 0.06 * (k - 1),0.855 tc rgb color[k] point pt 7 lc rgb color[k] offset 1,0
+}
+array kind[2] = ['noise-free', 'noisy']
+found(n, k) = strcol(1) eq kind[n] && strcol(5) eq part[k] ? place(strcol(2)) + 0.22 * (2 - k) : NaN
+seen(n, k) = strcol(1) eq kind[n] && strcol(4) eq part[k] ? place(strcol(2)) + 0.22 * (2 - k) : NaN
+array left[4] = [0.14, 0.355, 0.57, 0.785]
+set xlabel 'texels, %' offset 0,0.4
+set xrange [-3:103]
+do for [n=1:2] {
+    set lmargin at screen left[n]
+    set rmargin at screen left[n] + 0.195
+    set title 'found, ' . kind[n] . ' images'
+    plot for [k=1:3] fits using (100 * $9):(found(n, k)) with points pt 7 ps 0.9 lc rgb color[k]
+    unset label
+    set ytics scale 0 ('' 0)
+    do for [i=1:count] { set ytics add ('' -i) }
+}
+set lmargin at screen left[3]
+set rmargin at screen left[3] + 0.195
+set title 'held-out noisy images'
+set xlabel 'PSNR, dB'
+set xrange [*:*]
+plot for [k=1:3] images using 6:(seen(2, k)) with points pt 7 ps 0.9 lc rgb color[k]
+set lmargin at screen left[4]
+set rmargin at screen left[4] + 0.195
+set title 'speed, one run'
+set xlabel 'texels fitted in a second'
+set logscale x
+set format x '10^{%L}'
+at(n) = strcol(1) eq kind[n] ? place(strcol(2)) : NaN
+do for [n=1:2] { set label n kind[n] . ' images' at screen left[4] + 0.115 * (n - 1),0.855 point pt 5 * n - 4 offset 1,0 }
+plot for [n=1:2] times using 10:(at(n)) with points pt 5 * n - 4 lc rgb '#000000'
 unset multiplot

@@ -53,7 +53,7 @@ class Smoke(ProgramTest):
         self.assertTrue(runs[0].parent.name.startswith(record["utc_start"].replace("-", "").replace(":", "")))
         self.assertTrue(record["datasets"])
         for dataset in record["datasets"]:
-            self.assertRegex(dataset["source"], "^radiafit generate .* --seed 1")
+            self.assertRegex(dataset["source"], "^radiafit generate .* --seed [123]\\b" if self.name == "fig9_error" else "^radiafit generate .* --seed 1\\b")
             self.assertRegex(dataset["checksum"], "^[0-9a-f]{16}$")
         self.assertIn("kernel", record["machine"])
 
@@ -232,26 +232,40 @@ class Smoke(ProgramTest):
         self.assertEqual(float(newton["reached_share"]), 1)
 
     def check_fig9_error(self, tables):
-        rows = {(r["dataset"], r["method"], int(r["terms"])): r for r in tables["errors"]}
-        methods = [(m, k) for k in (1, 2) for m in ("pca", "cpu-high", "cpu-low", "fragment-fp16")]
-        self.assertEqual(set(rows), {(d, m, k) for d in ("star", "bust") for m, k in methods + [("mean", 1)]})
-        for (dataset, method, k), row in rows.items():
-            side = "16" if method in ("pca", "cpu-high", "mean") else "8"
-            self.assertEqual(row["surface_side"], side)
-            self.assertEqual(row["storage"], "fp16" if method == "fragment-fp16" else "fp32")
-            self.assertEqual(row["renderer"].startswith("cpu"), method != "fragment-fp16")
-            self.assertEqual(row["invented_share"] != "", method == "pca")
-            self.assertEqual(row["lambda_surface"] != "", method not in ("pca", "mean"))
-            if method == "pca":
+        rows = {(r["dataset"], r["seed"], r["method"], r["weights"], int(r["terms"])): r for r in tables["errors"]}
+        one_term = [("mean", ""), ("pca-published", ""), ("pca-refilled", ""), ("cg-high", "chosen"), ("cg-high", "0.0001"),
+                    ("cg-modern-high", "chosen"), ("cg-low", "chosen"), ("cg-low-brief", "chosen"),
+                    ("cg-low-fp16", "chosen")]  # fmt: skip
+        two_terms = [("pca-refilled", ""), ("cg-high", "chosen"), ("cg-low", "chosen")]
+        shapes, seeds = ("star", "bust"), ("1", "2", "3")
+        self.assertEqual(set(rows), {(d, s, *m, 1) for d in shapes for s in seeds for m in one_term} |
+                         {(d, "1", *m, 2) for d in shapes for m in two_terms})
+        for (dataset, seed, method, weights, k), row in rows.items():
+            half, pca, cg = method == "cg-low-fp16", method.startswith("pca"), method.startswith("cg")
+            self.assertEqual(row["surface_side"], "8" if "low" in method else "10")
+            self.assertEqual([row[key] for key in ("storage", "sums", "passes")],
+                             ["fp16", "fp16", "paper"] if half else ["fp32", "", ""])
+            self.assertEqual(row["mode"], "" if not cg else "modern" if "modern" in method else "paper")
+            self.assertEqual(row["renderer"].startswith("cpu"), not half)
+            self.assertEqual((row["lambda_surface"] != "", row["invented_share"] != ""), (cg, pca))
+            if pca:
                 self.assertTrue(0 < float(row["invented_share"]) < 1)
-            if method != "mean":  # fitted to the training views, and better than no view dependence on the others
+            if method != "mean" and weights != "0.0001":  # better than no view dependence, on views not fitted too
                 self.assertGreater(float(row["train_psnr_db"]), float(row["held_psnr_db"]))
-                self.assertGreater(float(row["held_psnr_db"]), float(rows[dataset, "mean", 1]["held_psnr_db"]))
-            if method == "cpu-high":  # the same model, and this one is fitted to what is judged
-                self.assertGreater(float(row["train_psnr_db"]), float(rows[dataset, "pca", k]["train_psnr_db"]))
-            if method == "fragment-fp16":
-                self.assertAlmostEqual(float(row["train_psnr_db"]),
-                                       float(rows[dataset, "cpu-low", k]["train_psnr_db"]), delta=0.5)
+                self.assertGreater(float(row["held_psnr_db"]), float(rows[dataset, seed, "mean", "", 1]["held_psnr_db"]))
+            if half:
+                self.assertAlmostEqual(float(row["train_psnr_db"]), delta=0.5, second=
+                                       float(rows[dataset, seed, "cg-low-brief", "chosen", 1]["train_psnr_db"]))
+        # seeds make other objects
+        self.assertEqual(len({r["train_psnr_db"] for (*_, method, _, _), r in rows.items() if method == "mean"}), 6)
+        for dataset in shapes:
+            for method, column in (("cg-high", "lambda_view"), ("cg-low", "lambda_view"), ("pca-refilled", "refills")):
+                trials = [r for r in tables["choice"] if (r["dataset"], r["seed"], r["method"]) == (dataset, "1", method)]
+                best = max(trials, key=lambda r: float(r["validation_psnr_db"]))
+                self.assertEqual([r["chosen"] for r in trials], ["1" if r is best else "0" for r in trials])
+                self.assertEqual(len(trials), 2)
+                weights = "" if method.startswith("pca") else "chosen"
+                self.assertEqual(rows[dataset, "2", method, weights, 1][column], best[column])
 
     def check_fig10_utilization(self, tables):
         rows = {(r["problem"], r["passes"], r["optimizer"]): r for r in tables["utilization"]}
@@ -389,6 +403,20 @@ class Smoke(ProgramTest):
             self.assertEqual(len(samples["once"]), 1)
             for count in samples["every sweep"]:
                 self.assertLess(abs(count / min(samples["once"]) - 1), 0.02)
+        for row in tables["fits"]:  # white's truth is of another model
+            self.assertEqual((row["worst_error_median"] == "", row["recovered_share"] == ""),
+                             (row["group"] == "white",) * 2)
+        errors = {(r["images"], r["method"], r["part"]): r for r in tables["images"]}
+        self.assertEqual({part for *_, part in errors}, {"all", "gold", "green", "white"})
+        self.assertEqual({method for _, method, _ in errors}, methods | {"Lambertian"})
+        for images, method, part in errors:
+            if part == "all":
+                pixels = [int(errors[images, method, p]["pixels"]) for p in ("all", "gold", "green", "white")]
+                self.assertEqual(pixels[0], sum(pixels[1:]))
+        for images in ("noise-free", "noisy"):
+            for part in ("gold", "green", "white"):  # all of them shine
+                self.assertGreater(float(errors[images, "LM", part]["held_psnr_db"]),
+                                   float(errors[images, "Lambertian", part]["held_psnr_db"]))
 
     def check_scaling(self, tables):
         for row in tables["memory"]:

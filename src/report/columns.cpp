@@ -97,10 +97,14 @@ const std::vector<TableRules>& all_rules() {
 
         {"fig9_error",
          "errors.csv",
-         {keys("dataset method terms"),
-          exact("surface_side view_side storage lambda_surface lambda_view iterations refills"),
+         {keys("dataset seed method weights terms"),
+          exact("surface_side view_side mode passes storage sums lambda_surface lambda_view iterations refills"),
           decibels("train_psnr_db held_psnr_db"), errors("train_ape held_ape"), shares("invented_share"),
           times("seconds"), told("renderer")}},
+        {"fig9_error",
+         "choice.csv",
+         {keys("dataset seed method lambda_surface lambda_view refills"), decibels("validation_psnr_db"),
+          errors("validation_ape"), told("chosen")}},
 
         {"fig10_utilization",
          "iterations.csv",
@@ -141,6 +145,9 @@ const std::vector<TableRules>& all_rules() {
          "times.csv",
          {keys("images method"), exact("distributes texels samples"), times("distribution_s load_s solve_s"),
           told("fits_per_s ns_per_sample_iteration renderer")}},
+        {"reflectance",
+         "images.csv",
+         {keys("images method part"), exact("pixels"), decibels("held_psnr_db"), errors("held_ape"), told("renderer")}},
 
         {"scaling",
          "memory.csv",
