@@ -46,9 +46,6 @@ public:
     /// Gives the result folder its name, and shows it: draws paper_figs/NAME.gp over the rows and copies what is called
     /// NAME.md or NAME.png among them; says where everything lies.
     void finish(ResultFolder& results, const std::string& caption) const;
-    void draw(const ResultFolder& results, const std::string& caption) const {
-        show(results.path(), caption, figures());
-    }
     const std::filesystem::path& root() const { return root_; }  ///< the checkout
     /// Of the rows: the checkout's `results`, or what --output says.
     std::filesystem::path results() const { return output_.empty() ? root_ / "results" : output_; }
