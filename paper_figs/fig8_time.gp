@@ -45,7 +45,7 @@ plot times using 11:(place($0)):(low):11:(place($0) - 0.36):(place($0) + 0.36):y
 unset logscale x
 unset label
 set xrange [0:100]
-set xlabel 'share of the total, %; switching: the same commands cut to one texel'
+set xlabel "share of the total, %\nswitching: the same commands cut to one texel"
 unset ytics
 # what the parts before the k-th and with it take together
 sum(k) = column(6) + (k >= 2 ? column(7) : 0) + (k >= 3 ? column(8) : 0) + (k >= 4 ? column(9) : 0) + (k >= 5 ? column(10) : 0)
