@@ -72,7 +72,11 @@ constexpr Claim table[] = {
      "distinct images; slope of log bytes over log parameters at most 1.1",
      "scaling", cost_linear},
     {"C19", "3", "CG has the convergence rate of the Newton method",
-     "iterations to 1.01 of the best error, CG's over Newton steps' (variable projection): median at most 2",
+     "iterations to 1.01 of the best error, CG's over Newton steps' (variable projection), of the problems where no "
+     "bounds "
+     "are at work, for those have one objective: median at most 2; not comparable where bounds are at work in more "
+     "than a "
+     "quarter",
      "fig7_convergence", newton_rate},
     {"C20", "3.2", "regularization and bounds cost a negligible part",
      "at most 5 % of an iteration's time, and of its declared operations; the gradient's last step, which adds them to "
