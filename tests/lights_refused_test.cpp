@@ -117,7 +117,7 @@ TEST_F(LightsTest, NormalsAndMaskMustFit) {
     for (Vec3f& n : normals_) n.z() = -n.z();
     write_shape();
     import();
-    ASSERT_EQ(report_.notes.size(), 1u);
+    ASSERT_EQ(report_.notes.size(), 2u);
     expect_in("face away", report_.notes[0]);
 }
 
