@@ -104,8 +104,10 @@ std::string signed_text(double value) { return fmt::format("{:+.2f}", value); }
 
 Judgement above_pca(const FinishedRun& run) {
     const OneTerm t(run);
-    const std::pair<Method, const char*> rivals[] = {{{"pca-published"}, "PCA as published"},
-                                                     {{"pca-refilled"}, "refilled PCA"}};
+    constexpr Method published{"pca-published"}, refilled{"pca-refilled"};
+    const std::pair<Method, const char*> rivals[] = {{published, "PCA as published"}, {refilled, "refilled PCA"}};
+    const std::pair<Method, const char*> contenders[] = {
+        {high, "chosen weights"}, {high_weak, "weights of 1e-4"}, {modern, "modern CG"}};
     Judgement j;
     std::vector<std::string> told;
     for (const std::string& dataset : t.datasets()) {
@@ -117,20 +119,22 @@ Judgement above_pca(const FinishedRun& run) {
             j.measures.push_back({fmt::format("{}, APE below {}", dataset, name), less, at_least(0)});
             leads.push_back(fmt::format("{} dB of PSNR against {} (average error {} of 255)", signed_text(lead.value),
                                         name, signed_text(-less.value)));
-            for (const auto& [other, what] : {std::pair(high_weak, "weights of 1e-4"), std::pair(modern, "modern CG")})
-                j.beside.push_back(fmt::format("{}, {}: {} dB against {} on training images, {} dB on held-out ones",
-                                               dataset, what,
-                                               signed_text(t.difference(dataset, other, rival, psnr).value), name,
-                                               signed_text(t.difference(dataset, other, rival, held_psnr).value)));
-            j.beside.push_back(fmt::format("{}, chosen weights: {} dB against {} on held-out images", dataset,
-                                           signed_text(t.difference(dataset, high, rival, held_psnr).value), name));
         }
-        told.push_back(fmt::format("{}: {}", dataset, fmt::join(leads, ", ")));
+        for (const auto& [contender, what] : contenders) {
+            const auto lead = [&](const Method& rival, const char* column) {
+                return signed_text(t.difference(dataset, contender, rival, column).value);
+            };
+            j.beside.push_back(
+                fmt::format("{}, {}: {} dB against PCA as published and {} dB against refilled PCA on training images; "
+                            "{} and {} dB on held-out ones",
+                            dataset, what, lead(published, psnr), lead(refilled, psnr), lead(published, held_psnr),
+                            lead(refilled, held_psnr)));
+        }
+        told.push_back(fmt::format("on the {} by {}", dataset, fmt::join(leads, " and ")));
     }
     j.sentence = fmt::format(
-        "With one term, {}, and the images that were fitted, the paper's conjugate gradients after {} iterations "
-        "differ "
-        "from factorization by, {}; means over {} objects of each shape.",
+        "With one term, {}, the paper's conjugate gradients after {} iterations differ from factorization (PCA), in "
+        "the images that were fitted, {}; means over {} objects of each shape.",
         map_sizes(t, high), t.text(high, "iterations"), fmt::join(told, "; "), t.seeds());
     j.demand(t.all(high, "mode", "paper"), "the paper's conjugate gradients");
     demand_chosen_weights(j, run, t, {high});
@@ -155,8 +159,7 @@ Judgement half_as_good(const FinishedRun& run) {
         const double ahead = t.difference(dataset, low, low_brief, psnr).value;
         settled = settled && ahead <= tolerance;
         j.beside.push_back(
-            fmt::format("{}: APE differs by {:+.3f}; the CPU's PSNR after {} iterations is {} dB of that "
-                        "after {}",
+            fmt::format("{}: APE differs by {:+.3f}; the CPU's PSNR after {} iterations is {} dB of that after {}",
                         dataset, t.difference(dataset, low_fp16, low_brief, ape).value, t.text(low, "iterations"),
                         signed_text(ahead), t.text(low_brief, "iterations")));
     }
