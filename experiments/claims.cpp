@@ -59,12 +59,13 @@ Judgement judge(const Claim& claim, const FinishedRun& run) {
     return j;
 }
 
-/// By the newest run of each device in the first of the folders that has any.
-std::vector<Finding> findings_of(const Claim& claim, const std::string& profile, std::span<const fs::path> roots) {
+/// By the newest run of each device in the first of the folders that has any; runs are named from the checkout on.
+std::vector<Finding> findings_of(const Claim& claim, const std::string& profile, std::span<const fs::path> roots,
+                                 const fs::path& checkout) {
     std::vector<Finding> findings;
     for (const fs::path& root : roots) {
         for (const fs::path& folder : newest_runs(root, claim.experiment, profile)) {
-            const FinishedRun run(folder, root.parent_path());
+            const FinishedRun run(folder, checkout);
             findings.push_back({&claim, profile, run.name(), judge(claim, run)});
         }
         if (!findings.empty()) return findings;
@@ -72,12 +73,6 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
     Judgement none{.not_run =
                        fmt::format("no {0} results; make experiments PROFILE={0} ONLY={1}", profile, claim.experiment)};
     return {{&claim, profile, "", none}};
-}
-
-std::string values_text(const Judgement& j) {
-    std::vector<std::string> parts;
-    for (const Measure& m : j.measures) parts.push_back(fmt::format("{} {}", m.of, m.value_text()));
-    return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 /// In order, those that either profile has figures of; one without a name if there are none.
@@ -96,6 +91,14 @@ const Finding* of_renderer(std::span<const Finding> findings, const std::string&
     const auto found =
         std::ranges::find_if(findings, [&](const Finding& f) { return f.judgement.renderer == renderer; });
     return found == findings.end() ? nullptr : &*found;
+}
+
+/// One line of the short table: what was found at the paper's scale or, for want of that, at a smaller one.
+std::vector<std::string> short_row(const Claim& claim, const Finding* paper, const Finding* smaller) {
+    const Finding* told = paper && !paper->judgement.sentence.empty() ? paper : smaller;
+    std::string found = told ? told->judgement.sentence : "";
+    if (!found.empty() && !told->judged()) found += fmt::format(" ({} profile)", told->profile);
+    return {claim.id, claim.states, found, paper ? paper->verdict() : "not run", smaller ? smaller->by_the_rule() : ""};
 }
 
 nlohmann::ordered_json json_of(const Finding& f) {
@@ -153,20 +156,15 @@ void write_claims(Experiment& experiment) {
     const std::string& profile = experiment.profile();
 
     nlohmann::ordered_json json = {{"format", "radiafit-claims"}, {"version", 2}, {"profile", profile}};
-    Table shown({"claim", "the paper states", "measured at the paper's scale", "verdict", "renderer",
-                 profile + " profile", "by the rule"});
+    Table shown({"claim", "the paper states", "found", "verdict", "by the rule, at smaller scale"});
     std::string sections;
     for (const Claim& claim : claims()) {
-        std::vector<Finding> findings = findings_of(claim, judged_profile, roots);
-        const std::vector<Finding> smaller =
-            profile == judged_profile ? std::vector<Finding>() : findings_of(claim, profile, std::span(roots, 1));
-        for (const std::string& renderer : renderers_of(findings, smaller)) {
-            const Finding* paper = of_renderer(findings, renderer);
-            const Finding* beside = of_renderer(smaller, renderer);
-            shown.add({claim.id, claim.states, paper ? values_text(paper->judgement) : "",
-                       paper ? paper->verdict() : "not run", renderer, beside ? values_text(beside->judgement) : "",
-                       beside ? beside->by_the_rule() : ""});
-        }
+        std::vector<Finding> findings = findings_of(claim, judged_profile, roots, experiment.root());
+        const std::vector<Finding> smaller = profile == judged_profile
+                                                 ? std::vector<Finding>()
+                                                 : findings_of(claim, profile, std::span(roots, 1), experiment.root());
+        for (const std::string& renderer : renderers_of(findings, smaller))
+            shown.add(short_row(claim, of_renderer(findings, renderer), of_renderer(smaller, renderer)));
         findings.insert(findings.end(), smaller.begin(), smaller.end());
         for (const Finding& f : findings) json["claims"].push_back(json_of(f));
         sections += "\n" + section_of(claim, findings);

@@ -7,15 +7,17 @@ Arguments: the program, the checkout.
 import json
 import pathlib
 import shutil
+import subprocess
 import sys
 import unittest
+import zlib
 
 from claims.convergence import *  # noqa: F403
 from claims.fixture import ClaimsTest
 from claims.images import *  # noqa: F403
 from claims.scale import *  # noqa: F403
 from claims.time import *  # noqa: F403
-from cli_fixture import take_arguments
+from cli_fixture import snapshot, take_arguments
 
 
 class Report(ClaimsTest):
@@ -24,6 +26,68 @@ class Report(ClaimsTest):
         self.assertEqual({row["verdict"] for row in rows}, {"not run"})
         self.assertEqual(set(judged), {f"C{i}" for i in range(1, 24)})
         self.assertIn("make experiments PROFILE=paper ONLY=fig7_convergence", judged["C1"]["reason"])
+
+    def test_the_newest_run_of_each_device_and_the_reference(self):
+        bust = {"dataset": "bust", "shared_texels": 0}
+        images = [{"covered_pixels": 10, "kept_pixels": 9, "facing_texels": 20}]
+
+        def tables(samples):
+            histogram = [{"samples": i, "texels": int(i == samples)} for i in range(samples + 1)]
+            return {"datasets": [bust, bust | {"dataset": "star"}]} | {
+                f"{name}_{kind}": rows for name in ("star", "bust")
+                for kind, rows in (("images", images), ("samples_per_texel", histogram))}
+
+        self.add("table1_datasets", tables(9), time="20240103T000000Z")
+        self.add("table1_datasets", tables(30), time="20240102T000000Z")
+        self.add("table1_datasets", tables(40), time="20250101T000000Z", profile="standard")
+        self.add("table1_datasets", tables(50), device="other", gl={"vendor": "V", "renderer": "GPU", "version": "4.5"})
+        self.add("table1_datasets", tables(60), time="20260101T000000Z", standard=False)
+        rows = [row for row in self.judge()[0] if row["id"] == "C17"]
+        self.assertEqual([(row["profile"], row["verdict"], row["by_the_rule"]) for row in rows],
+                         [("paper", "does not hold", "does not hold"), ("paper", "holds", "holds"),
+                          ("standard", "not comparable", "holds")])
+        self.assertEqual([row["run"].split("/")[2] for row in rows], ["cpu", "other", "cpu"])
+        self.assertEqual([row["renderer"] for row in rows], ["C, 2 threads", "GPU", "C, 2 threads"])
+        self.assertIn("the standard profile is not of the paper's scale", rows[2]["reason"])
+        # What came with the checkout is judged where the user ran nothing, and not otherwise.
+        (self.root / "results/reference").mkdir()
+        (self.root / "results/table1_datasets").rename(self.root / "results/reference/table1_datasets")
+        self.assertEqual([row["verdict"] for row in self.judge()[0] if row["id"] == "C17"],
+                         ["does not hold", "holds", "not run"])
+
+    def test_rows_that_are_missing_cut_or_altered(self):
+        whole = b"dataset,shared_texels\nstar,0\n"
+        for damage, words in ((None, "no such file"), (whole[:-4], "not as the run wrote it"),
+                              (whole.replace(b"0", b"1"), "not as the run wrote it"), (whole, "no column")):
+            self.setUp()
+            run = self.add("table1_datasets", {"datasets": [{"dataset": "star", "shared_texels": 0}]})
+            record = json.loads((run / "run.json").read_text())
+            record["files"] = {"datasets.csv": {"bytes": len(whole), "crc32": f"{zlib.crc32(whole):08x}"}}
+            (run / "run.json").write_text(json.dumps(record))
+            (run / "datasets.csv").unlink()
+            if damage is not None:
+                (run / "datasets.csv").write_bytes(damage)
+            row = self.judge()[1]["C17"]
+            self.assertEqual(row["verdict"], "not run")
+            self.assertIn(words, row["reason"] if words != "no column" else row["reason"].replace("such file", "column"))
+
+    def test_the_readme_shows_the_reference(self):
+        shutil.copytree(self.checkout / "results/reference", self.root / "results/reference")
+        before = snapshot(self.root / "results")
+        self.refused("--config", "experiments/claims.toml", "--set", 'results="results/reference"',
+                     says=["say by --output where the verdicts go"])
+        self.good("--config", "experiments/claims.toml", "--set", 'results="results/reference"', "--output", "judged")
+        self.assertEqual(snapshot(self.root / "results"), before)
+        report = (self.root / "judged/claims.md").read_text()
+        readme = {" ".join(line.split()) for line in (self.checkout / "README.md").read_text().splitlines()}
+        for line in report.splitlines():
+            if line.startswith("| C"):
+                self.assertIn(" ".join(line.split()), readme, "the README's line is another")
+        told = subprocess.run([sys.executable, "-B", self.checkout / "tests/recompute_claims.py", self.root / "judged/claims.json",
+                               self.root, self.checkout], capture_output=True, text=True)  # fmt: skip
+        self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
+        shipped = json.loads((self.checkout / "results/reference/claims.json").read_text())
+        self.assertEqual(json.loads((self.root / "judged/claims.json").read_text()), shipped)
 
 
 if __name__ == "__main__":

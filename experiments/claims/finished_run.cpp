@@ -12,8 +12,8 @@ namespace radiafit {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-FinishedRun::FinishedRun(fs::path folder, const fs::path& results)
-    : folder_(std::move(folder)), name_(fs::relative(folder_, results).generic_string()) {
+FinishedRun::FinishedRun(fs::path folder, const fs::path& checkout)
+    : folder_(std::move(folder)), name_(fs::relative(folder_, checkout).generic_string()) {
     std::ifstream file(folder_ / "run.json");
     json_ = Json::parse(file, nullptr, false);
     if (!json_.is_object())

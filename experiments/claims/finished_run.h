@@ -12,9 +12,9 @@ namespace radiafit {
 class FinishedRun {
 public:
     /// Throws UserError if its run.json is no JSON object.
-    FinishedRun(std::filesystem::path folder, const std::filesystem::path& results);
+    FinishedRun(std::filesystem::path folder, const std::filesystem::path& checkout);
 
-    const std::string& name() const { return name_; }  ///< EXPERIMENT/DEVICE/UTC-REVISION
+    const std::string& name() const { return name_; }  ///< its path from the checkout on
     int threads() const { return json_.value("threads", 0); }
     std::string cpu() const { return json_.value("cpu", "unknown CPU"); }
     std::string device() const;  ///< the GL renderer, or the CPU and its threads

@@ -19,11 +19,11 @@ class ClaimsTest(ProgramTest):
         (self.root / "paper_figs").mkdir()
         shutil.copy(self.checkout / "experiments/claims.toml", self.root / "experiments")
 
-    def add(self, experiment, tables, *, device="cpu", time="20240101T000000Z", profile="paper", gl=None, **config):
+    def add(self, experiment, tables, *, device="cpu", time="20240101T000000Z", profile="paper", standard=True, gl=None, **config):
         """One run: tables are {name of the CSV file: [row as a dict]}."""
         run = self.root / "results" / experiment / device / f"{time}-abc"
         run.mkdir(parents=True)
-        record = {"profile": profile, "cpu": "C", "threads": 2, "config": config} | ({"gl": gl} if gl else {})
+        record = {"profile": profile, "standard": standard, "cpu": "C", "threads": 2, "config": config} | ({"gl": gl} if gl else {})
         (run / "run.json").write_text(json.dumps(record))
         for name, rows in tables.items():
             with open(run / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
