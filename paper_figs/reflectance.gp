@@ -11,11 +11,10 @@ set output output
 fits = rows . '/fits.csv'
 times = rows . '/times.csv'
 images = rows . '/images.csv'
-# Methods in the order of the rows, from the top; behind them the Lambertian model, which only has images.
+# Methods in the order of the rows, from the top.
 methods = ''
 add(name) = strstrt(methods, '"' . name . '"') ? 0 : (methods = methods . ' "' . name . '"', 0)
 stats times using (add(strcol(2))) every ::1 nooutput
-dummy = add('Lambertian')
 count = words(methods)
 place(name) = -(sum [i=1:count] (word(methods, i) eq name ? i : 0))
 is_opengl(name) = strstrt(name, 'OpenGL') > 0
