@@ -218,7 +218,7 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
         const Told told(r.request);
-        const bool pca = r.request.solver == "pca";
+        const bool pca = (uses_of(r.request) & use::refills) != 0;
         csv.row({r.dataset,
                  r.seed,
                  r.method,

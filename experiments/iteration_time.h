@@ -35,7 +35,7 @@ struct IterationTime {
 
 /// The optimizers in the rows.
 constexpr const char* optimizer_names[] = {"sd", "cg"};
-inline bool is_descent(const std::string& optimizer) { return optimizer == "sd"; }
+inline bool is_descent(const std::string& optimizer) { return optimizer == optimizer_names[0]; }
 
 inline const ConjugateGradients paper_gradients({.rule = Rule::cg_paper}),
     paper_descent({.rule = Rule::steepest_descent});

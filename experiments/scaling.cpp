@@ -25,6 +25,8 @@
 namespace radiafit {
 namespace {
 
+constexpr const char* cpu_engine = "cpu";
+
 struct Options {
     std::string dataset = "star";
     std::vector<int> sides = {8, 12, 16, 24, 32}, images = {5, 10, 20, 40, 87};
@@ -199,7 +201,7 @@ public:
         held->engine = std::make_unique<StreamEngine<float>>(*held->problem);
         held->start = lfm_start(held->problem->layout(), held->engine->count().mean, request.seed);
         Contestant& c =
-            add(part, "cpu", Contestant::iteration, side, images, held->problem->layout().parameter_count());
+            add(part, cpu_engine, Contestant::iteration, side, images, held->problem->layout().parameter_count());
         c.samples = held->samples.list.samples.size();
         c.measure = [held, iterations = o_.cpu_iterations] {
             start(*held->engine, held->start);  // again: a problem that has stopped would be skipped
@@ -213,7 +215,7 @@ public:
         const auto once = [this, atlas, request, images] {
             return distribute(dataset_, *atlas, request, views(images));
         };
-        Contestant& c = add(part, "cpu", Contestant::distribution, side, images, 0);
+        Contestant& c = add(part, cpu_engine, Contestant::distribution, side, images, 0);
         c.samples = once().list.samples.size();
         c.measure = [once] { return once().seconds; };
     }
@@ -350,7 +352,7 @@ void write_times(const ResultFolder& results, const std::vector<Contestant>& tim
             rows.row({c.part, c.engine, c.what, std::to_string(c.side), std::to_string(c.images),
                       std::to_string(c.texels), std::to_string(c.samples), std::to_string(c.parameters),
                       std::to_string(round), fmt::format("{:.6g}", c.seconds[round]),
-                      c.engine == "cpu" ? cpu : gl_renderer});
+                      c.engine == cpu_engine ? cpu : gl_renderer});
     rows.commit();
 }
 
@@ -367,10 +369,11 @@ void add_ratios(const std::vector<Contestant>& times, Summary& summary) {
     for (size_t round = 0; round < times.front().seconds.size(); ++round) {
         device.push_back(of("fragment paper", Contestant::iteration)[round] /
                          of("fragment paper", Contestant::kept)[round]);
-        cpu.push_back(1 + of("cpu", Contestant::distribution)[round] / of("cpu", Contestant::iteration)[round]);
+        cpu.push_back(1 +
+                      of(cpu_engine, Contestant::distribution)[round] / of(cpu_engine, Contestant::iteration)[round]);
     }
     summary.add("time with distribution over time without", "fragment paper", device);
-    summary.add("time with distribution over time without", "cpu", cpu);
+    summary.add("time with distribution over time without", cpu_engine, cpu);
 }
 
 void scaling(Experiment& experiment) {

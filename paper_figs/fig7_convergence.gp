@@ -4,9 +4,9 @@ set datafile separator comma
 set datafile columnheaders
 set datafile missing NaN  # rows that a line leaves out do not break it
 if (terminal eq 'svg') {
-    set terminal svg size 1780,1020 font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 1780,1060 font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 1780,1020 font 'DejaVu Sans,11'
+    set terminal pngcairo size 1780,1060 font 'DejaVu Sans,11'
 }
 set output output
 array color[8] = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#e69f00', '#333333', '#999999']
@@ -21,7 +21,7 @@ stats summary using ($2 == judged ? column('cap') : NaN) nooutput
 cap = STATS_max
 floor_(x) = x < 2e-5 ? 2e-5 : x
 set multiplot layout 2,4 title "{/:Bold Figure 7: how fast conjugate gradients (CG) and steepest descent (SD) converge, and to which ends}\n" . caption \
-    margins 0.045,0.99,0.06,0.90 spacing 0.055,0.25
+    margins 0.045,0.99,0.06,0.90 spacing 0.055,0.27
 set grid lc rgb '#dddddd'
 set border 3
 set tics nomirror
@@ -35,7 +35,7 @@ do for [shape in 'star bust'] {
     set xrange [1:cap * 1.3]
     set yrange [1e-4:1e3]
     set format y '10^{%T}'
-    if (shape eq 'star') { set key at screen 0.045,0.545 left top Left reverse } else { unset key }
+    if (shape eq 'star') { set key at screen 0.045,0.56 left top Left reverse } else { unset key }
     plot for [i=1:3] curves using (of(shape) && strcol('method') eq 'cg' && column('shown') == i ? column('iteration') : NaN):(floor_(column('error_over_best') - 1)) \
              with lines lw 2 lc rgb color[i] title sprintf('problem %d, CG', i), \
          for [i=1:3] curves using (of(shape) && strcol('method') eq 'sd' && column('shown') == i ? column('iteration') : NaN):(floor_(column('error_over_best') - 1)) \
@@ -53,7 +53,7 @@ do for [shape in 'star bust'] {
     set ylabel 'share of problems below' offset 0.5
     set yrange [0:1]
     set xrange [0.5:500]
-    if (shape eq 'star') { set key at screen 0.295,0.545 left top Left reverse }
+    if (shape eq 'star') { set key at screen 0.295,0.56 left top Left reverse }
     set arrow 1 from 5,0 to 5,1 nohead dt 3 lw 1.5 lc rgb '#888888'
     set arrow 2 from 10,0 to 10,1 nohead dt 2 lw 1.5 lc rgb '#888888'
     ratio(sd, cg, cap) = (sd < 0 ? cap : sd < 1 ? 1 : sd) / 1.0 / (cg < 0 ? cap : cg < 1 ? 1 : cg)
@@ -73,7 +73,7 @@ do for [shape in 'star bust'] {
     set xlabel 'iteration'
     set ylabel 'share of problems within 1 %' offset 0.5
     set xrange [1:cap]
-    if (shape eq 'star') { set key at screen 0.545,0.545 left top Left reverse }
+    if (shape eq 'star') { set key at screen 0.545,0.56 left top Left reverse }
     names = 'varpro cg_modern lbfgs cg_paper adam sd_growing sd'
     shown(name) = name eq 'varpro' ? "Newton's steps" : name eq 'cg_modern' ? 'our CG' : name eq 'lbfgs' ? 'L-BFGS' : name eq 'cg_paper' ? 'CG, paper' : \
                   name eq 'adam' ? 'Adam' : name eq 'sd_growing' ? 'SD, growing step' : 'SD, paper'
@@ -86,7 +86,7 @@ do for [shape in 'star bust'] {
     set ylabel 'share of problems below' offset 0.5
     set xrange [0.9:1.3]
     unset logscale x
-    if (shape eq 'star') { set key at screen 0.795,0.545 left top Left reverse }
+    if (shape eq 'star') { set key at screen 0.795,0.56 left top Left reverse }
     set arrow 1 from 0.99,0 to 0.99,1 nohead dt 3 lw 1.5 lc rgb '#888888'
     set arrow 2 from 1.01,0 to 1.01,1 nohead dt 3 lw 1.5 lc rgb '#888888'
     plot ends using (of(shape) ? column('sd_error') / column('cg_error') : NaN):(1.0 / STATS_records) smooth cumulative \

@@ -13,6 +13,7 @@ namespace radiafit {
 namespace {
 
 const std::string datasets[] = {"star", "bust"};
+constexpr const char* optimizers[] = {"cg", "sd"};
 
 std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
 std::string with_interval(const Figure& figure, double scale = 1, const char* unit = "") {
@@ -215,7 +216,7 @@ Judgement idle_before_arrival(const FinishedRun& run) {
     const CsvTable t = run.table("problems.csv");
     std::map<std::string, std::map<double, Setting>> rules[2];  // of CG, of SD
     for (size_t i = 0; i < t.row_count(); ++i) {
-        Setting& s = rules[t.text(i, "optimizer") == "sd"][t.text(i, "rule")][t.number(i, "levels")];
+        Setting& s = rules[t.text(i, "optimizer") == optimizers[1]][t.text(i, "rule")][t.number(i, "levels")];
         s.stopped.push_back(t.number(i, "stopped_at"));
         s.arrived.push_back(t.number(i, "arrived_at"));
         s.final.push_back(t.number(i, "error_over_best"));

@@ -21,7 +21,8 @@ constexpr const char* paper_passes = "OpenGL (paper passes)";
 constexpr const char* batched_passes = "OpenGL (combined passes)";
 constexpr const char* image_by_image = "OpenGL (combined passes, image by image)";
 
-std::string upper(const std::string& optimizer) { return optimizer == "sd" ? "SD" : "CG"; }
+bool is_descent(const std::string& optimizer) { return optimizer == optimizers[0]; }
+std::string upper(const std::string& optimizer) { return is_descent(optimizer) ? "SD" : "CG"; }
 std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
 
 /// Texts that columns hold.
@@ -255,7 +256,7 @@ Rounds streamed(const CsvTable& t, const std::string& problem, const std::string
                 const std::string& optimizer, bool streaming = false) {
     return rounds(t, {{"problem", problem}, {"passes", passes}, {"source", source}}, [&, streaming](size_t row) {
         const double direction = t.number(row, streaming ? "direction_streaming_s" : "direction_s");
-        return direction + (optimizer == "sd" ? 0 : t.number(row, streaming ? "line_streaming_s" : "line_s"));
+        return direction + (is_descent(optimizer) ? 0 : t.number(row, streaming ? "line_streaming_s" : "line_s"));
     });
 }
 
@@ -424,7 +425,7 @@ Judgement paper_chip(const FinishedRun& run) {
     std::vector<std::string> found;
     bool plausible = true;
     for (const std::string optimizer : optimizers) {
-        const double switching = optimizer == "sd" ? 0.5 : 0.66;
+        const double switching = is_descent(optimizer) ? 0.5 : 0.66;
         const DeclaredWork work(table, "light field map", optimizer, "paper");
         const double reading = work("reads") / chip_reads;
         const double arithmetic = work("operations") / chip_operations;

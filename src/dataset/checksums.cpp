@@ -79,10 +79,8 @@ std::string dataset_note(const Dataset& dataset) {
     uint64_t bytes = 0;
     for (const fs::directory_entry& entry : fs::directory_iterator(dataset.folder))
         if (entry.is_regular_file()) bytes += entry.file_size();
-    const nlohmann::ordered_json note = {{"name", dataset.name},
-                                         {"source", dataset.source},
-                                         {"checksum", dataset_checksum(dataset)},
-                                         {"bytes", bytes}};
+    const nlohmann::ordered_json note = {
+        {"name", dataset.name}, {"source", dataset.source}, {"checksum", dataset_checksum(dataset)}, {"bytes", bytes}};
     return note.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

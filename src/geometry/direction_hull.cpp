@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace radiafit {
 namespace {
@@ -88,18 +89,28 @@ std::vector<size_t> spread_over(std::span<const Vec3d> directions, size_t count)
         for (size_t k = 0; k < count; ++k)
             if (sums[k].norm() > 0) centres[k] = sums[k].normalized();
     }
-    std::vector<size_t> out;
-    for (size_t k = 0; k < count; ++k) {
-        size_t best = directions.size();
+    // Of each cluster the member next to its centre; or, where that one would lie beyond what is left, the next.
+    std::vector<std::vector<size_t>> members(count);
+    for (size_t i = 0; i < directions.size(); ++i) members[cluster[i]].push_back(i);
+    std::erase_if(members, [](const auto& list) { return list.empty(); });
+    for (std::vector<size_t>& list : members)
+        std::ranges::stable_sort(list, std::greater(),
+                                 [&](size_t i) { return directions[i].dot(centres[cluster[i]]); });
+    std::vector<size_t> turn(members.size(), 0);
+    std::vector<size_t> out(members.size());
+    for (bool settled = false; !settled;) {
+        for (size_t k = 0; k < members.size(); ++k) out[k] = members[k][turn[k]];
+        std::vector<Vec3d> rest;
         for (size_t i = 0; i < directions.size(); ++i)
-            if (cluster[i] == k &&
-                (best == directions.size() || directions[i].dot(centres[k]) > directions[best].dot(centres[k])))
-                best = i;
-        if (best < directions.size()) out.push_back(best);
+            if (std::ranges::find(out, i) == out.end()) rest.push_back(directions[i]);
+        settled = true;
+        for (size_t k = 0; k < members.size() && !rest.empty(); ++k)
+            if (turn[k] + 1 < members[k].size() && angle_outside(rest, directions[out[k]]) > 0)
+                ++turn[k], settled = false;
     }
-    // a cluster that ran empty, of directions that stand twice: the first that are left
+    // A cluster ran empty, of directions that stand twice: the first that are left.
     for (size_t i = 0; out.size() < count; ++i)
-        if (std::find(out.begin(), out.end(), i) == out.end()) out.push_back(i);
+        if (std::ranges::find(out, i) == out.end()) out.push_back(i);
     std::sort(out.begin(), out.end());
     return out;
 }

@@ -1,7 +1,6 @@
 #include "report/result_folder.h"
 
 #include <fmt/format.h>
-
 #include <sys/resource.h>
 
 #include <algorithm>

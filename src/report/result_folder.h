@@ -28,8 +28,8 @@ public:
     const std::filesystem::path& path() const;
     /// What run.json will hold, for facts known only later (GL strings, peaks).
     Record& record() { return record_; }
-    /// Adds to run.json "wall_s" and "cpu_s" since the record was made, "peak_memory_bytes" of this process, and "files"
-    /// (report/row_files.h).
+    /// Adds to run.json "wall_s" and "cpu_s" since the record was made, "peak_memory_bytes" of this process, and
+    /// "files" (report/row_files.h).
     void commit();
 
 private:

@@ -51,32 +51,40 @@ refuse("fig9_error", "terms", [[]], "terms = []: give one or more")
 refuse("fig9_error", "terms", [[1, 2.5], "all", [[1]]], "'terms' must be a list of integers of 32 bits")
 refuse("fig9_error", "high_side", [1, 65], "high_side = ", "choose a whole number from 2 to 64")
 refuse("fig9_error", "low_side", [0], "low_side = 0: choose a whole number from 2 to 64")
-refuse("fig9_error", "high_iterations", [-1, 1000001], "high_iterations = ", "choose a whole number from 0 to 1000000")
-refuse("fig9_error", "lambda_surface", [-1, 1e38], "lambda_surface = ", "choose a number from 0 to 1e+06")
-refuse("fig9_error", "refills", [-1], "refills = -1: choose a whole number from 0")
-refuse("fig9_error", "held_out", ["train", '""'], "'held_out' is test or validation")
+for key in ("iterations", "modern_iterations", "opengl_iterations"):
+    refuse("fig9_error", key, [-1, 1000001], f"{key} = ", "choose a whole number from 0 to 1000000")
+for key in ("lambda_surface", "lambda_view", "other_lambdas"):
+    refuse("fig9_error", key, [[-1], [0.1, 1e38]], f"{key} = ", "choose a number from 0 to 1e+06")
+refuse("fig9_error", "refills", [[10, -1]], "refills = -1: choose a whole number from 0")
+refuse("fig9_error", "seeds", [[-1]], "seeds = -1: choose a whole number from 0")
+refuse("fig9_error", "validation", [1], "'validation' is 2 at least")
 rows += [
     (run("fig9_error", "--set capture=nowhere"), None, 2, "nowhere: no such folder", "generate or import"),
     (run("fig9_error", "--set capture=flat"), None, 2, "flat: a grid of texels", "made for reflectance models"),
     (run("fig9_error", "--set capture=photos"), None, 2, "photos: not a packed dataset"),
 ]
 
-refuse("fig7_convergence", "engine", ["gpu"], "engine 'gpu' does not exist; choose one of cpu, fragment")
 refuse("fig7_convergence", "tolerance", [1, 0.5, -1], "tolerance = ", "a multiple of the best error")
 refuse("fig7_convergence", "cap", [9, -1, 1000001], "cap = ", "choose a whole number from 10 to 1000000")
 refuse("fig7_convergence", "problems", [0, 7], "problems = ", "choose a whole number from 1 to 6")
 refuse("fig7_convergence", "seed", [-1], "seed = -1: choose a whole number from 0 to 2147483647")
 refuse("fig7_convergence", "seed", [2**31, 1.5], "'seed' must be an integer of 32 bits")
-for key in ("modern_iterations", "shown_cg", "shown_sd"):
+for key in ("rival_iterations", "ends"):
     refuse("fig7_convergence", key, [0], f"{key} = ", "choose a whole number from 1 to 1000000")
+refuse("fig7_convergence", "other_lambdas", [[1e-3, -1]], "other_lambdas = -1: choose a number from 0")
+refuse("fig7_convergence", "other_lambdas", [[1e-4]], "'other_lambdas' has `lambda` among them")
+refuse("fig7_convergence", "ends_cap", [100], "'ends_cap' needs at least `cap`")
 
-for key in ("iterations", "record_iterations", "repetitions"):
-    refuse("fig8_time", key, [0], f"{key} = ", "choose a whole number from 1 to 1000000")
+for key in ("iterations", "software_iterations"):
+    refuse("fig8_time", key, [1, 0], f"{key} = ", "from 2 to 1000000 (the first is not timed)")
+refuse("fig8_time", "share_iterations", [[25, 0]], "share_iterations = 0: choose a whole number from 1 to 1000000")
+refuse("fig8_time", "repetitions", [0], "repetitions = 0: choose a whole number from 1 to 1000000")
+refuse("fig8_time", "software_seconds", [-1], "software_seconds = -1: choose a number from 0")
 refuse("fig8_time", "source", ["disc"], "source 'disc' does not exist; choose one of disk, disk-cold, memory, device")
 refuse("fig10_utilization", "source", ["disc"], "source 'disc' does not exist")
 refuse("fig10_utilization", "passes", [[]], "passes = []: give one or more")
 refuse("fig10_utilization", "passes", [["paper", "papr"]], "passes 'papr' does not exist; choose one of paper, combined")
-refuse("fig10_utilization", "iterations", [1, 0], "iterations = ", "from 2 to 1000000 (the first is not timed)")
+refuse("fig10_utilization", "repetitions", [0], "repetitions = 0: choose a whole number from 1")
 for name in ("fig10_utilization", "streaming"):
     refuse(name, "reflectance", ["star"], "star has no lamp that moves; choose ornament")
     refuse(name, "reflectance_side", [1, 65], "reflectance_side = ", "choose a whole number from 2 to 64")
@@ -100,9 +108,9 @@ refuse("scaling", "sides", [[], [8, 12, 99], [8, 1, 12]], "sides = ")
 refuse("scaling", "sides", [[8, 12]], "'sides' a slope needs at least 3")
 refuse("scaling", "images", [[5, 10, 0], [-1, 5, 10]], "images = ", "choose a whole number from 1")
 refuse("scaling", "images", [[5, 10]], "'images' a slope needs at least 3")
-for key in ("iterations", "rounds", "repeat_cpu", "repeat_paper", "repeat_combined"):
+for key in ("rounds", "cpu_iterations", "texel_images", "distribution_images"):
     refuse("scaling", key, [0], f"{key} = ", "choose a whole number from 1 to 1000000")
-refuse("scaling", "time_side", [1, 65], "time_side = ", "choose a whole number from 2 to 64")
+refuse("scaling", "side", [1, 65], "side = ", "choose a whole number from 2 to 64")
 
 for key in ("vertices", "cap", "repetitions"):
     refuse("solvers", key, [0], f"{key} = ", "choose a whole number from 1 to 1000000")
@@ -110,11 +118,10 @@ refuse("solvers", "tolerance", [1], "tolerance = 1: choose a number from ")
 refuse("solvers", "seconds", [-1], "seconds = -1: choose a number from 0")
 refuse("solvers", "seed", [-7], "seed = -7: choose a whole number from 0")
 
-refuse("stopping", "engine", ["gpu"], "engine 'gpu' does not exist; choose one of cpu, fragment")
 refuse("stopping", "levels", [[]], "levels = []: give one or more")
 refuse("stopping", "levels", [[1, 0], [-1]], "levels = ", "choose a number from 1e-06 to 1e+06")
 refuse("stopping", "levels", [["one"], 5], "'levels' must be a list of finite numbers")
-refuse("stopping", "cap", [10], "'cap' needs at least `iterations`")
+refuse("stopping", "cap", [10], "'cap' needs at least `cg_iterations`")
 refuse("table1_datasets", "terms", [0, 17], "terms = ", "choose a whole number from 1 to 16")
 refuse("table1_datasets", "surface_side", [1, 65], "surface_side = ", "choose a whole number from 2 to 64")
 refuse("captures", "every", [1, 0], "every = ", "choose a whole number from 2 to 1000")
@@ -126,9 +133,9 @@ refuse("claims", "results", ['""'], "results = '': name the folder that the runs
 toml = "experiments/fig9_error.toml"
 rows += [
     (run("fig9_error"), replace(toml, r"terms = \[1, 2, 3\]", "terms = [1, 99]"), 2, f"{toml}:", "terms = 99: choose"),
-    (run("fig9_error"), replace(toml, r"low_iterations = 40", "low_iterations = -40"), 2, f"{toml}:", "low_iterations = -40: choose"),
-    (run("fig9_error"), replace(toml, r"refills = 10", "refills = 10 20"), 2, f"{toml}:"),
-    (run("fig9_error"), replace(toml, r"refills = 10", 'refills = "ten"'), 2, f"{toml}:", "'refills' must be an integer of 32 bits, not a string"),
+    (run("fig9_error"), replace(toml, r"opengl_iterations = 40", "opengl_iterations = -40"), 2, f"{toml}:", "opengl_iterations = -40: choose"),
+    (run("fig9_error"), replace(toml, r"validation = 8", "validation = 8 9"), 2, f"{toml}:"),
+    (run("fig9_error"), replace(toml, r"validation = 8", 'validation = "ten"'), 2, f"{toml}:", "'validation' must be an integer of 32 bits, not a string"),
     (run("fig9_error"), write(toml, ""), 2, f"{toml}: no profile 'smoke'; add a table [profile.smoke]"),
     (run("fig9_error"), write(toml, "\x00\xff"), 2, f"{toml}:"),
     (run("fig9_error"), write(toml, "[profile.smoke]\n" + "a=[" * 5000), 2, f"{toml}:"),
