@@ -51,6 +51,7 @@ struct Entrant {
     FitRequest request;
 };
 
+/// Of Lafortune's model.
 FitRequest request_of(const char* solver, const char* optimizer, const char* mode, int iterations, int side) {
     FitRequest r;
     r.set("model", fitted_model);
@@ -69,6 +70,8 @@ std::vector<Entrant> entrants_of(const Options& o, int side, bool noisy) {
     out.push_back({"Ceres varpro", request_of("ceres-varpro", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"TinySolver", request_of("tinysolver", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"LM", request_of("stream", "lm", "modern", o.lm_iterations, side)});
+    out.push_back({"Lambertian", request_of("stream", "lm", "modern", o.lm_iterations, side)});
+    out.back().request.set("model", "lambert");
     for (const NamedRule& ours : named_rules())
         out.push_back({ours.name, request_of("stream", ours.method->name, ours.mode,
                                              ours.method->lines ? o.cg_iterations : o.sd_iterations, side)});
@@ -107,17 +110,18 @@ constexpr double least_rms = 1e-4;
 
 struct Verdict {
     size_t texels = 0;
-    double within = 0, iterations = 0;
+    double within = 0, rms = 0, iterations = 0;
     std::optional<double> worst_median = {}, recovered = {};  ///< of texels whose truth is of the fitted model
 };
 Verdict compare(const Group& group, const ReflectanceFit& fit, const ReflectanceFit& ceres,
                 const ReflectanceTruth& truth, const Options& o) {
     Verdict out;
     std::vector<double> worst, iterations;
+    double squares = 0, samples = 0;
     std::vector<TruthComparison> comparisons;
     for (const TruthMaterial& material : truth.materials) comparisons.emplace_back(*fit.options.model, material);
     for (const uint32_t t : group.texels) {
-        // what every contestant was given: distributors may differ in some pixels
+        // what every method was given: distributors may differ in some pixels
         if (fit.samples[t] < 9 || ceres.samples[t] < 9) continue;
         const TruthComparison& comparison = comparisons[truth.material[t]];
         if (comparison.possible()) worst.push_back(comparison.worst({&fit.parameters[9 * t], 9}, truth.parameters[t]));
@@ -126,7 +130,10 @@ Verdict compare(const Group& group, const ReflectanceFit& fit, const Reflectance
             return std::sqrt(2 * double(f.error[t]) / (3.0 * f.samples[t]));
         };
         out.within += rms(fit) <= std::max(o.within * rms(ceres), least_rms);
+        squares += 2 * double(fit.error[t]);
+        samples += 3.0 * fit.samples[t];
     }
+    out.rms = std::sqrt(squares / samples);
     out.texels = iterations.size();
     out.within /= double(out.texels);
     if (!worst.empty()) {
@@ -162,8 +169,9 @@ class Rows {
 public:
     explicit Rows(const std::filesystem::path& folder)
         : folder_(folder),
-          fits_(folder / "fits.csv", {"images", "method", "renderer", "iterations", "group", "texels",
-                                      "worst_error_median", "recovered_share", "within_share", "iterations_median"}),
+          fits_(folder / "fits.csv",
+                {"images", "method", "renderer", "iterations", "group", "texels", "worst_error_median",
+                 "recovered_share", "within_share", "rms_error", "iterations_median"}),
           // samples: those that count. solve_s: from samples at hand to parameters and their errors, the same work in
           // every row but OpenGL's: it reads images in load_s and distributes them in solve_s, both in every sweep,
           // where the others share one distribution, and load_s is reading its samples and shading them (Ceres': once
@@ -195,20 +203,16 @@ public:
             fits_.row({images.name, entrant.name, renderer, std::to_string(entrant.request.iterations), group.name,
                        fmt::format("{}", v.texels), v.worst_median ? fmt::format("{:.4g}", *v.worst_median) : "",
                        v.recovered ? fmt::format("{:.5f}", *v.recovered) : "", fmt::format("{:.5f}", v.within),
-                       fmt::format("{}", v.iterations)});
+                       fmt::format("{:.4g}", v.rms), fmt::format("{}", v.iterations)});
         }
         const auto within = [&](const char* group) { return fmt::format("{:.2f} %", 100 * verdicts[group].within); };
         const auto off_by = [&](const char* group) {
-            return fmt::format("{:.2g} %", 100 * verdicts[group].worst_median.value_or(NAN));
+            const std::optional<double>& worst = verdicts[group].worst_median;
+            return worst ? fmt::format("{:.2g} %", 100 * *worst) : "";
         };
         table_.add({images.name, entrant.name, fmt::format("{:.2f}", solve_s), fmt::format("{:.0f}", texels / solve_s),
                     within("gold"), within("green"), within("white"), off_by("gold"), off_by("green"),
                     add_pictures(images, entrant.name, renderer, outcome)});
-    }
-    /// A fit that only its pictures are of interest of.
-    void add_baseline(const Images& images, const std::string& name, const std::string& renderer,
-                      const ReflectanceOutcome& outcome) {
-        table_.add({images.name, name, "", "", "", "", "", "", "", add_pictures(images, name, renderer, outcome)});
     }
     void commit() {
         fits_.commit();
@@ -262,9 +266,6 @@ void reflectance(Experiment& experiment) {
         const Dataset& dataset = images.dataset;
         const std::vector<Entrant> entrants = entrants_of(o, dataset.normal_map.side, noisy);
         const SharedTexels shared = distribute_texels(dataset, entrants.front().request, dataset.split(false));
-        FitRequest diffuse = request_of("stream", "lm", "modern", o.lm_iterations, dataset.normal_map.side);
-        diffuse.set("model", "lambert");
-        rows.add_baseline(images, "Lambertian", cpu, solve_reflectance(dataset, diffuse, {}, nullptr, &shared));
         ReflectanceFit ceres;
         for (const Entrant& entrant : entrants) {
             log_info(fmt::format("{}, {} images", entrant.name, images.name));

@@ -11,11 +11,10 @@ set output output
 fits = rows . '/fits.csv'
 times = rows . '/times.csv'
 images = rows . '/images.csv'
-# Methods in the order of the rows, from the top; behind them the Lambertian model, which only has images.
+# Methods in the order of the rows, from the top.
 methods = ''
 add(name) = strstrt(methods, '"' . name . '"') ? 0 : (methods = methods . ' "' . name . '"', 0)
 stats times using (add(strcol(2))) every ::1 nooutput
-dummy = add('Lambertian')
 count = words(methods)
 place(name) = -(sum [i=1:count] (word(methods, i) eq name ? i : 0))
 is_opengl(name) = strstrt(name, 'OpenGL') > 0
@@ -36,17 +35,17 @@ do for [i=1:count] { set ytics add (told(word(methods, i)) -i) }
 array color[3] = ['#b8860b', '#009e73', '#777777']
 array part[3] = ['gold', 'green', 'white']
 do for [k=1:3] {
-    set label k part[k] at screen 0.14 + 0.06 * (k - 1),0.855 tc rgb color[k] point pt 7 lc rgb color[k] offset 1,0
+    set label k part[k] at screen 0.155 + 0.06 * (k - 1),0.855 tc rgb color[k] point pt 7 lc rgb color[k] offset 1,0
 }
 array kind[2] = ['noise-free', 'noisy']
 found(n, k) = strcol(1) eq kind[n] && strcol(5) eq part[k] ? place(strcol(2)) + 0.22 * (2 - k) : NaN
 seen(n, k) = strcol(1) eq kind[n] && strcol(4) eq part[k] ? place(strcol(2)) + 0.22 * (2 - k) : NaN
-array left[4] = [0.14, 0.355, 0.57, 0.785]
+array left[4] = [0.155, 0.367, 0.579, 0.791]
 set xlabel 'texels, %' offset 0,0.4
 set xrange [-3:103]
 do for [n=1:2] {
     set lmargin at screen left[n]
-    set rmargin at screen left[n] + 0.195
+    set rmargin at screen left[n] + 0.19
     set title 'found, ' . kind[n] . ' images'
     plot for [k=1:3] fits using (100 * $9):(found(n, k)) with points pt 7 ps 0.9 lc rgb color[k]
     unset label
@@ -54,13 +53,13 @@ do for [n=1:2] {
     do for [i=1:count] { set ytics add ('' -i) }
 }
 set lmargin at screen left[3]
-set rmargin at screen left[3] + 0.195
+set rmargin at screen left[3] + 0.19
 set title 'held-out noisy images'
 set xlabel 'PSNR, dB'
 set xrange [*:*]
 plot for [k=1:3] images using 6:(seen(2, k)) with points pt 7 ps 0.9 lc rgb color[k]
 set lmargin at screen left[4]
-set rmargin at screen left[4] + 0.195
+set rmargin at screen left[4] + 0.19
 set title 'speed, one run'
 set xlabel 'texels fitted in a second'
 set logscale x
