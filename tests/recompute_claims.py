@@ -25,22 +25,22 @@ class Run:
         with open(path, encoding="utf-8") if path.exists() else gzip.open(f"{path}.gz", "rt", encoding="utf-8") as file:
             return [r for r in csv.DictReader(file) if all(r[k] == str(v) for k, v in wanted.items())]
 
-    def rounds(self, name, *columns, **wanted):
-        """Sums of columns by repetition."""
+    def rounds(self, name, *columns, **wanted):  # sums of columns by repetition
         return {r["repetition"]: sum(float(r[c]) for c in columns) for r in self.rows(name, **wanted)}
+
+    def part(self, column, optimizer, method=PAPER):
+        return self.rounds("iterations", column, method=method, optimizer=optimizer)
 
 
 def ratio(a, b):
     return median(a[k] / b[k] for k in a if k in b)
 
 
-def slope(points):
-    """Of a straight line by least squares through logarithms."""
+def slope(points):  # of a straight line by least squares through logarithms
     return linear_regression(*zip(*((math.log(x), math.log(y)) for x, y in points))).slope
 
 
-def arrivals(run, above, below, comparable=False):
-    """Ratios of iterations, dataset by dataset, the bust first."""
+def arrivals(run, above, below, comparable=False):  # ratios of iterations, dataset by dataset, the bust first
     out, cap = defaultdict(list), run.config["cap"]
     for r in run.rows("problems"):
         if float(r["lambda"]) == run.config["lambda"] and not (comparable and abs(float(r["varpro_penalty"])) > 1e-3):
@@ -69,25 +69,20 @@ def cpu_over_opengl(run):
 
 def distribution(run):
     shares, rows = defaultdict(list), run.rows("repetitions", method="two-step (full record)")
-    for r in rows:
-        if int(r["threads"]) == max(int(r["threads"]) for r in rows):
-            shares[r["optimizer"], r["iterations"]].append(float(r["distribution_s"]) / float(r["total_s"]))
+    for r in [r for r in rows if int(r["threads"]) == max(int(r["threads"]) for r in rows)]:
+        shares[r["optimizer"], r["iterations"]].append(float(r["distribution_s"]) / float(r["total_s"]))
     return (max(map(median, shares.values())),)
 
 
-def part(run, column, o, method=PAPER):
-    return run.rounds("iterations", column, method=method, optimizer=o)
-
-
 def switching(run):
-    sd, cg = ({k: v / part(run, "seconds", o)[k] for k, v in part(run, "switching_s", o).items()} for o in OPTIMIZERS)
+    sd, cg = ({k: v / run.part("seconds", o)[k] for k, v in run.part("switching_s", o).items()} for o in OPTIMIZERS)
     return median(sd.values()), median(cg[k] - sd[k] for k in cg if k in sd)
 
 
 def combined(run):
     for o in OPTIMIZERS:
         reads = [float(run.rows("work", method=m, optimizer=o)[0]["reads"]) for m in (ALONE, PAPER)]
-        yield from (ratio(part(run, "switching_s", o, ALONE), part(run, "switching_s", o)), reads[0] / reads[1])
+        yield from (ratio(run.part("switching_s", o, ALONE), run.part("switching_s", o)), reads[0] / reads[1])
 
 
 def streamed(run, problem, passes, source, o, part=""):
@@ -104,7 +99,7 @@ def fig10(run, values):
 
 
 def utilization(run):
-    peaks = {c: run.rounds("peaks", "per_second", peak=p) for c, p in (("operations", "operations of fragments"), ("reads", "texture reads"))}
+    peaks = {c: run.rounds("peaks", "per_second", peak=p) for c, p in {"operations": "operations of fragments", "reads": "texture reads"}.items()}
     return fig10(run, lambda w, t: [median(w[c] / s / p[k] for k, s in t("seconds").items()) for c, p in peaks.items()])
 
 
@@ -137,8 +132,7 @@ def time_slope(run, of, engine):
     return median(map(slope, rounds.values()))
 
 
-def stopping(run, told):
-    """The thresholds that were chosen are in the measures' names: "residual below 0.5/255, ..."."""
+def stopping(run, told):  # the thresholds that were chosen are in the measures' names: "residual below 0.5/255, ..."
     for i, of in enumerate(told):
         rule, levels = of.split("/255")[0].rsplit(" below ", 1)
         problems = [r for r in run.rows("problems", optimizer="cg", rule=rule) if float(r["levels"]) == float(levels)]
@@ -154,8 +148,7 @@ def samples(run):
         yield from (next(i for i in range(len(texels)) if sum(texels[: i + 1]) >= sum(texels) / 2), float(row["shared_texels"]))
 
 
-def differences(run, *pairs):
-    """Means over seeds of one method's figure less another's: (method, weights), (method, weights), column."""
+def differences(run, *pairs):  # means over seeds of one method's figure less another's: (method, weights), (method, weights), column
     rows = [r for r in run.rows("errors", terms=1) if r["seed"]]
     for dataset in dict.fromkeys(r["dataset"] for r in rows):
         for *methods, column in pairs:
@@ -167,7 +160,7 @@ HIGH, LOW, PSNR = ("cg-high", "chosen"), ("cg-low", "chosen"), "train_psnr_db"
 RIVALS = (("pca-published", ""), ("pca-refilled", ""))
 VALUES = {
     "C1": lambda run: map(median, arrivals(run, "sd", "cg_paper")), "C2": minima, "C3": cpu_over_opengl, "C4": distribution,
-    "C5": lambda run: (ratio(part(run, "streaming_s", o), part(run, "seconds", o)) for o in OPTIMIZERS),
+    "C5": lambda run: (ratio(run.part("streaming_s", o), run.part("seconds", o)) for o in OPTIMIZERS),
     "C6": lambda run: (ratio(*(streamed(run, "Lafortune", "paper", "disk-cold", o, p) for p in ("_streaming", ""))) for o in OPTIMIZERS),
     "C7": switching, "C10": utilization, "C12": combined, "C14": memory, "C17": samples, "C23": radeon,
     "C8": lambda run: differences(run, *(pair for r in RIVALS for pair in ((HIGH, r, PSNR), (r, HIGH, "train_ape")))),
@@ -189,9 +182,7 @@ VALUES = {
 
 def main(claims, *folders):
     compared, wrong = set(), 0
-    for c in json.loads(pathlib.Path(claims).read_text())["claims"]:
-        if not c["run"] or not c["measures"]:
-            continue
+    for c in [c for c in json.loads(pathlib.Path(claims).read_text())["claims"] if c["run"] and c["measures"]]:
         (folder,) = [pathlib.Path(f, c["run"]) for f in folders if pathlib.Path(f, c["run"]).exists()]
         told = {m["of"]: m["value"] for m in c["measures"]}
         own = stopping(Run(folder), told) if c["id"] == "C16" else VALUES[c["id"]](Run(folder))
