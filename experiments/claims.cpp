@@ -33,11 +33,8 @@ struct Finding {
         if (judged() || !judgement.not_run.empty()) return judgement.verdict();
         return "not comparable";
     }
-    /// What the rule says of the figures, whatever their scale; empty where it says nothing.
-    std::string by_the_rule() const {
-        if (!judgement.not_run.empty() || !judgement.no_rule.empty()) return "";
-        return to_string(judgement.outcome());
-    }
+    /// What the rule says of the figures, whatever their scale.
+    std::string by_the_rule() const { return judgement.verdict(); }
     std::string reason() const {
         const std::string reason = judgement.reason();
         if (judged() || !judgement.not_run.empty()) return reason;
@@ -127,7 +124,7 @@ std::string section_of(const Claim& claim, std::span<const Finding> findings) {
                             f.run.empty() ? "" : fmt::format("; {}; `{}`", j.renderer, f.run));
         if (const std::string reason = f.reason(); !reason.empty()) text += fmt::format(". Why: {}", reason);
         text += ".\n";
-        if (!f.judged() && !f.by_the_rule().empty()) text += fmt::format("By the rule alone: {}.\n", f.by_the_rule());
+        if (!f.judged() && !f.run.empty()) text += fmt::format("By the rule alone: {}.\n", f.by_the_rule());
         if (!j.sentence.empty()) text += "\n" + j.sentence + "\n";
         if (!j.measures.empty()) {
             Table table({"measured", "value", "95 % interval", "asked for", "so it"});

@@ -17,11 +17,15 @@ class Compare(ProgramTest):
     def setUp(self):
         for side in ("before", "after"):
             shutil.rmtree(self.root / side, ignore_errors=True)
-            shutil.copytree(CHECKOUT / "results/reference", self.root / side, ignore=shutil.ignore_patterns("claims.json"))
+            shutil.copytree(CHECKOUT / "results/reference", self.root / side, ignore=shutil.ignore_patterns("claims*.json"))
+            for path in (self.root / side).glob("*/*/*/run.json"):  # rows are changed here: without checksums
+                record = json.loads(path.read_text())
+                record.pop("files", None)
+                path.write_text(json.dumps(record))
 
     def edit(self, experiment, file, change, side="after"):
-        """change(rows) of one file of the one run of an experiment."""
-        (path,) = (self.root / side / experiment).glob(f"*/*/{file}")
+        """change(rows) of one file of the newest run of an experiment."""
+        path = max((self.root / side / experiment).glob(f"*/*/{file}"), key=lambda path: path.parent.name)
         with open(path, newline="", encoding="utf-8") as opened:
             rows = list(csv.DictReader(opened))
         columns = list(rows[0])
@@ -64,7 +68,7 @@ class Compare(ProgramTest):
         self.assertEqual({(e, f["verdict"], f["column"]) for e, f in figures}, {("fig9_error", "DIFFERENT", "held_psnr_db")})
         self.assertAlmostEqual(max(f["difference"] for _, f in figures), 0.5)
         text = self.compare("--only", "fig9", status=1)
-        self.assertRegex(text, r"(?m)^DIFFERENT +errors.csv +held_psnr_db +2 .*: 0.5 dB +star, cpu-low, 1$")
+        self.assertRegex(text, r"(?m)^DIFFERENT +errors.csv +held_psnr_db +2 .*: 0.5 dB +star, 1, .*$")
         self.assertIn("2 DIFFERENT", text.splitlines()[0])
         self.assertNotIn("fig10", text)
         self.assertEqual(self.figures(0, "--only", "streaming"), [])
@@ -98,7 +102,7 @@ class Compare(ProgramTest):
         self.assertEqual(figure["verdict"], "NEW")
 
     def test_other_devices_are_told_and_their_times_left(self):
-        (record,) = (self.root / "after/streaming").glob("*/*/run.json")
+        record = max((self.root / "after/streaming").glob("*/*/run.json"), key=lambda path: path.parent.name)
         record.write_text(record.read_text().replace("llvmpipe (LLVM 15.0.6, 256 bits)", "NVIDIA H100"))
         self.edit("streaming", "iterations.csv", lambda rows: [r.update(line_s="1e-6") for r in rows])
         text = self.compare("--only", "streaming", status=0)
@@ -107,15 +111,15 @@ class Compare(ProgramTest):
         self.assertNotIn("FASTER", text)
 
     def test_an_experiment_of_one_side_is_told(self):
-        shutil.rmtree(self.root / "after/scaling")
+        shutil.rmtree(self.root / "after/precision")
         text = self.compare(status=0)
-        self.assertRegex(text, r"(?m)^only in before: scaling \(standard, AMD EPYC")
+        self.assertRegex(text, r"(?m)^only in before: precision \(standard, AMD EPYC")
         told = json.loads(self.compare("--json", status=0))
         self.assertEqual(len(told["only_before"]), 1)
 
     def test_everything_is_listed_where_asked_for(self):
         self.assertNotRegex(self.compare(status=0), r"(?m)^SAME")
-        self.assertRegex(self.compare("--all", status=0), r"(?m)^SAME +errors.csv +train_psnr_db +26 ")
+        self.assertRegex(self.compare("--all", status=0), r"(?m)^SAME +errors.csv +train_psnr_db +\d+ ")
 
 
 if __name__ == "__main__":
