@@ -48,7 +48,7 @@ std::string unpacked(const fs::path& file) {
 
 std::string file_list_json(const fs::path& folder) {
     Json files = Json::object();
-    for (const std::string& name : run_files(folder)) files[name] = description(read_file(folder / name, "result"));
+    for (const std::string& name : run_files(folder)) files[name] = description(read_file(folder / name, "file of rows"));
     return files.dump();
 }
 
@@ -72,7 +72,7 @@ std::string read_run_file(const fs::path& folder, const std::string& name) {
     const fs::path file = folder / name;
     if (!has_run_file(folder, name))
         throw UserError(fmt::format("{}: no such file; run the experiment again", file.string()));
-    std::string bytes = fs::exists(file) ? read_file(file, "result") : unpacked(packed(file));
+    std::string bytes = fs::exists(file) ? read_file(file, "file of rows") : unpacked(packed(file));
     std::ifstream stream(folder / record_name);
     const Json record = Json::parse(stream, nullptr, false);
     if (record.is_object() && record.contains("files")) {
