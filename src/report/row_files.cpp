@@ -48,7 +48,8 @@ std::string unpacked(const fs::path& file) {
 
 std::string file_list_json(const fs::path& folder) {
     Json files = Json::object();
-    for (const std::string& name : run_files(folder)) files[name] = description(read_file(folder / name, "file of rows"));
+    for (const std::string& name : run_files(folder))
+        files[name] = description(read_file(folder / name, "file of rows"));
     return files.dump();
 }
 
