@@ -61,8 +61,8 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
                                  const fs::path& checkout) {
     std::vector<Finding> findings;
     for (const fs::path& root : roots) {
-        for (const fs::path& folder : newest_runs(root, claim.experiment, profile)) {
-            const FinishedRun run(folder, checkout);
+        for (RunRecord& record : newest_runs(root, claim.experiment, profile)) {
+            const FinishedRun run(std::move(record), checkout);
             findings.push_back({&claim, profile, run.name(), judge(claim, run)});
         }
         if (!findings.empty()) return findings;

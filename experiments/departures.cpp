@@ -16,18 +16,28 @@
 #include "experiment.h"
 #include "model/lfm_start.h"
 #include "model/texel_model_of.h"
+#include "model/texel_texts.h"
 #include "report/csv.h"
 #include "report/table.h"
 #include "samples/texel_loader.h"
 
 #define RADIAFIT_TEXEL_MODEL lafortune_raw_n
-#define RADIAFIT_TEXEL_FILE "lafortune_plain.glsl"
-#define RAW_N
+#define RADIAFIT_TEXEL_FILE "lafortune_raw_n.glsl"
 #include "model/define_texel_text.h"
-#undef RAW_N
-#define RADIAFIT_TEXEL_MODEL lafortune_one_start
-#define RADIAFIT_TEXEL_FILE "lafortune_plain.glsl"
-#include "model/define_texel_text.h"
+
+namespace radiafit::texel_text {
+
+/// Fits begin at one shape, a mirror's direction with n = 10, not at the best of 15.
+template <class real_type>
+struct lafortune_one_start : lafortune<real_type> {
+    template <class other>
+    using with = lafortune_one_start<other>;
+    static constexpr const char* name = "lafortune_one_start";
+    static constexpr int start_count = 1;
+    static constexpr double starts[start_count][3] = {{-1, 1, 2.302585093}};
+};
+
+}  // namespace radiafit::texel_text
 
 namespace radiafit {
 namespace {

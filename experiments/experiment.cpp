@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "app/command_line.h"
 #include "app/limits.h"
@@ -44,13 +43,6 @@ fs::path find_checkout(const fs::path& config) {
         fmt::format("{}: neither this file nor the working folder lies in a checkout, which has experiments/ "
                     "and paper_figs/; run it in one",
                     config.string()));
-}
-
-nlohmann::json read_record(const fs::path& run) {
-    const fs::path file = run / "run.json";
-    auto record = nlohmann::json::parse(read_file(file, "record of a run"), nullptr, false);
-    if (!record.is_object()) throw UserError(fmt::format("{}: no JSON object; choose another run", file.string()));
-    return record;
 }
 
 }  // namespace
@@ -127,11 +119,10 @@ ResultFolder Experiment::open_results(const std::string& device) const {
 std::vector<fs::path> Experiment::show(const fs::path& rows, const std::string& caption, const fs::path& folder) const {
     fs::create_directories(folder);
     std::vector<fs::path> shown;
-    for (const char* extension : {".md", ".png"})
-        if (const fs::path made = rows / (name_ + extension); fs::exists(made)) {
-            shown.push_back(folder / made.filename());
-            write_file(shown.back(), read_file(made, "figure"));
-        }
+    if (const fs::path table = rows / (name_ + ".md"); fs::exists(table)) {
+        shown.push_back(folder / table.filename());
+        write_file(shown.back(), read_file(table, "table"));
+    }
     const fs::path script = root_ / "paper_figs" / (name_ + ".gp");
     if (fs::exists(script)) {
         draw_figure(script, folder / name_, {{"rows", rows.string()}, {"caption", caption}});
@@ -157,31 +148,25 @@ void Experiment::finish(ResultFolder& results, const std::string& caption) const
     log_info("rows: " + results.path().string());
 }
 
-void Experiment::redraw(const fs::path& run) const {
-    const auto record = read_record(run);
-    const std::string program = record.value("program", ""), caption = record.value("caption", "");
-    if (program != name_) throw UserError(fmt::format("{}: a run of {}, not of {}", run.string(), program, name_));
-    if (caption.empty())
-        throw UserError(fmt::format("{}: of an older version; run the experiment again", run.string()));
-    const fs::path folder = output_.empty() ? fs::current_path() : output_;
-    const AtomicFolder unpacked(folder / (name_ + "-rows"));  // goes again
-    for (const std::string& file : run_files(run)) write_file(unpacked.path() / file, read_run_file(run, file));
-    const std::vector<fs::path> shown = show(unpacked.path(), caption, folder);
-    for (const fs::path& file : shown) log_info("figure: " + file.string());
-    if (shown.empty()) throw UserError(fmt::format("{}: no figure belongs to its rows", run.string()));
+void Experiment::redraw(const fs::path& folder) const {
+    const RunRecord run = read_run(folder);
+    if (run.experiment != name_)
+        throw UserError(fmt::format("{}: a run of {}, not of {}", folder.string(), run.experiment, name_));
+    if (run.caption.empty())
+        throw UserError(fmt::format("{}: of an older version; run the experiment again", folder.string()));
+    const fs::path target = output_.empty() ? fs::current_path() : output_;
+    const AtomicFolder unpacked(target / (name_ + "-rows"));  // goes again
+    for (const std::string& file : run_files(folder)) write_file(unpacked.path() / file, read_run_file(run, file));
+    for (const fs::path& file : show(unpacked.path(), run.caption, target)) log_info("figure: " + file.string());
 }
 
 bool Experiment::finished_before() const {
-    for (const fs::path& run : newest_runs(results(), name_, profile_)) {
-        const auto record = read_record(run);
-        const auto same = [&](const char* key, const auto& value) {
-            return record.value(key, nlohmann::json()) == value;
-        };
-        if (record_.git_revision.ends_with("-dirty") || !same("git_revision", record_.git_revision)) continue;
-        if (!same("cpu", record_.cpu) || !same("threads", record_.threads)) continue;
-        log_info(fmt::format("{} is there: {}", name_, run.string()));
-        return true;
-    }
+    if (record_.git_revision.ends_with("-dirty")) return false;  // which may be any program
+    for (const RunRecord& run : newest_runs(results(), name_, profile_))
+        if (run.revision == record_.git_revision && run.cpu == record_.cpu && run.threads == record_.threads) {
+            log_info(fmt::format("{} is there: {}", name_, run.folder.string()));
+            return true;
+        }
     return false;
 }
 

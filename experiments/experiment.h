@@ -43,8 +43,8 @@ public:
     Record& record() { return record_; }
     /// Opens the result folder: results/NAME/DEVICE/UTC-REVISION. Call once the config is finished.
     ResultFolder open_results(const std::string& device) const;
-    /// Gives the result folder its name, and shows it: draws paper_figs/NAME.gp over the rows and copies what is called
-    /// NAME.md or NAME.png among them; says where everything lies.
+    /// Gives the result folder its name, and shows it: draws paper_figs/NAME.gp over the rows and copies NAME.md
+    /// from among them; says where everything lies.
     void finish(ResultFolder& results, const std::string& caption) const;
     const std::filesystem::path& root() const { return root_; }  ///< the checkout
     /// Of the rows: the checkout's `results`, or what --output says.
@@ -92,7 +92,6 @@ FitOutcome solve_noting_errors(const Dataset& dataset, const FitRequest& request
 
 /// Points (x, y) of a figure's lines, by the lines' names.
 using Points = std::vector<std::pair<double, double>>;
-using Lines = std::map<std::string, Points>;
 /// Least-squares slope of log y over log x; points: at least two different x.
 double log_slope(const Points& points);
 

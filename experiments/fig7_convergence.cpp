@@ -24,13 +24,15 @@ struct Options {
     LfmOptions model;
     std::vector<double> other_lambdas = {1e-3, 1e-2};
     double tolerance = 1.01;
-    int cap = 3000, other_cap = 1000, rival_iterations = 400, ends = 60, ends_cap = 30000, problems = 3, seed = 7;
+    int vertices = 0, cap = 3000, other_cap = 1000, rival_iterations = 400, ends = 60, ends_cap = 30000, problems = 3;
+    int seed = 7;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_light_field_shape);
         read_maps(c, model);
         c.read("other_lambdas", other_lambdas, limits::weight);
         c.read("tolerance", tolerance, limits::tolerance);
+        c.read("vertices", vertices, drawn_vertices);
         c.read("cap", cap, caps);
         c.read("other_cap", other_cap, caps);
         c.read("rival_iterations", rival_iterations, limits::some_iterations);
@@ -259,7 +261,7 @@ void fig7(Experiment& experiment) {
     Rows rows(results.path());
     for (const std::string& shape : o.datasets) {
         const Dataset dataset = experiment.dataset(shape);
-        const VertexBench bench(dataset, o.model);
+        const VertexBench bench(dataset, o.model, o.vertices, o.seed);
         const auto run = [&](double lambda, bool judged) {
             Contest contest(o, bench, dataset.name, lambda, judged);
             contest.run();

@@ -322,7 +322,7 @@ void write_memory(const ResultFolder& results, const Dataset& dataset, const std
     Table table({"engine", "side of maps", "parameters", "plan", "allocated", "OpenGL's own account",
                  "growth of the process", "Section 6.3's accounting"});
     const auto megabytes = [](double b) { return fmt::format("{:.2f} MB", b / 1e6); };
-    Lines bytes;
+    std::map<std::string, Points> bytes;
     for (const Memory& m : memory) {
         rows.row({"fragment", m.storage, m.passes, std::to_string(m.side),
                   std::to_string(dataset.mesh.triangle_count()), std::to_string(dataset.mesh.vertex_count()),

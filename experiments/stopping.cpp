@@ -22,13 +22,15 @@ struct Options {
     std::string dataset = "star";
     LfmOptions model;
     std::vector<double> levels = {8, 4, 2, 1, 0.5};
-    int cg_iterations = 100, sd_iterations = 1000, cap = 1000, rival_iterations = 400;
+    int vertices = 0, seed = 1, cg_iterations = 100, sd_iterations = 1000, cap = 1000, rival_iterations = 400;
     double tolerance = 1.01;
 
     explicit Options(Config& c) {
         c.read("dataset", dataset, check_light_field_shape);
         read_maps(c, model);
         c.read("levels", levels, thresholds);
+        c.read("vertices", vertices, drawn_vertices);
+        c.read("seed", seed, limits::draw_seed);
         c.read("cg_iterations", cg_iterations, limits::some_iterations);
         c.read("sd_iterations", sd_iterations, limits::some_iterations);
         c.read("cap", cap, limits::some_iterations);
@@ -189,7 +191,7 @@ void write(const ResultFolder& results, const Options& o, const std::vector<Sett
 void stopping(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
-    const VertexBench bench(dataset, o.model);
+    const VertexBench bench(dataset, o.model, o.vertices, o.seed);
     ResultFolder results = experiment.open_results(experiment.cpu_device());
     const std::vector<Setting> all = settings(o);
     std::vector<Vertex> vertices(bench.seen().size());

@@ -121,7 +121,7 @@ double BenchVertex::rms_weight() {
     return std::sqrt(sum / double(vertex.sample_count()));
 }
 
-VertexBench::VertexBench(const Dataset& dataset, const LfmOptions& maps)
+VertexBench::VertexBench(const Dataset& dataset, const LfmOptions& maps, int vertices, int seed)
     : dataset_(&dataset),
       atlas_(dataset.mesh, maps.surface_side),
       rings_(dataset.mesh),
@@ -135,6 +135,10 @@ VertexBench::VertexBench(const Dataset& dataset, const LfmOptions& maps)
     records_.emplace(folder_.path(), key);
     for (uint32_t v = 0; v < records_->vertex_count(); ++v)
         if (records_->vertex(v).samples) seen_.push_back(v);
+    if (vertices == 0) return;
+    std::vector<uint32_t> drawn;
+    for (const size_t place : draw(size_t(vertices), uint64_t(seed))) drawn.push_back(seen_[place]);
+    seen_ = std::move(drawn);
 }
 
 std::vector<size_t> VertexBench::draw(size_t count, uint64_t seed) const {

@@ -8,6 +8,7 @@
 
 #include "app/solver.h"
 #include "base/atomic_file.h"
+#include "base/range.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
 #include "reference/lfm_vertex.h"
@@ -34,6 +35,8 @@ struct Course {
 };
 
 constexpr int rest_iterations = 200;
+
+constexpr Range<int> drawn_vertices{0, 1'000'000'000, "0 is all"};
 
 /// 0 to `last`, the later ones ever sparser: rows of a curve over a logarithmic axis.
 std::vector<int> sparse_iterations(int last);
@@ -79,10 +82,10 @@ private:
 /// A dataset's training photographs, distributed to vertices.
 class VertexBench {
 public:
-    /// maps: sides.
-    VertexBench(const Dataset& dataset, const LfmOptions& maps);
+    /// maps: sides. vertices: how many take part, drawn by seed; 0: all that have samples.
+    VertexBench(const Dataset& dataset, const LfmOptions& maps, int vertices, int seed);
 
-    const std::vector<uint32_t>& seen() const { return seen_; }  ///< vertices with samples, ascending
+    const std::vector<uint32_t>& seen() const { return seen_; }  ///< vertices that take part, ascending
     /// Places in seen() of so many of them, or of all if they are fewer; ascending.
     std::vector<size_t> draw(size_t count, uint64_t seed) const;
     /// body(place in seen(), vertex) for all of them in the paper's mode with this lambda, threads over vertices.

@@ -4,6 +4,7 @@
 Arguments: the program, the checkout.
 """
 import csv
+import gzip
 import json
 import shutil
 import unittest
@@ -57,6 +58,14 @@ class Compare(ProgramTest):
             for f in c["figures"]:  # one timing of a run tells nothing; of repetitions some do
                 if f["verdict"] == "UNCLEAR":
                     self.assertTrue("reason" in f or f["interval"][0] < 1 < f["interval"][1])
+
+    def test_packed_rows_are_as_good_as_others(self):
+        packed = list((self.root / "after").rglob("*.csv.gz"))
+        self.assertTrue(packed)
+        for path in packed:
+            path.with_suffix("").write_bytes(gzip.decompress(path.read_bytes()))
+            path.unlink()
+        self.assertEqual(self.figures(0, "--only", "fig7"), [])
 
     def test_a_changed_psnr(self):
         def change(rows):

@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/rng.h"
 #include "report/csv.h"
 #include "temporary_folder.h"
@@ -289,6 +290,17 @@ TEST_F(Runs, RunsAreFoundAtEveryLevelAndHiddenOnesAreNot) {
     EXPECT_THROW(find_runs(root()), UserError) << "one level too high: results/reference is no part of results";
     fs::rename(run, run.parent_path() / ".radiafit-tmp-1-1-x");
     EXPECT_EQ(find_runs(root() / "a").size(), 1U);
+}
+
+TEST_F(Runs, OthersThanStandardRunsAreTakenWhereTheyAreNamed) {
+    add("a", errors);
+    const fs::path other = add("a", errors);
+    std::string record = read_file(other / "run.json", "record");
+    record.insert(1, "\"standard\": false, ");
+    write_file(other / "run.json", record);
+    ASSERT_EQ(find_runs(root() / "a").size(), 1U);
+    EXPECT_NE(find_runs(root() / "a")[0].folder, other);
+    EXPECT_EQ(find_runs(other).at(0).folder, other);
 }
 
 TEST_F(Runs, WhatCannotBeReadOrMatchedIsNamed) {

@@ -11,8 +11,10 @@
 #include "base/error.h"
 #include "report/csv.h"
 #include "report/figures.h"
+#include "report/finished_runs.h"
 #include "report/problem_picture.h"
 #include "report/result_folder.h"
+#include "report/row_files.h"
 #include "report/table.h"
 #include "temporary_folder.h"
 #include "write_limit.h"
@@ -142,14 +144,21 @@ Record record() {
     return make_record(3, arguments);
 }
 
+std::vector<fs::path> newest(const fs::path& root, const std::string& profile) {
+    std::vector<fs::path> folders;
+    for (const RunRecord& run : newest_runs(root, "fig7", profile)) folders.push_back(run.folder);
+    return folders;
+}
+
 TEST(ResultFolder, AppearsWholeWithItsRecordAndNeverOverwrites) {
     const TemporaryFolder root;
     std::vector<fs::path> made;
     for (int run = 0; run < 3; run++) {  // within one second, at least two of them
         ResultFolder results(root.path(), "fig7", "CPU, 2 threads", record());
-        EXPECT_EQ(newest_runs(root.path(), "fig7").empty(), run == 0) << "an unfinished run is no run";
+        EXPECT_EQ(newest_runs(root.path(), "fig7", "smoke").empty(), run == 0) << "an unfinished run is no run";
         write_file(results.path() / "rows.csv", std::to_string(run));
         results.record().more.emplace_back("peaks", "[1, 2]");
+        results.record().more.emplace_back("profile", "\"smoke\"");
         ResultFolder moved(std::move(results));
         moved.commit();
         made.push_back(moved.path());
@@ -161,22 +170,31 @@ TEST(ResultFolder, AppearsWholeWithItsRecordAndNeverOverwrites) {
     }
     for (int run = 0; run < 3; run++) EXPECT_EQ(contents(made[size_t(run)] / "rows.csv"), std::to_string(run));
     { const ResultFolder abandoned(root.path(), "fig7", "other device", record()); }
-    EXPECT_EQ(newest_runs(root.path(), "fig7"), std::vector{made[2]});
-    EXPECT_TRUE(newest_runs(root.path(), "no such").empty());
+    EXPECT_EQ(newest(root.path(), "smoke"), std::vector{made[2]});
+    EXPECT_TRUE(newest_runs(root.path(), "no such", "smoke").empty());
 }
 
-TEST(ResultFolder, NewestOfEachDevice) {
+TEST(ResultFolder, NewestStandardRunOfEachDevice) {
     const TemporaryFolder root;
-    for (const char* name :
-         {"b/20240101T000000Z-x", "b/20231231T235959Z-y", "a/20200101T000000Z-z", "a/.radiafit-tmp-1-0-later"}) {
+    const auto add = [&](const std::string& name, const std::string& profile, const std::string& more = "") {
         fs::create_directories(root.path() / "fig7" / name);
-        write_file(root.path() / "fig7" / name / "run.json", "{}");
-    }
+        write_file(
+            root.path() / "fig7" / name / "run.json",
+            R"({"program": "fig7", "utc_start": "u", "git_revision": "r", "compiler": "c", "cpu": "C", "cores": 2,
+                       "threads": 2, "config": {}, "profile": ")" +
+                profile + "\"" + more + "}");
+    };
+    add("b/20240101T000000Z-x", "paper");
+    add("b/20231231T235959Z-y", "smoke");
+    add("b/20240102T000000Z-x", "paper", ", \"standard\": false");
+    add("a/20200101T000000Z-z", "paper", ", \"standard\": true");
+    add("a/.radiafit-tmp-1-0-later", "paper");
     fs::create_directories(root.path() / "fig7" / "a" / "20990101T000000Z-without-record");
-    EXPECT_EQ(newest_runs(root.path(), "fig7"),
+    fs::create_directories(root.path() / "fig7" / "a" / "20990102T000000Z-damaged");
+    write_file(root.path() / "fig7/a/20990102T000000Z-damaged/run.json", "{}");
+    EXPECT_EQ(newest(root.path(), "paper"),
               (std::vector{root.path() / "fig7/a/20200101T000000Z-z", root.path() / "fig7/b/20240101T000000Z-x"}));
-    write_file(root.path() / "fig7/b/20231231T235959Z-y/run.json", "{\"profile\": \"smoke\"}");
-    EXPECT_EQ(newest_runs(root.path(), "fig7", "smoke"), std::vector{root.path() / "fig7/b/20231231T235959Z-y"});
+    EXPECT_EQ(newest(root.path(), "smoke"), std::vector{root.path() / "fig7/b/20231231T235959Z-y"});
 }
 
 TEST(ResultFolder, AnUnwritableRootIsNamed) {
@@ -298,6 +316,24 @@ TEST(FiguresWithoutGnuplot, SaysWhatToInstall) {
         message_of<UserError>([&] { draw_figure(folder.path() / "figure.gp", folder.path() / "figure", {}); });
     setenv("PATH", path.c_str(), 1);
     EXPECT_NE(message.find("install gnuplot-nox"), std::string::npos);
+}
+
+TEST(RunFiles, AreWhatTheRunWrote) {
+    const TemporaryFolder root;
+    ResultFolder results(root.path(), "fig7", "CPU", record());
+    write_file(results.path() / "rows.csv", "a\n1\n");
+    results.record().more.emplace_back("profile", "\"smoke\"");
+    results.commit();
+    const RunRecord run = read_run(results.path());
+    EXPECT_EQ(run_files(run.folder), std::vector<std::string>{"rows.csv"});
+    EXPECT_EQ(read_rows(run, "rows.csv").text(0, "a"), "1");
+    EXPECT_THROW(read_rows(run, "others.csv"), UserError);
+    for (const char* other : {"a\n2\n", "a\n1\n1\n", "a\n1", ""}) {
+        write_file(run.folder / "rows.csv", other);
+        EXPECT_THROW(read_rows(run, "rows.csv"), UserError) << other;
+    }
+    write_file(run.folder / "more.csv", "a\n1\n");
+    EXPECT_THROW(read_rows(run, "more.csv"), UserError) << "not of this run";
 }
 
 }  // namespace

@@ -15,13 +15,6 @@ namespace {
 const std::string datasets[] = {"star", "bust"};
 constexpr const char* optimizers[] = {"cg", "sd"};
 
-std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
-std::string with_interval(const Figure& figure, double scale = 1, const char* unit = "") {
-    return figure.interval ? fmt::format("{:.3g}{} ({:.3g} to {:.3g})", scale * figure.value, unit,
-                                         scale * figure.interval->low, scale * figure.interval->high)
-                           : fmt::format("{:.3g}{}", scale * figure.value, unit);
-}
-
 /// Iterations to the tolerance, solver by solver, of all problems of a dataset at one lambda; below 0: not within the
 /// cap.
 class Arrivals {

@@ -2,50 +2,39 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "report/row_files.h"
 
 namespace radiafit {
+namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-FinishedRun::FinishedRun(fs::path folder, const fs::path& checkout)
-    : folder_(std::move(folder)), name_(fs::relative(folder_, checkout).generic_string()) {
-    std::ifstream file(folder_ / "run.json");
-    json_ = Json::parse(file, nullptr, false);
-    if (!json_.is_object())
-        throw UserError(fmt::format("{}: no JSON object; delete the run", (folder_ / "run.json").string()));
+/// Null if there is none.
+nlohmann::json config_value(const RunRecord& record, const char* key) {
+    const auto found = record.config.find(key);
+    return found == record.config.end() ? nlohmann::json() : nlohmann::json::parse(found->second);
 }
 
+}  // namespace
+
+FinishedRun::FinishedRun(RunRecord record, const std::filesystem::path& checkout)
+    : record_(std::move(record)), name_(std::filesystem::relative(record_.folder, checkout).generic_string()) {}
+
 std::string FinishedRun::device() const {
-    if (json_.contains("gl")) return json_.at("gl").at("renderer").get<std::string>();
-    return fmt::format("{}, {} threads", cpu(), threads());
+    if (!record_.renderer.empty()) return record_.renderer;
+    return fmt::format("{}, {} threads", record_.cpu, record_.threads);
 }
 
 double FinishedRun::setting(const char* key) const {
-    const Json config = json_.value("config", Json::object());
-    if (!config.contains(key) || !config.at(key).is_number())
+    const nlohmann::json value = config_value(record_, key);
+    if (!value.is_number())
         throw UserError(fmt::format("{}: config.{} is missing; run the experiment again", name(), key));
-    return config.at(key).get<double>();
+    return value.get<double>();
 }
 
 std::string FinishedRun::text(const char* key) const {
-    const Json config = json_.value("config", Json::object());
-    return config.contains(key) && config.at(key).is_string() ? config.at(key).get<std::string>() : "";
-}
-
-CsvTable FinishedRun::table(const std::string& file) const { return read_rows(folder_, file); }
-
-bool FinishedRun::has_table(const std::string& file) const { return has_run_file(folder_, file); }
-
-std::vector<std::string> FinishedRun::tables(const std::string& ending) const {
-    std::vector<std::string> names;
-    for (const std::string& name : run_files(folder_))
-        if (name.ends_with(ending)) names.push_back(name);
-    return names;
+    const nlohmann::json value = config_value(record_, key);
+    return value.is_string() ? value.get<std::string>() : "";
 }
 
 std::vector<double> column(const CsvTable& table, const char* name) {

@@ -1,37 +1,31 @@
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "report/csv.h"
+#include "report/row_files.h"
 
 namespace radiafit {
 
-/// What one run of an experiment left.
+/// What one run of an experiment left, for the rules.
 class FinishedRun {
 public:
-    /// Throws UserError if its run.json is no JSON object.
-    FinishedRun(std::filesystem::path folder, const std::filesystem::path& checkout);
+    FinishedRun(RunRecord record, const std::filesystem::path& checkout);
 
     const std::string& name() const { return name_; }  ///< its path from the checkout on
-    int threads() const { return json_.value("threads", 0); }
-    std::string cpu() const { return json_.value("cpu", "unknown CPU"); }
+    const std::string& cpu() const { return record_.cpu; }
     std::string device() const;  ///< the GL renderer, or the CPU and its threads
     /// A number of the resolved config. Throws UserError if there is none.
     double setting(const char* key) const;
     /// A text of the resolved config; empty if there is none.
     std::string text(const char* key) const;
     /// Throws UserError for a file that is missing, can't be read, or isn't as the run wrote it.
-    CsvTable table(const std::string& file) const;
-    bool has_table(const std::string& file) const;
-    /// The names of its files that end so, in order.
-    std::vector<std::string> tables(const std::string& ending) const;
+    CsvTable table(const std::string& file) const { return read_rows(record_, file); }
+    bool has_table(const std::string& file) const { return has_run_file(record_, file); }
 
 private:
-    std::filesystem::path folder_;
+    RunRecord record_;
     std::string name_;
-    nlohmann::ordered_json json_;
 };
 
 /// The numbers of a column, row by row.

@@ -55,6 +55,14 @@ Figure mean_of_seeds(const std::vector<double>& values) {
     return figure;
 }
 
+std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
+
+std::string with_interval(const Figure& figure) {
+    const std::string value = fmt::format("{:.3g}", figure.value);
+    if (!figure.interval) return value;
+    return fmt::format("{} ({:.3g} to {:.3g})", value, figure.interval->low, figure.interval->high);
+}
+
 std::string Bound::text(const std::string& unit) const {
     if (least == most) return with_unit(number_text(least, unit), unit);
     if (most == HUGE_VAL) return "at least " + with_unit(number_text(least, unit), unit);

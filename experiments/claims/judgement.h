@@ -29,6 +29,9 @@ Figure share_of(double share, size_t independent);
 /// The mean of an accuracy figure over datasets made from different seeds. An interval needs three.
 Figure mean_of_seeds(const std::vector<double>& values);
 
+std::string percent(double share);                ///< "12.3 %"
+std::string with_interval(const Figure& figure);  ///< "11.9 (11.2 to 12.6)"; the value alone where there is none
+
 /// Where a figure has to lie.
 struct Bound {
     double least = -HUGE_VAL, most = HUGE_VAL;

@@ -26,9 +26,11 @@ Judgement distribution_share(const FinishedRun& run);
 Judgement streaming_share(const FinishedRun& run);
 Judgement lafortune_streaming(const FinishedRun& run);
 Judgement switching_share(const FinishedRun& run);
-Judgement utilization(const FinishedRun& run);
 Judgement memory_over_disk(const FinishedRun& run);
 Judgement combined_passes(const FinishedRun& run);
+
+// What the fragment stage does with it: utilization.cpp.
+Judgement utilization(const FinishedRun& run);
 Judgement cheap_penalties(const FinishedRun& run);
 Judgement paper_chip(const FinishedRun& run);
 

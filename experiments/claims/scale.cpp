@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "experiment.h"
 #include "rules.h"
 
 namespace radiafit {
@@ -18,22 +19,7 @@ std::string plain_name(const std::string& engine) {
     return engine == paper ? "OpenGL, the paper's passes" : engine == combined ? "OpenGL, combined passes" : "the CPU";
 }
 
-std::string with_interval(const Figure& figure) {
-    return figure.interval
-               ? fmt::format("{:.3g} ({:.3g} to {:.3g})", figure.value, figure.interval->low, figure.interval->high)
-               : fmt::format("{:.3g}", figure.value);
-}
-
-/// Of a straight line by least squares through logarithms.
-double log_slope(const std::map<double, double>& points) {
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (const auto& [a, b] : points) {
-        const double u = std::log(a), v = std::log(b);
-        x += u, y += v, xx += u * u, xy += u * v;
-    }
-    const double n = double(points.size());
-    return (n * xy - x * y) / (n * xx - x * x);
-}
+double slope_of(const std::map<double, double>& points) { return log_slope({points.begin(), points.end()}); }
 
 /// time.csv: seconds by size, round by round.
 class Times {
@@ -61,7 +47,7 @@ public:
         std::vector<double> slopes;
         for (const auto& points : rounds(part, engine, size)) {
             if (points.size() < 3) throw UserError("time.csv: a slope needs three sizes; run scaling again");
-            slopes.push_back(log_slope(points));
+            slopes.push_back(slope_of(points));
         }
         return median_of_rounds(slopes);
     }
@@ -86,7 +72,7 @@ struct MemoryLines {
         }
         for (const auto& [name, points] : lines) {
             if (points.size() < 3) throw UserError("memory.csv: a slope needs three sizes; run scaling again");
-            slopes[name] = log_slope(points);
+            slopes[name] = slope_of(points);
         }
         if (slopes.empty()) throw UserError("memory.csv: no rows; run scaling again");
     }

@@ -1,74 +1,16 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <functional>
-#include <map>
 #include <set>
 
-#include "base/error.h"
 #include "gl/context.h"
-#include "rules.h"
+#include "rounds.h"
 
 namespace radiafit {
 namespace {
 
-constexpr const char* optimizers[] = {"sd", "cg"};
-constexpr const char* problems[] = {"light field map", "Lafortune"};
 constexpr const char* full_record = "two-step (full record)";
 constexpr const char* compact_record = "two-step (compact record)";
 constexpr const char* paper_passes = "OpenGL (paper passes)";
 constexpr const char* batched_passes = "OpenGL (combined passes)";
 constexpr const char* image_by_image = "OpenGL (combined passes, image by image)";
-
-bool is_descent(const std::string& optimizer) { return optimizer == optimizers[0]; }
-std::string upper(const std::string& optimizer) { return is_descent(optimizer) ? "SD" : "CG"; }
-std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
-
-/// Texts that columns hold.
-using Where = std::vector<std::pair<const char*, std::string>>;
-
-/// Rows where they do. Throws UserError if there are none.
-std::vector<size_t> rows_where(const CsvTable& t, const Where& where) {
-    std::vector<size_t> rows;
-    for (size_t i = 0; i < t.row_count(); ++i)
-        if (std::ranges::all_of(where, [&](const auto& pair) { return t.text(i, pair.first) == pair.second; }))
-            rows.push_back(i);
-    if (!rows.empty()) return rows;
-    std::vector<std::string> texts;
-    for (const auto& [column, text] : where) texts.push_back(text);
-    throw UserError(fmt::format("no row of {}; run the experiment again", fmt::join(texts, ", ")));
-}
-
-/// A figure by repetition: what is compared is taken within one round.
-using Rounds = std::map<int, double>;
-using RowValue = std::function<double(size_t row)>;
-
-Rounds rounds(const CsvTable& t, const Where& where, const RowValue& value) {
-    Rounds out;
-    for (const size_t row : rows_where(t, where)) out[int(t.number(row, "repetition"))] = value(row);
-    return out;
-}
-Rounds rounds(const CsvTable& t, const Where& where, const char* column) {
-    return rounds(t, where, [&](size_t row) { return t.number(row, column); });
-}
-
-std::vector<double> values(const Rounds& rounds) {
-    std::vector<double> out;
-    for (const auto& [round, value] : rounds) out.push_back(value);
-    return out;
-}
-double median_of(const Rounds& rounds) { return median(values(rounds)); }
-
-/// Of the rounds that both have.
-template <class Operation>
-std::vector<double> each(const Rounds& a, const Rounds& b, const Operation& operation) {
-    std::vector<double> out;
-    for (const auto& [round, value] : a)
-        if (const auto other = b.find(round); other != b.end()) out.push_back(operation(value, other->second));
-    return out;
-}
-std::vector<double> ratios(const Rounds& a, const Rounds& b) { return each(a, b, std::divides()); }
 
 /// For claims about images from a cold disk: not run unless they were, by the most pages that were cached.
 void demand_cold(Judgement& j, const FinishedRun& run, const CsvTable& t, const Where& where) {
@@ -169,22 +111,38 @@ Judgement distribution_share(const FinishedRun& run) {
     return j;
 }
 
-Judgement streaming_share(const FinishedRun& run) {
-    const CsvTable t = run.table("iterations.csv");
+namespace {
+
+/// The share of an iteration that streaming from a cold disk takes. seconds(optimizer): of its streaming, and all of
+/// it.
+Judgement judge_streaming(const FinishedRun& run, const CsvTable& t, const Where& where, const Bound& bound,
+                          const std::function<std::pair<Rounds, Rounds>(const std::string& optimizer)>& seconds,
+                          const char* fitting, const char* stated) {
     Judgement j{.renderer = run.device()};
     j.demand_graphics_chip();
     for (const std::string optimizer : optimizers) {
-        const Where where{{"method", paper_passes}, {"optimizer", optimizer}};
-        const auto share = ratios(rounds(t, where, "streaming_s"), rounds(t, where, "seconds"));
+        const auto [streaming, all] = seconds(optimizer);
         j.measures.push_back(
-            {.of = upper(optimizer), .figure = median_of_rounds(share), .bound = between(0.1, 0.3), .unit = "%"});
+            {.of = upper(optimizer), .figure = median_of_rounds(ratios(streaming, all)), .bound = bound, .unit = "%"});
     }
-    demand_cold(j, run, t, {{"method", paper_passes}});
+    demand_cold(j, run, t, where);
     j.sentence = fmt::format(
-        "Reading photographs from a cold disk and handing them to OpenGL takes {} of an iteration by steepest descent "
-        "and {} of one by conjugate gradients; the paper says about 20 %.",
-        j.measures[0].value_text(), j.measures[1].value_text());
+        "Fitting {} with the paper's passes, reading photographs from a cold disk and handing them to OpenGL takes {} "
+        "of "
+        "an iteration by steepest descent and {} of one by conjugate gradients; the paper says about {}.",
+        fitting, j.measures[0].value_text(), j.measures[1].value_text(), stated);
     return j;
+}
+
+}  // namespace
+
+Judgement streaming_share(const FinishedRun& run) {
+    const CsvTable t = run.table("iterations.csv");
+    const auto seconds = [&](const std::string& optimizer) {
+        const Where where{{"method", paper_passes}, {"optimizer", optimizer}};
+        return std::pair(rounds(t, where, "streaming_s"), rounds(t, where, "seconds"));
+    };
+    return judge_streaming(run, t, {{"method", paper_passes}}, between(0.1, 0.3), seconds, "light field maps", "20 %");
 }
 
 Judgement switching_share(const FinishedRun& run) {
@@ -264,22 +222,12 @@ Rounds streamed(const CsvTable& t, const std::string& problem, const std::string
 
 Judgement lafortune_streaming(const FinishedRun& run) {
     const CsvTable t = run.table("iterations.csv");
-    Judgement j{.renderer = run.device()};
-    j.demand_graphics_chip();
-    for (const std::string optimizer : optimizers) {
-        const Rounds seconds = streamed(t, "Lafortune", "paper", "disk-cold", optimizer),
-                     streaming = streamed(t, "Lafortune", "paper", "disk-cold", optimizer, true);
-        j.measures.push_back({.of = upper(optimizer),
-                              .figure = median_of_rounds(ratios(streaming, seconds)),
-                              .bound = between(0.5, 0.9),
-                              .unit = "%"});
-    }
-    demand_cold(j, run, t, {{"problem", "Lafortune"}, {"passes", "paper"}, {"source", "disk-cold"}});
-    j.sentence = fmt::format(
-        "Fitting Lafortune's model with the paper's passes, streaming photographs from a cold disk takes {} of an "
-        "iteration by steepest descent and {} of one by conjugate gradients; the paper says about 70 %.",
-        j.measures[0].value_text(), j.measures[1].value_text());
-    return j;
+    const auto seconds = [&](const std::string& optimizer) {
+        return std::pair(streamed(t, "Lafortune", "paper", "disk-cold", optimizer, true),
+                         streamed(t, "Lafortune", "paper", "disk-cold", optimizer));
+    };
+    return judge_streaming(run, t, {{"problem", "Lafortune"}, {"passes", "paper"}, {"source", "disk-cold"}},
+                           between(0.5, 0.9), seconds, "Lafortune's model", "70 %");
 }
 
 Judgement memory_over_disk(const FinishedRun& run) {
@@ -307,164 +255,6 @@ Judgement memory_over_disk(const FinishedRun& run) {
         "With photographs from host memory an iteration takes between {} ({}) and {} ({}) of its time with photographs "
         "from a cold disk.",
         percent(least->figure.value), least->of, percent(most->figure.value), most->of);
-    return j;
-}
-
-// Figure 10.
-
-namespace {
-
-/// What an iteration's passes declare; by the names of work.csv's columns.
-class DeclaredWork {
-public:
-    DeclaredWork(const CsvTable& work, const std::string& problem, const std::string& optimizer,
-                 const std::string& passes)
-        : work_(work),
-          row_(rows_where(work, {{"problem", problem}, {"optimizer", optimizer}, {"passes", passes}}).front()) {}
-    double operator()(const char* column) const { return work_.number(row_, column); }
-
-private:
-    const CsvTable& work_;
-    size_t row_;
-};
-
-// What Section 6.5 states of a Radeon 9700: operations and 64-bit texture reads a second.
-constexpr double chip_operations = 2.6e9, chip_reads = 0.65e9;
-
-}  // namespace
-
-Judgement utilization(const FinishedRun& run) {
-    const CsvTable t = run.table("iterations.csv"), table = run.table("work.csv"), peaks = run.table("peaks.csv");
-    Judgement j{.renderer = run.device(),
-                .no_rule = "the paper's share is of a Radeon 9700's peaks, and our text of the paper lost the bars"};
-    const Rounds operations = rounds(peaks, {{"peak", "operations of fragments"}}, "per_second"),
-                 reads = rounds(peaks, {{"peak", "texture reads"}}, "per_second");
-    for (const std::string problem : problems)
-        for (const std::string optimizer : optimizers)
-            for (const std::string passes : {"paper", "combined"}) {
-                const Rounds seconds =
-                    rounds(t, {{"problem", problem}, {"optimizer", optimizer}, {"passes", passes}}, "seconds");
-                const DeclaredWork work(table, problem, optimizer, passes);
-                const auto share = [&](const char* amount, const Rounds& peak) {
-                    return median_of_rounds(
-                        each(seconds, peak, [&](double s, double rate) { return work(amount) / s / rate; }));
-                };
-                const Figure computation = share("operations", operations), fetching = share("reads", reads);
-                const std::string of = fmt::format("{}, {}", problem, upper(optimizer));
-                if (passes == "paper") {
-                    j.measures.push_back({.of = of + ", arithmetic", .figure = computation, .bound = {}, .unit = "%"});
-                    j.measures.push_back({.of = of + ", texture reads", .figure = fetching, .bound = {}, .unit = "%"});
-                } else {
-                    j.beside.push_back(fmt::format("{}, combined passes: arithmetic {}, texture reads {}", of,
-                                                   percent(computation.value), percent(fetching.value)));
-                }
-            }
-    const auto spread = [](const Rounds& rates) {
-        const std::vector<double> all = values(rates);
-        return fmt::format("{:.3g} G/s ({:.3g} to {:.3g} in {} repetitions)", 1e-9 * median(all),
-                           1e-9 * std::ranges::min(all), 1e-9 * std::ranges::max(all), all.size());
-    };
-    j.beside.push_back(
-        fmt::format("peaks measured beside each iteration: {} operations, {} texture reads; the paper's "
-                    "Radeon 9700: 2.6 and 0.65 G/s",
-                    spread(operations), spread(reads)));
-    j.sentence = fmt::format(
-        "The light field map by steepest descent, as in Figure 10, reaches {} of this device's peak of arithmetic and "
-        "{} of its peak of texture reads; the paper's 29 % were of a Radeon 9700's.",
-        j.measures[0].value_text(), j.measures[1].value_text());
-    return j;
-}
-
-Judgement cheap_penalties(const FinishedRun& run) {
-    const CsvTable t = run.table("iterations.csv"), table = run.table("work.csv");
-    Judgement j{.renderer = run.device()};
-    for (const std::string problem : problems)
-        for (const std::string optimizer : optimizers) {
-            const Where where{{"problem", problem}, {"optimizer", optimizer}, {"passes", "paper"}};
-            const DeclaredWork work(table, problem, optimizer, "paper");
-            const double alone = work("penalty_operations"), shared = work("shared_operations");
-            // The gradient's last step adds penalties to the sums over samples: with it this is the most that they
-            // can take, without it the least.
-            Figure time = median_of_rounds(ratios(rounds(t, where, "penalties_s"), rounds(t, where, "seconds")));
-            if (time.interval) time.interval->low *= alone / (alone + shared);
-            const double all = work("operations");
-            const Figure operations{(alone + shared) / all, Interval{alone / all, (alone + shared) / all}};
-            const std::string of = fmt::format("{}, {}", problem, upper(optimizer));
-            j.measures.push_back({.of = of + ", time", .figure = time, .bound = at_most(0.05), .unit = "%"});
-            j.measures.push_back(
-                {.of = of + ", operations", .figure = operations, .bound = at_most(0.05), .unit = "%"});
-        }
-    const auto most = [&](const char* what) {
-        double share = 0;
-        for (const Measure& m : j.measures)
-            if (m.of.ends_with(what)) share = std::max(share, m.figure.value);
-        return percent(share);
-    };
-    j.beside.push_back(
-        "each share is the most that it can be, and its interval's lower end the least: with and without "
-        "the gradient's last step, which adds penalties to the sums over samples");
-    j.sentence = fmt::format(
-        "Regularization and bounds take at most {} of an iteration's time and {} of the operations that its programs "
-        "declare, with the paper's passes.",
-        most("time"), most("operations"));
-    return j;
-}
-
-Judgement paper_chip(const FinishedRun& run) {
-    const CsvTable table = run.table("work.csv");
-    Judgement j{.renderer = "a model",
-                .no_rule =
-                    "a model of another machine, from the declared work of our passes and the peaks that the "
-                    "paper states"};
-    // The paper counts instructions, of which one works on up to four components and multiplies and adds; we count
-    // each component, and a multiply-add as two.
-    constexpr double most_in_one_instruction = 8;
-    constexpr double streaming = 0.2;
-    // Of machines of that time, as is well known; not stated by the paper.
-    constexpr double least_disk = 20e6, most_switch = 1e-3;
-    std::vector<std::string> found;
-    bool plausible = true;
-    for (const std::string optimizer : optimizers) {
-        const double switching = is_descent(optimizer) ? 0.5 : 0.66;
-        const DeclaredWork work(table, "light field map", optimizer, "paper");
-        const double reading = work("reads") / chip_reads;
-        const double arithmetic = work("operations") / chip_operations;
-        const double computing = std::max(reading, arithmetic / most_in_one_instruction);
-        // What the paper's shares leave is computation.
-        const double total = computing / (1 - streaming - switching);
-        const double disk = work("image_bytes") / (streaming * total);
-        const double one_switch = switching * total / work("switches");
-        plausible = plausible && disk >= least_disk && one_switch <= most_switch;
-        const auto told = [&](const char* what, double value, const char* unit) {
-            j.measures.push_back({.of = fmt::format("{}, {}", upper(optimizer), what),
-                                  .figure = exact(value),
-                                  .bound = {},
-                                  .unit = unit});
-        };
-        told("computation at least", computing, "s");
-        told("an iteration at least, if that is the share the paper leaves it", total, "s");
-        told("a disk at most as fast", 1e-6 * disk, "MB/s");
-        told("a switch at least as long", 1e6 * one_switch, "µs");
-        j.beside.push_back(fmt::format(
-            "{}: {:.3g} G texture reads take {:.3g} s at 0.65 G/s; {:.3g} G operations between {:.3g} and {:.3g} s at "
-            "2.6 G/s, by how many components an instruction works on; {:.3g} MB of images and {:g} switches",
-            upper(optimizer), 1e-9 * work("reads"), reading, 1e-9 * work("operations"),
-            arithmetic / most_in_one_instruction, arithmetic, 1e-6 * work("image_bytes"), work("switches")));
-        found.push_back(
-            fmt::format("{:.3g} s by {}, of an iteration of {:.3g} s with a disk of at most {:.3g} MB/s "
-                        "and switches of at least {:.3g} µs",
-                        computing, upper(optimizer), total, 1e-6 * disk, 1e6 * one_switch));
-    }
-    j.beside.push_back(
-        fmt::format("the shares are called plausible where the disk may read {:g} MB/s and a switch may "
-                    "take no more than {:g} ms, as with machines of that time: our assumption",
-                    1e-6 * least_disk, 1e3 * most_switch));
-    j.beside.push_back(
-        "29 % utilization is what 20 % of streaming and 50 % of switching leave of SD's time, 30 %, at "
-        "the chip's peak: the paper's own figures agree; it states no time in seconds");
-    j.sentence =
-        fmt::format("By a model that takes the paper's shares for granted, a Radeon 9700 computes at least {}: {}.",
-                    fmt::join(found, "; "), plausible ? "plausible" : "not plausible");
     return j;
 }
 

@@ -110,7 +110,7 @@ void print(const Comparison& comparison, bool all) {
 Json json_of(const std::vector<RunRecord>& runs) {
     const RunRecord& run = runs.front();
     return {{"folder", run.folder.string()}, {"revision", run.revision}, {"utc", run.utc},
-            {"device", run.device},          {"profile", run.profile},   {"runs", runs.size()}};
+            {"device", run.device()},        {"profile", run.profile},   {"runs", runs.size()}};
 }
 
 Json json_of(const Cell& cell) {

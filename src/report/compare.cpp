@@ -32,17 +32,17 @@ std::string shown(const Key& key) {
 /// The rows of one file of a run by their keys.
 class Rows {
 public:
-    Rows(const fs::path& file, const std::string& experiment, const TableRules& rules)
-        : file_(file), table_(read_rows(file.parent_path(), file.filename().string())) {
+    Rows(const RunRecord& run, const std::string& name, const TableRules& rules)
+        : file_(run.folder / name), table_(read_rows(run, name)) {
         std::set<std::string> seen;
         bool repeated = false;
         for (const std::string& column : table_.header()) {
             const ColumnRule* rule = rules.rule(column);
             if (!rule)
-                throw UserError(fmt::format("{}: column '{}' of {} has no rule; say what it is in {}", file.string(),
-                                            column, experiment, columns_file));
+                throw UserError(fmt::format("{}: column '{}' of {} has no rule; say what it is in {}", file_.string(),
+                                            column, run.experiment, columns_file));
             if (!seen.insert(column).second)
-                throw UserError(fmt::format("{}: column '{}' stands twice; remake the file", file.string(), column));
+                throw UserError(fmt::format("{}: column '{}' stands twice; remake the file", file_.string(), column));
             repeated = repeated || rule->kind == ColumnKind::repetition;
         }
         for (const auto& [column, rule] : rules.columns())  // in one order, whatever the file's is
@@ -55,7 +55,7 @@ public:
             if (rows.empty()) order_.push_back(key);
             rows.push_back(row);
             if (rows.size() > 1 && !repeated)
-                throw UserError(fmt::format("{}: two rows of '{}'; remake the file", file.string(), shown(key)));
+                throw UserError(fmt::format("{}: two rows of '{}'; remake the file", file_.string(), shown(key)));
         }
     }
 
@@ -249,11 +249,11 @@ std::set<std::string> files_of(const RunRecord& run) {
 std::vector<Rows> rows_of(const std::vector<RunRecord>& runs, const std::string& name, const TableRules& rules) {
     std::vector<Rows> rows;
     for (const RunRecord& run : runs)
-        if (has_run_file(run.folder, name)) rows.emplace_back(run.folder / name, run.experiment, rules);
+        if (has_run_file(run, name)) rows.emplace_back(run, name, rules);
     return rows;
 }
 
-std::string device_and_profile(const RunRecord& run) { return fmt::format("{}, {}", run.profile, run.device); }
+std::string device_and_profile(const RunRecord& run) { return fmt::format("{}, {}", run.profile, run.device()); }
 
 /// The newest run of each device and profile, and all that repeat it, newest first.
 std::vector<std::vector<RunRecord>> groups_of(std::span<const RunRecord> runs, const std::string& experiment) {
@@ -319,7 +319,7 @@ std::vector<std::string> what_sets_apart(const RunPair& pair) {
     const auto note = [&](const char* what, const std::string& before, const std::string& after) {
         if (before != after) out.push_back(fmt::format("{}: {}, then {}", what, before, after));
     };
-    note("device", a.device, b.device);
+    note("device", a.device(), b.device());
     note("profile", a.profile, b.profile);
     std::set<std::string> keys;
     for (const RunRecord* run : {&a, &b})
@@ -345,9 +345,9 @@ std::vector<Cell> compare_runs(const RunPair& pair) {
         const TableRules* rules = find_table_rules(a.experiment, name);
         if (!rules)
             throw UserError(fmt::format("{}: no rules for this file of {}; say what its columns are in {}",
-                                        ((fs::exists(a.folder / name) ? a : b).folder / name).string(), a.experiment,
+                                        ((has_run_file(a, name) ? a : b).folder / name).string(), a.experiment,
                                         columns_file));
-        const bool here = fs::exists(a.folder / name), there = fs::exists(b.folder / name);
+        const bool here = has_run_file(a, name), there = has_run_file(b, name);
         // read in any case, so that a damaged file is told
         const std::vector<Rows> before = rows_of(pair.before, name, *rules), after = rows_of(pair.after, name, *rules);
         if (here != there) {

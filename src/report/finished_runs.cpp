@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/error.h"
 #include "base/nesting.h"
 #include "base/read_file.h"
 #include "report/result_folder.h"
+#include "report/row_files.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -33,34 +35,18 @@ T field(const json& object, const char* name, const fs::path& file) {
                                 std::is_integral_v<T> ? "whole number" : "text"));
 }
 
-RunRecord read_run(const fs::path& folder) {
-    const fs::path file = folder / record_name;
-    const std::string text = read_file(file, "record of a run");
-    const json object = nested_deeper(text, 64) ? json() : json::parse(text, nullptr, false);
-    if (!object.is_object())
-        throw UserError(fmt::format("{}: no JSON object; run the experiment again", file.string()));
-    RunRecord run{.folder = folder,
-                  .experiment = field<std::string>(object, "program", file),
-                  .utc = field<std::string>(object, "utc_start", file),
-                  .revision = field<std::string>(object, "git_revision", file),
-                  .profile = field<std::string>(object, "profile", file),
-                  .compiler = field<std::string>(object, "compiler", file),
-                  .device = fmt::format("{}, {} cores, {} threads", field<std::string>(object, "cpu", file),
-                                        field<int>(object, "cores", file), field<int>(object, "threads", file)),
-                  .config = {}};
-    const auto gl = object.find("gl");
-    if (gl != object.end() && gl->is_object()) run.device += "; " + field<std::string>(*gl, "renderer", file);
-    const auto config = object.find("config");
-    if (config == object.end() || !config->is_object())
-        throw UserError(fmt::format("{}: 'config' is missing or no object; run the experiment again", file.string()));
-    for (const auto& [key, value] : config->items())
-        run.config[key] = value.dump(-1, ' ', false, json::error_handler_t::replace);
-    return run;
+bool holds_rows(const fs::path& folder) {
+    return std::ranges::any_of(run_files(folder), [](const std::string& name) { return name.ends_with(".csv"); });
 }
 
-bool holds_rows(const fs::path& folder) {
-    return std::ranges::any_of(fs::directory_iterator(folder),
-                               [](const fs::directory_entry& e) { return e.path().extension() == ".csv"; });
+/// None where the folder holds no run, another profile's, or one of other settings.
+std::optional<RunRecord> standard_run(const fs::path& folder, const std::string& profile) {
+    try {
+        RunRecord run = read_run(folder);
+        if (run.standard && run.profile == profile) return run;
+    } catch (const UserError&) {  // of an older version, or damaged
+    }
+    return std::nullopt;
 }
 
 void collect(const fs::path& folder, int below, std::vector<RunRecord>& runs) {
@@ -77,10 +63,47 @@ void collect(const fs::path& folder, int below, std::vector<RunRecord>& runs) {
 
 }  // namespace
 
+std::string RunRecord::device() const {
+    return fmt::format("{}, {} cores, {} threads{}", cpu, cores, threads, renderer.empty() ? "" : "; " + renderer);
+}
+
+RunRecord read_run(const fs::path& folder) {
+    const fs::path file = folder / record_name;
+    const std::string text = read_file(file, "record of a run");
+    const json object = nested_deeper(text, 64) ? json() : json::parse(text, nullptr, false);
+    if (!object.is_object())
+        throw UserError(fmt::format("{}: no JSON object; run the experiment again", file.string()));
+    RunRecord run{.folder = folder,
+                  .experiment = field<std::string>(object, "program", file),
+                  .utc = field<std::string>(object, "utc_start", file),
+                  .revision = field<std::string>(object, "git_revision", file),
+                  .profile = field<std::string>(object, "profile", file),
+                  .compiler = field<std::string>(object, "compiler", file),
+                  .cpu = field<std::string>(object, "cpu", file)};
+    run.cores = field<int>(object, "cores", file);
+    run.threads = field<int>(object, "threads", file);
+    if (object.contains("caption")) run.caption = field<std::string>(object, "caption", file);
+    run.standard = object.value("standard", json(true)) != json(false);
+    const auto gl = object.find("gl");
+    if (gl != object.end() && gl->is_object()) run.renderer = field<std::string>(*gl, "renderer", file);
+    const auto take = [&](const char* name, std::map<std::string, std::string>& texts) {
+        const auto found = object.find(name);
+        if (found == object.end() || !found->is_object())
+            throw UserError(
+                fmt::format("{}: '{}' is missing or no object; run the experiment again", file.string(), name));
+        for (const auto& [key, value] : found->items())
+            texts[key] = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    };
+    take("config", run.config);
+    if (object.contains("files")) take("files", run.files);
+    return run;
+}
+
 std::vector<RunRecord> find_runs(const fs::path& folder) {
     if (!folder_stands(folder)) throw UserError(fmt::format("{}: no such folder; check the path", folder.string()));
     std::vector<RunRecord> runs;
     collect(folder, levels, runs);
+    if (!stands(folder / record_name)) std::erase_if(runs, [](const RunRecord& run) { return !run.standard; });
     if (runs.empty())
         throw UserError(fmt::format(
             "{}: no run in it or up to three folders down; name a folder with a {}, or one that holds such folders",
@@ -88,6 +111,20 @@ std::vector<RunRecord> find_runs(const fs::path& folder) {
     std::ranges::sort(runs, std::ranges::greater(),
                       [](const RunRecord& run) { return std::pair(run.utc, run.folder); });
     return runs;
+}
+
+std::vector<RunRecord> newest_runs(const fs::path& root, const std::string& experiment, const std::string& profile) {
+    std::vector<RunRecord> result;
+    for (const fs::path& device : folders_in(root / experiment)) {
+        std::vector<fs::path> runs = folders_in(device);
+        std::ranges::reverse(runs);  // names start with the time in a form that sorts
+        for (const fs::path& folder : runs)
+            if (auto run = standard_run(folder, profile)) {
+                result.push_back(*std::move(run));
+                break;
+            }
+    }
+    return result;
 }
 
 }  // namespace radiafit

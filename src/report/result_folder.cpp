@@ -4,8 +4,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
 #include "report/row_files.h"
@@ -67,24 +65,6 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
         if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) result.push_back(entry.path());
     std::ranges::sort(result);
-    return result;
-}
-
-std::vector<fs::path> newest_runs(const fs::path& root, const std::string& experiment, const std::string& profile) {
-    const auto wanted = [&](const fs::path& run) {
-        if (!fs::exists(run / "run.json")) return false;
-        if (profile.empty()) return true;
-        std::ifstream file(run / "run.json");
-        const auto json = nlohmann::json::parse(file, nullptr, false);
-        return json.is_object() && json.value("profile", "") == profile && json.value("standard", true);
-    };
-    std::vector<fs::path> result;
-    for (const fs::path& device : folders_in(root / experiment)) {
-        std::vector<fs::path> runs = folders_in(device);
-        // Names start with the time in a form that sorts.
-        std::erase_if(runs, [&](const fs::path& run) { return !wanted(run); });
-        if (!runs.empty()) result.push_back(runs.back());
-    }
     return result;
 }
 

@@ -41,9 +41,4 @@ private:
 /// The folders in a folder, hidden ones (runs under way or broken off) left out; sorted. None where there is no folder.
 std::vector<std::filesystem::path> folders_in(const std::filesystem::path& folder);
 
-/// The newest whole run of an experiment on each device, in the order of device names; empty if there is none.
-/// `profile`: only runs whose run.json names it, and with no other settings than the profile's.
-std::vector<std::filesystem::path> newest_runs(const std::filesystem::path& root, const std::string& experiment,
-                                               const std::string& profile = "");
-
 }  // namespace radiafit

@@ -4,8 +4,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <fstream>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -16,7 +14,7 @@ namespace radiafit {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 constexpr const char* record_name = "run.json";
 
@@ -53,8 +51,8 @@ std::string file_list_json(const fs::path& folder) {
     return files.dump();
 }
 
-bool has_run_file(const fs::path& folder, const std::string& name) {
-    return fs::exists(folder / name) || fs::exists(packed(folder / name));
+bool has_run_file(const RunRecord& run, const std::string& name) {
+    return fs::exists(run.folder / name) || fs::exists(packed(run.folder / name));
 }
 
 std::vector<std::string> run_files(const fs::path& folder) {
@@ -69,24 +67,20 @@ std::vector<std::string> run_files(const fs::path& folder) {
     return names;
 }
 
-std::string read_run_file(const fs::path& folder, const std::string& name) {
-    const fs::path file = folder / name;
-    if (!has_run_file(folder, name))
+std::string read_run_file(const RunRecord& run, const std::string& name) {
+    const fs::path file = run.folder / name;
+    if (!has_run_file(run, name))
         throw UserError(fmt::format("{}: no such file; run the experiment again", file.string()));
     std::string bytes = fs::exists(file) ? read_file(file, "file of rows") : unpacked(packed(file));
-    std::ifstream stream(folder / record_name);
-    const Json record = Json::parse(stream, nullptr, false);
-    if (record.is_object() && record.contains("files")) {
-        const Json& files = record.at("files");
-        if (!files.is_object() || files.value(name, Json()) != description(bytes))
-            throw UserError(fmt::format(
-                "{}: not as the run wrote it, by its checksum in run.json; run the experiment again", file.string()));
-    }
+    const auto known = run.files.find(name);
+    if (!run.files.empty() && (known == run.files.end() || known->second != description(bytes).dump()))
+        throw UserError(fmt::format(
+            "{}: not as the run wrote it, by its checksum in run.json; run the experiment again", file.string()));
     return bytes;
 }
 
-CsvTable read_rows(const fs::path& folder, const std::string& name) {
-    return CsvTable(folder / name, read_run_file(folder, name));
+CsvTable read_rows(const RunRecord& run, const std::string& name) {
+    return CsvTable(run.folder / name, read_run_file(run, name));
 }
 
 }  // namespace radiafit

@@ -23,7 +23,8 @@ class ClaimsTest(ProgramTest):
         """One run: tables are {name of the CSV file: [row as a dict]}."""
         run = self.root / "results" / experiment / device / f"{time}-abc"
         run.mkdir(parents=True)
-        record = {"profile": profile, "standard": standard, "cpu": "C", "threads": 2, "config": config} | ({"gl": gl} if gl else {})
+        record = {"program": experiment, "utc_start": time, "git_revision": "abc", "compiler": "c", "profile": profile,
+                  "standard": standard, "cpu": "C", "cores": 2, "threads": 2, "config": config} | ({"gl": gl} if gl else {})
         (run / "run.json").write_text(json.dumps(record))
         for name, rows in tables.items():
             with open(run / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
