@@ -105,8 +105,12 @@ class ExperimentCli(ProgramTest):
             (run / "datasets.csv").write_bytes(damage)
             self.refused("--run", run, says=["datasets.csv: not as the run wrote it", "run the experiment again"],
                          cwd=self.checkout)  # fmt: skip
-        (run / "run.json").write_text("{}")
+        record = json.loads((run / "run.json").read_text())
+        (run / "run.json").write_text(json.dumps(record | {"program": "fig7_convergence"}))
         self.refused("--run", run, says=[f"not of {NAME}"], cwd=self.checkout)
+        (run / "run.json").write_text("{}")
+        self.refused("--run", run, says=["run.json: 'program' is missing", "run the experiment again"],
+                     cwd=self.checkout)  # fmt: skip
 
 
 if __name__ == "__main__":
