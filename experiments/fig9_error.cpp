@@ -13,15 +13,19 @@
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
+#include "samples/projected_sides.h"
 
 namespace radiafit {
 namespace {
+
+constexpr Range<double> mean_texels{0, double(TriangleTile::texels_of(largest_side)), "0: one side for all"};
 
 struct Options {
     std::vector<std::string> datasets = {"star", "bust"};
     std::vector<int> seeds = {1, 2, 3}, terms = {1, 2, 3};
     std::string capture;
     int high_side = 16, low_side = 8, iterations = 100, modern_iterations = 40, opengl_iterations = 40;
+    double high_texels = 144;
     std::vector<double> lambda_surface = {1e-2}, lambda_view = {0.1}, other_lambdas = {1e-3, 1e-4};
     std::vector<int> refills = {10};
     int validation = 8;
@@ -32,6 +36,7 @@ struct Options {
         c.read("capture", capture);
         c.read("terms", terms, limits::terms);
         c.read("high_side", high_side, limits::map_side);
+        c.read("high_texels", high_texels, mean_texels);
         c.read("low_side", low_side, limits::map_side);
         c.read("iterations", iterations, limits::iterations);
         c.read("modern_iterations", modern_iterations, limits::iterations);
@@ -53,9 +58,12 @@ struct Options {
         r.iterations = iterations;
         return weighted(r, lambda_surface.front(), lambda_view.front());
     }
-    FitRequest solved_by(const char* solver) const {
+    /// density: texels per pixel of triangles' own sides; 0: one side.
+    FitRequest high_request(double density, const char* solver = "stream") const {
         FitRequest r = request(high_side);
         r.solver = solver;
+        r.texels_per_pixel = density;
+        if (density > 0) r.model.surface_side = largest_side;
         return r;
     }
     static FitRequest weighted(FitRequest r, double surface, double view) {
@@ -82,6 +90,8 @@ struct Row {
     std::string dataset, seed, method, weights, renderer;
     FitRequest request;
     JudgeResult train, held;
+    int surface_side = 0;       ///< the largest
+    double surface_texels = 0;  ///< mean over triangles
     double invented_share = 0, seconds = 0;
 };
 
@@ -95,6 +105,7 @@ struct Trial {
 
 /// The requests that did best on the validation views of one dataset, for all datasets of its shape.
 struct Chosen {
+    double density;  ///< of surface maps at the high resolution, chosen by their number of texels
     FitRequest high, low, pca;
 };
 
@@ -104,20 +115,22 @@ public:
 
     Chosen choose(const Dataset& dataset, const std::string& seed) {
         const Options& o = options_;
-        const auto weights = [&](int side) {
+        const double density =
+            o.high_texels > 0 ? density_for(projected_areas(dataset, dataset.split(false)), o.high_texels, largest_side)
+                              : 0;
+        const auto weights = [&](const FitRequest& request) {
             std::vector<FitRequest> requests;
             for (const double surface : o.lambda_surface)
-                for (const double view : o.lambda_view)
-                    requests.push_back(Options::weighted(o.request(side), surface, view));
+                for (const double view : o.lambda_view) requests.push_back(Options::weighted(request, surface, view));
             return requests;
         };
         std::vector<FitRequest> refilled;
         for (const int refills : o.refills) {
-            refilled.push_back(o.solved_by("pca"));
+            refilled.push_back(o.high_request(density, "pca"));
             refilled.back().refills = refills;
         }
-        return {best_of(dataset, seed, "cg-high", weights(o.high_side)),
-                best_of(dataset, seed, "cg-low", weights(o.low_side)),
+        return {density, best_of(dataset, seed, "cg-high", weights(o.high_request(density))),
+                best_of(dataset, seed, "cg-low", weights(o.request(o.low_side))),
                 best_of(dataset, seed, "pca-refilled", std::move(refilled))};
     }
 
@@ -127,8 +140,8 @@ public:
         const auto add = [&](const char* method, const std::string& weights, const FitRequest& request) {
             rows_.push_back(fitted(dataset, seed, method, weights, request));
         };
-        add("mean", "", o.solved_by("mean"));
-        add("pca-published", "", o.solved_by("pca"));
+        add("mean", "", o.high_request(chosen.density, "mean"));
+        add("pca-published", "", o.high_request(chosen.density, "pca"));
         add("pca-refilled", "", chosen.pca);
         add("cg-high", "chosen", chosen.high);
         for (const double lambda : o.other_lambdas)
@@ -196,6 +209,9 @@ private:
                 .request = request,
                 .train = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train),
                 .held = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::test),
+                .surface_side = out.fit.options.surface_side,
+                .surface_texels = double(surface_atlas(dataset.mesh, out.fit.options).used_texels()) /
+                                  double(dataset.mesh.triangle_count()),
                 .invented_share = out.resampling.invented_share(),
                 .seconds = out.times.total};
         log_info(fmt::format("{}, {}, K = {}: PSNR {:.2f} dB in training, {:.2f} dB held out; {:.1f} s", row.dataset,
@@ -210,11 +226,12 @@ private:
 };
 
 void write_errors(const std::filesystem::path& folder, const std::vector<Row>& rows) {
-    CsvWriter csv(folder / "errors.csv",
-                  {"dataset",   "seed",           "method",      "weights",       "terms",     "surface_side",
-                   "view_side", "mode",           "passes",      "storage",       "sums",      "iterations",
-                   "refills",   "lambda_surface", "lambda_view", "train_psnr_db", "train_ape", "held_psnr_db",
-                   "held_ape",  "invented_share", "seconds",     "renderer"});
+    CsvWriter csv(folder / "errors.csv", {"dataset",     "seed",           "method",         "weights",
+                                          "terms",       "surface_side",   "surface_texels", "texels_per_pixel",
+                                          "view_side",   "mode",           "passes",         "storage",
+                                          "sums",        "iterations",     "refills",        "lambda_surface",
+                                          "lambda_view", "train_psnr_db",  "train_ape",      "held_psnr_db",
+                                          "held_ape",    "invented_share", "seconds",        "renderer"});
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
         const Told told(r.request);
@@ -224,7 +241,9 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
                  r.method,
                  r.weights,
                  r.request.text("terms"),
-                 told.text("surface_side"),
+                 std::to_string(r.surface_side),
+                 fmt::format("{:.1f}", r.surface_texels),
+                 told.text("texels_per_pixel"),
                  told.text("view_side"),
                  told.text("mode"),
                  told.text("passes"),

@@ -22,10 +22,12 @@ namespace {
 struct Options {
     std::vector<std::string> datasets = {"star", "bust", "ornament"};
     int surface_side = 8, view_side = 8, terms = 1;
+    double texels_per_pixel = 1;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_shape);
         c.read("surface_side", surface_side, limits::map_side);
+        c.read("texels_per_pixel", texels_per_pixel, limits::texels_per_pixel);
         c.read("view_side", view_side, limits::map_side);
         c.read("terms", terms, limits::terms);
         c.finish();
@@ -67,9 +69,9 @@ uint64_t facing_texels(const TriangleAtlas& atlas, const Camera& camera) {
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const Vec3f &a = mesh.positions[mesh.triangles[t][0]], &b = mesh.positions[mesh.triangles[t][1]];
         const Vec3f& c = mesh.positions[mesh.triangles[t][2]];
-        facing += !atlas.degenerate(t) && (b - a).cross(c - a).dot(eye - a) > 0;
+        if (!atlas.degenerate(t) && (b - a).cross(c - a).dot(eye - a) > 0) facing += atlas.tile(t).texels();
     }
-    return facing * atlas.texels_per_tile();
+    return facing;
 }
 
 std::vector<ImageCounts> count_images(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
@@ -139,17 +141,17 @@ uint64_t shared_texels(const SampleList& list) {
 
 /// What a dataset's model comes to: a light field map, or, where the light moves, Lafortune's nine numbers per texel.
 struct Sizes {
-    int side;
     uint64_t parameters, texels, problems, paper_bytes = 0, engine_bytes = 0;
 };
 
 Sizes light_field_sizes(const Dataset& dataset, const FitRequest& request) {
     const LfmOptions& model = request.model;
-    const TriangleAtlas atlas(dataset.mesh, model.surface_side);
-    const LfmLayout layout(VertexRings(dataset.mesh), int(atlas.texels_per_tile()), model.view_side, model.terms);
-    Sizes out{model.surface_side, layout.parameter_count(), layout.size() / 4, 3 * layout.problem_count()};
-    out.paper_bytes = total_bytes(
-        paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), model.surface_side, model.view_side));
+    const TriangleAtlas atlas = surface_atlas(dataset.mesh, model);
+    const LfmLayout layout(VertexRings(dataset.mesh), atlas, model.view_side, model.terms);
+    Sizes out{layout.parameter_count(), layout.size() / 4, 3 * layout.problem_count()};
+    if (atlas.one_side())
+        out.paper_bytes = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
+                                                   model.surface_side, model.view_side));
     for (const PlanRow& row : plan(dataset, request).memory)
         if (!row.array.starts_with("samples")) out.engine_bytes += row.bytes;
     return out;
@@ -160,11 +162,7 @@ Sizes lafortune_sizes(const Dataset& dataset) {
     const TexelModel& model = *find_texel_model("lafortune");
     const int side = dataset.normal_map.side;
     const uint64_t texels = TriangleAtlas(dataset.mesh, side).texel_count();
-    return {side,
-            texels * uint64_t(model.parameters),
-            texels * uint64_t(model.parameters / 3),
-            texels,
-            0,
+    return {texels * uint64_t(model.parameters), texels * uint64_t(model.parameters / 3), texels, 0,
             texel_solvers(model).stream_bytes(texels, 0, {})};
 }
 
@@ -176,41 +174,68 @@ void table1(Experiment& experiment) {
     request.model.terms = o.terms;
     request.check();
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    CsvWriter rows(
-        results.path() / "datasets.csv",
-        {"dataset", "triangles", "vertices", "images", "held_out", "image_bytes", "parameters", "parameter_texels",
-         "problems", "samples", "covered_pixels", "kept_share", "texels_per_pixel", "median_samples_per_texel",
-         "without_samples_share", "below_10_samples_share", "shared_texels", "paper_layout_bytes", "cpu_engine_bytes"});
-    Table table({"dataset", "triangles (paper)", "vertices", "images (held out)", "raw images (paper)", "parameters",
-                 "parameter texels", "problems", "samples", "pixels kept", "texels per covered pixel (median image)",
-                 "samples per texel (median)", "texels without samples", "texels with fewer than 10",
-                 "memory, paper's layout", "memory, CPU engine"});
-    for (const std::string& shape : o.datasets) {
-        const Dataset dataset = experiment.dataset(shape);
-        const Sizes sizes = dataset.light_moves() ? lafortune_sizes(dataset) : light_field_sizes(dataset, request);
-        const TriangleAtlas atlas(dataset.mesh, sizes.side);
-        FitRequest here = request;
-        here.model.surface_side = sizes.side;
+    CsvWriter rows(results.path() / "datasets.csv", {"dataset",
+                                                     "sides",
+                                                     "triangles",
+                                                     "vertices",
+                                                     "images",
+                                                     "held_out",
+                                                     "image_bytes",
+                                                     "parameters",
+                                                     "parameter_texels",
+                                                     "problems",
+                                                     "samples",
+                                                     "covered_pixels",
+                                                     "kept_share",
+                                                     "texels_per_pixel",
+                                                     "median_samples_per_texel",
+                                                     "without_samples_share",
+                                                     "below_10_samples_share",
+                                                     "shared_texels",
+                                                     "paper_layout_bytes",
+                                                     "cpu_engine_bytes"});
+    Table table({"dataset", "texels per triangle", "triangles (paper)", "vertices", "images (held out)",
+                 "raw images (paper)", "parameters", "parameter texels", "problems", "samples", "pixels kept",
+                 "texels per covered pixel (median image)", "samples per texel (median)", "texels without samples",
+                 "texels with fewer than 10", "memory, paper's layout", "memory, CPU engine"});
+    const auto add = [&](const std::string& shape, const Dataset& dataset, const FitRequest& here) {
+        const bool own = here.model.sides != nullptr;
+        const std::string name = dataset.name + (own ? "_own_sides" : "");
+        const Sizes sizes = dataset.light_moves() ? lafortune_sizes(dataset) : light_field_sizes(dataset, here);
+        const TriangleAtlas atlas = surface_atlas(dataset.mesh, here.model);
         const SharedSamples samples = distribute(dataset, atlas, here);
         const DistributionStatistics& s = samples.statistics;
         const std::vector<uint64_t> histogram = samples_histogram(atlas, s);
         const std::vector<uint32_t> views = dataset.split(false);
         const double texels_per_pixel = write_images(dataset, views, count_images(dataset, atlas, here, views),
-                                                     results.path() / (dataset.name + "_images.csv"));
+                                                     results.path() / (name + "_images.csv"));
         const size_t held_out = dataset.split(true).size();
-        rows.row({dataset.name, std::to_string(dataset.mesh.triangle_count()),
-                  std::to_string(dataset.mesh.vertex_count()), std::to_string(dataset.views.size()),
-                  std::to_string(held_out), std::to_string(dataset.image_bytes()), std::to_string(sizes.parameters),
-                  std::to_string(sizes.texels), std::to_string(sizes.problems), std::to_string(s.samples),
-                  std::to_string(s.covered_pixels), fmt::format("{:.4f}", s.kept_share()),
-                  fmt::format("{:.4f}", texels_per_pixel), fmt::format("{:g}", s.median_samples_per_texel),
-                  fmt::format("{:.4f}", share_below(1, histogram)), fmt::format("{:.4f}", share_below(10, histogram)),
-                  std::to_string(shared_texels(samples.list)), std::to_string(sizes.paper_bytes),
+        rows.row({dataset.name,
+                  own ? "own" : "one",
+                  std::to_string(dataset.mesh.triangle_count()),
+                  std::to_string(dataset.mesh.vertex_count()),
+                  std::to_string(dataset.views.size()),
+                  std::to_string(held_out),
+                  std::to_string(dataset.image_bytes()),
+                  std::to_string(sizes.parameters),
+                  std::to_string(sizes.texels),
+                  std::to_string(sizes.problems),
+                  std::to_string(s.samples),
+                  std::to_string(s.covered_pixels),
+                  fmt::format("{:.4f}", s.kept_share()),
+                  fmt::format("{:.4f}", texels_per_pixel),
+                  fmt::format("{:g}", s.median_samples_per_texel),
+                  fmt::format("{:.4f}", share_below(1, histogram)),
+                  fmt::format("{:.4f}", share_below(10, histogram)),
+                  std::to_string(shared_texels(samples.list)),
+                  std::to_string(sizes.paper_bytes),
                   std::to_string(sizes.engine_bytes)});
         const Stated stated = stated_in_paper(shape);
         const auto mega = [](double x, const char* unit) { return fmt::format("{:.2f} {}", x / 1e6, unit); };
+        const double mean_texels = double(atlas.used_texels()) / double(dataset.mesh.triangle_count());
         table.add(
-            {dataset.name, fmt::format("{} ({})", dataset.mesh.triangle_count(), stated.triangles),
+            {dataset.name + (own ? ", sides by size" : ""), fmt::format("{:.0f}", mean_texels),
+             fmt::format("{} ({})", dataset.mesh.triangle_count(), stated.triangles),
              std::to_string(dataset.mesh.vertex_count()), fmt::format("{} ({})", dataset.views.size(), held_out),
              fmt::format("{:.1f} MB ({})", double(dataset.image_bytes()) / 1e6, stated.image_bytes),
              mega(double(sizes.parameters), "M"), mega(double(sizes.texels), "MT"), std::to_string(sizes.problems),
@@ -220,11 +245,21 @@ void table1(Experiment& experiment) {
              fmt::format("{:.1f}%", 100 * share_below(10, histogram)),
              sizes.paper_bytes ? mega(double(sizes.paper_bytes), "MB") : "", mega(double(sizes.engine_bytes), "MB")});
 
-        CsvWriter histogram_rows(results.path() / (dataset.name + "_samples_per_texel.csv"), {"samples", "texels"});
+        CsvWriter histogram_rows(results.path() / (name + "_samples_per_texel.csv"), {"samples", "texels"});
         for (size_t i = 0; i < histogram.size(); ++i)
             histogram_rows.row({std::to_string(i), std::to_string(histogram[i])});
         histogram_rows.commit();
+    };
+    for (const std::string& shape : o.datasets) {
+        const Dataset dataset = experiment.dataset(shape);
+        FitRequest here = request;
+        if (dataset.light_moves()) here.model.surface_side = dataset.normal_map.side;
+        add(shape, dataset, here);
         write_photograph(dataset, results.path() / (dataset.name + ".png"));
+        if (dataset.light_moves() || o.texels_per_pixel == 0) continue;
+        here.texels_per_pixel = o.texels_per_pixel;
+        here.model.surface_side = largest_side;
+        add(shape, dataset, with_sides(here, dataset, dataset.split(false)));
     }
     rows.commit();
     const std::string title = fmt::format("Table 1, stand-ins at {} scale", experiment.profile());
@@ -234,12 +269,13 @@ void table1(Experiment& experiment) {
         fmt::format(
             "# {}\n\nIn brackets: what the paper states of its own captures, which are not public. "
             "Surface maps of side {} ({} texels; "
-            "the paper: 32), view maps {} x {}, {} term(s); of the ornament Lafortune's nine parameters "
+            "the paper: 32), or each of a side by its triangle's largest projection into the photographs, {:g} texels "
+            "per pixel; view maps {} x {}, {} term(s); of the ornament Lafortune's nine parameters "
             "per texel. A covered pixel sees the model; it is kept if a texel takes it; texels per covered pixel "
             "are those of all triangles that face the camera. Memory: bytes of all vectors and states, "
             "images and samples left out.\n\n{}",
-            title, o.surface_side, o.surface_side * (o.surface_side + 1) / 2, o.view_side, o.view_side, o.terms,
-            table.markdown()));
+            title, o.surface_side, o.surface_side * (o.surface_side + 1) / 2, o.texels_per_pixel, o.view_side,
+            o.view_side, o.terms, table.markdown()));
     experiment.finish(results,
                       fmt::format("Synthetic stand-ins ({} scale) for the paper's captures", experiment.profile()));
 }

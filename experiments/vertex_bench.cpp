@@ -115,7 +115,8 @@ double BenchVertex::rms_weight() {
     double sum = 0;
     for (size_t g = 0; g + 1 < vertex.groups.size(); ++g)
         for (uint32_t i = vertex.groups[g].first; i < vertex.groups[g + 1].first; ++i) {
-            const auto weight = double(atlas_->barycentric(vertex.local[i])[ring[vertex.groups[g].map].corner]);
+            const Corner& corner = ring[vertex.groups[g].map];
+            const auto weight = double(atlas_->tile(corner.triangle).barycentric(vertex.local[i])[corner.corner]);
             sum += weight * weight;
         }
     return std::sqrt(sum / double(vertex.sample_count()));
@@ -123,7 +124,7 @@ double BenchVertex::rms_weight() {
 
 VertexBench::VertexBench(const Dataset& dataset, const LfmOptions& maps, int vertices, int seed)
     : dataset_(&dataset),
-      atlas_(dataset.mesh, maps.surface_side),
+      atlas_(surface_atlas(dataset.mesh, maps)),
       rings_(dataset.mesh),
       folder_(std::filesystem::temp_directory_path() / "radiafit-bench") {
     request_.set("mode", "paper");

@@ -29,13 +29,13 @@ class Report(ClaimsTest):
         self.assertIn("make experiments PROFILE=paper ONLY=fig7_convergence", judged["C1"]["reason"])
 
     def test_the_newest_run_of_each_device_and_the_reference(self):
-        bust = {"dataset": "bust", "shared_texels": 0}
+        bust = {"dataset": "bust", "sides": "own", "shared_texels": 0}
         images = [{"covered_pixels": 10, "kept_pixels": 9, "facing_texels": 20}]
 
         def tables(samples):
             histogram = [{"samples": i, "texels": int(i == samples)} for i in range(samples + 1)]
             return {"datasets": [bust, bust | {"dataset": "star"}]} | {
-                f"{name}_{kind}": rows for name in ("star", "bust")
+                f"{name}_own_sides_{kind}": rows for name in ("star", "bust")
                 for kind, rows in (("images", images), ("samples_per_texel", histogram))}
 
         self.add("table1_datasets", tables(9), time="20240103T000000Z")
@@ -57,12 +57,12 @@ class Report(ClaimsTest):
                          ["does not hold", "holds", "not run"])
 
     def test_rows_that_are_missing_cut_or_altered(self):
-        whole = b"dataset,shared_texels\nstar,0\n"
+        whole = b"dataset,sides,shared_texels\nstar,one,0\n"
         for damage, words in ((None, "no such file"), (whole[:-4], "not as the run wrote it"),
                               (whole.replace(b"0", b"1"), "not as the run wrote it"),
                               (whole, "star_images.csv: no such file")):  # that one is as it was
             self.setUp()
-            run = self.add("table1_datasets", {"datasets": [{"dataset": "star", "shared_texels": 0}]})
+            run = self.add("table1_datasets", {"datasets": [{"dataset": "star", "sides": "one", "shared_texels": 0}]})
             record = json.loads((run / "run.json").read_text())
             record["files"] = {"datasets.csv": {"bytes": len(whole), "crc32": f"{zlib.crc32(whole):08x}"}}
             (run / "run.json").write_text(json.dumps(record))

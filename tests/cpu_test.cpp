@@ -103,6 +103,13 @@ TEST(CpuEngine, DoubleMatchesOracle) {
     for (int terms : {1, 2, 4}) against_oracle<double>(plain(terms), 1e-12);
     against_oracle<double>(plain(1, ViewLookup::nearest), 1e-12);
 }
+TEST(CpuEngine, MapsOfTheirOwnSidesMatchTheOracle) {
+    const Mesh mesh = testing::troubled_mesh(4, 23, 1);  // Scene's
+    for (int terms : {1, 3}) {
+        against_oracle<float>(testing::with_own_sides(plain(terms), mesh), 1e-5);
+        against_oracle<double>(testing::with_own_sides(plain(terms), mesh), 1e-12);
+    }
+}
 TEST(CpuEngine, RobustLossesMatchTheOracle) {
     for (const LossKind kind : {LossKind::huber, LossKind::cauchy})
         for (const int terms : {1, 5}) {
@@ -269,7 +276,7 @@ TEST(CpuEngine, RecoversAnExactlyRepresentableLightField) {
                     const float* h = &p[problem.layout().view_offset(0) + 4 * f.texel + c];
                     const float value = p[4 * local + c] * (f.weight[0] * h[0] + f.weight[1] * h[4] +
                                                             f.weight[2] * h[16] + f.weight[3] * h[20]);
-                    const double target = atlas.barycentric(local)[0] *
+                    const double target = atlas.tile(0).barycentric(local)[0] *
                                           list.samples[image * atlas.texels_per_tile() + local].rgb[c] / 65535.0;
                     worst = std::max(worst, std::abs(value - target) / target);
                 }

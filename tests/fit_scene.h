@@ -42,7 +42,8 @@ inline Dataset noise_dataset(const std::filesystem::path& folder, bool masks = f
 }
 
 /// Random parameters and problem figures: every vertex has samples but the last, the unreferenced one.
-inline LightFieldFit random_fit(const Dataset& dataset, int terms, ViewLookup lookup, uint64_t seed) {
+inline LightFieldFit random_fit(const Dataset& dataset, int terms, ViewLookup lookup, uint64_t seed,
+                                bool own_sides = false) {
     LightFieldFit fit;
     fit.options.terms = terms;
     fit.options.surface_side = 5;
@@ -51,8 +52,9 @@ inline LightFieldFit random_fit(const Dataset& dataset, int terms, ViewLookup lo
     fit.options.lambda_view = 0.1f;
     fit.solver = "stream";
     fit.engine = "cpu";
-    const TriangleAtlas atlas(dataset.mesh, fit.options.surface_side);
-    const LfmLayout layout(VertexRings(dataset.mesh), int(atlas.texels_per_tile()), fit.options.view_side, terms);
+    if (own_sides) fit.options = with_own_sides(fit.options, dataset.mesh, seed);
+    const TriangleAtlas atlas = surface_atlas(dataset.mesh, fit.options);
+    const LfmLayout layout(VertexRings(dataset.mesh), atlas, fit.options.view_side, terms);
     Rng rng(seed);
     fit.parameters.resize(layout.size());
     for (size_t i = 0; i < layout.size(); ++i) fit.parameters[i] = i % 4 == 3 ? 0.0f : rng.uniform(0.0f, 0.6f);

@@ -92,12 +92,13 @@ TEST(Exr, BadFilesAreOneLine) {
     EXPECT_NE(unwritable.find("b.exr"), std::string::npos);
 }
 
-class FitFolder : public ::testing::TestWithParam<int> {};
+class FitFolder : public ::testing::TestWithParam<std::tuple<int, bool>> {};
 
 TEST_P(FitFolder, RoundTripIsExact) {
     const TemporaryFolder folder;
     const Dataset dataset = noise_dataset(folder.path() / "data");
-    LightFieldFit fit = random_fit(dataset, GetParam(), ViewLookup::nearest, 5);
+    const auto [terms, own_sides] = GetParam();
+    LightFieldFit fit = random_fit(dataset, terms, ViewLookup::nearest, 5, own_sides);
     fit.parameters[0] = -std::numeric_limits<float>::quiet_NaN();
     fit.error[2] = std::numeric_limits<float>::infinity();
     fit.status[2] = Status::not_finite;
@@ -117,6 +118,8 @@ TEST_P(FitFolder, RoundTripIsExact) {
     EXPECT_EQ(back.samples, fit.samples);
     EXPECT_EQ(back.options.terms, fit.options.terms);
     EXPECT_EQ(back.options.surface_side, fit.options.surface_side);
+    ASSERT_EQ(back.options.sides != nullptr, own_sides);
+    if (own_sides) EXPECT_EQ(*back.options.sides, *fit.options.sides);
     EXPECT_EQ(back.options.view_side, fit.options.view_side);
     EXPECT_EQ(back.options.lookup, fit.options.lookup);
     EXPECT_EQ(back.options.mode, fit.options.mode);
@@ -142,7 +145,7 @@ TEST_P(FitFolder, RoundTripIsExact) {
     EXPECT_EQ(text_of(where / "fit.json").find(folder.path().string()), std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(Terms, FitFolder, ::testing::Values(1, 2, 3));
+INSTANTIATE_TEST_SUITE_P(Terms, FitFolder, ::testing::Combine(::testing::Values(1, 2, 3), ::testing::Bool()));
 
 // The format, as docs/formats.md tells it, read without the code that wrote it: only cells and offsets by hand.
 TEST(FitFiles, PlacesAreAsDocumented) {
@@ -289,6 +292,16 @@ TEST_F(Corruption, ImagesOfAnotherShapeOrMeaning) {
     expect("samples = -1", [&] { set("samples.R", -1); });
     expect("iterations = inf", [&] { set("iterations.B", INFINITY); });
     expect("disagree with those counted", [&] { set("status.G", 0); });
+}
+
+TEST_F(Corruption, SidesOfSurfaceMaps) {
+    fit = random_fit(dataset, 2, ViewLookup::bilinear, 8, true);
+    fs::remove_all(where);
+    write_fit(where, fit, dataset.mesh);
+    expect("sides.exr", [&] { fs::remove(where / "sides.exr"); });
+    for (const float side : {1.0f, 6.0f, 2.5f, NAN})
+        expect("sides.exr", [&] { rewrite("sides.exr", [&](ExrImage& image) { image.values[3] = side; }); });
+    expect("fit.json", [&] { replace_in(where / "fit.json", "\"own_sides\": true", "\"own_sides\": 3"); });
 }
 
 TEST_F(Corruption, SizesInHeadersAreComparedBeforeMemoryIsTaken) {

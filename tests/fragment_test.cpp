@@ -133,7 +133,7 @@ TEST_P(FragmentAgreement, WithTheOracle) {
 
     Tally error, gradient, diagonal, sums;
     for (size_t v = 0; v < layout.problem_count(); ++v) {
-        const double texels = double(rings.ring(v).size()) * layout.tile_texels();
+        const double texels = double(layout.surface_texels(v));
         const double scale = oracle.samples[v] ? texels / oracle.samples[v] : 1;
         const std::string vertex = "vertex " + std::to_string(v);
         double largest[3] = {0, 0, 0};

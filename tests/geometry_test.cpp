@@ -241,6 +241,45 @@ TEST(TriangleAtlas, PlacesAreDistinctAndWithinBounds) {
     }
 }
 
+TEST(TriangleAtlas, TilesOfTheirOwnSides) {
+    const Mesh mesh = random_mesh(3);
+    Rng rng(5);
+    std::vector<uint8_t> sides;
+    uint64_t used = 0;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        sides.push_back(uint8_t(2 + rng.index(12)));
+        used += uint64_t(sides.back()) * (sides.back() + 1u) / 2;
+    }
+    const TriangleAtlas atlas(mesh, 13, std::make_shared<const std::vector<uint8_t>>(sides)), even(mesh, 13);
+    EXPECT_EQ(atlas.used_texels(), used);
+    EXPECT_EQ(even.used_texels(), even.texel_count());
+    EXPECT_EQ(atlas.texel_count(), even.texel_count());
+    EXPECT_EQ(std::array({atlas.width(), atlas.height()}), std::array({even.width(), even.height()}));
+    std::set<std::array<int, 2>> places;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
+        for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {
+            const uint32_t texel = t * atlas.texels_per_tile() + local;
+            const bool is_one = local < atlas.tile(t).texels();
+            ASSERT_EQ(atlas.usable(texel), is_one && !atlas.degenerate(t));
+            if (!is_one) continue;
+            const auto place = atlas.place(texel);
+            ASSERT_TRUE(places.insert(place).second);
+            ASSERT_LT(place[0], atlas.width());
+            ASSERT_LT(place[1], atlas.height());
+            const auto b = TriangleTile::of_side(sides[t]).barycentric(local);
+            ASSERT_EQ(atlas.local_at(t, b[1], b[2]), local);
+        }
+    const auto with = [&](std::vector<uint8_t> wrong) {
+        return complaint([&] { TriangleAtlas(mesh, 13, std::make_shared<const std::vector<uint8_t>>(wrong)); });
+    };
+    sides[7] = 14;
+    EXPECT_NE(with(sides).find("triangle 7's surface map has side 14"), std::string::npos);
+    sides[7] = 1;
+    EXPECT_NE(with(sides).find("side 1"), std::string::npos);
+    sides.pop_back();
+    EXPECT_NE(with(sides).find("triangles"), std::string::npos);
+}
+
 TEST(TriangleAtlas, LayoutIsNearlySquareAndWastesLittle) {
     Mesh mesh = one_triangle();
     mesh.triangles.resize(6100, mesh.triangles[0]);
@@ -251,63 +290,60 @@ TEST(TriangleAtlas, LayoutIsNearlySquareAndWastesLittle) {
     EXPECT_GT(double(atlas.texel_count()) / (atlas.width() * atlas.height()), 0.97);
 }
 
-TEST(TriangleAtlas, CentersLieInTheirCells) {
-    const Mesh mesh = one_triangle();
+TEST(TriangleTile, CentersLieInTheirCells) {
     for (int side = 2; side <= 64; ++side) {
-        const TriangleAtlas atlas(mesh, side);
-        for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {
-            const auto b = atlas.barycentric(local);
-            const auto [i, j] = atlas.cell(local);
-            EXPECT_EQ(atlas.local_of_cell(i, j), local);
-            ASSERT_EQ(atlas.local_at(b[1], b[2]), local) << "side " << side;
+        const TriangleTile& tile = TriangleTile::of_side(side);
+        for (uint32_t local = 0; local < tile.texels(); ++local) {
+            const auto b = tile.barycentric(local);
+            const auto [i, j] = tile.cell(local);
+            EXPECT_EQ(tile.local_of_cell(i, j), local);
+            ASSERT_EQ(tile.local_at(b[1], b[2]), local) << "side " << side;
             EXPECT_NEAR(b[0] + b[1] + b[2], 1, 1e-6);
             EXPECT_GT(b[0], 0);
         }
     }
 }
 
-TEST(TriangleAtlas, CellsTileTheTriangle) {
+TEST(TriangleTile, CellsTileTheTriangle) {
     // Uniform points of the triangle (in barycentric coordinates, where all triangles are alike): each cell's share is
     // its area, and their mean its centroid. Whole cells have area 2/n² of the triangle, the n diagonal halves 1/n².
-    const Mesh mesh = one_triangle();
     Rng rng(11);
     for (const int side : {2, 3, 8, 13}) {
-        const TriangleAtlas atlas(mesh, side);
+        const TriangleTile& tile = TriangleTile::of_side(side);
         const int points = 200000;
-        std::vector<int> count(atlas.texels_per_tile(), 0);
-        std::vector<std::array<double, 2>> sum(atlas.texels_per_tile(), {0, 0});
+        std::vector<int> count(tile.texels(), 0);
+        std::vector<std::array<double, 2>> sum(tile.texels(), {0, 0});
         for (int k = 0; k < points; ++k) {
             float b1 = rng.uniform(), b2 = rng.uniform();
             if (b1 + b2 > 1) b1 = 1 - b1, b2 = 1 - b2;
-            const uint32_t local = atlas.local_at(b1, b2);
-            ASSERT_LT(local, atlas.texels_per_tile());
+            const uint32_t local = tile.local_at(b1, b2);
+            ASSERT_LT(local, tile.texels());
             ++count[local];
             sum[local][0] += b1;
             sum[local][1] += b2;
         }
-        for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {
-            const auto [i, j] = atlas.cell(local);
+        for (uint32_t local = 0; local < tile.texels(); ++local) {
+            const auto [i, j] = tile.cell(local);
             const double share = (i + j == side - 1 ? 1.0 : 2.0) / (side * side);
             // Five standard deviations of a binomial count, and of a mean within a cell of size 1/n.
             EXPECT_NEAR(count[local], points * share, 5 * std::sqrt(points * share)) << side << ": " << i << ", " << j;
             const double tolerance = 5 * 0.3 / side / std::sqrt(double(count[local]));
-            EXPECT_NEAR(sum[local][0] / count[local], atlas.barycentric(local)[1], tolerance);
-            EXPECT_NEAR(sum[local][1] / count[local], atlas.barycentric(local)[2], tolerance);
+            EXPECT_NEAR(sum[local][0] / count[local], tile.barycentric(local)[1], tolerance);
+            EXPECT_NEAR(sum[local][1] / count[local], tile.barycentric(local)[2], tolerance);
         }
     }
 }
 
-TEST(TriangleAtlas, RimRoundingStaysInTheTile) {
-    const Mesh mesh = one_triangle();
+TEST(TriangleTile, RimRoundingStaysInTheTile) {
     Rng rng(2);
     for (int side = 2; side <= 64; ++side) {
-        const TriangleAtlas atlas(mesh, side);
+        const TriangleTile& tile = TriangleTile::of_side(side);
         for (int k = 0; k <= 1000; ++k) {
             const float b1 = k <= 2 * side ? float(k) / float(2 * side) : rng.uniform();
             for (const float b2 : {1 - b1, std::nextafter(1 - b1, 2.0f), 0.0f, -1e-7f}) {
-                const uint32_t local = atlas.local_at(b1, b2);
-                ASSERT_LT(local, atlas.texels_per_tile());
-                const auto [i, j] = atlas.cell(local);
+                const uint32_t local = tile.local_at(b1, b2);
+                ASSERT_LT(local, tile.texels());
+                const auto [i, j] = tile.cell(local);
                 // Within a cell's width of the asked point, or on its border.
                 EXPECT_LE(std::abs(float(i) + 0.5f - b1 * float(side)), 1.5001f);
                 EXPECT_LE(std::abs(float(j) + 0.5f - b2 * float(side)), 1.5001f);
@@ -321,7 +357,7 @@ TEST(TriangleAtlas, PositionsAndNormalsInterpolate) {
     const TriangleAtlas atlas(mesh, 4);
     for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel) {
         const auto& [a, b, c] = mesh.triangles[texel / atlas.texels_per_tile()];
-        const auto w = atlas.barycentric(texel % atlas.texels_per_tile());
+        const auto w = atlas.tile(0).barycentric(texel % atlas.texels_per_tile());
         const Vec3f p = atlas.position(texel);
         // Solve for the weights again, in double, from the position.
         Mat3d corners;

@@ -54,7 +54,7 @@ inline LfmOracle lfm_oracle(const Dataset& dataset, const TriangleAtlas& atlas, 
                     ViewFootprint f =
                         view_footprint(frames[v], dataset.mesh.positions[v], camera.center(), m, options.lookup);
                     const int texel[4] = {f.texel, f.texel + 1, f.texel + m, f.texel + m + 1};
-                    double lambda = double(atlas.barycentric(s.local)[corner]);
+                    double lambda = double(atlas.tile(uint32_t(tile)).barycentric(s.local)[size_t(corner)]);
                     if (options.loss.weights == SampleWeights::facing) {
                         const Vec3d to_camera = camera.center() - dataset.mesh.positions[v].cast<double>();
                         const double along = to_camera.dot(frames[v].normal.cast<double>());

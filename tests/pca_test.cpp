@@ -49,9 +49,9 @@ struct Fan {
 
     /// value(tile, local, view coordinate of vertex 0, channel) in [0, 1]; sees(tile, local, image).
     template <class Value, class Sees>
-    Fan(int views, const Value& value, const Sees& sees)
+    Fan(int views, const Value& value, const Sees& sees, bool own_sides = false)
         : dataset(testing::sheet_dataset(mesh(), views, 64, 9)),
-          atlas(dataset.mesh, surface_side),
+          atlas(surface_atlas(dataset.mesh, own_sides ? testing::with_own_sides(model(), dataset.mesh) : model())),
           rings(dataset.mesh) {
         frame = vertex_frames(dataset.mesh)[0];
         tiles.texels_per_tile = atlas.texels_per_tile();
@@ -61,7 +61,7 @@ struct Fan {
             for (uint32_t image = 0; image < dataset.views.size(); ++image) {
                 std::vector<TileViews::Texel> texels(tiles.texels_per_tile);
                 bool any = false;
-                for (uint32_t local = 0; local < texels.size(); ++local) {
+                for (uint32_t local = 0; local < atlas.tile(tile).texels(); ++local) {
                     if (!sees(tile, local, image)) continue;
                     any = true;
                     texels[local].seen = 1;
@@ -75,6 +75,7 @@ struct Fan {
             tiles.tile_first.push_back(uint32_t(tiles.images.size()));
         }
     }
+    static LfmOptions model() { return {.surface_side = surface_side}; }
     static Mesh mesh() {
         Rng rng(2);
         return testing::fan(6, true, rng);
@@ -89,17 +90,26 @@ struct Fan {
         return field;
     }
     PcaFit fit(int terms, int refills = 0) const { return pca_solver(resampler(), layout(terms), refills); }
-    LfmLayout layout(int terms) const { return {rings, int(atlas.texels_per_tile()), view_side, terms}; }
+    LfmLayout layout(int terms) const { return {rings, atlas, view_side, terms}; }
     Vec2d center(size_t column) const {
         const uint32_t texel = reachable_view_texels(view_side)[column];
         return {(texel % view_side + 0.5) / view_side, (texel / view_side + 0.5) / view_side};
     }
-    double weight(size_t row) const {  ///< L of vertex 0
-        const Corner& corner = rings.ring(0)[row / tiles.texels_per_tile];
-        return double(atlas.barycentric(uint32_t(row % tiles.texels_per_tile))[corner.corner]);
+    /// Which corner of vertex 0's ring, and which texel of its tile, a row is.
+    std::pair<Corner, uint32_t> place(size_t row) const {
+        for (const Corner& corner : rings.ring(0)) {
+            const uint32_t texels = atlas.tile(corner.triangle).texels();
+            if (row < texels) return {corner, uint32_t(row)};
+            row -= texels;
+        }
+        throw std::out_of_range("row");
     }
-    uint32_t tile(size_t row) const { return rings.ring(0)[row / tiles.texels_per_tile].triangle; }
-    uint32_t local(size_t row) const { return uint32_t(row % tiles.texels_per_tile); }
+    double weight(size_t row) const {  ///< L of vertex 0
+        const auto [corner, local] = place(row);
+        return double(atlas.tile(corner.triangle).barycentric(local)[corner.corner]);
+    }
+    uint32_t tile(size_t row) const { return place(row).first.triangle; }
+    uint32_t local(size_t row) const { return place(row).second; }
     /// sum_k g_k h_k of vertex 0 at a row and a column.
     double product(const std::vector<float>& p, int terms, size_t row, size_t column, int c) const {
         const LfmLayout l = layout(terms);
@@ -118,8 +128,9 @@ double two_terms(uint32_t tile, uint32_t local, const Vec2d& at, int c) {
            (0.1 + 0.05 * ((tile + local) % 5)) * (0.5 - 0.3 * at.x() + 0.3 * at.y());
 }
 
-TEST(Pca, RecoversALightFieldThatIsLinearInTheViewCoordinate) {
-    const Fan fan(30, two_terms, all_seen);
+class PcaOfSides : public ::testing::TestWithParam<bool> {};  // each its own
+TEST_P(PcaOfSides, RecoversALightFieldThatIsLinearInTheViewCoordinate) {
+    const Fan fan(30, two_terms, all_seen, GetParam());
     const DenseLightField field = fan.resample();
     const std::vector<float> p = fan.fit(2).parameters, one = fan.fit(1).parameters;
     double worst = 0, worst_of_one = 0;
@@ -140,6 +151,8 @@ TEST(Pca, RecoversALightFieldThatIsLinearInTheViewCoordinate) {
     EXPECT_LT(worst, 2.0 / 65535);  // what is stored is rounded to 16 bits
     EXPECT_GT(worst_of_one, 1e-2);
 }
+
+INSTANTIATE_TEST_SUITE_P(Own, PcaOfSides, ::testing::Bool());
 
 TEST(Pca, CountsWhatItInvents) {
     // tile 0: nowhere seen; tile 1: half of its texels; tile 2: by two images, so from no area of directions

@@ -143,8 +143,8 @@ def stopping(run, told):  # the thresholds that were chosen are in the measures'
 
 
 def samples(run):
-    for row in run.rows("datasets"):
-        texels = [int(r["texels"]) for r in run.rows(row["dataset"] + "_samples_per_texel")]
+    for row in run.rows("datasets", sides="own"):
+        texels = [int(r["texels"]) for r in run.rows(row["dataset"] + "_own_sides_samples_per_texel")]
         yield from (next(i for i in range(len(texels)) if sum(texels[: i + 1]) >= sum(texels) / 2), float(row["shared_texels"]))
 
 

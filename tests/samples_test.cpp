@@ -12,7 +12,9 @@
 #include "geometry/ray_cast.h"
 #include "mesh_shapes.h"
 #include "samples/distributor.h"
+#include "samples/projected_sides.h"
 #include "samples/raster_distributor.h"
+#include "scenes.h"
 
 namespace radiafit {
 namespace {
@@ -49,8 +51,11 @@ TargetImage masked_image(int k, int width, int height) {
 
 TEST(RasterDistributor, KeepsTheInvariantsOfSection51) {
     const Mesh mesh = test_mesh();
-    for (const int side : {2, 5, 8, 16}) {
-        const TriangleAtlas atlas(mesh, side);
+    const auto of_size = [&](int side) { return LfmOptions{.surface_side = side}; };
+    for (const LfmOptions& options :
+         {of_size(2), of_size(5), of_size(8), of_size(16), testing::with_own_sides(of_size(16), mesh)}) {
+        const TriangleAtlas atlas = surface_atlas(mesh, options);
+        const int side = options.surface_side;
         RasterDistributor distributor(atlas);
         Rasterizer raster;
         Distribution d;
@@ -82,7 +87,7 @@ TEST(RasterDistributor, KeepsTheInvariantsOfSection51) {
                 // The pixel's item is this texel, and this texel's centre lies in the pixel.
                 const RasterPixel& item = raster.pixels()[pixel];
                 ASSERT_EQ(item.triangle, texel / atlas.texels_per_tile());
-                ASSERT_EQ(atlas.local_at(item.b1, item.b2), texel % atlas.texels_per_tile());
+                ASSERT_EQ(atlas.local_at(item.triangle, item.b1, item.b2), texel % atlas.texels_per_tile());
                 const Vec3d p = c.project(atlas.position(texel).cast<double>());
                 ASSERT_EQ(std::floor(p.x()), pixel % c.width);
                 ASSERT_EQ(std::floor(p.y()), pixel / c.width);
@@ -339,4 +344,49 @@ TEST_F(SampleListTest, OfNoViewsIsEmpty) {
 }
 
 }  // namespace
+/// Two triangles that face the camera, one behind the other's edge, and one that no view sees.
+TEST(ProjectedSides, AreasAreThoseOfTheLargestProjection) {
+    Dataset dataset;
+    dataset.mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {2, 2, 0}, {2, 3, 0}, {1, 2, 0}};
+    dataset.mesh.triangles = {{0, 1, 2}, {0, 2, 1}, {3, 4, 5}};
+    const double focal = 100;
+    for (const double distance : {4.0, 2.5, 10.0}) {
+        View view;
+        view.camera = Camera::look_at({0, 0, distance}, {0, 0, 0}, {0, 1, 0}, 2 * std::atan(0.5), 100, 100);
+        ASSERT_NEAR(view.camera.fx, focal, 1e-9);
+        dataset.views.push_back(view);
+    }
+    const auto area = [&](double distance) { return 2 * focal / distance * focal / distance; };
+    std::vector<double> areas = projected_areas(dataset, {0, 2});
+    EXPECT_NEAR(areas[0], area(4), 1e-6);
+    EXPECT_EQ(areas[1], 0) << "it faces away";
+    areas = projected_areas(dataset, {0, 1, 2});
+    EXPECT_NEAR(areas[0], area(2.5), 1e-6);
+    EXPECT_EQ(projected_areas(dataset, {1})[2], 0) << "beyond the image";
+}
+
+TEST(ProjectedSides, AreTheLeastWithEnoughTexels) {
+    Rng rng(4);
+    std::vector<double> areas;
+    for (int i = 0; i < 2000; ++i) areas.push_back(i % 50 == 0 ? 0 : std::exp(rng.uniform(-2.0f, 7.0f)));
+    for (const double density : {0.3, 1.0, 2.5}) {
+        const TileSides sides = sides_by_area(areas, density, 40);
+        for (size_t t = 0; t < areas.size(); ++t) {
+            const int side = (*sides)[t];
+            ASSERT_GE(side, least_side);
+            ASSERT_LE(side, 40);
+            if (side < 40) ASSERT_GE(TriangleTile::texels_of(side), density * areas[t]);
+            if (side > least_side) ASSERT_LT(TriangleTile::texels_of(side - 1), density * areas[t]);
+        }
+        EXPECT_EQ(largest_of(sides), 40);
+    }
+    for (const double mean : {36.0, 144.0}) {
+        const TileSides sides = sides_by_area(areas, density_for(areas, mean, 64), 64);
+        double sum = 0, seen = 0;
+        for (size_t t = 0; t < areas.size(); ++t)
+            if (areas[t] > 0) sum += TriangleTile::texels_of((*sides)[t]), ++seen;
+        EXPECT_NEAR(sum / seen, mean, 0.01 * mean);
+    }
+}
+
 }  // namespace radiafit

@@ -66,7 +66,7 @@ inline SampleList random_samples(const TriangleAtlas& atlas, size_t images, floa
         for (uint32_t image = 0; image < images && !atlas.degenerate(tile); ++image) {
             if (rng.uniform() > share) continue;
             const auto first = uint32_t(list.samples.size());
-            for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local)
+            for (uint32_t local = 0; local < atlas.tile(tile).texels(); ++local)
                 if (rng.uniform() < 0.4f)
                     list.samples.push_back(
                         {{uint16_t(rng.bits() >> 16), uint16_t(rng.bits() >> 16), uint16_t(rng.bits() >> 16)},
@@ -77,6 +77,16 @@ inline SampleList random_samples(const TriangleAtlas& atlas, size_t images, floa
     }
     list.groups.push_back({0, uint32_t(list.samples.size())});
     return list;
+}
+
+/// Surface maps of sides from 2 to surface_side, drawn for each triangle.
+inline LfmOptions with_own_sides(LfmOptions options, const Mesh& mesh, uint64_t seed = 1) {
+    Rng rng(seed);
+    std::vector<uint8_t> sides;
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
+        sides.push_back(uint8_t(2 + rng.index(uint32_t(options.surface_side) - 1)));
+    options.sides = std::make_shared<const std::vector<uint8_t>>(std::move(sides));
+    return options;
 }
 
 /// What engines and solvers are made of.
@@ -91,7 +101,7 @@ struct SampledScene {
     template <class Sampler>
     SampledScene(const LfmOptions& o, Dataset set, const Sampler& sample)
         : dataset(std::move(set)),
-          atlas(dataset.mesh, o.surface_side),
+          atlas(surface_atlas(dataset.mesh, o)),
           rings(dataset.mesh),
           samples(sample(atlas, dataset)),
           options(o) {}

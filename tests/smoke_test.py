@@ -99,7 +99,8 @@ class Smoke(ProgramTest):
 
     def check_table1_datasets(self, tables):
         rows = tables["datasets"]
-        self.assertEqual([row["dataset"] for row in rows], ["star", "bust", "ornament"])
+        self.assertEqual([(row["dataset"], row["sides"]) for row in rows],
+                         [("star", "one"), ("star", "own"), ("bust", "one"), ("bust", "own"), ("ornament", "one")])
         ornament = rows.pop()
         self.assertEqual((ornament["images"], ornament["problems"], ornament["parameters"]),
                          ("240", str(320 * 21), str(9 * 320 * 21)))
@@ -113,19 +114,23 @@ class Smoke(ProgramTest):
             self.assertLessEqual(samples, pixels)  # a pixel feeds at most one texel
             self.assertLess(pixels, 21 * 64 * 64)
             self.assertAlmostEqual(float(row["kept_share"]), samples / pixels, places=3)
-            histogram = tables[row["dataset"] + "_samples_per_texel"]
+            files = row["dataset"] + ("_own_sides" if row["sides"] == "own" else "")
+            histogram = tables[files + "_samples_per_texel"]
             self.assertEqual(sum(int(bin["samples"]) * int(bin["texels"]) for bin in histogram), samples)
-            self.assertEqual(sum(int(bin["texels"]) for bin in histogram), 36 * 320)
+            texels = sum(int(bin["texels"]) for bin in histogram)
+            self.assertEqual(texels == 36 * 320, row["sides"] == "one")
             without = sum(int(bin["texels"]) for bin in histogram if bin["samples"] == "0")
-            self.assertAlmostEqual(float(row["without_samples_share"]), without / (36 * 320), places=4)
-            images = tables[row["dataset"] + "_images"]
+            self.assertAlmostEqual(float(row["without_samples_share"]), without / texels, places=4)
+            images = tables[files + "_images"]
             self.assertEqual(len(images), 21)
             self.assertEqual(sum(int(image["kept_pixels"]) for image in images), samples)
             self.assertEqual(sum(int(image["covered_pixels"]) for image in images), pixels)
             for image in images:
-                self.assertTrue(0.3 * 36 * 320 < int(image["facing_texels"]) < 0.7 * 36 * 320)
+                self.assertTrue(0.3 * texels < int(image["facing_texels"]) < 0.7 * texels)
             ratios = sorted(int(image["facing_texels"]) / int(image["covered_pixels"]) for image in images)
             self.assertAlmostEqual(float(row["texels_per_pixel"]), ratios[10], places=3)
+            if row["sides"] == "own":  # as many texels as pixels where a triangle is largest, so more in most images
+                self.assertGreater(ratios[0], 1)
 
     def check_fig7_convergence(self, tables):
         solvers = ["cg_paper", "sd", "sd_growing", "cg_modern", "lbfgs", "adam", "varpro"]
@@ -242,7 +247,8 @@ class Smoke(ProgramTest):
                          {(d, "1", *m, 2) for d in shapes for m in two_terms})
         for (dataset, seed, method, weights, k), row in rows.items():
             half, pca, cg = method == "cg-low-fp16", method.startswith("pca"), method.startswith("cg")
-            self.assertEqual(row["surface_side"], "8" if "low" in method else "10")
+            self.assertAlmostEqual(float(row["surface_texels"]), 36 if "low" in method else 55, delta=0 if "low" in method else 8)
+            self.assertEqual(row["texels_per_pixel"] in ("", "0.0", "0"), "low" in method)
             self.assertEqual([row[key] for key in ("storage", "sums", "passes")],
                              ["fp16", "fp16", "paper"] if half else ["fp32", "", ""])
             self.assertEqual(row["mode"], "" if not cg else "modern" if "modern" in method else "paper")

@@ -13,6 +13,7 @@
 #include "model/lfm_start.h"
 #include "samples/block_file.h"
 #include "samples/raster_distributor.h"
+#include "scenes.h"
 #include "synthetic/synthetic.h"
 #include "temporary_folder.h"
 
@@ -90,7 +91,7 @@ TEST(DiskRecords, DoNotDependOnMemoryOrThreads) {
 
 /// Direction and line sums of every vertex from its record, against the list in double.
 void against_list(const RecordOptions& records, const LfmOptions& options) {
-    const TriangleAtlas atlas(star().dataset.mesh, options.surface_side);
+    const TriangleAtlas atlas = surface_atlas(star().dataset.mesh, options);
     const Written written(atlas, records);
     const DiskRecords on_disk = written.records();
     const SampleList list = list_of(atlas, records.space);
@@ -146,7 +147,9 @@ TEST(VertexProblem, AgreesWithTheListFromCompactRecords) {
     against_list({}, model());
     against_list({.memory = 60'000}, model(2));
     against_list({.space = TargetSpace::linear}, model(1, 5));  // 16-bit channels
-    against_list({}, model(5, 16));                             // places of two bytes, terms in a loop
+    for (const RecordKind kind : {RecordKind::compact, RecordKind::full})
+        against_list({.kind = kind}, testing::with_own_sides(model(2, 12), star().dataset.mesh));
+    against_list({}, model(5, 16));  // places of two bytes, terms in a loop
     LfmOptions facing = model(2);
     facing.loss.weights = SampleWeights::facing;
     against_list({}, facing);

@@ -65,15 +65,17 @@ At at(const LfmVertex& vertex, ProjectedEnergy& energy, std::vector<V> p) {
     return out;
 }
 
-class Projected : public ::testing::TestWithParam<std::tuple<int, ViewLookup>> {};
+class Projected : public ::testing::TestWithParam<std::tuple<int, ViewLookup, bool>> {};
 TEST_P(Projected, DerivativesAgainstDifferences) {
-    const auto [terms, lookup] = GetParam();
+    const auto [terms, lookup, own_sides] = GetParam();
     LfmOptions options = smooth(terms, lookup);
     options.lower = -50, options.upper = 50;  // far from the kinks of E_b
+    if (own_sides) options = testing::with_own_sides(options, testing::troubled_mesh(3, 7, 1));
     const Scene scene(options);
     const LfmVertex vertex = scene.gather(scene.vertex_with_samples(5));
-    const Smoothness tile(*vertex.tile), view(*vertex.view);
-    ProjectedEnergy energy(vertex, tile, view);
+    const TileSmoothness tiles(options);
+    const Smoothness view(*vertex.view);
+    ProjectedEnergy energy(vertex, tiles, view);
     const auto p = random_block(vertex.size(), 3);
     const At here = at(vertex, energy, p);
     const size_t size = here.gradient.size();
@@ -102,7 +104,8 @@ TEST_P(Projected, DerivativesAgainstDifferences) {
 }
 INSTANTIATE_TEST_SUITE_P(Cases, Projected,
                          ::testing::Combine(::testing::Values(1, 2, 3, 4),
-                                            ::testing::Values(ViewLookup::bilinear, ViewLookup::nearest)));
+                                            ::testing::Values(ViewLookup::bilinear, ViewLookup::nearest),
+                                            ::testing::Bool()));
 
 TEST(ProjectedEnergy, SurfaceMapsAreTheBestUnderActiveBounds) {
     LfmOptions options = smooth(2);
@@ -110,8 +113,9 @@ TEST(ProjectedEnergy, SurfaceMapsAreTheBestUnderActiveBounds) {
     const Scene scene(options);
     const size_t v = scene.vertex_with_samples(5);
     const LfmVertex vertex = scene.gather(v);
-    const Smoothness tile(*vertex.tile), view(*vertex.view);
-    ProjectedEnergy energy(vertex, tile, view);
+    const TileSmoothness tiles(options);
+    const Smoothness view(*vertex.view);
+    ProjectedEnergy energy(vertex, tiles, view);
     const auto p = random_block(vertex.size(), 8);
     const At here = at(vertex, energy, p);
     const Truth truth = truth_of(scene, v, here.p);

@@ -130,13 +130,14 @@ std::vector<PaperSample> paper_samples(const Scene& s, size_t v, const LfmLayout
             const auto at = view_coordinate(frame, s.dataset.mesh.positions[v],
                                             s.dataset.views[s.list.views[s.list.groups[g].image]].camera.center());
             for (const Sample& sample : s.list.of_group(g)) {
-                const float weight = s.atlas.barycentric(sample.local)[corner.corner] * s.list.scale;
+                const float weight =
+                    s.atlas.tile(corner.triangle).barycentric(sample.local)[corner.corner] * s.list.scale;
                 PaperSample x{{}, map + sample.local, {float(at[0]), float(at[1])}};
                 for (size_t c = 0; c < 3; ++c) x.target[c] = weight * float(sample.rgb[c]);
                 result.push_back(x);
             }
         }
-        map += uint32_t(layout.tile_size() / 4);
+        map += s.atlas.tile(corner.triangle).texels();
     }
     return result;
 }
@@ -145,7 +146,7 @@ std::vector<PaperSample> paper_samples(const Scene& s, size_t v, const LfmLayout
 /// map at the record's coordinate.
 void straightforward(benchmark::State& state) {
     const Scene& s = *scene;
-    const LfmLayout layout(s.rings, int(s.atlas.texels_per_tile()), s.options.view_side, 1);
+    const LfmLayout layout(s.rings, s.atlas, s.options.view_side, 1);
     const size_t v = s.vertex, view = layout.view_offset(v) - layout.offset(v);
     const size_t m = size_t(s.options.view_side);
     const std::vector<PaperSample> samples = paper_samples(s, v, layout);

@@ -94,8 +94,9 @@ void demand_chosen_weights(Judgement& j, const FinishedRun& run, const OneTerm& 
 }
 
 std::string map_sizes(const OneTerm& t, const Method& method) {
-    const int n = std::stoi(t.text(method, "surface_side")), m = std::stoi(t.text(method, "view_side"));
-    return fmt::format("{} texels in a surface map and {} in a view map", n * (n + 1) / 2, m * m);
+    const double surface = std::stod(t.text(method, "surface_texels"));
+    const int m = std::stoi(t.text(method, "view_side"));
+    return fmt::format("{:.0f} texels in a surface map on average and {} in a view map", surface, m * m);
 }
 
 std::string signed_text(double value) { return fmt::format("{:+.2f}", value); }

@@ -64,8 +64,9 @@ constexpr Claim table[] = {
      "problem arrives",
      "stopping", idle_before_arrival},
     {"C17", "5.1.1", "a pixel lands in one texel, and every parameter still gets many samples",
-     "where the median image has at least one texel that faces it per covered pixel: no texel takes two pixels of one "
-     "image, and the median texel has at least 10 samples",
+     "with surface maps of sides by their triangles' projected size, where the median image has at least one texel "
+     "that faces it per covered pixel: no texel takes two pixels of one image, and the median texel has at least 10 "
+     "samples",
      "table1_datasets", pixels_and_texels},
     {"C18", "3.2", "an iteration costs O(S), memory O(N)",
      "slope of log time over log samples at most 1.1, on the CPU and in OpenGL, at least 5 sizes over a factor of 16, "

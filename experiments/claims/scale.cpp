@@ -195,6 +195,43 @@ Judgement gather_and_scatter(const FinishedRun& run) {
     return j;
 }
 
+namespace {
+
+/// How pixels reach texels, from table1_datasets' rows of one dataset and way to choose sides.
+struct Reached {
+    double texels_per_pixel;  ///< that face the camera, in the median image
+    double dropped;           ///< share of pixels that no texel takes
+    double middle;            ///< the median texel's samples
+    double without, few;      ///< shares of texels: with none, and with fewer than 10
+};
+
+Reached reached(const FinishedRun& run, const std::string& files) {
+    const CsvTable images = run.table(files + "_images.csv"), histogram = run.table(files + "_samples_per_texel.csv");
+    std::vector<double> density;
+    double covered = 0, kept = 0;
+    for (size_t k = 0; k < images.row_count(); ++k) {
+        covered += images.number(k, "covered_pixels");
+        kept += images.number(k, "kept_pixels");
+        if (images.number(k, "covered_pixels") > 0)
+            density.push_back(images.number(k, "facing_texels") / images.number(k, "covered_pixels"));
+    }
+    double texels = 0, without = 0, few = 0;
+    for (size_t k = 0; k < histogram.row_count(); ++k) {
+        const double samples = histogram.number(k, "samples"), count = histogram.number(k, "texels");
+        texels += count;
+        without += samples == 0 ? count : 0;
+        few += samples < 10 ? count : 0;
+    }
+    double up_to = 0, middle = 0;
+    for (size_t k = 0; k < histogram.row_count() && up_to < 0.5 * texels; ++k) {
+        up_to += histogram.number(k, "texels");
+        middle = histogram.number(k, "samples");
+    }
+    return {median(density), 1 - kept / covered, middle, without / texels, few / texels};
+}
+
+}  // namespace
+
 Judgement pixels_and_texels(const FinishedRun& run) {
     const CsvTable t = run.table("datasets.csv");
     Judgement j;
@@ -203,46 +240,33 @@ Judgement pixels_and_texels(const FinishedRun& run) {
     double shared_texels = 0;
     for (size_t i = 0; i < t.row_count(); ++i) {
         const std::string& name = t.text(i, "dataset");
+        const bool own = t.text(i, "sides") == "own";
+        const double shared = t.number(i, "shared_texels");
+        const Reached r = reached(run, name + (own ? "_own_sides" : ""));
+        j.beside.push_back(fmt::format(
+            "{}, {}: {:.3g} texels per covered pixel in the median image, {:g} samples in the median texel; {:.1f} % "
+            "of "
+            "the pixels are dropped, because no texel takes them; {:.1f} % of the texels have no sample, {:.1f} % "
+            "fewer than 10",
+            name, own ? "sides by projected size" : "one side for all", r.texels_per_pixel, r.middle, 100 * r.dropped,
+            100 * r.without, 100 * r.few));
+        if (!own) continue;
         names.insert(name);
-        const CsvTable images = run.table(name + "_images.csv"), histogram = run.table(name + "_samples_per_texel.csv");
-        std::vector<double> density;
-        double covered = 0, kept_pixels = 0;
-        for (size_t k = 0; k < images.row_count(); ++k) {
-            covered += images.number(k, "covered_pixels");
-            kept_pixels += images.number(k, "kept_pixels");
-            if (images.number(k, "covered_pixels") > 0)
-                density.push_back(images.number(k, "facing_texels") / images.number(k, "covered_pixels"));
-        }
-        double texels = 0, without = 0, few = 0;
-        for (size_t k = 0; k < histogram.row_count(); ++k) {
-            const double samples = histogram.number(k, "samples"), count = histogram.number(k, "texels");
-            texels += count;
-            without += samples == 0 ? count : 0;
-            few += samples < 10 ? count : 0;
-        }
-        double up_to = 0, middle = 0;  // the median texel's samples
-        for (size_t k = 0; k < histogram.row_count() && up_to < 0.5 * texels; ++k) {
-            up_to += histogram.number(k, "texels");
-            middle = histogram.number(k, "samples");
-        }
-        const double per_pixel = median(density), shared = t.number(i, "shared_texels");
         shared_texels += shared;
-        j.demand(per_pixel >= 1,
-                 fmt::format("surfaces with a texel for each covered pixel at least; {} has {:.3g}", name, per_pixel));
+        j.demand(r.texels_per_pixel >= 1,
+                 fmt::format("surfaces with a texel for each covered pixel at least; {} has {:.3g}", name,
+                             r.texels_per_pixel));
         j.measures.push_back(
-            {.of = name + ", samples of the median texel", .figure = exact(middle), .bound = at_least(10)});
+            {.of = name + ", samples of the median texel", .figure = exact(r.middle), .bound = at_least(10)});
         j.measures.push_back(
             {.of = name + ", texels that took two pixels of one image", .figure = exact(shared), .bound = at_most(0)});
-        j.beside.push_back(fmt::format(
-            "{}: {:.3g} texels per covered pixel in the median image; {:.1f} % of the pixels are dropped, because no "
-            "texel takes them; {:.1f} % of the texels have no sample, {:.1f} % fewer than 10",
-            name, per_pixel, 100 * (1 - kept_pixels / covered), 100 * without / texels, 100 * few / texels));
-        found.push_back(fmt::format("{:g} on the {} ({:.2f} texels per pixel)", middle, name, per_pixel));
+        found.push_back(fmt::format("{:g} on the {} ({:.2f} texels per pixel)", r.middle, name, r.texels_per_pixel));
     }
-    j.demand(names.contains("star") && names.contains("bust"), "star and bust");
+    j.demand(names.contains("star") && names.contains("bust"), "star and bust, with surface maps of their own sides");
     j.sentence = fmt::format(
-        "{} texel takes two pixels of one image, and the median texel gets as many samples over all images as: {}.",
-        shared_texels > 0 ? "Some" : "No", fmt::join(found, ", "));
+        "With surface maps as large as their triangles in photographs, {} texel takes two pixels of one image, and the "
+        "median texel gets as many samples over all images as: {}.",
+        shared_texels > 0 ? "some" : "no", fmt::join(found, ", "));
     return j;
 }
 

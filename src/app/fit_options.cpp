@@ -262,6 +262,9 @@ std::vector<FitOption> make_fit_options() {
         {number("terms", use::maps, OF(model.terms), limits::terms, "K"),
          number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
                 "n: n(n+1)/2 texels per surface map, or per triangle"),
+         number("texels_per_pixel", use::own_sides, OF(texels_per_pixel), limits::texels_per_pixel,
+                "surface maps of a side per triangle, surface_side at most: so many texels for each pixel of the "
+                "triangle's largest projection into the photographs; 0: all have the one side"),
          number("view_side", use::maps, OF(model.view_side), limits::map_side, "m: m x m texels per view map"),
          choice<ViewLookup>("view", use::maps, OF(model.lookup),
                             {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}},
@@ -351,7 +354,7 @@ uint32_t uses_of(const FitRequest& request, bool grid) {
     }
     if (uses & use::engine) uses |= engine_uses(request.engine);
     uses = with_optimizer(uses, request);
-    if (uses & use::passes) uses &= ~use::normal_equations;
+    if (uses & use::passes) uses &= ~(use::normal_equations | use::own_sides);
     if (grid) uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | use::opengl));
     return uses;
 }

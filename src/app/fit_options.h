@@ -37,6 +37,7 @@ enum : uint32_t {
     learning_rate = 1u << 21,
     loss = 1u << 22,
     weights = 1u << 23,
+    own_sides = 1u << 25,        ///< triangles' surface maps may differ in side
     normal_equations = 1u << 24  ///< has them, so that Levenberg-Marquardt may be its optimizer
 };
 }  // namespace use

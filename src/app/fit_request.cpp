@@ -5,6 +5,7 @@
 #include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/error.h"
+#include "base/wording.h"
 
 namespace radiafit {
 
@@ -27,6 +28,9 @@ void FitRequest::check() const {
     const uint32_t uses = uses_of(*this);
     model_options();
     if (texel_model) texel_options();
+    if (texels_per_pixel > 0 && distributor == DistributorKind::gl)
+        throw UserError(fmt::format("OpenGL distributes to surface maps of one side; leave out {} or {}",
+                                    option_name("texels-per-pixel"), option_name("distributor gl")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }

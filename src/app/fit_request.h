@@ -35,6 +35,7 @@ struct FitRequest {
     TargetSpace space = TargetSpace::stored;
     ContextOptions context;
     LfmOptions model;                        ///< its surface_side is any model's; its mode and mu are those below
+    double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
     double mu = -1;                          ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/family.h"
@@ -29,8 +30,10 @@ public:
     }
     std::string description() const override {
         const LfmOptions& o = fit_.options;
-        return fmt::format("{} terms, surface maps of side {}, view maps of side {}", o.terms, o.surface_side,
-                           o.view_side);
+        const int least = o.sides ? *std::ranges::min_element(*o.sides) : o.surface_side;
+        const std::string side =
+            o.sides ? fmt::format("sides {} to {}", least, o.surface_side) : fmt::format("side {}", o.surface_side);
+        return fmt::format("{} terms, surface maps of {}, view maps of side {}", o.terms, side, o.view_side);
     }
     Contestant contestant() override { return contestant_of(fit_, dataset().mesh); }
     std::unique_ptr<Fitted> baseline() override {
@@ -80,7 +83,10 @@ const Family light_field_maps = {
     .owns = [](const std::string& model) { return model == lfm_name; },
     .uses = &Solver::uses,
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
-    .settle = [](const auto&, const Dataset&, FitRequest&) {},
+    .settle =
+        [](const auto& given, const Dataset&, FitRequest& request) {
+            if (request.texels_per_pixel > 0 && !given("--surface-side")) request.model.surface_side = largest_side;
+        },
     .plan = plan_light_field,
     .fit = fit_light_field,
     .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {

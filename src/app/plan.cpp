@@ -177,13 +177,14 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
 
 }  // namespace
 
-Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t most_views) {
     require_light_field(dataset);
+    const std::vector<uint32_t> views = fitted_views(dataset, asked);
+    const FitRequest request = with_sides(asked, dataset, views);
     const LfmOptions options = request.model_options();
     const uint32_t uses = uses_of(request);
     const VertexRings rings(dataset.mesh);
-    const TriangleAtlas atlas(dataset.mesh, options.surface_side);
-    const std::vector<uint32_t> views = fitted_views(dataset, request);
+    const TriangleAtlas atlas = surface_atlas(dataset.mesh, options);
     Plan plan;
     add_maps(dataset, atlas, options, rings, plan);
     plan.paper = paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), options.surface_side,
@@ -197,7 +198,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t 
     const auto add = [&](std::string name, std::string shape, uint64_t count, uint64_t bytes) {
         plan.memory.push_back({std::move(name), std::move(shape), count, bytes});
     };
-    const LfmLayout layout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
+    const LfmLayout layout(rings, atlas, options.view_side, options.terms);
     const bool stream = uses & use::engine;
     for (const char* name : {"p", "trial", "d", "g", "trial g", "P", "fresh P"})
         if (stream || name == std::string_view("p"))

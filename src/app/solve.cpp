@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "fragment/gl_distributor.h"
 #include "samples/grid_distributor.h"
+#include "samples/projected_sides.h"
 #include "samples/raster_distributor.h"
 
 namespace radiafit {
@@ -86,19 +87,28 @@ void describe_request(const FitRequest& request, FitRecord& fit) {
     fit.options_json = request.json();
 }
 
-FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples,
+FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vector<uint32_t>& views) {
+    if (request.texels_per_pixel == 0 || request.model.sides) return request;
+    request.model.sides =
+        sides_by_area(projected_areas(dataset, views), request.texels_per_pixel, request.model.surface_side);
+    request.model.surface_side = largest_of(request.model.sides);
+    return request;
+}
+
+FitOutcome solve(const Dataset& dataset, const FitRequest& asked, const SharedSamples* samples,
                  const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
-    request.check();
+    asked.check();
     require_light_field(dataset);
-    const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
+    const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, asked);
+    const FitRequest request = with_sides(asked, dataset, training);
+    const TriangleAtlas atlas = surface_atlas(dataset.mesh, request.model);
     const VertexRings rings(dataset.mesh);
-    const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, request);
     Stopwatch clock;
     FitOutcome out;
     FitTask task(dataset, request, atlas, rings, training, each_iteration, samples, out);
     find_solver(request.solver).solve(task);
     out.fit.options = task.options;
-    describe_request(request, out.fit);
+    describe_request(asked, out.fit);
     set_dataset(out.fit, dataset);
     out.times.total = clock.wall_s() - out.times.outside;
     return out;

@@ -69,6 +69,9 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
 SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          const std::vector<uint32_t>& views);
 
+/// The request with model.sides chosen, by these views, if it asks for them by texels_per_pixel.
+FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vector<uint32_t>& views);
+
 /// Fits training views (or `views`). `samples`, if given, must come from distribute() with equal sides, space and
 /// views; engines that redistribute every pass ignore it.
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples = nullptr,

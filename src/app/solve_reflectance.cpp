@@ -118,7 +118,7 @@ void solve_texel_stream(TexelTask& task) {
 
 void solve_texel_two_step(TexelTask& task) {
     const int side = task.dataset.has_grid() ? 0 : task.options.surface_side;
-    const std::string key = record_key(task.dataset, task.request, task.views, side, "texel");
+    const std::string key = record_key(task.dataset, task.request, task.views, std::to_string(side), "texel");
     const auto write = [&](const fs::path& folder) {
         const Distributors distributors = make_distributors(*task.out.atlas, task.request);
         task.out.records = write_texel_records(folder, task.dataset, *task.out.atlas, task.views,

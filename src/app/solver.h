@@ -101,9 +101,10 @@ void describe_request(const FitRequest& request, FitRecord& fit);
 void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& times,
                   const std::function<void(const std::filesystem::path& folder)>& write,
                   const std::function<void(const std::filesystem::path& folder)>& read);
-/// All that decides what records hold that are to stay; empty if they aren't.
-std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views, int side,
-                       const std::string& kind);
+/// All that decides what records hold that are to stay; empty if they aren't. sides: what that of surface maps is told
+/// as.
+std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views,
+                       const std::string& sides, const std::string& kind);
 /// Drops records from the page cache if so requested, and notes how much of them is there.
 void settle_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
 

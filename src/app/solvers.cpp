@@ -36,9 +36,7 @@ const SampleList& FitTask::samples() {
     return shared_->list;
 }
 
-LfmLayout FitTask::layout() const {
-    return LfmLayout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
-}
+LfmLayout FitTask::layout() const { return LfmLayout(rings, atlas, options.view_side, options.terms); }
 
 void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
                    std::span<const ProblemOutcome> outcomes, std::vector<float> parameters) {
@@ -56,7 +54,7 @@ void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatisti
         // the engine's error is E / S-bar plus the penalties; problems.exr wants E itself
         const double penalty =
             penalty_error(layout, task.options, v, fit.parameters, {&statistics.mean[3 * v], 3})[i % 3];
-        const double ring_texels = double(layout.view_offset(v) - layout.offset(v)) / double(layout.stride());
+        const double ring_texels = double(layout.surface_texels(v));
         const double data = std::max(0.0, outcomes[i].error - penalty);
         fit.error[i] = float(task.options.mends.normalized ? data * statistics.samples[v] / ring_texels : data);
     }
@@ -111,24 +109,25 @@ std::span<const Solver> solvers() {
         optimizer | iterations | residual | change | random_start | deflation | loss | weights;
     constexpr uint32_t texels = sides | selection | iterations | weights,
                        texels_of_optimizer = texels | optimizer | normal_equations | bounds | residual | change | loss;
-    constexpr uint32_t vertex_by_vertex = maps_of | objective | samples | iterations | residual | random_start;
+    constexpr uint32_t vertex_by_vertex =
+        maps_of | own_sides | objective | samples | iterations | residual | random_start;
     static constexpr Solver table[] = {
         {.name = "stream",
          .help = "the paper's optimizers over --engine",
          .solve = solve_stream,
-         .uses = maps_of | objective | of_optimizer | engine,
+         .uses = maps_of | own_sides | objective | of_optimizer | engine,
          .solve_texels = solve_texel_stream,
          .texel_uses = texels_of_optimizer | engine},
         {.name = "two-step",
          .help = "distributed to disk first, then vertex by vertex (Section 4.3)",
          .solve = solve_two_step,
-         .uses = maps_of | objective | of_optimizer | samples | record_kind | records,
+         .uses = maps_of | own_sides | objective | of_optimizer | samples | record_kind | records,
          .solve_texels = solve_texel_two_step,
          .texel_uses = texels_of_optimizer | samples | records},
         {.name = "pca",
          .help = "factorization of the resampled light field, Chen et al. 2002",
          .solve = solve_pca,
-         .uses = maps_of | refills,
+         .uses = maps_of | own_sides | refills,
          .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return pca_bytes(r.model, v); }},
         {.name = "ceres",
          .help = "the Ceres library, vertex by vertex",
@@ -161,7 +160,7 @@ std::span<const Solver> solvers() {
         {.name = "mean",
          .help = "the trivial baseline: one mean colour per texel",
          .solve = solve_mean,
-         .uses = samples | space | sides},
+         .uses = samples | space | sides | own_sides},
     };
     return table;
 }

@@ -7,11 +7,9 @@
 namespace radiafit {
 
 template <class real>
-LfmObjective<real>::LfmObjective(const LfmOptions& options, int tile_texels)
+LfmObjective<real>::LfmObjective(const LfmOptions& options)
     : options_(options),
-      tile_size_(size_t(tile_texels) * size_t(options.terms)),
       view_size_(size_t(options.view_side) * size_t(options.view_side) * size_t(options.terms)),
-      tile_neighbours_(MapNeighbours::triangle(options.surface_side)),
       view_neighbours_(MapNeighbours::square(options.view_side)) {}
 
 template <class real>
@@ -35,20 +33,31 @@ Lanes<real>* scratch(size_t size) {
 
 }  // namespace
 
+/// Lanes of all surface maps, all terms.
 template <class real>
-void LfmObjective<real>::finish_direction(const Scale& scale, size_t maps, const V* x, V* gradient, V* diagonal,
-                                          Lanes<double>& error) const {
-    const size_t size = maps * tile_size_ + view_size_;
+size_t LfmObjective<real>::surface_size(std::span<const uint8_t> sides) const {
+    size_t texels = 0;
+    for (const int side : sides) texels += TriangleTile::texels_of(side);
+    return texels * size_t(options_.terms);
+}
+
+template <class real>
+void LfmObjective<real>::finish_direction(const Scale& scale, std::span<const uint8_t> sides, const V* x, V* gradient,
+                                          V* diagonal, Lanes<double>& error) const {
+    const size_t view_base = surface_size(sides), size = view_base + view_size_;
     for (size_t i = 0; i < size; ++i) gradient[i] *= scale.inverse_density;
     error *= double(scale.inverse_density);
-    V* smooth = scratch<real>(2 * std::max(tile_size_, view_size_));
+    V* smooth = scratch<real>(2 * size);
     const V lambda = broadcast3(real(options_.lambda_surface));
     size_t at = 0;
-    for (size_t map = 0; map < maps; ++map, at += tile_size_)
-        add_smoothness<real>(tile_neighbours_, options_.terms, lambda, x + at, gradient + at, error, smooth);
+    for (const int side : sides) {
+        const MapNeighbours& tile = MapNeighbours::triangle(side);
+        add_smoothness<real>(tile, options_.terms, lambda, x + at, gradient + at, error, smooth);
+        at += tile.texel_count() * size_t(options_.terms);
+    }
     add_smoothness<real>(view_neighbours_, options_.terms, scale.lambda_view, x + at, gradient + at, error, smooth);
     add_bounds<real>(options_, size / size_t(options_.terms), x, gradient, error);
-    if (diagonal) precondition(scale, maps, diagonal);
+    if (diagonal) precondition(scale, view_base, diagonal);
     if (first_term_ <= 0 && last_term_ >= options_.terms) return;
     for (size_t i = 0; i < size; ++i) {
         const int term = int(i % size_t(options_.terms));
@@ -57,8 +66,8 @@ void LfmObjective<real>::finish_direction(const Scale& scale, size_t maps, const
 }
 
 template <class real>
-void LfmObjective<real>::precondition(const Scale& scale, size_t maps, V* diagonal) const {
-    const size_t view_base = maps * tile_size_, size = view_base + view_size_;
+void LfmObjective<real>::precondition(const Scale& scale, size_t view_base, V* diagonal) const {
+    const size_t size = view_base + view_size_;
     const V lambda = broadcast3(real(options_.lambda_surface));
     V largest{};
     for (size_t i = 0; i < size; ++i) {
@@ -70,16 +79,20 @@ void LfmObjective<real>::precondition(const Scale& scale, size_t maps, V* diagon
 }
 
 template <class real>
-void LfmObjective<real>::finish_line(const Scale& scale, size_t maps, const V* x, const V* d, LineLanes& sums) const {
+void LfmObjective<real>::finish_line(const Scale& scale, std::span<const uint8_t> sides, const V* x, const V* d,
+                                     LineLanes& sums) const {
     for (Lanes<double>* sum : {&sums.gauss_newton, &sums.curvature, &sums.third, &sums.fourth})
         *sum *= double(scale.inverse_density);
     if (!options_.mends.penalty_curvature) return;
-    V* smooth = scratch<real>(std::max(tile_size_, view_size_));
+    V* smooth = scratch<real>(surface_size(sides) + view_size_);
     const V lambda = broadcast3(real(options_.lambda_surface));
     V penalty{};
     size_t at = 0;
-    for (size_t map = 0; map < maps; ++map, at += tile_size_)
-        penalty += smoothness_curvature<real>(tile_neighbours_, options_.terms, lambda, d + at, smooth);
+    for (const int side : sides) {
+        const MapNeighbours& tile = MapNeighbours::triangle(side);
+        penalty += smoothness_curvature<real>(tile, options_.terms, lambda, d + at, smooth);
+        at += tile.texel_count() * size_t(options_.terms);
+    }
     penalty += smoothness_curvature<real>(view_neighbours_, options_.terms, scale.lambda_view, d + at, smooth);
     penalty += bounds_curvature<real>(options_, (at + view_size_) / size_t(options_.terms), x, d);
     sums.gauss_newton += widen<real>(penalty);

@@ -29,7 +29,7 @@ template <class real>
 class LfmObjective {
 public:
     using V = Lanes<real>;
-    LfmObjective(const LfmOptions& options, int tile_texels);
+    explicit LfmObjective(const LfmOptions& options);
 
     /// Constants of one vertex.
     struct Scale {
@@ -43,18 +43,19 @@ public:
     void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
 
     /// From sums over samples (E, gradient, and diag(J'J) if not null) to E_t, its gradient and the preconditioner
-    /// diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of its largest entry per channel.
-    void finish_direction(const Scale& scale, size_t maps, const V* x, V* gradient, V* diagonal,
+    /// diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of its largest entry per channel. sides: of the surface maps.
+    void finish_direction(const Scale& scale, std::span<const uint8_t> sides, const V* x, V* gradient, V* diagonal,
                           Lanes<double>& error) const;
     /// The same for the sums along d.
-    void finish_line(const Scale& scale, size_t maps, const V* x, const V* d, LineLanes& sums) const;
+    void finish_line(const Scale& scale, std::span<const uint8_t> sides, const V* x, const V* d, LineLanes& sums) const;
 
 private:
-    void precondition(const Scale& scale, size_t maps, V* diagonal) const;
+    void precondition(const Scale& scale, size_t view_base, V* diagonal) const;
+    size_t surface_size(std::span<const uint8_t> sides) const;
 
     LfmOptions options_;
-    size_t tile_size_, view_size_;  ///< lanes of a map, all terms
-    MapNeighbours tile_neighbours_, view_neighbours_;
+    size_t view_size_;  ///< lanes of the view map, all terms
+    MapNeighbours view_neighbours_;
     int first_term_ = 0, last_term_ = 1 << 30;
 };
 

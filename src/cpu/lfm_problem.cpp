@@ -34,12 +34,17 @@ LfmProblem<real>::LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas,
     : rings_(&rings),
       samples_(&samples),
       options_((check_options(options), options)),
-      layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
-      objective_(options, int(atlas.texels_per_tile())) {
-    for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local)
-        for (int corner = 0; corner < 3; ++corner)
-            target_weight_[corner].push_back(
-                broadcast3<real>(real(atlas.barycentric(local)[corner]) * real(samples.scale)));
+      layout_(rings, atlas, options.view_side, options.terms),
+      objective_(options) {
+    for (uint32_t triangle = 0; triangle < atlas.tile_count(); ++triangle) {
+        const TriangleTile& tile = atlas.tile(triangle);
+        auto& weights = target_weight_[size_t(tile.side())];
+        if (!weights[0].empty()) continue;
+        for (uint32_t local = 0; local < tile.texels(); ++local)
+            for (size_t corner = 0; corner < 3; ++corner)
+                weights[corner].push_back(
+                    broadcast3<real>(real(tile.barycentric(local)[corner]) * real(samples.scale)));
+    }
     const auto frames = vertex_frames(atlas.mesh());
     const size_t images = samples.image_count();
     std::vector<Vec3d> centers;
@@ -67,12 +72,15 @@ ProblemStatistics LfmProblem<real>::count() {
     parallel_for(vertex_count(), 64, [&](size_t v, int) {
         Lanes<double> sum{};
         uint32_t count = 0;
-        for (const Corner& c : rings_->ring(v)) {
+        const auto ring = rings_->ring(v);
+        for (size_t map = 0; map < ring.size(); ++map) {
+            const Corner& c = ring[map];
             const uint64_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
             const uint64_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
+            const V* weight = target_weight(c, layout_.sides(v)[map]);
             V part{};
             for (uint64_t s = first; s < last; ++s)
-                part += target_weight_[c.corner][samples_->samples[s].local] * load_sample<real>(samples_->samples[s]);
+                part += weight[samples_->samples[s].local] * load_sample<real>(samples_->samples[s]);
             sum += widen<real>(part);
             count += uint32_t(last - first);
         }
@@ -86,24 +94,26 @@ ProblemStatistics LfmProblem<real>::count() {
 
 template <class real>
 void LfmProblem<real>::direction(size_t v, const V* x, V* gradient, V* diagonal, double error[3]) const {
-    const size_t size = layout_.block_size(v) / 4, tile = layout_.tile_size() / 4;
-    const size_t maps = rings_->ring(v).size();
+    const size_t size = layout_.block_size(v) / 4, view = layout_.surface_texels(v) * size_t(options_.terms);
+    const auto ring = rings_->ring(v);
+    const auto sides = layout_.sides(v);
     std::fill(gradient, gradient + size, V{});
     if (diagonal) std::fill(diagonal, diagonal + size, V{});
     Lanes<double> data{};
     const auto sum = [&](auto kernel) {
-        size_t map = 0;
-        for (const Corner& corner : rings_->ring(v)) {
+        size_t map = 0;  // where it begins
+        for (size_t position = 0; position < ring.size(); ++position) {
+            const Corner& corner = ring[position];
             for (uint32_t group = samples_->tile_groups[corner.triangle];
                  group < samples_->tile_groups[corner.triangle + 1]; ++group) {
                 const uint32_t image = samples_->groups[group].image;
                 const Footprint<real>& f = footprint(v, image);
-                const GroupSamples<real> samples{samples_->of_group(group), target_weight_[corner.corner].data()};
-                kernel.begin(f, x + maps * tile, weight(v, image));
+                const GroupSamples<real> samples{samples_->of_group(group), target_weight(corner, sides[position])};
+                kernel.begin(f, x + view, weight(v, image));
                 kernel.add(samples, x + map, gradient + map, diagonal ? diagonal + map : nullptr);
-                kernel.end(f, gradient + maps * tile, diagonal ? diagonal + maps * tile : nullptr, data);
+                kernel.end(f, gradient + view, diagonal ? diagonal + view : nullptr, data);
             }
-            map += tile;
+            map += TriangleTile::texels_of(sides[position]) * size_t(options_.terms);
         }
     };
     with_kernels(options_, [&](auto terms, auto loss) {
@@ -112,31 +122,34 @@ void LfmProblem<real>::direction(size_t v, const V* x, V* gradient, V* diagonal,
         else
             sum(DirectionKernel<real, terms, false, decltype(loss)>(options_.terms, options_.view_side, loss));
     });
-    objective_.finish_direction(scales_[v], maps, x, gradient, diagonal, data);
+    objective_.finish_direction(scales_[v], sides, x, gradient, diagonal, data);
     for (int c = 0; c < 3; ++c) error[c] = data[c];
 }
 
 template <class real>
 void LfmProblem<real>::line(size_t v, const V* x, const V* d, LineLanes& sums) const {
     sums = {};
-    const size_t tile = layout_.tile_size() / 4, maps = rings_->ring(v).size();
+    const size_t view = layout_.surface_texels(v) * size_t(options_.terms);
+    const auto ring = rings_->ring(v);
+    const auto sides = layout_.sides(v);
     with_kernels(options_, [&](auto terms, auto loss) {
         LineKernel<real, terms, decltype(loss)> kernel(options_.terms, options_.view_side, loss);
-        size_t map = 0;
-        for (const Corner& corner : rings_->ring(v)) {
+        size_t map = 0;  // where it begins
+        for (size_t position = 0; position < ring.size(); ++position) {
+            const Corner& corner = ring[position];
             for (uint32_t group = samples_->tile_groups[corner.triangle];
                  group < samples_->tile_groups[corner.triangle + 1]; ++group) {
                 const uint32_t image = samples_->groups[group].image;
                 const Footprint<real>& f = footprint(v, image);
-                const GroupSamples<real> samples{samples_->of_group(group), target_weight_[corner.corner].data()};
-                kernel.begin(f, x + maps * tile, d + maps * tile, weight(v, image));
+                const GroupSamples<real> samples{samples_->of_group(group), target_weight(corner, sides[position])};
+                kernel.begin(f, x + view, d + view, weight(v, image));
                 kernel.add(samples, x + map, d + map);
                 kernel.end(sums);
             }
-            map += tile;
+            map += TriangleTile::texels_of(sides[position]) * size_t(options_.terms);
         }
     });
-    objective_.finish_line(scales_[v], maps, x, d, sums);
+    objective_.finish_line(scales_[v], sides, x, d, sums);
 }
 
 template class LfmProblem<float>;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -38,7 +39,7 @@ public:
 
     const LfmLayout& layout() const { return layout_; }
     const LfmOptions& options() const { return options_; }
-    size_t texels(size_t v) const { return rings_->ring(v).size() * size_t(layout_.tile_texels()); }
+    size_t texels(size_t v) const { return layout_.surface_texels(v); }
 
     /// Samples and mean target per vertex; fixes S-bar and lambda_view. Call before the passes.
     ProblemStatistics count();
@@ -57,15 +58,21 @@ private:
         return weights_.empty() ? real(1) : weights_[v * samples_->image_count() + image];
     }
 
+    /// Targets' weights of a tile's texels as one of its corners sees them: Lambda at the centre, times the scale.
+    const V* target_weight(const Corner& corner, int side) const {
+        return target_weight_[size_t(side)][corner.corner].data();
+    }
+
     const VertexRings* rings_;
     const SampleList* samples_;
     LfmOptions options_;
     LfmLayout layout_;
     LfmObjective<real> objective_;
-    std::vector<V> target_weight_[3];          ///< per corner [tile texels]: Lambda at the centre, times the scale
-    std::vector<Footprint<real>> footprints_;  ///< [vertices][images]
-    std::vector<real> weights_;                ///< [vertices][images] of samples; empty: equal
-    std::vector<uint32_t> counts_;             ///< [vertices] samples
+    /// [side][corner][tile texels]; empty for sides that no map has.
+    std::array<std::array<std::vector<V>, 3>, largest_side + 1> target_weight_;
+    std::vector<Footprint<real>> footprints_;                 ///< [vertices][images]
+    std::vector<real> weights_;                               ///< [vertices][images] of samples; empty: equal
+    std::vector<uint32_t> counts_;                            ///< [vertices] samples
     std::vector<typename LfmObjective<real>::Scale> scales_;  ///< [vertices]
 };
 

@@ -26,7 +26,7 @@ struct Worker {
 TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                              const DiskRecords& records, const LfmOptions& options, const TwoStepOptions& two_step,
                              const std::function<void()>& progress) {
-    const LfmLayout layout(rings, int(atlas.texels_per_tile()), options.view_side, options.terms);
+    const LfmLayout layout(rings, atlas, options.view_side, options.terms);
     const size_t vertices = layout.problem_count();
     TwoStepResult out;
     for (size_t v = 0; v < vertices; ++v) {

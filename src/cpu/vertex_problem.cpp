@@ -11,25 +11,27 @@ VertexProblem::VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas,
       rings_(&rings),
       records_(&records),
       options_((check_options(options), options)),
-      objective_(options, int(atlas.texels_per_tile())),
-      frames_(vertex_frames(atlas.mesh())),
-      tile_texels_(atlas.texels_per_tile()) {
+      objective_(options),
+      frames_(vertex_frames(atlas.mesh())) {
     for (uint32_t view : records.views()) centers_.push_back(dataset.views[view].camera.center());
 }
 
 void VertexProblem::load(size_t v, const uint8_t* block) {
     const VertexRecord& record = records_->vertex(v);
-    vertex_ = v;
     samples_ = record.samples;
-    maps_ = rings_->ring(v).size();
-    size_ = size_t(options_.terms) * (maps_ * tile_texels_ + size_t(options_.view_side) * size_t(options_.view_side));
+    sides_.clear();
+    first_texels_.clear();
+    weights_.clear();
+    for (const Corner& corner : rings_->ring(v)) {
+        const TriangleTile& tile = atlas_->tile(corner.triangle);
+        sides_.push_back(uint8_t(tile.side()));
+        first_texels_.push_back(uint32_t(weights_.size()));
+        for (uint32_t local = 0; local < tile.texels(); ++local)
+            weights_.push_back(broadcast3(tile.barycentric(local)[corner.corner]));
+    }
+    size_ = size_t(options_.terms) * (texels(0) + size_t(options_.view_side) * size_t(options_.view_side));
     std::copy_n(record.mean, 3, mean_);
     scale_ = objective_.scale(texels(0), samples_, mean_);
-
-    weights_.clear();
-    for (const Corner& corner : rings_->ring(v))
-        for (uint32_t local = 0; local < tile_texels_; ++local)
-            weights_.push_back(broadcast3(atlas_->barycentric(local)[corner.corner]));
     groups_.resize(record.images + 1);
     uint32_t first = 0;
     for (uint32_t g = 0; g < record.images; ++g) {
@@ -70,14 +72,15 @@ void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from
 
 // Everything comes from the record itself, as in the paper: also where a sample falls in the vertex's view map.
 void VertexProblem::take_full(const uint8_t* from) {
-    const float n = float(atlas_->side());
     for (size_t g = 0; g + 1 < groups_.size(); ++g)
         for (uint32_t i = groups_[g].first; i < groups_[g + 1].first; ++i, from += sizeof(FullRecord)) {
             FullRecord full;
             std::memcpy(&full, from, sizeof full);
             const auto position = static_cast<uint32_t>(full.surface[0]);
+            const TriangleTile& tile = TriangleTile::of_side(sides_[position]);
+            const float n = float(tile.side());
             const int column = int((full.surface[0] - float(position)) * n), row = int(full.surface[1] * n);
-            texels_[i] = position * uint32_t(tile_texels_) + atlas_->local_of_cell(column, row);
+            texels_[i] = first_texels_[position] + tile.local_of_cell(column, row);
             targets_[i] = weights_[texels_[i]] * V{full.target[0], full.target[1], full.target[2], 0};
             if (i > groups_[g].first) continue;
             const ViewFootprint f =
@@ -87,7 +90,7 @@ void VertexProblem::take_full(const uint8_t* from) {
 }
 
 void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, double error[3]) const {
-    const size_t size = size_, view = maps_ * tile_texels_ * size_t(options_.terms);
+    const size_t size = size_, view = texels(0) * size_t(options_.terms);
     std::fill(gradient, gradient + size, V{});
     if (diagonal) std::fill(diagonal, diagonal + size, V{});
     Lanes<double> data{};
@@ -104,13 +107,13 @@ void VertexProblem::direction(size_t, const V* x, V* gradient, V* diagonal, doub
         else
             sum(DirectionKernel<float, terms, false, decltype(loss)>(options_.terms, options_.view_side, loss));
     });
-    objective_.finish_direction(scale_, maps_, x, gradient, diagonal, data);
+    objective_.finish_direction(scale_, sides_, x, gradient, diagonal, data);
     for (int c = 0; c < 3; ++c) error[c] = data[c];
 }
 
 void VertexProblem::line(size_t, const V* x, const V* d, LineLanes& sums) const {
     sums = {};
-    const size_t view = maps_ * tile_texels_ * size_t(options_.terms);
+    const size_t view = texels(0) * size_t(options_.terms);
     with_kernels(options_, [&](auto terms, auto loss) {
         LineKernel<float, terms, decltype(loss)> kernel(options_.terms, options_.view_side, loss);
         for (size_t g = 0; g + 1 < groups_.size(); ++g) {
@@ -119,7 +122,7 @@ void VertexProblem::line(size_t, const V* x, const V* d, LineLanes& sums) const 
             kernel.end(sums);
         }
     });
-    objective_.finish_line(scale_, maps_, x, d, sums);
+    objective_.finish_line(scale_, sides_, x, d, sums);
 }
 
 uint64_t VertexProblem::working_set_bytes() const {

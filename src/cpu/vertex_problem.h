@@ -31,7 +31,7 @@ public:
     void set(std::span<const float> values, V* vector) const { set_lanes<float>(values, vector); }
     void get(const V* vector, std::span<float> values) const { get_lanes<float>(vector, values); }
     void fit_terms(int first, int last) { objective_.fit_terms(first, last); }
-    size_t texels(size_t) const { return maps_ * tile_texels_; }
+    size_t texels(size_t) const { return weights_.size(); }
     ProblemStatistics count() const { return {{samples_}, {mean_[0], mean_[1], mean_[2]}}; }
     void direction(size_t, const V* x, V* gradient, V* fresh_p, double error[3]) const;
     void line(size_t, const V* x, const V* d, LineLanes& sums) const;
@@ -66,9 +66,10 @@ private:
     LfmObjective<float> objective_;
     std::vector<Frame> frames_;
     std::vector<Vec3d> centers_;  ///< of the images' cameras
-    size_t tile_texels_;
 
-    size_t vertex_ = 0, maps_ = 0, size_ = 0;  ///< size_: of the vertex's block, in V
+    size_t size_ = 0;                     ///< of the vertex's block, in V
+    std::vector<uint8_t> sides_;          ///< of its surface maps
+    std::vector<uint32_t> first_texels_;  ///< likewise, where their texels begin
     uint32_t samples_ = 0;
     float mean_[3] = {};
     LfmObjective<float>::Scale scale_;

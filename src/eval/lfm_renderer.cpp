@@ -19,9 +19,9 @@ Lane load(const float* from) { return Eigen::Map<const Lane>(from); }
 LfmRenderer::LfmRenderer(const Mesh& mesh, const LightFieldFit& fit)
     : mesh_(&mesh),
       fit_(&fit),
-      atlas_(mesh, fit.options.surface_side),
+      atlas_(surface_atlas(mesh, fit.options)),
       rings_(mesh),
-      layout_(rings_, int(atlas_.texels_per_tile()), fit.options.view_side, fit.options.terms),
+      layout_(rings_, atlas_, fit.options.view_side, fit.options.terms),
       frames_(vertex_frames(mesh)),
       scratch_(size_t(thread_count())) {
     if (fit.parameters.size() != layout_.size() || fit.samples.size() != 3 * mesh.vertex_count() ||
@@ -74,7 +74,7 @@ void LfmRenderer::shade(const Camera& camera, const std::vector<RasterPixel>& pi
                 view[corner] = view_values(scratch, mesh_->triangles[triangle][corner], eye);
             }
         }
-        const size_t texel = atlas_.local_at(pixel.b1, pixel.b2) * stride;
+        const size_t texel = atlas_.local_at(triangle, pixel.b1, pixel.b2) * stride;
         Lane sum = Lane::Zero();
         for (int corner = 0; corner < 3; ++corner)
             for (size_t k = 0; k < stride; k += 4)

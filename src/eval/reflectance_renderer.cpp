@@ -14,7 +14,7 @@ ReflectanceRenderer::ReflectanceRenderer(const Atlas& atlas, const ReflectanceFi
 
 uint32_t ReflectanceRenderer::texel_of(const RasterPixel& pixel) const {
     if (!triangles_) return pixel.triangle;
-    return pixel.triangle * atlas_->texels_per_tile() + triangles_->local_at(pixel.b1, pixel.b2);
+    return pixel.triangle * atlas_->texels_per_tile() + triangles_->local_at(pixel.triangle, pixel.b1, pixel.b2);
 }
 
 void ReflectanceRenderer::shade(const View& view, const std::vector<RasterPixel>& pixels,

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* problems_name = "problems.exr";
+constexpr const char* sides_name = "sides.exr";
 
 std::string surface_name(int term, int corner) { return fmt::format("surface_term{}_corner{}.exr", term, corner); }
 std::string view_name(int term) { return fmt::format("view_term{}.exr", term); }
@@ -87,7 +88,7 @@ struct Shape {
     VertexRings rings;
     LfmLayout layout;
     Shape(const Mesh& mesh, const LfmOptions& o)
-        : atlas(mesh, o.surface_side), rings(mesh), layout(rings, int(atlas.texels_per_tile()), o.view_side, o.terms) {}
+        : atlas(surface_atlas(mesh, o)), rings(mesh), layout(rings, atlas, o.view_side, o.terms) {}
 };
 
 }  // namespace
@@ -137,6 +138,7 @@ void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mes
     if (add_files) add_files(place);
     write_ply(mesh, place / "mesh.ply");
     write_exr(place / problems_name, problem_image(fit));
+    if (fit.options.sides) write_exr(place / sides_name, side_image(*fit.options.sides));
     parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
         const int term = int(job / 4), corner = int(job % 4);
         if (corner < 3)
@@ -208,6 +210,8 @@ StoredFit read_fit(const fs::path& folder) {
         throw UserError(fmt::format("{}: {} vertices and {} triangles, but fit.json says {} and {}; fit again",
                                     mesh_path.string(), stored.mesh.vertex_count(), stored.mesh.triangle_count(),
                                     fit.dataset_fingerprint.vertices, fit.dataset_fingerprint.triangles));
+    if (promises.own_sides)
+        fit.options.sides = read_sides(folder / sides_name, stored.mesh.triangle_count(), fit.options.surface_side);
     const Shape shape(stored.mesh, fit.options);
     const fs::path problems = folder / problems_name;
     take_problem_image(problems, stored.mesh.vertex_count(), fit);

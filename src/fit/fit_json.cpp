@@ -136,6 +136,7 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
     Json json = head(fit, lfm_name);
     json[lfm_name] = {{"terms", o.terms},
                       {"surface_side", o.surface_side},
+                      {"own_sides", o.sides != nullptr},
                       {"view_side", o.view_side},
                       {"lookup", to_string(o.lookup)},
                       {"mode", to_string(o.mode)},
@@ -195,7 +196,9 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         o.lower = number(lfm, "lower");
         o.upper = number(lfm, "upper");
         check_options(o);
-        return take_record(json, fit);
+        FitPromises promises = take_record(json, fit);
+        promises.own_sides = lfm.contains("own_sides") && lfm.at("own_sides").get<bool>();
+        return promises;
     });
 }
 

@@ -29,6 +29,7 @@ std::string model_in_json(const std::filesystem::path& path, const std::string& 
 struct FitPromises {
     std::string dataset_path;
     std::array<uint64_t, size_t(Status::count)> status_counts{};
+    bool own_sides = false;  ///< of surface maps, in an image
 };
 
 /// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.

@@ -25,7 +25,7 @@ void for_each_surface_texel(const TriangleAtlas& atlas, const LfmLayout& layout,
     for (uint32_t t = 0; t < atlas.tile_count(); ++t) {
         const size_t map = layout.map_offset(t, uint32_t(corner));
         if (map == LfmLayout::no_map) continue;
-        for (uint32_t s = 0; s < atlas.texels_per_tile(); ++s) {
+        for (uint32_t s = 0; s < atlas.tile(t).texels(); ++s) {
             const auto [x, y] = atlas.place(t * atlas.texels_per_tile() + s);
             body((size_t(y) * size_t(width) + size_t(x)) * 3, map + s * layout.stride() + 4 * size_t(term));
         }
@@ -128,6 +128,22 @@ void take_view_image(const std::filesystem::path& path, const LfmLayout& layout,
     for_each_view_texel(layout, term, image.width, [&](size_t pixel, size_t parameter) {
         for (size_t c = 0; c < 3; ++c) fit.parameters[parameter + c] = image.values[pixel + c];
     });
+}
+
+ExrImage side_image(const std::vector<uint8_t>& sides) {
+    ExrImage image = blank(table_columns(sides.size()), table_rows(sides.size()), {"side"});
+    std::copy(sides.begin(), sides.end(), image.values.begin());
+    return image;
+}
+
+TileSides read_sides(const std::filesystem::path& path, size_t triangles, int most) {
+    const ExrImage image = read_exr(path, {"side"}, {{table_columns(triangles), table_rows(triangles)}});
+    std::vector<uint8_t> sides;
+    for (size_t t = 0; t < triangles; ++t) {
+        sides.push_back(uint8_t(whole_number(path, image.values[t], float(most) + 1, "side", "triangle", t)));
+        whole_number(path, float(sides.back()) - least_side, whole, "side above the least", "triangle", t);
+    }
+    return std::make_shared<const std::vector<uint8_t>>(std::move(sides));
 }
 
 ExrImage problem_image(const LightFieldFit& fit) {

@@ -19,6 +19,8 @@ ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, cons
                        int corner);
 /// View maps of one term: R, G, B; texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
 ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term);
+/// Sides of surface maps: a pixel per triangle, row by row in table_columns(triangles).
+ExrImage side_image(const std::vector<uint8_t>& sides);
 /// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
 ExrImage problem_image(const LightFieldFit& fit);
 
@@ -33,6 +35,7 @@ std::vector<std::string> parameter_map_channels(const TexelModel& model, int k);
 // The way back: reads the image at `path`. Throws UserError on a size or value that cannot be.
 void take_surface_image(const std::filesystem::path& path, const TriangleAtlas& atlas, const LfmLayout& layout,
                         int term, int corner, LightFieldFit& fit);
+TileSides read_sides(const std::filesystem::path& path, size_t triangles, int most);
 void take_view_image(const std::filesystem::path& path, const LfmLayout& layout, int term, LightFieldFit& fit);
 void take_problem_image(const std::filesystem::path& path, size_t vertices, LightFieldFit& fit);
 

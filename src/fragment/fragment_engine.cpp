@@ -14,7 +14,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
                                const FragmentOptions& fragment_options)
     : options_((check_options(options), options)),
       fragment_options_(fragment_options),
-      layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
+      layout_(rings, atlas, options.view_side, options.terms),
       shape_{&atlas, &rings, &layout_, ProblemGrid(rings.vertex_count(), options.view_side), options.loss},
       images_(dataset, std::move(views), fragment_options.source, fragment_options.space,
               fragment_options.keep_on_device),
@@ -104,7 +104,7 @@ ProblemStatistics FragmentEngine::count() {
     std::vector<float> density(4 * vertices), weights(4 * vertices);
     for (size_t v = 0; v < vertices; ++v) {
         const auto samples = uint32_t(sums[4 * v + 3]);
-        const size_t texels = shape_.rings->ring(v).size() * size_t(layout_.tile_texels());
+        const size_t texels = layout_.surface_texels(v);
         statistics.samples[v] = samples;
         density[4 * v] = samples ? float(inverse_density(options_, texels, samples)) : 1.0f;
         density[4 * v + 1] = float(texels);

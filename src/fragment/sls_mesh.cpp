@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "base/error.h"
 #include "dataset/image_stream.h"
 
 namespace radiafit {
 
 SlsMesh::SlsMesh(const TriangleAtlas& atlas, bool cull) : atlas_(&atlas), cull_(cull) {
+    if (!atlas.one_side()) throw UserError("in OpenGL all surface maps have one side; choose it, or fit on the CPU");
     const Mesh& mesh = atlas.mesh();
     std::vector<Vec3f> positions[3];
     std::vector<uint32_t> tiles;

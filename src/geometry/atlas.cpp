@@ -14,9 +14,15 @@ namespace {
 constexpr int largest_layout = 16384;
 }  // namespace
 
-TriangleAtlas::TriangleAtlas(const Mesh& mesh, int side) : mesh_(&mesh), side_(side) {
-    if (side < 2 || side > 64)
-        throw UserError(fmt::format("surface side {} is out of range; choose one in [2, 64]", side));
+TriangleAtlas::TriangleAtlas(const Mesh& mesh, int side, TileSides sides)
+    : mesh_(&mesh), side_(side), sides_(std::move(sides)), tile_(&TriangleTile::of_side(side)) {
+    if (sides_ && sides_->size() != mesh.triangle_count())
+        throw UserError(fmt::format("sides of {} surface maps were given for {} triangles", sides_->size(),
+                                    mesh.triangle_count()));
+    for (size_t t = 0; sides_ && t < sides_->size(); ++t)
+        if ((*sides_)[t] < least_side || (*sides_)[t] > side)
+            throw UserError(fmt::format("triangle {}'s surface map has side {}, which is outside [{}, {}]", t,
+                                        (*sides_)[t], least_side, side));
     const size_t rectangles = (mesh.triangle_count() + 1) / 2;
     // Nearly square: r * side columns against rectangles / r * (side + 1) rows.
     const double per_row = std::ceil(std::sqrt(double(rectangles) * (side + 1) / side));
@@ -31,16 +37,8 @@ TriangleAtlas::TriangleAtlas(const Mesh& mesh, int side) : mesh_(&mesh), side_(s
     width_ = static_cast<int>(width);
     height_ = static_cast<int>(height);
     tile_count_ = static_cast<uint32_t>(mesh.triangle_count());
-    texels_per_tile_ = static_cast<uint32_t>(side * (side + 1) / 2);
-
-    for (int j = 0; j < side; ++j)
-        for (int i = 0; i + j < side; ++i) {
-            // The diagonal cuts the cells i + j = side - 1 in half: their centre is a triangle's centroid.
-            const double c = i + j == side - 1 ? 1.0 / 3 : 0.5;
-            const double b1 = (i + c) / side, b2 = (j + c) / side;
-            cell_.push_back({i, j});
-            barycentric_.push_back({float(1 - b1 - b2), float(b1), float(b2)});
-        }
+    texels_per_tile_ = tile_->texels();
+    for (uint32_t t = 0; t < tile_count_; ++t) used_texels_ += TriangleTile::texels_of(this->side(t));
     degenerate_.resize(tile_count_);
     for (uint32_t t = 0; t < tile_count_; ++t) degenerate_[t] = is_degenerate(mesh, t);
     normals_ = vertex_normals(mesh);
@@ -48,7 +46,7 @@ TriangleAtlas::TriangleAtlas(const Mesh& mesh, int side) : mesh_(&mesh), side_(s
 
 std::array<int, 2> TriangleAtlas::place(uint32_t texel) const {
     const uint32_t tile = texel / texels_per_tile_;
-    const auto [i, j] = cell_[texel % texels_per_tile_];
+    const auto [i, j] = this->tile(tile).cell(texel % texels_per_tile_);
     const uint32_t rectangle = tile / 2;
     const int x0 = static_cast<int>(rectangle % rectangles_per_row_) * side_;
     const int y0 = static_cast<int>(rectangle / rectangles_per_row_) * (side_ + 1);
@@ -64,8 +62,9 @@ void TriangleAtlas::set_normals(std::vector<Vec3f> normals) {
 
 Vec3f TriangleAtlas::normal(uint32_t texel) const {
     if (!texel_normals_.empty()) return texel_normals_[texel];
-    const auto& [i0, i1, i2] = mesh_->triangles[texel / texels_per_tile_];
-    const auto& b = barycentric_[texel % texels_per_tile_];
+    const uint32_t triangle = texel / texels_per_tile_;
+    const auto& [i0, i1, i2] = mesh_->triangles[triangle];
+    const auto& b = tile(triangle).barycentric(texel % texels_per_tile_);
     const Vec3f n = b[0] * normals_[i0] + b[1] * normals_[i1] + b[2] * normals_[i2];
     const float length = n.norm();
     return length > 0 ? Vec3f(n / length) : Vec3f(Vec3f::UnitZ());  // opposite normals may cancel

@@ -1,10 +1,11 @@
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "geometry/triangle_tile.h"
 
 namespace radiafit {
 
@@ -35,31 +36,27 @@ protected:
     int width_ = 0, height_ = 0;
 };
 
-/// One triangular tile of side n per triangle: cells floor(b1 n), floor(b2 n), i + j < n, so n(n+1)/2 texels.
-/// Two triangles share one n x (n+1) rectangle (even triangle upright at (i, j), odd one turned at (n-1-i, n-j)).
+/// Sides of triangles' tiles, each in [least_side, largest_side]; null where all have the same.
+using TileSides = std::shared_ptr<const std::vector<uint8_t>>;
+
+/// A triangular tile per triangle, of one side for all or of its own. Two triangles share one rectangle of the largest
+/// side, n x (n+1): the even triangle upright, cell (i, j) at (i, j); the odd one turned, at (n-1-i, n-j). A tile's
+/// texels come first among the texels_per_tile() places of its triangle; the other places hold none, and aren't usable.
 class TriangleAtlas final : public Atlas {
 public:
-    /// The mesh must outlive the atlas. Throws UserError for side outside [2, 64] or a layout wider than 16384.
-    TriangleAtlas(const Mesh& mesh, int side);
+    /// The mesh must outlive the atlas. sides, if not null: [triangles], none above `side`. Throws UserError for a side
+    /// out of range, another number of sides than triangles, or a layout wider than 16384.
+    TriangleAtlas(const Mesh& mesh, int side, TileSides sides = nullptr);
 
-    int side() const { return side_; }
+    int side() const { return side_; }  ///< the largest
+    int side(uint32_t triangle) const { return sides_ ? (*sides_)[triangle] : side_; }
+    bool one_side() const { return !sides_; }  ///< the same for all
+    const TriangleTile& tile(uint32_t triangle) const { return sides_ ? TriangleTile::of_side(side(triangle)) : *tile_; }
+    uint64_t used_texels() const { return used_texels_; }  ///< of all tiles, places without a texel left out
     int rectangles_per_row() const { return rectangles_per_row_; }
-    /// The tile-local texel that holds barycentric (b1, b2); rounding at the rim is clamped into the tile.
-    uint32_t local_at(float b1, float b2) const {
-        int i = std::clamp(static_cast<int>(b1 * float(side_)), 0, side_ - 1);
-        int j = std::clamp(static_cast<int>(b2 * float(side_)), 0, side_ - 1);
-        // Beyond the diagonal by rounding only: step back along the longer coordinate.
-        const int beyond = std::max(0, i + j - (side_ - 1));
-        const bool along_i = i > j;
-        i -= along_i ? beyond : 0;
-        j -= along_i ? 0 : beyond;
-        return local_of_cell(i, j);
+    uint32_t local_at(uint32_t triangle, float b1, float b2) const {
+        return TriangleTile::local_at(side(triangle), b1, b2);
     }
-    /// Barycentric weights of the three vertices at a tile-local texel's centre. A diagonal cell's own centroid.
-    std::array<float, 3> barycentric(uint32_t local) const { return barycentric_[local]; }
-    /// Cell (i, j) of a tile-local texel. Local order: row by row, j outer, i inner.
-    std::array<int, 2> cell(uint32_t local) const { return cell_[local]; }
-    uint32_t local_of_cell(int i, int j) const { return static_cast<uint32_t>(j * side_ - j * (j - 1) / 2 + i); }
 
     std::array<int, 2> place(uint32_t texel) const override;
     Vec3f position(uint32_t texel) const override {
@@ -67,21 +64,25 @@ public:
     }
     Vec3f position(uint32_t triangle, uint32_t local) const {
         const auto& [i0, i1, i2] = mesh_->triangles[triangle];
-        const auto& b = barycentric_[local];
+        const auto& b = tile(triangle).barycentric(local);
         return b[0] * mesh_->positions[i0] + b[1] * mesh_->positions[i1] + b[2] * mesh_->positions[i2];
     }
     Vec3f normal(uint32_t texel) const override;  ///< interpolated vertex normals, unless set_normals() gave others
     /// Unit normals [texel_count()] finer than the mesh's. Throws UserError for another number of them.
     void set_normals(std::vector<Vec3f> normals);
-    bool usable(uint32_t texel) const override { return !degenerate_[texel / texels_per_tile_]; }
+    bool usable(uint32_t texel) const override {
+        const uint32_t triangle = texel / texels_per_tile_;
+        return !degenerate_[triangle] && texel % texels_per_tile_ < TriangleTile::texels_of(side(triangle));
+    }
     bool degenerate(uint32_t triangle) const { return degenerate_[triangle] != 0; }
     const Mesh& mesh() const { return *mesh_; }
 
 private:
     const Mesh* mesh_;
     int side_, rectangles_per_row_;
-    std::vector<std::array<float, 3>> barycentric_;
-    std::vector<std::array<int, 2>> cell_;
+    TileSides sides_;
+    const TriangleTile* tile_;  ///< of the largest side
+    uint64_t used_texels_ = 0;
     std::vector<uint8_t> degenerate_;
     std::vector<Vec3f> normals_;        ///< [V]
     std::vector<Vec3f> texel_normals_;  ///< [texel_count()] or empty

@@ -19,8 +19,12 @@ void check_options(const LfmOptions& o) {
         throw UserError("bounds: the lower must be below the upper");
 }
 
-LfmLayout::LfmLayout(const VertexRings& rings, int tile_texels, int view_side, int terms)
-    : tile_texels_(tile_texels), view_side_(view_side), view_texels_(view_side * view_side), terms_(terms) {
+TriangleAtlas surface_atlas(const Mesh& mesh, const LfmOptions& options) {
+    return {mesh, options.surface_side, options.sides};
+}
+
+LfmLayout::LfmLayout(const VertexRings& rings, const TriangleAtlas& atlas, int view_side, int terms)
+    : view_side_(view_side), view_texels_(view_side * view_side), terms_(terms), first_maps_(rings.offsets()) {
     offsets_.reserve(rings.vertex_count() + 1);
     offsets_.push_back(0);
     uint32_t triangles = 0;
@@ -30,7 +34,8 @@ LfmLayout::LfmLayout(const VertexRings& rings, int tile_texels, int view_side, i
         size_t at = offsets_.back();
         for (const Corner& c : rings.ring(v)) {
             map_offsets_[3 * size_t(c.triangle) + c.corner] = at;
-            at += tile_size();
+            sides_.push_back(static_cast<uint8_t>(atlas.side(c.triangle)));
+            at += TriangleTile::texels_of(sides_.back()) * stride();
         }
         offsets_.push_back(at + size_t(view_texels_) * stride());
     }

@@ -1,10 +1,12 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/linear.h"
+#include "geometry/atlas.h"
 #include "geometry/mesh.h"
 #include "geometry/vertex_rings.h"
 #include "model/loss.h"
@@ -29,8 +31,9 @@ struct LfmMends {
 /// What a light field map fit is made of (Section 4.1), and the weights of its objective (Eq. 11).
 struct LfmOptions {
     int terms = 1;         ///< K in [1, max_terms]
-    int surface_side = 8;  ///< n: n(n+1)/2 texels per surface map
-    int view_side = 8;     ///< m: m x m texels per view map, m >= 2
+    int surface_side = 8;  ///< n: n(n+1)/2 texels per surface map; the largest, where `sides` has one per triangle
+    TileSides sides = {};
+    int view_side = 8;  ///< m: m x m texels per view map, m >= 2
     ViewLookup lookup = ViewLookup::bilinear;
     Mode mode = Mode::modern;      ///< of the bounds penalty
     float lambda_surface = 1e-3f;  ///< weight of E_r on surface maps
@@ -42,6 +45,8 @@ struct LfmOptions {
 };
 /// Throws UserError unless all is within model/limits.h, and lower < upper.
 void check_options(const LfmOptions& options);
+/// Where surface maps stand. The mesh must outlive it.
+TriangleAtlas surface_atlas(const Mesh& mesh, const LfmOptions& options);
 
 /// Parameters order: problem after problem, p = [p_v1 ... p_vQ] (Section 4.1). The block of vertex v holds
 ///     surface maps  [ring position][tile texel][term][4]     ring position as in VertexRings::ring(v)
@@ -49,17 +54,21 @@ void check_options(const LfmOptions& options);
 /// with channels r, g, b and one zero of padding, so that four lanes carry three channels.
 class LfmLayout {
 public:
-    LfmLayout(const VertexRings& rings, int tile_texels, int view_side, int terms);
+    LfmLayout(const VertexRings& rings, const TriangleAtlas& atlas, int view_side, int terms);
 
     size_t problem_count() const { return offsets_.size() - 1; }  ///< vertices; each is three problems, one per channel
     size_t size() const { return offsets_.back(); }               ///< floats, padding included
     size_t offset(size_t v) const { return offsets_[v]; }
     size_t view_offset(size_t v) const { return offsets_[v + 1] - size_t(view_texels_) * stride(); }
     size_t block_size(size_t v) const { return offsets_[v + 1] - offsets_[v]; }
-    size_t tile_size() const { return size_t(tile_texels_) * stride(); }  ///< floats of one surface map
-    size_t stride() const { return size_t(4) * terms_; }                  ///< floats per texel, all terms
+    size_t stride() const { return size_t(4) * terms_; }  ///< floats per texel, all terms
     int terms() const { return terms_; }
-    int tile_texels() const { return tile_texels_; }
+    /// Sides of vertex v's surface maps, by ring position.
+    std::span<const uint8_t> sides(size_t v) const {
+        return {sides_.data() + first_maps_[v], sides_.data() + first_maps_[v + 1]};
+    }
+    /// Texels of all surface maps of vertex v.
+    size_t surface_texels(size_t v) const { return (view_offset(v) - offsets_[v]) / stride(); }
     int view_texels() const { return view_texels_; }
     int view_side() const { return view_side_; }
     /// N as the paper counts it: scalar parameters without padding.
@@ -72,9 +81,11 @@ public:
     }
 
 private:
-    int tile_texels_, view_side_, view_texels_, terms_;
+    int view_side_, view_texels_, terms_;
     std::vector<size_t> offsets_;
     std::vector<size_t> map_offsets_;
+    std::vector<uint32_t> first_maps_;  ///< [vertices + 1] into sides_
+    std::vector<uint8_t> sides_;
 };
 
 /// A problem's view look-up for one image: the footprint of the bilinear (or nearest) look-up.

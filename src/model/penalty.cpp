@@ -22,8 +22,17 @@ MapNeighbours MapNeighbours::make(int side, const Inside& local_of) {
     return map;
 }
 
-MapNeighbours MapNeighbours::triangle(int side) {
-    return make(side, [side](int i, int j) { return i + j < side ? j * side - j * (j - 1) / 2 + i : -1; });
+const MapNeighbours& MapNeighbours::triangle(int side) {
+    const TriangleTile& wanted = TriangleTile::of_side(side);
+    static const std::vector<MapNeighbours> all = [] {
+        std::vector<MapNeighbours> maps;
+        for (int n = least_side; n <= largest_side; ++n) {
+            const TriangleTile& tile = TriangleTile::of_side(n);
+            maps.push_back(make(n, [&](int i, int j) { return i + j < n ? int(tile.local_of_cell(i, j)) : -1; }));
+        }
+        return maps;
+    }();
+    return all[size_t(wanted.side() - least_side)];
 }
 
 MapNeighbours MapNeighbours::square(int side) {
@@ -33,20 +42,22 @@ MapNeighbours MapNeighbours::square(int side) {
 std::array<double, 3> penalty_error(const LfmLayout& layout, const LfmOptions& options, size_t v,
                                     std::span<const float> p, std::span<const float> mean) {
     using V = Lanes<double>;
-    const MapNeighbours tile = MapNeighbours::triangle(options.surface_side);
     const MapNeighbours view = MapNeighbours::square(options.view_side);
-    const size_t size = layout.block_size(v) / 4, tile_lanes = layout.tile_size() / 4;
-    const size_t view_begin = (layout.view_offset(v) - layout.offset(v)) / 4;
-    std::vector<V> x(size), unused(size), scratch(2 * size_t(std::max(layout.tile_texels(), layout.view_texels())));
+    const size_t size = layout.block_size(v) / 4, ring_texels = layout.surface_texels(v);
+    const size_t view_begin = ring_texels * size_t(layout.terms());
+    std::vector<V> x(size), unused(size), scratch(2 * size);
     for (size_t i = 0; i < size; ++i)
         for (int c = 0; c < 3; ++c) x[i][c] = p[layout.offset(v) + 4 * i + c];
     V lambda_view{};
-    const size_t ring_texels = view_begin / size_t(layout.terms());
     for (int c = 0; c < 3; ++c) lambda_view[c] = scaled_lambda_view(options, ring_texels, mean[c]);
     V error{};
-    for (size_t at = 0; at < view_begin; at += tile_lanes)
+    size_t at = 0;
+    for (const int side : layout.sides(v)) {
+        const MapNeighbours& tile = MapNeighbours::triangle(side);
         add_smoothness<double>(tile, options.terms, broadcast3(double(options.lambda_surface)), &x[at], &unused[at],
                                error, scratch.data());
+        at += tile.texel_count() * size_t(options.terms);
+    }
     add_smoothness<double>(view, options.terms, lambda_view, &x[view_begin], &unused[view_begin], error,
                            scratch.data());
     add_bounds<double>(options, size / options.terms, x.data(), unused.data(), error);

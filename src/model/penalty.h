@@ -35,8 +35,9 @@ using ObjectiveText = shared_text::Objective<real, V>;
 /// L is symmetric and its rows sum to zero.
 class MapNeighbours {
 public:
-    static MapNeighbours triangle(int side);  ///< tile of n(n+1)/2 texels, TriangleAtlas's local order
-    static MapNeighbours square(int side);    ///< m x m, row by row
+    /// A TriangleTile's. Throws UserError for a side that it doesn't have. It lives as long as the program.
+    static const MapNeighbours& triangle(int side);
+    static MapNeighbours square(int side);  ///< m x m, row by row
     size_t texel_count() const { return first_.size() - 1; }
     std::span<const uint16_t> of(size_t texel) const {
         return {neighbour_.data() + first_[texel], neighbour_.data() + first_[texel + 1]};

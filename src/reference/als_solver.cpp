@@ -14,11 +14,11 @@ using V = Lanes<double>;
 
 VertexSolver als_solver(const LfmOptions& model, const AlsOptions& options) {
     require_modern_penalty(model, "als");
-    const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
+    const auto tiles = std::make_shared<TileSmoothness>(model);
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
         JointRows rows(vertex, options.stop_residual, run);
-        SurfaceStep solve_surface(vertex, *tile);
+        SurfaceStep solve_surface(vertex, *tiles);
         ViewStep solve_view(vertex, *view);
         std::vector<V> trial(p.begin(), p.end());
         rows.begin(lfm_error(vertex, p.data()));

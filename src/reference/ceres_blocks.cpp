@@ -161,11 +161,15 @@ CeresVertex::CeresVertex(const LfmVertex& vertex, CeresBlocks blocks)
     options.disable_all_safety_checks = true;
     problem_ = std::make_unique<ceres::Problem>(options);
     const int terms = int(vertex.terms());
-    const size_t tile = vertex.tile->texel_count() * vertex.terms();
-    const size_t width = blocks == CeresBlocks::maps ? tile : vertex.terms();
-    for (size_t at = 0; at < vertex.view_begin(); at += width) surface_.push_back(&x_[at]);
+    for (size_t map = 0; map < vertex.maps(); ++map) {
+        const size_t end = vertex.map_begin(map + 1);
+        const size_t width = blocks == CeresBlocks::maps ? end - vertex.map_begin(map) : vertex.terms();
+        for (size_t at = vertex.map_begin(map); at < end; at += width) {
+            surface_.push_back(&x_[at]);
+            problem_->AddParameterBlock(&x_[at], int(width));
+        }
+    }
     for (size_t at = vertex.view_begin(); at < x_.size(); at += vertex.terms()) view_.push_back(&x_[at]);
-    for (double* block : surface_) problem_->AddParameterBlock(block, int(width));
     for (double* block : view_) problem_->AddParameterBlock(block, terms);
     add_samples(vertex, blocks);
     add_penalties(vertex, blocks);
@@ -183,21 +187,20 @@ void CeresVertex::add_samples(const LfmVertex& vertex, CeresBlocks blocks) {
         uint32_t block, corner, read, sample, group;
         bool same_block(const Item& o) const { return block == o.block && corner == o.corner && read == o.read; }
     };
-    const size_t tile = vertex.tile->texel_count();
     std::vector<Item> items;
     items.reserve(vertex.sample_count());
     for (uint32_t i = 0; i + 1 < vertex.groups.size(); ++i) {
         const LfmVertex::Group& g = vertex.groups[i];
         for (uint32_t s = g.first; s < vertex.groups[i + 1].first; ++s)
-            items.push_back({blocks == CeresBlocks::maps ? g.map : uint32_t(g.map * tile + vertex.local[s]), g.texel,
-                             LfmVertex::corners_read(g), s, i});
+            items.push_back({blocks == CeresBlocks::maps ? g.map : vertex.first_texels[g.map] + vertex.local[s],
+                             g.texel, LfmVertex::corners_read(g), s, i});
     }
     std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
         return std::array{a.block, a.corner, a.read} < std::array{b.block, b.corner, b.read};
     });
     Channel& data = *channel_;
     data.target.resize(items.size());
-    const int terms = int(vertex.terms()), width = blocks == CeresBlocks::maps ? int(tile) * terms : terms;
+    const int terms = int(vertex.terms());
     for (size_t first = 0; first < items.size();) {
         size_t last = first;
         const LfmVertex::Group& shared = vertex.groups[items[first].group];
@@ -213,6 +216,7 @@ void CeresVertex::add_samples(const LfmVertex& vertex, CeresBlocks blocks) {
             data.local.push_back(blocks == CeresBlocks::maps ? vertex.local[items[last].sample] : uint16_t(0));
             data.weight.push_back(weight);
         }
+        const int width = blocks == CeresBlocks::maps ? int(vertex.tile(shared.map).texel_count()) * terms : terms;
         add(std::make_unique<SampleCost>(data, uint32_t(first), uint32_t(last - first), terms, width,
                                          int(parameters.size()) - 1),
             parameters);
@@ -235,12 +239,13 @@ void CeresVertex::add_penalties(const LfmVertex& vertex, CeresBlocks blocks) {
         }
     };
     texels(*vertex.view, view_[0], o.lambda_view > 0 ? &Channel::root_view : nullptr);
-    for (size_t map = 0; map < vertex.maps; ++map) {
-        double* first = x_.data() + map * vertex.tile->texel_count() * vertex.terms();
+    for (size_t map = 0; map < vertex.maps(); ++map) {
+        double* first = x_.data() + vertex.map_begin(map);
         if (blocks == CeresBlocks::texels)
-            texels(*vertex.tile, first, o.lambda_surface > 0 ? &Channel::root_surface : nullptr);
+            texels(vertex.tile(map), first, o.lambda_surface > 0 ? &Channel::root_surface : nullptr);
         else if (bounds || o.lambda_surface > 0)
-            add(std::make_unique<MapPenalty>(*channel_, *vertex.tile, terms, o.lambda_surface > 0, bounds), {first});
+            add(std::make_unique<MapPenalty>(*channel_, vertex.tile(map), terms, o.lambda_surface > 0, bounds),
+                {first});
     }
 }
 

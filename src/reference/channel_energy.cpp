@@ -15,13 +15,13 @@ using Text = LfmText<double, double>;
 ChannelEnergy::ChannelEnergy(const LfmVertex& vertex, int channel) : vertex_(&vertex), channel_(channel) {
     target_.reserve(vertex.sample_count());
     for (const auto& t : vertex.target) target_.push_back(t[channel]);
-    scratch_.resize(vertex.size() + std::max(vertex.tile->texel_count(), vertex.view->texel_count()));
+    scratch_.resize(vertex.size() + std::max(vertex.largest_tile(), vertex.view->texel_count()));
 }
 
 template <int K>
 double ChannelEnergy::data(const double* x, double* gradient) const {
     const LfmVertex& v = *vertex_;
-    const size_t terms = K ? size_t(K) : v.terms(), tile = v.tile->texel_count() * terms;
+    const size_t terms = K ? size_t(K) : v.terms();
     const double* view = x + v.view_begin();
     double* view_gradient = gradient + v.view_begin();
     double sum = 0;
@@ -34,8 +34,8 @@ double ChannelEnergy::data(const double* x, double* gradient) const {
             h[k] = 0;
             for (int j = 0; j < 4; ++j) h[k] += group.weight[j] * view[corner[j] + k];
         }
-        const double* surface = x + group.map * tile;
-        double* surface_gradient = gradient + group.map * tile;
+        const double* surface = x + v.map_begin(group.map);
+        double* surface_gradient = gradient + v.map_begin(group.map);
         const auto one = [&](size_t s, int side) {  // two sides: sums that don't wait for one another
             const size_t at = v.local[s] * terms;
             double r = -target_[s];
@@ -80,10 +80,10 @@ double ChannelEnergy::smoothness(const MapNeighbours& map, double lambda, const 
 
 double ChannelEnergy::penalties(const double* x, double* gradient) const {
     const LfmVertex& v = *vertex_;
-    const size_t terms = v.terms(), tile = v.tile->texel_count() * terms;
+    const size_t terms = v.terms();
     double error = smoothness(*v.view, v.lambda_view[channel_], x + v.view_begin(), gradient + v.view_begin());
-    for (size_t at = 0; at < v.view_begin(); at += tile)
-        error += smoothness(*v.tile, v.lambda_surface, x + at, gradient + at);
+    for (size_t map = 0; map < v.maps(); ++map)
+        error += smoothness(v.tile(map), v.lambda_surface, x + v.map_begin(map), gradient + v.map_begin(map));
     const double lower = double(v.options.lower), upper = double(v.options.upper), mu = double(v.options.mu);
     for (size_t i = 0; i < size(); i += terms) {
         error += ObjectiveText<double>::bound_error(x[i], lower, upper, mu, false);
@@ -104,7 +104,7 @@ double ChannelEnergy::evaluate(const double* x, double* gradient) const {
 
 std::vector<double> ChannelEnergy::diagonal(const double* x) const {
     const LfmVertex& v = *vertex_;
-    const size_t terms = v.terms(), tile = v.tile->texel_count() * terms;
+    const size_t terms = v.terms();
     std::vector<double> out(size(), 0.0);
     for (size_t i = 0; i + 1 < v.groups.size(); ++i) {
         const LfmVertex::Group& group = v.groups[i];
@@ -112,7 +112,7 @@ std::vector<double> ChannelEnergy::diagonal(const double* x) const {
             double h = 0, squares = 0;
             for (int j = 0; j < 4; ++j) h += group.weight[j] * x[v.view_begin() + v.corner(group, j) * terms + k];
             for (uint32_t s = group.first; s < v.groups[i + 1].first; ++s) {
-                const size_t at = group.map * tile + v.local[s] * terms + k;
+                const size_t at = v.map_begin(group.map) + v.local[s] * terms + k;
                 out[at] += h * h;
                 squares += x[at] * x[at];
             }

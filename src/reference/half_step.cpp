@@ -31,6 +31,14 @@ Smoothness::Smoothness(const MapNeighbours& map) {
             }
 }
 
+TileSmoothness::TileSmoothness(const LfmOptions& model) : of_side_(size_t(model.surface_side) + 1) {
+    const auto add = [&](int side) {
+        if (!of_side_[size_t(side)]) of_side_[size_t(side)].emplace(MapNeighbours::triangle(side));
+    };
+    if (!model.sides) add(model.surface_side);
+    for (size_t t = 0; model.sides && t < model.sides->size(); ++t) add((*model.sides)[t]);
+}
+
 size_t surface_band(const LfmOptions& model, const Smoothness& tile) {
     return (tile.band + 1) * size_t(model.terms) - 1;
 }
@@ -100,13 +108,14 @@ void HalfStep::beyond_bounds(const LfmOptions& o, const V* x, std::vector<V>& ou
     }
 }
 
-SurfaceStep::SurfaceStep(const LfmVertex& vertex, const Smoothness& tile)
-    : vertex_(vertex), tile_(tile), first_group_(vertex.first_groups()) {
-    const size_t terms = vertex.terms(), texels = vertex.tile->texel_count();
-    steps_.reserve(vertex.maps);
-    for (size_t map = 0; map < vertex.maps; ++map)
-        steps_.emplace_back(texels, surface_band(vertex.options, tile), terms);
-    sums_.resize(texels * (terms * (terms + 1) / 2 + terms));
+SurfaceStep::SurfaceStep(const LfmVertex& vertex, const TileSmoothness& tiles)
+    : vertex_(vertex), tiles_(tiles), first_group_(vertex.first_groups()) {
+    const size_t terms = vertex.terms();
+    steps_.reserve(vertex.maps());
+    for (size_t map = 0; map < vertex.maps(); ++map)
+        steps_.emplace_back(vertex.tile(map).texel_count(), surface_band(vertex.options, tiles.of(vertex.sides[map])),
+                            terms);
+    sums_.resize(vertex.largest_tile() * (terms * (terms + 1) / 2 + terms));
 }
 
 /// Sums over samples per texel; K = 0 where the number of terms isn't known beforehand.
@@ -132,7 +141,7 @@ void SurfaceStep::add_samples(size_t map, const V* p) {
     }
     LaneCholesky& a = steps_[map].a();
     const double weight = vertex_.inverse_density;
-    for (size_t t = 0; t < vertex_.tile->texel_count(); ++t) {
+    for (size_t t = 0; t < vertex_.tile(map).texel_count(); ++t) {
         const V* sum = &sums_[t * width];
         for (size_t k = 0, n = 0; k < terms; ++k) {
             for (size_t l = 0; l <= k; ++l, ++n) a.at(t * terms + k, t * terms + l) = weight * sum[n];
@@ -142,12 +151,11 @@ void SurfaceStep::add_samples(size_t map, const V* p) {
 }
 
 bool SurfaceStep::operator()(V* p) {
-    const size_t width = vertex_.tile->texel_count() * vertex_.terms();
-    for (size_t map = 0; map < vertex_.maps; ++map) {
+    for (size_t map = 0; map < vertex_.maps(); ++map) {
         steps_[map].clear();
         with_terms(vertex_.options.terms, [&](auto k) { add_samples<k>(map, p); });
-        steps_[map].add_smoothness(tile_, broadcast3(vertex_.lambda_surface));
-        if (steps_[map].solve(vertex_.options, p + map * width) != 0) return false;
+        steps_[map].add_smoothness(tiles_.of(vertex_.sides[map]), broadcast3(vertex_.lambda_surface));
+        if (steps_[map].solve(vertex_.options, p + vertex_.map_begin(map)) != 0) return false;
     }
     return true;
 }
@@ -161,14 +169,13 @@ ViewStep::ViewStep(const LfmVertex& vertex, const Smoothness& view)
 
 bool ViewStep::operator()(V* p) {
     const size_t terms = vertex_.terms();
-    const size_t texels = vertex_.tile->texel_count();
     step_.clear();
     for (size_t i = 0; i + 1 < vertex_.groups.size(); ++i) {
         const LfmVertex::Group& g = vertex_.groups[i];
         std::fill(products_.begin(), products_.end(), V{});
         std::fill(sums_.begin(), sums_.end(), V{});
         for (uint32_t s = g.first; s < vertex_.groups[i + 1].first; ++s) {
-            const V* surface = p + (g.map * texels + vertex_.local[s]) * terms;
+            const V* surface = p + vertex_.map_begin(g.map) + vertex_.local[s] * terms;
             for (size_t k = 0, n = 0; k < terms; ++k) {
                 for (size_t l = 0; l <= k; ++l, ++n) products_[n] += surface[k] * surface[l];
                 sums_[k] += surface[k] * vertex_.target[s];

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "reference/lane_cholesky.h"
@@ -17,6 +18,16 @@ struct Smoothness {
     size_t band = 0;  ///< texels
 
     explicit Smoothness(const MapNeighbours& map);
+};
+
+/// Of surface maps, for the sides that a fit's have.
+class TileSmoothness {
+public:
+    explicit TileSmoothness(const LfmOptions& model);
+    const Smoothness& of(int side) const { return *of_side_[size_t(side)]; }
+
+private:
+    std::vector<std::optional<Smoothness>> of_side_;
 };
 
 /// Band of E_t's second derivative in a surface map, in parameters, and in the view map: of texels that L'L couples, or
@@ -77,7 +88,7 @@ void add_view_sums(const LfmVertex& vertex, const LfmVertex::Group& group, const
 class SurfaceStep {
 public:
     using V = Lanes<double>;
-    SurfaceStep(const LfmVertex& vertex, const Smoothness& tile);
+    SurfaceStep(const LfmVertex& vertex, const TileSmoothness& tiles);
 
     /// The surface maps of p are overwritten. False where a map's system can't be solved.
     bool operator()(V* p);
@@ -88,7 +99,7 @@ private:
     void add_samples(size_t map, const V* p);
 
     const LfmVertex& vertex_;
-    const Smoothness& tile_;
+    const TileSmoothness& tiles_;
     std::vector<size_t> first_group_;  ///< [maps + 1]
     std::vector<HalfStep> steps_;      ///< [maps]
     std::vector<V> sums_;              ///< [texels][products of terms, then terms]

@@ -20,16 +20,16 @@ LfmVertices::LfmVertices(const Dataset& dataset, const TriangleAtlas& atlas, con
       rings_(&rings),
       samples_(&samples),
       options_(options),
-      layout_(rings, int(atlas.texels_per_tile()), options.view_side, options.terms),
-      tile_neighbours_(MapNeighbours::triangle(options.surface_side)),
+      layout_(rings, atlas, options.view_side, options.terms),
       view_neighbours_(MapNeighbours::square(options.view_side)),
       frames_(vertex_frames(atlas.mesh())) {
     check_options(options);
-    for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local)
-        for (int corner = 0; corner < 3; ++corner)
-            target_weight_[corner].push_back(
-                broadcast3(double(atlas.barycentric(local)[size_t(corner)]) * double(samples.scale)));
     count();
+}
+
+Lanes<double> LfmVertices::target(const Corner& corner, const Sample& sample) const {
+    const double lambda = double(atlas_->tile(corner.triangle).barycentric(sample.local)[corner.corner]);
+    return broadcast3(lambda * double(samples_->scale)) * colour(sample);
 }
 
 void LfmVertices::count() {
@@ -42,8 +42,7 @@ void LfmVertices::count() {
         for (const Corner& c : rings_->ring(v)) {
             const uint64_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
             const uint64_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
-            for (uint64_t s = first; s < last; ++s)
-                sum += target_weight_[c.corner][samples_->samples[s].local] * colour(samples_->samples[s]);
+            for (uint64_t s = first; s < last; ++s) sum += target(c, samples_->samples[s]);
             count += uint32_t(last - first);
         }
         statistics_.samples[v] = count;
@@ -56,12 +55,14 @@ void LfmVertices::gather(size_t v, LfmVertex& out) const {
     out.groups.clear();
     out.local.clear();
     out.target.clear();
-    out.maps = ring.size();
+    const std::span<const uint8_t> sides = layout_.sides(v);
+    out.sides.assign(sides.begin(), sides.end());
+    out.first_texels.assign(1, 0);
+    for (const int side : sides) out.first_texels.push_back(out.first_texels.back() + TriangleTile::texels_of(side));
     out.options = options_;
-    out.tile = &tile_neighbours_;
     out.view = &view_neighbours_;
     for (size_t map = 0; map < ring.size(); ++map) {
-        const auto& [triangle, corner] = ring[map];
+        const uint32_t triangle = ring[map].triangle;
         for (uint32_t g = samples_->tile_groups[triangle]; g < samples_->tile_groups[triangle + 1]; ++g) {
             const View& view = dataset_->views[samples_->views[samples_->groups[g].image]];
             const ViewFootprint f = view_footprint(frames_[v], atlas_->mesh().positions[v], view.camera.center(),
@@ -71,12 +72,12 @@ void LfmVertices::gather(size_t v, LfmVertex& out) const {
             out.groups.push_back(group);
             for (const Sample& s : samples_->of_group(g)) {
                 out.local.push_back(s.local);
-                out.target.push_back(target_weight_[corner][s.local] * colour(s));
+                out.target.push_back(target(ring[map], s));
             }
         }
     }
     out.groups.push_back({uint32_t(ring.size()), 0, {}, uint32_t(out.local.size())});
-    const size_t texels = ring.size() * atlas_->texels_per_tile();
+    const size_t texels = out.surface_texels();
     out.inverse_density = inverse_density(options_, texels, statistics_.samples[v]);
     out.lambda_surface = double(options_.lambda_surface);
     for (int c = 0; c < 3; ++c)
@@ -85,7 +86,7 @@ void LfmVertices::gather(size_t v, LfmVertex& out) const {
 
 Lanes<double> lfm_error(const LfmVertex& vertex, const Lanes<double>* p) {
     using Text = LfmText<double, V>;
-    const size_t terms = vertex.terms(), tile = vertex.tile->texel_count();
+    const size_t terms = vertex.terms();
     V sum{};
     std::vector<V> h(terms);
     for (size_t i = 0; i + 1 < vertex.groups.size(); ++i) {
@@ -97,7 +98,7 @@ Lanes<double> lfm_error(const LfmVertex& vertex, const Lanes<double>* p) {
         for (uint32_t s = g.first; s < vertex.groups[i + 1].first; ++s) {
             V r = -vertex.target[s];
             for (size_t k = 0; k < terms; ++k)
-                r += Text::lfm_value(p[(g.map * tile + vertex.local[s]) * terms + k], h[k]);
+                r += Text::lfm_value(p[vertex.map_begin(g.map) + vertex.local[s] * terms + k], h[k]);
             sum += r * r;
         }
     }
@@ -105,13 +106,12 @@ Lanes<double> lfm_error(const LfmVertex& vertex, const Lanes<double>* p) {
 }
 
 Lanes<double> lfm_penalties(const LfmVertex& vertex, const Lanes<double>* p) {
-    const size_t tile = vertex.tile->texel_count(), width = tile * vertex.terms();
     const int terms = vertex.options.terms;
     V error{};
-    std::vector<V> unused(vertex.size()), scratch(2 * std::max(tile, vertex.view->texel_count()));
-    for (size_t at = 0; at < vertex.view_begin(); at += width)
-        add_smoothness<double>(*vertex.tile, terms, broadcast3(vertex.lambda_surface), p + at, &unused[at], error,
-                               scratch.data());
+    std::vector<V> unused(vertex.size()), scratch(2 * std::max(vertex.largest_tile(), vertex.view->texel_count()));
+    for (size_t map = 0; map < vertex.maps(); ++map)
+        add_smoothness<double>(vertex.tile(map), terms, broadcast3(vertex.lambda_surface), p + vertex.map_begin(map),
+                               &unused[vertex.map_begin(map)], error, scratch.data());
     add_smoothness<double>(*vertex.view, terms, vertex.lambda_view, p + vertex.view_begin(),
                            &unused[vertex.view_begin()], error, scratch.data());
     add_bounds<double>(vertex.options, vertex.size() / vertex.terms(), p, unused.data(), error);

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -27,18 +28,25 @@ struct LfmVertex {
     std::vector<Group> groups;    ///< one more than there are groups: the last is a sentinel
     std::vector<uint16_t> local;  ///< [S] tile texel
     std::vector<V> target;        ///< [S] L t
-    size_t maps = 0;              ///< triangles of the ring
-    double inverse_density = 1;   ///< 1 / S-bar
-    double lambda_surface = 0;    ///< weight of E_r on surface maps
-    V lambda_view{};              ///< on the view map
-    LfmOptions options;           ///< terms, sides, bounds
-    const MapNeighbours* tile;    ///< of a surface map
-    const MapNeighbours* view;    ///< of the view map
+    std::vector<uint8_t> sides;   ///< [maps] of the surface maps, one per triangle of the ring
+    /// Where each map's texels begin [maps + 1].
+    std::vector<uint32_t> first_texels = {0};
+    double inverse_density = 1;  ///< 1 / S-bar
+    double lambda_surface = 0;   ///< weight of E_r on surface maps
+    V lambda_view{};             ///< on the view map
+    LfmOptions options;          ///< terms, bounds
+    const MapNeighbours* view;   ///< of the view map
 
     size_t sample_count() const { return local.size(); }
     size_t terms() const { return size_t(options.terms); }
-    size_t surface_texels() const { return maps * tile->texel_count(); }
-    size_t view_begin() const { return surface_texels() * terms(); }  ///< lane of the view map's first term
+    size_t maps() const { return sides.size(); }
+    const MapNeighbours& tile(size_t map) const { return MapNeighbours::triangle(sides[map]); }
+    size_t largest_tile() const {  ///< texels
+        return sides.empty() ? 0 : TriangleTile::texels_of(*std::max_element(sides.begin(), sides.end()));
+    }
+    size_t surface_texels() const { return first_texels.back(); }
+    size_t map_begin(size_t map) const { return first_texels[map] * terms(); }  ///< lane of a surface map's first term
+    size_t view_begin() const { return surface_texels() * terms(); }            ///< lane of the view map's first term
     size_t size() const { return view_begin() + view->texel_count() * terms(); }
     /// Where each map's groups begin [maps + 1].
     std::vector<size_t> first_groups() const {
@@ -73,6 +81,8 @@ public:
 
 private:
     void count();
+    /// Target of a sample in a corner's map: L at its texel's centre, times its colour.
+    Lanes<double> target(const Corner& corner, const Sample& sample) const;
 
     const Dataset* dataset_;
     const TriangleAtlas* atlas_;
@@ -80,10 +90,8 @@ private:
     const SampleList* samples_;
     LfmOptions options_;
     LfmLayout layout_;
-    MapNeighbours tile_neighbours_, view_neighbours_;
+    MapNeighbours view_neighbours_;
     std::vector<Frame> frames_;
-    std::vector<Lanes<double>>
-        target_weight_[3];  ///< per corner [tile texels]: L at the centre, times the samples' scale
     ProblemStatistics statistics_;
 };
 

@@ -42,7 +42,8 @@ std::vector<float> mean_solver(const TriangleAtlas& atlas, const VertexRings& ri
     };
     for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile) {
         const Mean fallback = tiles[tile].count > 0 ? tiles[tile] : around(tile);
-        for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {
+        const TriangleTile& shape = atlas.tile(tile);
+        for (uint32_t local = 0; local < shape.texels(); ++local) {
             const Mean& own = texels[tile * atlas.texels_per_tile() + local];
             const Mean& mean = own.count > 0 ? own : fallback;
             if (mean.count == 0) continue;
@@ -51,7 +52,7 @@ std::vector<float> mean_solver(const TriangleAtlas& atlas, const VertexRings& ri
                 if (map == LfmLayout::no_map) continue;
                 for (int c = 0; c < 3; ++c)
                     p[map + local * layout.stride() + c] =
-                        float(atlas.barycentric(local)[corner] * samples.scale * mean.sum[c] / mean.count);
+                        float(shape.barycentric(local)[corner] * samples.scale * mean.sum[c] / mean.count);
             }
         }
     }

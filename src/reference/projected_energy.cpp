@@ -11,10 +11,10 @@ using V = Lanes<double>;
 
 }  // namespace
 
-ProjectedEnergy::ProjectedEnergy(const LfmVertex& vertex, const Smoothness& tile, const Smoothness& view)
+ProjectedEnergy::ProjectedEnergy(const LfmVertex& vertex, const TileSmoothness& tiles, const Smoothness& view)
     : vertex_(vertex),
       view_(view),
-      solve_surface_(vertex, tile),
+      solve_surface_(vertex, tiles),
       first_group_(vertex.first_groups()),
       gradient_(vertex.view->texel_count() * vertex.terms()),
       own_(gradient_.size(), view_band(vertex.options, view)) {
@@ -25,7 +25,7 @@ ProjectedEnergy::ProjectedEnergy(const LfmVertex& vertex, const Smoothness& tile
     touched_ = terms * size_t(std::ranges::count(reached, true));
     for (size_t t = 0, next = 0; t < reached.size(); ++t)
         for (size_t k = 0; k < terms; ++k) column_.push_back(reached[t] ? next++ : touched_);
-    eliminated_.emplace(vertex.tile->texel_count() * terms, touched_);
+    eliminated_.emplace(vertex.largest_tile() * terms, touched_);
 }
 
 /// Sums over the samples of one map; K = 0 where the number of terms isn't known beforehand. Returns the sum of
@@ -34,7 +34,7 @@ template <int K>
 V ProjectedEnergy::add_samples(size_t map, const V* p) {
     const size_t terms = K ? K : vertex_.terms();
     const double weight = vertex_.inverse_density;
-    const V* surface = p + map * vertex_.tile->texel_count() * terms;
+    const V* surface = p + vertex_.map_begin(map);
     const V* view = p + vertex_.view_begin();
     V squares{};
     for (size_t i = first_group_[map]; i < first_group_[map + 1]; ++i) {
@@ -80,7 +80,7 @@ bool ProjectedEnergy::evaluate(V* p) {
     own_.clear();
     eliminated_->clear_sum();
     V squares{};
-    for (size_t map = 0; map < vertex_.maps; ++map) {
+    for (size_t map = 0; map < vertex_.maps(); ++map) {
         eliminated_->clear_x();
         squares += with_terms(vertex_.options.terms, [&](auto k) { return add_samples<k>(map, p); });
         eliminated_->add(solve_surface_.factor(map));

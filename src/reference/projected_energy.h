@@ -14,7 +14,7 @@ namespace radiafit {
 class ProjectedEnergy {
 public:
     using V = Lanes<double>;
-    ProjectedEnergy(const LfmVertex& vertex, const Smoothness& tile, const Smoothness& view);
+    ProjectedEnergy(const LfmVertex& vertex, const TileSmoothness& tiles, const Smoothness& view);
 
     /// p's surface maps become the best for its view map. False where they can't be solved for.
     bool evaluate(V* p);

@@ -19,7 +19,6 @@ RingResampler::RingResampler(const Dataset& dataset, const TriangleAtlas& atlas,
     : atlas_(&atlas),
       rings_(&rings),
       tiles_(&tiles),
-      neighbours_(MapNeighbours::triangle(atlas.side())),
       frames_(vertex_frames(atlas.mesh())),
       view_texels_(reachable_view_texels(view_side)) {
     const auto center = [&](uint32_t at) { return (at + 0.5) / view_side; };
@@ -30,21 +29,25 @@ RingResampler::RingResampler(const Dataset& dataset, const TriangleAtlas& atlas,
 
 bool RingResampler::resample(size_t vertex, DenseLightField& out) const {
     const auto ring = rings_->ring(vertex);
-    const size_t texels = tiles_->texels_per_tile, rows = ring.size() * texels;
+    std::vector<size_t> first_rows = {0};  // of the ring's tiles
+    for (const Corner& corner : ring) first_rows.push_back(first_rows.back() + atlas_->tile(corner.triangle).texels());
+    const size_t rows = first_rows.back();
     for (Eigen::MatrixXd* m : {&out.channel[0], &out.channel[1], &out.channel[2], &out.invented})
         m->setZero(Eigen::Index(rows), Eigen::Index(view_texels_.size()));
     out.seen.assign(rows, 0);
     out.counts = {};
     std::map<ImageSet, Mixing> mixings;
-    for (size_t r = 0; r < ring.size(); ++r) interpolate_tile(vertex, ring[r].triangle, r * texels, mixings, out);
+    for (size_t r = 0; r < ring.size(); ++r) interpolate_tile(vertex, ring[r].triangle, first_rows[r], mixings, out);
     if (std::find(out.seen.begin(), out.seen.end(), 1) == out.seen.end()) return false;
-    fill_unseen(ring.size(), out);
+    fill_unseen(ring, first_rows, out);
     out.counts.entries = rows * view_texels_.size();
-    for (size_t r = 0; r < ring.size(); ++r)
-        for (size_t local = 0; local < texels; ++local)
+    for (size_t r = 0; r < ring.size(); ++r) {
+        const TriangleTile& tile = atlas_->tile(ring[r].triangle);
+        for (uint32_t local = 0; local < tile.texels(); ++local)
             for (Eigen::MatrixXd& m : out.channel)
-                m.row(Eigen::Index(r * texels + local)) *=
-                    double(atlas_->barycentric(uint32_t(local))[ring[r].corner]) * double(tiles_->scale);
+                m.row(Eigen::Index(first_rows[r] + local)) *=
+                    double(tile.barycentric(local)[ring[r].corner]) * double(tiles_->scale);
+    }
     return true;
 }
 
@@ -64,7 +67,7 @@ void RingResampler::interpolate_tile(size_t vertex, uint32_t tile, size_t first_
     const auto images = tiles_->images_of(tile);
     ImageSet set;
     std::vector<const TileViews::Texel*> texels;  // of the set
-    for (uint32_t local = 0; local < tiles_->texels_per_tile; ++local) {
+    for (uint32_t local = 0; local < atlas_->tile(tile).texels(); ++local) {
         set.clear();
         texels.clear();
         for (size_t i = 0; i < images.size(); ++i)
@@ -91,8 +94,8 @@ void RingResampler::interpolate_tile(size_t vertex, uint32_t tile, size_t first_
     }
 }
 
-void RingResampler::fill_unseen(size_t ring_size, DenseLightField& out) const {
-    const size_t texels = tiles_->texels_per_tile;
+void RingResampler::fill_unseen(std::span<const Corner> ring, std::span<const size_t> first_rows,
+                                DenseLightField& out) const {
     std::vector<uint8_t> known = out.seen;
     const auto unseen = size_t(std::count(known.begin(), known.end(), 0));
     if (unseen == 0) return;
@@ -102,29 +105,30 @@ void RingResampler::fill_unseen(size_t ring_size, DenseLightField& out) const {
         mean[c] = out.channel[c].colwise().sum() / double(known.size() - unseen);
     for (size_t i = 0; i < known.size(); ++i)
         if (!known[i]) out.invented.row(Eigen::Index(i)).setOnes();
-    for (size_t r = 0; r < ring_size; ++r) {
-        uint8_t* tile = known.data() + r * texels;
-        if (std::find(tile, tile + texels, 1) != tile + texels)
-            grow_tile(r * texels, tile, out);
+    for (size_t r = 0; r < ring.size(); ++r) {
+        uint8_t *tile = known.data() + first_rows[r], *end = known.data() + first_rows[r + 1];
+        if (std::find(tile, end, 1) != end)
+            grow_tile(MapNeighbours::triangle(atlas_->side(ring[r].triangle)), first_rows[r], tile, out);
         else
-            for (size_t local = 0; local < texels; ++local)
-                for (int c = 0; c < 3; ++c) out.channel[c].row(Eigen::Index(r * texels + local)) = mean[c];
+            for (size_t row = first_rows[r]; row < first_rows[r + 1]; ++row)
+                for (int c = 0; c < 3; ++c) out.channel[c].row(Eigen::Index(row)) = mean[c];
     }
 }
 
 /// Unseen texels beside known ones take their mean; then those beside these, until all are known.
-void RingResampler::grow_tile(size_t first_row, uint8_t* known, DenseLightField& out) const {
+void RingResampler::grow_tile(const MapNeighbours& neighbours, size_t first_row, uint8_t* known,
+                              DenseLightField& out) const {
     std::vector<uint32_t> grown;
     do {
         grown.clear();
-        for (uint32_t local = 0; local < tiles_->texels_per_tile; ++local) {
+        for (uint32_t local = 0; local < neighbours.texel_count(); ++local) {
             if (known[local]) continue;
             int count = 0;
-            for (uint32_t other : neighbours_.of(local)) count += known[other];
+            for (uint32_t other : neighbours.of(local)) count += known[other];
             if (count == 0) continue;
             for (Eigen::MatrixXd& m : out.channel) {
                 auto row = m.row(Eigen::Index(first_row + local));
-                for (uint32_t other : neighbours_.of(local))
+                for (uint32_t other : neighbours.of(local))
                     if (known[other]) row += m.row(Eigen::Index(first_row + other)) / count;
             }
             grown.push_back(local);

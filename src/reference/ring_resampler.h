@@ -57,13 +57,13 @@ private:
     Mixing mixing_of(size_t vertex, const ImageSet& set) const;
     void interpolate_tile(size_t vertex, uint32_t tile, size_t first_row, std::map<ImageSet, Mixing>& mixings,
                           DenseLightField& out) const;
-    void fill_unseen(size_t ring_size, DenseLightField& out) const;
-    void grow_tile(size_t first_row, uint8_t* known, DenseLightField& out) const;
+    /// first_rows: of the ring's tiles, and where the last one ends.
+    void fill_unseen(std::span<const Corner> ring, std::span<const size_t> first_rows, DenseLightField& out) const;
+    void grow_tile(const MapNeighbours& neighbours, size_t first_row, uint8_t* known, DenseLightField& out) const;
 
     const TriangleAtlas* atlas_;
     const VertexRings* rings_;
     const TileViews* tiles_;
-    MapNeighbours neighbours_;
     std::vector<Frame> frames_;
     std::vector<uint32_t> view_texels_;
     std::vector<Vec2d> view_centers_;

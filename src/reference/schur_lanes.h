@@ -12,6 +12,7 @@ namespace radiafit {
 class SchurLanes {
 public:
     using F = Lanes<float>;
+    /// rows: of X, at most.
     SchurLanes(size_t rows, size_t columns)
         : rows_(rows),
           columns_(columns),
@@ -25,8 +26,9 @@ public:
     /// Entry of the sum's lower triangle, j <= i.
     const F& at(size_t i, size_t j) const { return sum_[i * width_ + j / per_register].lanes[j % per_register]; }
 
-    /// A = L L' as LaneCholesky::factor() leaves it, of as many rows as X, which is overwritten.
+    /// A = L L' as LaneCholesky::factor() leaves it; X, which is overwritten, has as many rows.
     void add(const LaneCholesky& l) {
+        rows_ = l.size();
         substitute(l);
         for (size_t m = 0; m < columns_; m += per_register)
             for (size_t n = 0; n <= m; n += per_block) {

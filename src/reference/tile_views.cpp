@@ -26,11 +26,13 @@ public:
         for (const RasterPixel& p : rasterizer_.pixels())
             if (p.triangle != no_triangle) visible[p.triangle] = 1;
         ImageTiles out;
-        std::vector<TileViews::Texel> row(atlas_->texels_per_tile());
+        std::vector<TileViews::Texel> row(
+            atlas_->texels_per_tile());  // of the largest tile; others leave a rest unseen
         for (uint32_t tile = 0; tile < atlas_->tile_count(); ++tile) {
             if (!visible[tile]) continue;
             bool any = false;
-            for (uint32_t local = 0; local < row.size(); ++local) {
+            std::fill(row.begin(), row.end(), TileViews::Texel{});
+            for (uint32_t local = 0; local < atlas_->tile(tile).texels(); ++local) {
                 row[local] = look_up(camera, tile, atlas_->position(tile, local));
                 any = any || row[local].seen;
             }

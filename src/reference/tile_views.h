@@ -20,7 +20,7 @@ struct TileViews {
     std::vector<uint32_t> views;       ///< dataset view index of each image [L]
     std::vector<uint32_t> tile_first;  ///< [tiles + 1] into images
     std::vector<uint32_t> images;      ///< position in views, ascending within a tile: those that see any of its texels
-    std::vector<Texel> texels;         ///< [images of all tiles][texels per tile]
+    std::vector<Texel> texels;         ///< [images of all tiles][texels per tile, of the largest]
     float scale = 1.0f / 65535.0f;
     uint32_t texels_per_tile = 0;
 

@@ -116,11 +116,11 @@ VertexSolver varpro_solver(const LfmOptions& model, const VarproOptions& options
             "solver 'varpro' factors a dense matrix of view-side^2 times terms = {} rows; choose a smaller {} "
             "(1024 rows at most) or another solver",
             unknowns, option_name("view-side")));
-    const auto tile = std::make_shared<Smoothness>(MapNeighbours::triangle(model.surface_side));
+    const auto tiles = std::make_shared<TileSmoothness>(model);
     const auto view = std::make_shared<Smoothness>(MapNeighbours::square(model.view_side));
     return [=](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
         JointRows rows(vertex, options.stop_residual, run);
-        ProjectedEnergy energy(vertex, *tile, *view);
+        ProjectedEnergy energy(vertex, *tiles, *view);
         Newton newton(vertex);
         std::vector<V> trial(p.begin(), p.end());
         V* const view_map = trial.data() + vertex.view_begin();

@@ -32,7 +32,7 @@ const std::vector<TableRules>& all_rules() {
     static const std::vector<TableRules> rules = {
         {"table1_datasets",
          "datasets.csv",
-         {keys("dataset"),
+         {keys("dataset sides"),
           exact("triangles vertices images held_out parameters parameter_texels problems samples covered_pixels"),
           exact("median_samples_per_texel shared_texels"), shares("kept_share texels_per_pixel"),
           shares("without_samples_share below_10_samples_share"),
@@ -98,7 +98,7 @@ const std::vector<TableRules>& all_rules() {
         {"fig9_error",
          "errors.csv",
          {keys("dataset seed method weights terms"),
-          exact("surface_side view_side mode passes storage sums lambda_surface lambda_view iterations refills"),
+          exact("surface_side surface_texels texels_per_pixel view_side mode passes storage sums lambda_surface lambda_view iterations refills"),
           decibels("train_psnr_db held_psnr_db"), errors("train_ape held_ape"), shares("invented_share"),
           times("seconds"), told("renderer")}},
         {"fig9_error",

@@ -46,7 +46,12 @@ public:
         std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
             return std::pair(a.image, a.position) < std::pair(b.image, b.position);
         });
-        const uint64_t places = uint64_t(ring.size()) * atlas_->texels_per_tile();
+        std::vector<uint32_t> first_texels;  // of the ring's maps
+        uint32_t places = 0;
+        for (const Corner& corner : ring) {
+            first_texels.push_back(places);
+            places += atlas_->tile(corner.triangle).texels();
+        }
         record.texel_bytes = places <= 0x100 ? 1 : places <= 0x10000 ? 2 : 4;
         for (size_t i = 0; i < parts.size();) {
             RecordGroup group{parts[i].image, 0};
@@ -58,7 +63,8 @@ public:
         out.reserve(out.size() + record.samples * bytes_of_sample(kind_, bits_, record.texel_bytes));
         double sum[3] = {};
         for (const Part& part : parts)
-            append_samples(v, part, {waiting.data() + part.at, part.samples}, out, record, sum);
+            append_samples(v, part, first_texels[part.position], {waiting.data() + part.at, part.samples}, out, record,
+                           sum);
         for (int c = 0; c < 3 && record.samples; ++c) record.mean[c] = float(sum[c] / record.samples);
     }
 
@@ -76,9 +82,10 @@ private:
             at += group.samples;
         }
     }
-    void append_samples(size_t v, const Part& part, std::span<const Sample> samples, std::vector<uint8_t>& out,
-                        const VertexRecord& record, double sum[3]) const {
+    void append_samples(size_t v, const Part& part, uint32_t first_texel, std::span<const Sample> samples,
+                        std::vector<uint8_t>& out, const VertexRecord& record, double sum[3]) const {
         const Corner& corner = rings_->ring(v)[part.position];
+        const TriangleTile& tile = atlas_->tile(corner.triangle);
         FullRecord full{};
         if (kind_ == RecordKind::full) {
             const auto& triangle = atlas_->mesh().triangles[corner.triangle];
@@ -90,11 +97,11 @@ private:
             }
         }
         for (const Sample& sample : samples) {
-            const float weight = atlas_->barycentric(sample.local)[corner.corner];
+            const float weight = tile.barycentric(sample.local)[corner.corner];
             for (int c = 0; c < 3; ++c) sum[c] += double(weight * scale_) * sample.rgb[c];
             if (kind_ == RecordKind::full) {
-                const auto [column, row] = atlas_->cell(sample.local);
-                const float n = float(atlas_->side());
+                const auto [column, row] = tile.cell(sample.local);
+                const float n = float(tile.side());
                 full.surface[0] = float(part.position) + (float(column) + 0.5f) / n;
                 full.surface[1] = (float(row) + 0.5f) / n;
                 for (int c = 0; c < 3; ++c) {
@@ -108,7 +115,7 @@ private:
                 for (uint16_t channel : sample.rgb) out.push_back(uint8_t(channel / 257));
             else
                 append_bytes<uint16_t>(out, sample.rgb);
-            const uint32_t place = part.position * atlas_->texels_per_tile() + sample.local;
+            const uint32_t place = first_texel + sample.local;
             append_bytes<uint8_t>(out,
                                   {reinterpret_cast<const uint8_t*>(&place), record.texel_bytes});  // little endian
         }

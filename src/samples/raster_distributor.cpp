@@ -11,8 +11,8 @@ constexpr size_t lanes = 16;
 
 /// atlas.position() and Camera::project() for all texels of a tile at once, with the very same operations: the pixel
 /// (row * width + column) of each centre, or `outside`.
-void project_tile(const std::array<Vec3f, 3>& corners, const std::vector<float>* weights, const Camera& camera,
-                  uint32_t outside, std::vector<uint32_t>& pixels) {
+void project_tile(const std::array<Vec3f, 3>& corners, const std::array<std::vector<float>, 3>& weights,
+                  const Camera& camera, uint32_t outside, std::vector<uint32_t>& pixels) {
     // Plain scalars and arrays: the compiler turns no loop over Eigen's into vector code.
     const float *w0 = weights[0].data(), *w1 = weights[1].data(), *w2 = weights[2].data();
     const float x0 = corners[0].x(), y0 = corners[0].y(), z0 = corners[0].z();
@@ -27,7 +27,7 @@ void project_tile(const std::array<Vec3f, 3>& corners, const std::vector<float>*
     const int width = camera.width;
     const double right = camera.width, bottom = camera.height;
     uint32_t* out = pixels.data();
-    const size_t count = pixels.size() / lanes * lanes;
+    const size_t count = weights[0].size() / lanes * lanes;
     for (size_t k = 0; k < count; ++k) {
         const double x = w0[k] * x0 + w1[k] * x1 + w2[k] * x2;
         const double y = w0[k] * y0 + w1[k] * y1 + w2[k] * y2;
@@ -44,13 +44,18 @@ void project_tile(const std::array<Vec3f, 3>& corners, const std::vector<float>*
 
 }  // namespace
 
-RasterDistributor::RasterDistributor(const TriangleAtlas& atlas) : atlas_(&atlas) {
-    const size_t padded = (atlas.texels_per_tile() + lanes - 1) / lanes * lanes;
-    tile_pixels_.resize(padded);
-    for (int c = 0; c < 3; ++c) {
-        weights_[c].assign(padded, 1.0f / 3);
-        for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local)
-            weights_[c][local] = atlas.barycentric(local)[c];
+RasterDistributor::RasterDistributor(const TriangleAtlas& atlas)
+    : atlas_(&atlas),
+      weights_(size_t(atlas.side()) + 1),
+      tile_pixels_((atlas.texels_per_tile() + lanes - 1) / lanes * lanes) {
+    for (uint32_t triangle = 0; triangle < atlas.tile_count(); ++triangle) {
+        const TriangleTile& tile = atlas.tile(triangle);
+        auto& weights = weights_[size_t(tile.side())];
+        if (!weights[0].empty()) continue;
+        for (size_t c = 0; c < 3; ++c) {
+            weights[c].assign((tile.texels() + lanes - 1) / lanes * lanes, 1.0f / 3);
+            for (uint32_t local = 0; local < tile.texels(); ++local) weights[c][local] = tile.barycentric(local)[c];
+        }
     }
 }
 
@@ -62,16 +67,21 @@ void RasterDistributor::fill_items(const TargetImage& image, Distribution& out) 
     items_.back() = no_texel;
     tile_visible_.assign(atlas_->tile_count(), 0);
     uint32_t covered = 0;
-    const auto fill = [&](const auto* rgba) {
-        const TriangleAtlas& atlas = *atlas_;
+    const auto fill_by = [&](const auto* rgba, const auto& side_of) {
         uint32_t* items = items_.data();
         for (size_t k = 0; k < pixels.size(); ++k) {
             const RasterPixel& p = pixels[k];
-            const uint32_t item = p.triangle * texels + atlas.local_at(p.b1, p.b2);
+            const uint32_t item = p.triangle * texels + TriangleTile::local_at(side_of(p.triangle), p.b1, p.b2);
             const bool holds = (p.triangle != no_triangle) & (rgba[4 * k + 3] != 0);
             items[k] = holds ? item : no_texel;
             covered += holds;
         }
+    };
+    const auto fill = [&](const auto* rgba) {
+        if (atlas_->one_side())
+            fill_by(rgba, [side = atlas_->side()](uint32_t) { return side; });
+        else
+            fill_by(rgba, [&](uint32_t t) { return t == no_triangle ? least_side : atlas_->side(t); });
     };
     image.bits == 8 ? fill(image.rgba8.data()) : fill(image.rgba16.data());
     for (size_t k = 0; k < pixels.size(); ++k)
@@ -96,9 +106,12 @@ void RasterDistributor::distribute(const Camera& camera, const TargetImage& imag
         }
         // A visible tile lies in front of the camera as a whole.
         const auto& [i0, i1, i2] = mesh.triangles[tile];
-        project_tile({mesh.positions[i0], mesh.positions[i1], mesh.positions[i2]}, weights_, camera, outside,
-                     tile_pixels_);
-        for (uint32_t local = 0; local < texels; ++local) {
+        const int side = atlas_->side(tile);
+        const uint32_t used = TriangleTile::texels_of(side);
+        project_tile({mesh.positions[i0], mesh.positions[i1], mesh.positions[i2]}, weights_[size_t(side)], camera,
+                     outside, tile_pixels_);
+        std::fill(taken + used, taken + texels, no_pixel);
+        for (uint32_t local = 0; local < used; ++local) {
             const uint32_t pixel = tile_pixels_[local];
             const bool keeps = items_[pixel] == tile * texels + local;
             taken[local] = keeps ? pixel : no_pixel;

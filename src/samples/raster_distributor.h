@@ -21,7 +21,8 @@ private:
     Rasterizer rasterizer_;
     std::vector<uint32_t> items_;        ///< [height * width] texel or no_texel, and one more that is no_texel
     std::vector<uint8_t> tile_visible_;  ///< [tiles]
-    std::vector<float> weights_[3];      ///< barycentric weights of a tile's texels, padded to whole vectors
+    /// [side] barycentric weights of a tile's texels, padded to whole vectors; empty for sides that no tile has.
+    std::vector<std::array<std::vector<float>, 3>> weights_;
     std::vector<uint32_t> tile_pixels_;  ///< where a tile's texels project to, padded likewise
 };
 

@@ -17,7 +17,7 @@ void ReflectanceRenderer::render(const TexelSurface& surface, const Camera& came
     const Vec3d eye = camera.center();
     render_samples(rasterizer_, atlas.mesh(), camera, shading == Shading::texel ? 1 : supersamples, image,
                    [&](const RasterPixel& seen) -> Vec3f {
-                       const uint32_t local = atlas.local_at(seen.b1, seen.b2);
+                       const uint32_t local = atlas.local_at(seen.triangle, seen.b1, seen.b2);
                        const uint32_t texel = seen.triangle * atlas.texels_per_tile() + local;
                        const Vec3f x = shading == Shading::texel ? atlas.position(texel) : point_of(atlas.mesh(), seen);
                        return reflected(surface, texel, x.cast<double>(), eye, light).cast<float>();

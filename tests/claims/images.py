@@ -21,7 +21,7 @@ def errors(seeds=3, spread=0.01, datasets=("star", "bust"), changed=None, option
                 fp16 = method == "cg-low-fp16"
                 rows.append({
                     "dataset": dataset, "seed": seed + 1, "method": method, "weights": weights, "terms": 1,
-                    "surface_side": side, "view_side": side, "mode": "modern" if "modern" in method else "paper",
+                    "surface_side": side, "surface_texels": side * (side + 1) / 2, "view_side": side, "mode": "modern" if "modern" in method else "paper",
                     "passes": "paper" if fp16 else "", "storage": "fp16" if fp16 else "fp32",
                     "sums": "fp16" if fp16 else "", "iterations": 40 if method in ("cg-low-brief", "cg-low-fp16") else 100,
                     "train_psnr_db": psnr, "train_ape": 33 - psnr, "held_psnr_db": psnr - 1,

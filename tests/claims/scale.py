@@ -115,21 +115,26 @@ class Scaling(ClaimsTest):
 
 class Samples(ClaimsTest):
     def verdict_of(self, median=26, facing=1500, shared=0, names=("star", "bust")):
-        tables = {"datasets": [{"dataset": name, "shared_texels": shared if name == "bust" else 0} for name in names]}
+        tables = {"datasets": [{"dataset": name, "sides": sides,
+                                "shared_texels": shared if (name, sides) == ("bust", "own") else 1 - (sides == "own")}
+                               for name in names for sides in ("one", "own")]}  # fmt: skip
         for name in names:
-            tables[name + "_images"] = [{"image": i, "covered_pixels": 1000, "kept_pixels": 700, "facing_texels": facing + i - 2}
-                                        for i in range(5)]
-            tables[name + "_samples_per_texel"] = [{"samples": n, "texels": count} for n, count in
-                                                   ((0, 10), (9, 20), (median if name == "bust" else 30, 300), (90, 50))]
+            for files, texels, middle in ((name, 500, 3), (name + "_own_sides", facing, median if name == "bust" else 30)):
+                tables[files + "_images"] = [{"image": i, "covered_pixels": 1000, "kept_pixels": 700,
+                                              "facing_texels": texels + i - 2} for i in range(5)]  # fmt: skip
+                tables[files + "_samples_per_texel"] = [{"samples": n, "texels": count} for n, count in
+                                                        ((0, 10), (9, 20), (middle, 300), (90, 50))]  # fmt: skip
         return self.finding("C17", "table1_datasets", tables)
 
     def test_pixels_and_texels(self):
         row = self.verdict_of()
         self.assertEqual(row["verdict"], "holds")
-        self.assertIn("No texel takes two pixels", row["sentence"])
+        self.assertIn("no texel takes two pixels", row["sentence"])
         self.assertIn("26 on the bust (1.50 texels per pixel)", row["sentence"])
-        self.assertIn("star: 1.5 texels per covered pixel in the median image; 30.0 % of the pixels are dropped, because no texel "
-                      "takes them; 2.6 % of the texels have no sample, 7.9 % fewer than 10", row["beside"])
+        self.assertIn("star, sides by projected size: 1.5 texels per covered pixel in the median image, 30 samples in the "
+                      "median texel; 30.0 % of the pixels are dropped, because no texel takes them; 2.6 % of the texels have "
+                      "no sample, 7.9 % fewer than 10", row["beside"])  # fmt: skip
+        self.assertIn("star, one side for all: 0.5 texels", " ".join(row["beside"]))
         self.assertEqual(self.verdict_of(median=8)["verdict"], "does not hold")
         self.assertEqual(self.verdict_of(shared=1)["verdict"], "does not hold")
         row = self.verdict_of(facing=900)
