@@ -119,7 +119,9 @@ TEST_P(FitFolder, RoundTripIsExact) {
     EXPECT_EQ(back.options.terms, fit.options.terms);
     EXPECT_EQ(back.options.surface_side, fit.options.surface_side);
     ASSERT_EQ(back.options.sides != nullptr, own_sides);
-    if (own_sides) EXPECT_EQ(*back.options.sides, *fit.options.sides);
+    if (own_sides) {
+        EXPECT_EQ(*back.options.sides, *fit.options.sides);
+    }
     EXPECT_EQ(back.options.view_side, fit.options.view_side);
     EXPECT_EQ(back.options.lookup, fit.options.lookup);
     EXPECT_EQ(back.options.mode, fit.options.mode);

@@ -254,7 +254,8 @@ TEST(TriangleAtlas, TilesOfTheirOwnSides) {
     EXPECT_EQ(atlas.used_texels(), used);
     EXPECT_EQ(even.used_texels(), even.texel_count());
     EXPECT_EQ(atlas.texel_count(), even.texel_count());
-    EXPECT_EQ(std::array({atlas.width(), atlas.height()}), std::array({even.width(), even.height()}));
+    EXPECT_EQ(atlas.width(), even.width());
+    EXPECT_EQ(atlas.height(), even.height());
     std::set<std::array<int, 2>> places;
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
         for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {

@@ -41,6 +41,23 @@ class TwoStep(ProgramTest):
         times = json.loads((self.root / "second/fit.json").read_text())["times_s"]
         self.assertEqual(times["distribution_s"], 0)
 
+    def test_surface_maps_of_their_own_sides(self):
+        own = ("--iterations", "2", "--texels-per-pixel", "1.5")
+        self.good("fit", "star", "--solver", "two-step", *own, "--records", "records", "-o", "two-step")
+        again = self.good("fit", "star", "--solver", "two-step", *own, "--records", "records", "-o", "again")
+        self.assertIn("records of an earlier run", again.stderr)
+        self.good("fit", "star", *own, "-o", "stream")
+        self.assertIn("sides.exr", self.parameters("stream"))
+        self.assertRegex(self.good("info", "stream").stdout, r"surface maps of sides 2 to \d+")
+        psnr = [json.loads(self.good("judge", fit, "--json").stdout)["psnr"] for fit in ("two-step", "again", "stream")]
+        self.assertEqual(psnr[0], psnr[1])
+        self.assertAlmostEqual(psnr[0], psnr[2], delta=0.01)
+        self.good("render", "stream", "-o", "picture")
+        for option in (("--engine", "fragment"), ("--model", "lambert")):
+            self.refused("fit", "star", "--texels-per-pixel", "1", *option, "-o", "no",
+                         says=["--texels-per-pixel means nothing to", "leave it out"])  # fmt: skip
+        self.refused("fit", "star", "--texels-per-pixel", "1", "--distributor", "gl", "-o", "no", says=["of one side"])
+
     def test_memory_does_not_change_the_records(self):
         for memory in ("1G", "20K"):
             self.good("fit", "star", *FIT, "--memory", memory, "--records", f"records-{memory}", "-o", f"fit-{memory}")
@@ -50,7 +67,7 @@ class TwoStep(ProgramTest):
 
     def test_records_of_something_else(self):
         self.good("fit", "star", *FIT, "--records", "records", "-o", "fit")
-        for other in (("--surface-side", "4"), ("--record", "full"), ("--space", "linear")):
+        for other in (("--surface-side", "4"), ("--record", "full"), ("--space", "linear"), ("--texels-per-pixel", "1")):
             self.refused("fit", "star", *FIT, *other, "--records", "records", "-o", "other",
                          says=["records/records.json: ", "choose another --records folder"])
 

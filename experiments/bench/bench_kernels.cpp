@@ -121,7 +121,7 @@ struct PaperSample {
     float coordinate[2];  ///< in the vertex's view map, 0 to 1
 };
 
-std::vector<PaperSample> paper_samples(const Scene& s, size_t v, const LfmLayout& layout) {
+std::vector<PaperSample> paper_samples(const Scene& s, size_t v) {
     const Frame frame = vertex_frames(s.dataset.mesh)[v];
     std::vector<PaperSample> result;
     uint32_t map = 0;
@@ -149,7 +149,7 @@ void straightforward(benchmark::State& state) {
     const LfmLayout layout(s.rings, s.atlas, s.options.view_side, 1);
     const size_t v = s.vertex, view = layout.view_offset(v) - layout.offset(v);
     const size_t m = size_t(s.options.view_side);
-    const std::vector<PaperSample> samples = paper_samples(s, v, layout);
+    const std::vector<PaperSample> samples = paper_samples(s, v);
     std::vector<float> p(layout.block_size(v), 0.6f), d(p.size(), 0.1f), g(p.size());
     struct Place {
         size_t texel[4];

@@ -94,9 +94,11 @@ void demand_chosen_weights(Judgement& j, const FinishedRun& run, const OneTerm& 
 }
 
 std::string map_sizes(const OneTerm& t, const Method& method) {
-    const double surface = std::stod(t.text(method, "surface_texels"));
     const int m = std::stoi(t.text(method, "view_side"));
-    return fmt::format("{:.0f} texels in a surface map on average and {} in a view map", surface, m * m);
+    const std::string density = t.text(method, "texels_per_pixel");  // where each triangle has a side of its own
+    return fmt::format("{:.0f} texels in a surface map{} and {} in a view map",
+                       std::stod(t.text(method, "surface_texels")),
+                       density.empty() || std::stod(density) == 0 ? "" : " on average", m * m);
 }
 
 std::string signed_text(double value) { return fmt::format("{:+.2f}", value); }

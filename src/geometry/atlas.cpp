@@ -17,8 +17,8 @@ constexpr int largest_layout = 16384;
 TriangleAtlas::TriangleAtlas(const Mesh& mesh, int side, TileSides sides)
     : mesh_(&mesh), side_(side), sides_(std::move(sides)), tile_(&TriangleTile::of_side(side)) {
     if (sides_ && sides_->size() != mesh.triangle_count())
-        throw UserError(fmt::format("sides of {} surface maps were given for {} triangles", sides_->size(),
-                                    mesh.triangle_count()));
+        throw UserError(
+            fmt::format("sides of {} surface maps were given for {} triangles", sides_->size(), mesh.triangle_count()));
     for (size_t t = 0; sides_ && t < sides_->size(); ++t)
         if ((*sides_)[t] < least_side || (*sides_)[t] > side)
             throw UserError(fmt::format("triangle {}'s surface map has side {}, which is outside [{}, {}]", t,

@@ -51,7 +51,9 @@ public:
     int side() const { return side_; }  ///< the largest
     int side(uint32_t triangle) const { return sides_ ? (*sides_)[triangle] : side_; }
     bool one_side() const { return !sides_; }  ///< the same for all
-    const TriangleTile& tile(uint32_t triangle) const { return sides_ ? TriangleTile::of_side(side(triangle)) : *tile_; }
+    const TriangleTile& tile(uint32_t triangle) const {
+        return sides_ ? TriangleTile::of_side(side(triangle)) : *tile_;
+    }
     uint64_t used_texels() const { return used_texels_; }  ///< of all tiles, places without a texel left out
     int rectangles_per_row() const { return rectangles_per_row_; }
     uint32_t local_at(uint32_t triangle, float b1, float b2) const {

@@ -98,7 +98,8 @@ const std::vector<TableRules>& all_rules() {
         {"fig9_error",
          "errors.csv",
          {keys("dataset seed method weights terms"),
-          exact("surface_side surface_texels texels_per_pixel view_side mode passes storage sums lambda_surface lambda_view iterations refills"),
+          exact("surface_side surface_texels texels_per_pixel view_side mode passes storage sums lambda_surface "
+                "lambda_view iterations refills"),
           decibels("train_psnr_db held_psnr_db"), errors("train_ape held_ape"), shares("invented_share"),
           times("seconds"), told("renderer")}},
         {"fig9_error",
