@@ -63,7 +63,6 @@ struct Options {
         FitRequest r = request(high_side);
         r.solver = solver;
         r.texels_per_pixel = density;
-        if (density > 0) r.model.surface_side = largest_side;
         return r;
     }
     static FitRequest weighted(FitRequest r, double surface, double view) {
@@ -115,9 +114,9 @@ public:
 
     Chosen choose(const Dataset& dataset, const std::string& seed) {
         const Options& o = options_;
-        const double density =
-            o.high_texels > 0 ? density_for(projected_areas(dataset, dataset.split(false)), o.high_texels, largest_side)
-                              : 0;
+        const double density = o.high_texels > 0 ? density_for(projected_areas(dataset, dataset.split(false)),
+                                                               o.high_texels, limits::texels_per_pixel.upper)
+                                                 : 0;
         const auto weights = [&](const FitRequest& request) {
             std::vector<FitRequest> requests;
             for (const double surface : o.lambda_surface)
@@ -226,12 +225,30 @@ private:
 };
 
 void write_errors(const std::filesystem::path& folder, const std::vector<Row>& rows) {
-    CsvWriter csv(folder / "errors.csv", {"dataset",     "seed",           "method",         "weights",
-                                          "terms",       "surface_side",   "surface_texels", "texels_per_pixel",
-                                          "view_side",   "mode",           "passes",         "storage",
-                                          "sums",        "iterations",     "refills",        "lambda_surface",
-                                          "lambda_view", "train_psnr_db",  "train_ape",      "held_psnr_db",
-                                          "held_ape",    "invented_share", "seconds",        "renderer"});
+    CsvWriter csv(folder / "errors.csv", {"dataset",
+                                          "seed",
+                                          "method",
+                                          "weights",
+                                          "terms",
+                                          "surface_side",
+                                          "view_side",
+                                          "mode",
+                                          "passes",
+                                          "storage",
+                                          "sums",
+                                          "iterations",
+                                          "refills",
+                                          "lambda_surface",
+                                          "lambda_view",
+                                          "train_psnr_db",
+                                          "train_ape",
+                                          "held_psnr_db",
+                                          "held_ape",
+                                          "invented_share",
+                                          "seconds",
+                                          "surface_texels",
+                                          "texels_per_pixel",
+                                          "renderer"});
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
         const Told told(r.request);
@@ -242,8 +259,6 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
                  r.weights,
                  r.request.text("terms"),
                  std::to_string(r.surface_side),
-                 fmt::format("{:.1f}", r.surface_texels),
-                 told.text("texels_per_pixel"),
                  told.text("view_side"),
                  told.text("mode"),
                  told.text("passes"),
@@ -259,6 +274,8 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
                  fmt::format("{:.4f}", r.held.ape()),
                  pca ? fmt::format("{:.5f}", r.invented_share) : "",
                  fmt::format("{:.3f}", r.seconds),
+                 fmt::format("{:.1f}", r.surface_texels),
+                 told.text("texels_per_pixel"),
                  r.renderer});
         table.add({fmt::format("{} {}, {}{}{}, K = {}", r.dataset, r.seed, r.method,
                                r.weights.empty() ? "" : ", weights ", r.weights, r.request.model.terms),

@@ -258,7 +258,6 @@ void table1(Experiment& experiment) {
         write_photograph(dataset, results.path() / (dataset.name + ".png"));
         if (dataset.light_moves() || o.texels_per_pixel == 0) continue;
         here.texels_per_pixel = o.texels_per_pixel;
-        here.model.surface_side = largest_side;
         add(shape, dataset, with_sides(here, dataset, dataset.split(false)));
     }
     rows.commit();

@@ -48,7 +48,7 @@ do for [shape in 'star bust'] {
 
     unset logscale y
     set format y '%g'
-    set title sprintf('%s: all problems', shape)
+    set title sprintf('%s: every problem measured', shape)
     set xlabel 'SD iterations / CG iterations, to 1 % above'
     set ylabel 'share of problems below' offset 0.5
     set yrange [0:1]

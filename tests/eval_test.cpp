@@ -61,8 +61,7 @@ class NaiveRenderer {
 public:
     NaiveRenderer(const Mesh& mesh, const LightFieldFit& fit) : mesh_(mesh), fit_(fit) {
         const size_t vertices = mesh.vertex_count();
-        const size_t n = size_t(fit.options.surface_side), m = size_t(fit.options.view_side);
-        tile_ = n * (n + 1) / 2;
+        const size_t m = size_t(fit.options.view_side);
         stride_ = 4 * size_t(fit.options.terms);
         size_t at = 0;
         for (size_t v = 0; v < vertices; ++v) {
@@ -72,7 +71,7 @@ public:
                 if (area(t) > 0)
                     for (size_t c = 0; c < 3; ++c)
                         if (mesh.triangles[t][c] == v) ring_[v].push_back(t);
-            at += (ring_[v].size() * tile_ + m * m) * stride_;
+            at += (texels_before(v, mesh.triangles.size()) + m * m) * stride_;
         }
         std::vector<Vec3d> sum(vertices, Vec3d::Zero());
         for (size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -110,7 +109,7 @@ public:
         seen = nearest < 1e30;
         if (!certain || (seen && second - nearest < 1e-4)) return false;
         if (!seen) return true;
-        const int n = fit_.options.surface_side;
+        const int n = side(triangle);
         for (const double b : {b1 * n, b2 * n, (b1 + b2) * n})
             if (std::abs(b - std::round(b)) < 1e-3) return false;
         const int i = int(b1 * n), j = int(b2 * n);
@@ -120,8 +119,7 @@ public:
         rgb = {0, 0, 0};
         for (size_t c = 0; c < 3; ++c) {
             const size_t v = mesh_.triangles[triangle][c];
-            const size_t position = size_t(std::find(ring_[v].begin(), ring_[v].end(), triangle) - ring_[v].begin());
-            const float* g = fit_.parameters.data() + block_[v] + (position * tile_ + local) * stride_;
+            const float* g = fit_.parameters.data() + block_[v] + (texels_before(v, triangle) + local) * stride_;
             for (size_t k = 0; k < size_t(fit_.options.terms); ++k)
                 for (size_t channel = 0; channel < 3; ++channel)
                     if (fit_.samples[3 * v + channel] > 0)
@@ -134,6 +132,13 @@ private:
     Vec3d corner(size_t t, size_t c) const { return mesh_.positions[mesh_.triangles[t][c]].cast<double>(); }
     Vec3d cross(size_t t) const { return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)); }
     double area(size_t t) const { return cross(t).norm(); }
+    int side(size_t t) const { return fit_.options.sides ? (*fit_.options.sides)[t] : fit_.options.surface_side; }
+    /// Texels of v's maps that come before that of a triangle.
+    size_t texels_before(size_t v, size_t triangle) const {
+        size_t texels = 0;
+        for (const size_t t : ring_[v]) texels += t < triangle ? size_t(side(t) * (side(t) + 1) / 2) : 0;
+        return texels;
+    }
 
     double view_value(size_t v, const Vec3d& eye, size_t term, size_t channel) const {
         const int m = fit_.options.view_side;
@@ -147,7 +152,7 @@ private:
         }
         const double column = std::clamp((x / 2 + 0.5) * m - 0.5, 0.0, m - 1.0);
         const double row = std::clamp((y / 2 + 0.5) * m - 0.5, 0.0, m - 1.0);
-        const float* map = fit_.parameters.data() + block_[v] + ring_[v].size() * tile_ * stride_;
+        const float* map = fit_.parameters.data() + block_[v] + texels_before(v, mesh_.triangles.size()) * stride_;
         const auto texel = [&](int i, int j) {
             return double(map[size_t(std::min(j, m - 1) * m + std::min(i, m - 1)) * stride_ + 4 * term + channel]);
         };
@@ -160,18 +165,18 @@ private:
 
     const Mesh& mesh_;
     const LightFieldFit& fit_;
-    size_t tile_, stride_;
+    size_t stride_;
     std::vector<size_t> block_;
     std::vector<std::vector<size_t>> ring_;
     std::vector<Vec3d> normal_;
 };
 
-class Renderer : public ::testing::TestWithParam<std::tuple<int, ViewLookup>> {};
+class Renderer : public ::testing::TestWithParam<std::tuple<int, ViewLookup, bool>> {};
 
 TEST_P(Renderer, EqualsANaiveOneInDouble) {
-    const auto [terms, lookup] = GetParam();
+    const auto [terms, lookup, own_sides] = GetParam();
     Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 11), 4, 60, 12);
-    LightFieldFit fit = random_fit(dataset, terms, lookup, 13);
+    LightFieldFit fit = random_fit(dataset, terms, lookup, 13, own_sides);
     for (size_t c = 0; c < 3; ++c) fit.samples[3 * 5 + c] = 0;  // vertex 5 was never seen: black
     fit.samples[3 * 6 + 1] = 0;                                 // vertex 6 in its green only
     const NaiveRenderer naive(dataset.mesh, fit);
@@ -204,7 +209,8 @@ TEST_P(Renderer, EqualsANaiveOneInDouble) {
 
 INSTANTIATE_TEST_SUITE_P(TermsAndLookups, Renderer,
                          ::testing::Combine(::testing::Values(1, 2),
-                                            ::testing::Values(ViewLookup::bilinear, ViewLookup::nearest)));
+                                            ::testing::Values(ViewLookup::bilinear, ViewLookup::nearest),
+                                            ::testing::Bool()));
 
 TEST(Unfitted, IsBlackWhateverItsParametersAre) {
     const Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 11), 1, 60, 12);

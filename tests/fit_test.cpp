@@ -11,6 +11,7 @@
 #include "fit/fit_folder.h"
 #include "fit/fit_maps.h"
 #include "fit_scene.h"
+#include "geometry/raster.h"
 
 namespace radiafit::testing {
 namespace {
@@ -150,13 +151,27 @@ TEST_P(FitFolder, RoundTripIsExact) {
 INSTANTIATE_TEST_SUITE_P(Terms, FitFolder, ::testing::Combine(::testing::Values(1, 2, 3), ::testing::Bool()));
 
 // The format, as docs/formats.md tells it, read without the code that wrote it: only cells and offsets by hand.
-TEST(FitFiles, PlacesAreAsDocumented) {
+class FitPlaces : public ::testing::TestWithParam<bool> {};  // surface maps of their own sides
+TEST_P(FitPlaces, AreAsDocumented) {
     const TemporaryFolder folder;
     const Dataset dataset = noise_dataset(folder.path() / "data");
-    const LightFieldFit fit = random_fit(dataset, 2, ViewLookup::bilinear, 6);
+    const LightFieldFit fit = random_fit(dataset, 2, ViewLookup::bilinear, 6, GetParam());
     write_fit(folder.path() / "fit", fit, dataset.mesh);
     const VertexRings rings(dataset.mesh);
-    const int n = 5, m = 3, tile = n * (n + 1) / 2, terms = 2;
+    const int n = GetParam() ? int(*std::ranges::max_element(*fit.options.sides)) : 5, m = 3, terms = 2;
+    ASSERT_EQ(fit.options.surface_side, n);
+    const auto side = [&](uint32_t t) { return GetParam() ? int((*fit.options.sides)[t]) : n; };
+    const auto texels_before = [&](size_t v, uint32_t triangle) {  // of a vertex's maps
+        size_t texels = 0;
+        for (const Corner& c : rings.ring(v))
+            texels += c.triangle < triangle ? size_t(side(c.triangle) * (side(c.triangle) + 1) / 2) : 0;
+        return texels;
+    };
+    if (GetParam()) {
+        const ExrImage sides = read_exr(folder.path() / "fit" / "sides.exr", {"side"});
+        ASSERT_EQ(sides.width, int(std::ceil(std::sqrt(double(dataset.mesh.triangle_count())))));
+        for (uint32_t t = 0; t < dataset.mesh.triangle_count(); ++t) ASSERT_EQ(sides.values[t], float(side(t)));
+    }
     const size_t vertices = dataset.mesh.vertex_count();
     const int columns = int(std::ceil(std::sqrt(double(vertices))));
     for (int term = 0; term < terms; ++term) {
@@ -164,7 +179,7 @@ TEST(FitFiles, PlacesAreAsDocumented) {
         ASSERT_EQ(view.width, columns * m);
         size_t block = 0;
         for (size_t v = 0; v < vertices; ++v) {
-            const size_t maps = rings.ring(v).size() * size_t(tile) * terms * 4;
+            const size_t maps = texels_before(v, no_triangle) * terms * 4;
             for (int y = 0; y < m; ++y)
                 for (int x = 0; x < m; ++x) {
                     const int column = int(v) % columns * m + x, row = int(v) / columns * m + y;
@@ -180,14 +195,11 @@ TEST(FitFiles, PlacesAreAsDocumented) {
                          {"B"});
             // Triangle 1 is the second of the first n x (n + 1) rectangle: turned, so cell (i, j) is at (n-1-i, n-j).
             const size_t vertex = dataset.mesh.triangles[1][size_t(corner)];
-            size_t map = 0, ring_position = 0;
-            for (size_t v = 0; v < vertex; ++v)
-                map += size_t((rings.ring(v).size() * size_t(tile) + size_t(m * m)) * terms * 4);
-            while (rings.ring(vertex)[ring_position].triangle != 1) ++ring_position;
-            map += ring_position * size_t(tile) * terms * 4;
+            size_t map = texels_before(vertex, 1) * terms * 4;
+            for (size_t v = 0; v < vertex; ++v) map += (texels_before(v, no_triangle) + size_t(m * m)) * terms * 4;
             int local = 0;
-            for (int j = 0; j < n; ++j)
-                for (int i = 0; i + j < n; ++i, ++local)
+            for (int j = 0; j < side(1); ++j)
+                for (int i = 0; i + j < side(1); ++i, ++local)
                     EXPECT_EQ(surface.values[size_t((n - j) * surface.width + n - 1 - i)],
                               fit.parameters[map + size_t((local * terms + term) * 4 + 2)]);
         }
@@ -196,6 +208,7 @@ TEST(FitFiles, PlacesAreAsDocumented) {
     ASSERT_EQ(problems.width, columns);
     for (size_t v = 0; v < vertices; ++v) EXPECT_EQ(problems.values[v], float(fit.samples[3 * v + 2]));
 }
+INSTANTIATE_TEST_SUITE_P(OwnSides, FitPlaces, ::testing::Bool());
 
 TEST(FitFiles, TargetIsGuarded) {
     const TemporaryFolder folder;
@@ -303,7 +316,12 @@ TEST_F(Corruption, SidesOfSurfaceMaps) {
     expect("sides.exr", [&] { fs::remove(where / "sides.exr"); });
     for (const float side : {1.0f, 6.0f, 2.5f, NAN})
         expect("sides.exr", [&] { rewrite("sides.exr", [&](ExrImage& image) { image.values[3] = side; }); });
-    expect("fit.json", [&] { replace_in(where / "fit.json", "\"own_sides\": true", "\"own_sides\": 3"); });
+    const uint8_t first = fit.options.sides->front();
+    expect("sides.exr: not as fit.json describes it", [&] {
+        rewrite("sides.exr", [&](ExrImage& image) { image.values[0] = float(first == 2 ? 3 : first - 1); });
+    });
+    expect("fit.json", [&] { replace_in(where / "fit.json", "\"sides\": \"", "\"size\": \""); });
+    expect("lists sides.exr", [&] { replace_in(where / "fit.json", "\"version\": 2", "\"version\": 1"); });
 }
 
 TEST_F(Corruption, SizesInHeadersAreComparedBeforeMemoryIsTaken) {

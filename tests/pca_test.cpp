@@ -54,14 +54,14 @@ struct Fan {
           atlas(surface_atlas(dataset.mesh, own_sides ? testing::with_own_sides(model(), dataset.mesh) : model())),
           rings(dataset.mesh) {
         frame = vertex_frames(dataset.mesh)[0];
-        tiles.texels_per_tile = atlas.texels_per_tile();
         tiles.tile_first.push_back(0);
+        tiles.texel_first.push_back(0);
         for (uint32_t i = 0; i < dataset.views.size(); ++i) tiles.views.push_back(i);
         for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile) {
             for (uint32_t image = 0; image < dataset.views.size(); ++image) {
-                std::vector<TileViews::Texel> texels(tiles.texels_per_tile);
+                std::vector<TileViews::Texel> texels(atlas.tile(tile).texels());
                 bool any = false;
-                for (uint32_t local = 0; local < atlas.tile(tile).texels(); ++local) {
+                for (uint32_t local = 0; local < texels.size(); ++local) {
                     if (!sees(tile, local, image)) continue;
                     any = true;
                     texels[local].seen = 1;
@@ -73,6 +73,7 @@ struct Fan {
                 tiles.texels.insert(tiles.texels.end(), texels.begin(), texels.end());
             }
             tiles.tile_first.push_back(uint32_t(tiles.images.size()));
+            tiles.texel_first.push_back(tiles.texels.size());
         }
     }
     static LfmOptions model() { return {.surface_side = surface_side}; }
@@ -166,7 +167,7 @@ TEST(Pca, CountsWhatItInvents) {
     std::vector<Vec2d> directions;
     for (uint32_t i = 0; i < 12; ++i) directions.push_back(fan.direction(i));
     const std::vector<Vec2d> hull = hull_of(directions);
-    const size_t columns = reachable_view_texels(Fan::view_side).size(), texels = fan.tiles.texels_per_tile;
+    const size_t columns = reachable_view_texels(Fan::view_side).size(), texels = fan.atlas.texels_per_tile();
     uint64_t outside = 0, unseen = 0;
     for (size_t row = 0; row < size_t(field.invented.rows()); ++row) {
         const uint32_t tile = fan.tile(row);
@@ -284,7 +285,7 @@ TEST(Pca, TexelsLookUpTheirPixels) {
                 const uint32_t view = tiles.images_of(tile)[i];
                 Rasterizer raster;
                 raster.draw(dataset.mesh, dataset.views[view].camera);
-                for (uint32_t local = 0; local < tiles.texels_per_tile; ++local) {
+                for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {
                     const Vec2d at =
                         dataset.views[view].camera.project(atlas.position(tile, local).cast<double>()).head<2>();
                     const TileViews::Texel& texel = tiles.of(tile, i)[local];

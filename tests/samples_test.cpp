@@ -344,7 +344,7 @@ TEST_F(SampleListTest, OfNoViewsIsEmpty) {
 }
 
 }  // namespace
-/// Two triangles that face the camera, one behind the other's edge, and one that no view sees.
+/// One triangle that faces the cameras, the same turned away, and one beyond the second image.
 TEST(ProjectedSides, AreasAreThoseOfTheLargestProjection) {
     Dataset dataset;
     dataset.mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {2, 2, 0}, {2, 3, 0}, {1, 2, 0}};
@@ -368,25 +368,25 @@ TEST(ProjectedSides, AreasAreThoseOfTheLargestProjection) {
 TEST(ProjectedSides, AreTheLeastWithEnoughTexels) {
     Rng rng(4);
     std::vector<double> areas;
-    for (int i = 0; i < 2000; ++i) areas.push_back(i % 50 == 0 ? 0 : std::exp(rng.uniform(-2.0f, 7.0f)));
+    for (int i = 0; i < 2000; ++i) areas.push_back(i % 50 == 0 ? 0 : std::exp(rng.uniform(-2.0f, 8.0f)));
     for (const double density : {0.3, 1.0, 2.5}) {
-        const TileSides sides = sides_by_area(areas, density, 40);
+        const TileSides sides = sides_by_area(areas, density);
         for (size_t t = 0; t < areas.size(); ++t) {
             const int side = (*sides)[t];
             ASSERT_GE(side, least_side);
-            ASSERT_LE(side, 40);
-            ASSERT_TRUE(side == 40 || TriangleTile::texels_of(side) >= density * areas[t]);
+            ASSERT_LE(side, largest_side);
+            ASSERT_TRUE(side == largest_side || TriangleTile::texels_of(side) >= density * areas[t]);
             ASSERT_TRUE(side == least_side || TriangleTile::texels_of(side - 1) < density * areas[t]);
         }
-        EXPECT_EQ(largest_of(sides), density < 1 ? 26 : 40);  // e^7 pixels at most
+        EXPECT_EQ(largest_of(sides), density < 1 ? 42 : largest_side);  // e^8 pixels at most
     }
     for (const double mean : {36.0, 144.0}) {
-        const TileSides sides = sides_by_area(areas, density_for(areas, mean, 64), 64);
-        double sum = 0, seen = 0;
-        for (size_t t = 0; t < areas.size(); ++t)
-            if (areas[t] > 0) sum += TriangleTile::texels_of((*sides)[t]), ++seen;
-        EXPECT_NEAR(sum / seen, mean, 0.01 * mean);
+        const TileSides sides = sides_by_area(areas, density_for(areas, mean, 1000));
+        double sum = 0;
+        for (const int side : *sides) sum += TriangleTile::texels_of(side);
+        EXPECT_NEAR(sum / double(areas.size()), mean, 0.01 * mean);
     }
+    EXPECT_EQ(density_for(areas, 2080, 1000), 1000);
 }
 
 }  // namespace radiafit

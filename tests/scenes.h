@@ -84,7 +84,8 @@ inline LfmOptions with_own_sides(LfmOptions options, const Mesh& mesh, uint64_t 
     Rng rng(seed);
     std::vector<uint8_t> sides;
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
-        sides.push_back(uint8_t(2 + rng.index(uint32_t(options.surface_side) - 1)));
+        sides.push_back(
+            uint8_t(t == 0 ? options.surface_side : 2 + int(rng.index(uint32_t(options.surface_side) - 1))));
     options.sides = std::make_shared<const std::vector<uint8_t>>(std::move(sides));
     return options;
 }

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "rules.h"
@@ -63,6 +64,17 @@ public:
     std::string text(const Method& method, const char* column) const {
         return rows_.text(rows(datasets_.front(), method).front(), column);
     }
+    /// "76", or "67 to 76" where rows of the method differ.
+    std::string range(const Method& method, const char* column) const {
+        double least = INFINITY, most = 0;
+        for (const std::string& dataset : datasets_)
+            for (const size_t i : rows(dataset, method)) {
+                least = std::min(least, rows_.number(i, column));
+                most = std::max(most, rows_.number(i, column));
+            }
+        const std::string low = fmt::format("{:.0f}", least), high = fmt::format("{:.0f}", most);
+        return low == high ? low : low + " to " + high;
+    }
     size_t seeds() const { return rows(datasets_.front(), high).size(); }
 
     void demand_star_and_bust(Judgement& j) const {
@@ -96,8 +108,7 @@ void demand_chosen_weights(Judgement& j, const FinishedRun& run, const OneTerm& 
 std::string map_sizes(const OneTerm& t, const Method& method) {
     const int m = std::stoi(t.text(method, "view_side"));
     const std::string density = t.text(method, "texels_per_pixel");  // where each triangle has a side of its own
-    return fmt::format("{:.0f} texels in a surface map{} and {} in a view map",
-                       std::stod(t.text(method, "surface_texels")),
+    return fmt::format("{} texels in a surface map{} and {} in a view map", t.range(method, "surface_texels"),
                        density.empty() || std::stod(density) == 0 ? "" : " on average", m * m);
 }
 

@@ -28,9 +28,11 @@ void FitRequest::check() const {
     const uint32_t uses = uses_of(*this);
     model_options();
     if (texel_model) texel_options();
-    if (texels_per_pixel > 0 && distributor == DistributorKind::gl)
-        throw UserError(fmt::format("OpenGL distributes to surface maps of one side; leave out {} or {}",
-                                    option_name("texels-per-pixel"), option_name("distributor gl")));
+    const bool own_sides = texels_per_pixel > 0 || model.sides;
+    if (own_sides && (on_fragment_engine() || (uses & use::distribution && distributor == DistributorKind::gl)))
+        throw UserError(fmt::format("in OpenGL all surface maps have one side; leave out {}, {} or {}",
+                                    option_name("texels-per-pixel"), option_name("engine fragment"),
+                                    option_name("distributor gl")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/family.h"
+#include "base/error.h"
 #include "base/log.h"
 
 namespace radiafit {
@@ -85,7 +86,8 @@ const Family light_field_maps = {
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .settle =
         [](const auto& given, const Dataset&, FitRequest& request) {
-            if (request.texels_per_pixel > 0 && !given("--surface-side")) request.model.surface_side = largest_side;
+            if (request.texels_per_pixel > 0 && given("--surface-side"))
+                throw UserError("--texels-per-pixel chooses surface maps' sides; leave out --surface-side");
         },
     .plan = plan_light_field,
     .fit = fit_light_field,

@@ -147,11 +147,14 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
     if (!solver.vertex_bytes) return;
     std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
     if (solver.uses & use::ceres) estimate_samples(dataset, atlas, request, most_views, &tiles);
+    const LfmLayout layout(rings, atlas, 1, 1);
     VertexShape largest;
     for (size_t v = 0; v < rings.vertex_count(); ++v) {
         size_t samples = 0;
         for (const Corner& corner : rings.ring(v)) samples += tiles[corner.triangle];
-        largest = {std::max(largest.maps, rings.ring(v).size()), std::max(largest.samples, samples)};
+        // Of maps of several sides, as many of the largest as have the vertex's texels.
+        const size_t maps = (layout.surface_texels(v) + atlas.texels_per_tile() - 1) / atlas.texels_per_tile();
+        largest = {std::max(largest.maps, maps), std::max(largest.samples, samples)};
     }
     const uint64_t bytes = solver.vertex_bytes(request, largest);
     const auto threads = std::min(uint64_t(thread_count()), uint64_t(rings.vertex_count()));
@@ -178,6 +181,7 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
 }  // namespace
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t most_views) {
+    asked.check();
     require_light_field(dataset);
     const std::vector<uint32_t> views = fitted_views(dataset, asked);
     const FitRequest request = with_sides(asked, dataset, views);
@@ -187,8 +191,9 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
     const TriangleAtlas atlas = surface_atlas(dataset.mesh, options);
     Plan plan;
     add_maps(dataset, atlas, options, rings, plan);
-    plan.paper = paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), options.surface_side,
-                              options.view_side);
+    if (atlas.one_side())
+        plan.paper = paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(), options.surface_side,
+                                  options.view_side);
     if (request.on_fragment_engine()) {
         plan.memory = rows_of(plan_fragment_engine(dataset, atlas, rings, views, options, request.fragment_options(),
                                                    room_of(request.optimizer_options())));

@@ -89,8 +89,7 @@ void describe_request(const FitRequest& request, FitRecord& fit) {
 
 FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vector<uint32_t>& views) {
     if (request.texels_per_pixel == 0 || request.model.sides) return request;
-    request.model.sides =
-        sides_by_area(projected_areas(dataset, views), request.texels_per_pixel, request.model.surface_side);
+    request.model.sides = sides_by_area(projected_areas(dataset, views), request.texels_per_pixel);
     request.model.surface_side = largest_of(request.model.sides);
     return request;
 }
@@ -100,16 +99,18 @@ FitOutcome solve(const Dataset& dataset, const FitRequest& asked, const SharedSa
     asked.check();
     require_light_field(dataset);
     const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, asked);
+    const Stopwatch clock;
     const FitRequest request = with_sides(asked, dataset, training);
+    const double sides_s = request.model.sides == asked.model.sides ? 0 : clock.wall_s();
     const TriangleAtlas atlas = surface_atlas(dataset.mesh, request.model);
     const VertexRings rings(dataset.mesh);
-    Stopwatch clock;
     FitOutcome out;
     FitTask task(dataset, request, atlas, rings, training, each_iteration, samples, out);
     find_solver(request.solver).solve(task);
     out.fit.options = task.options;
     describe_request(asked, out.fit);
     set_dataset(out.fit, dataset);
+    out.times.distribution += sides_s;
     out.times.total = clock.wall_s() - out.times.outside;
     return out;
 }

@@ -60,7 +60,7 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
 std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views,
                        const std::string& sides, const std::string& kind) {
     if (request.records.empty()) return "";
-    return fmt::format("dataset {}, images {:016x}, views {:016x}, surface sides {}, {}, {} records, distributor {}",
+    return fmt::format("dataset {}, images {:016x}, views {:016x}, surface side {}, {}, {} records, distributor {}",
                        fingerprint(dataset).digest, image_checksum(dataset),
                        hash_bytes(views.data(), views.size() * sizeof(uint32_t)), sides, request.text("space"), kind,
                        request.text("distributor"));
@@ -98,7 +98,8 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
 
 void solve_two_step(FitTask& task) {
     std::string sides = std::to_string(task.options.surface_side);
-    if (const auto& own = task.options.sides) sides += fmt::format(" {:016x}", hash_bytes(own->data(), own->size()));
+    if (const auto& own = task.options.sides)
+        sides = fmt::format("its own, {:016x}", hash_bytes(own->data(), own->size()));
     const std::string key = record_key(task.dataset, task.request, task.views, sides, task.request.text("record"));
     with_records(
         task.dataset, task.request, task.out.times, [&](const fs::path& folder) { distribute_to(folder, key, task); },

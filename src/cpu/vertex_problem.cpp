@@ -20,11 +20,13 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
     const VertexRecord& record = records_->vertex(v);
     samples_ = record.samples;
     sides_.clear();
+    tiles_.clear();
     first_texels_.clear();
     weights_.clear();
     for (const Corner& corner : rings_->ring(v)) {
         const TriangleTile& tile = atlas_->tile(corner.triangle);
         sides_.push_back(uint8_t(tile.side()));
+        tiles_.push_back(&tile);
         first_texels_.push_back(uint32_t(weights_.size()));
         for (uint32_t local = 0; local < tile.texels(); ++local)
             weights_.push_back(broadcast3(tile.barycentric(local)[corner.corner]));
@@ -77,7 +79,7 @@ void VertexProblem::take_full(const uint8_t* from) {
             FullRecord full;
             std::memcpy(&full, from, sizeof full);
             const auto position = static_cast<uint32_t>(full.surface[0]);
-            const TriangleTile& tile = TriangleTile::of_side(sides_[position]);
+            const TriangleTile& tile = *tiles_[position];
             const float n = float(tile.side());
             const int column = int((full.surface[0] - float(position)) * n), row = int(full.surface[1] * n);
             texels_[i] = first_texels_[position] + tile.local_of_cell(column, row);

@@ -67,9 +67,10 @@ private:
     std::vector<Frame> frames_;
     std::vector<Vec3d> centers_;  ///< of the images' cameras
 
-    size_t size_ = 0;                     ///< of the vertex's block, in V
-    std::vector<uint8_t> sides_;          ///< of its surface maps
-    std::vector<uint32_t> first_texels_;  ///< likewise, where their texels begin
+    size_t size_ = 0;                         ///< of the vertex's block, in V
+    std::vector<uint8_t> sides_;              ///< of its surface maps
+    std::vector<const TriangleTile*> tiles_;  ///< likewise
+    std::vector<uint32_t> first_texels_;      ///< likewise, where their texels begin
     uint32_t samples_ = 0;
     float mean_[3] = {};
     LfmObjective<float>::Scale scale_;

@@ -210,8 +210,12 @@ StoredFit read_fit(const fs::path& folder) {
         throw UserError(fmt::format("{}: {} vertices and {} triangles, but fit.json says {} and {}; fit again",
                                     mesh_path.string(), stored.mesh.vertex_count(), stored.mesh.triangle_count(),
                                     fit.dataset_fingerprint.vertices, fit.dataset_fingerprint.triangles));
-    if (promises.own_sides)
-        fit.options.sides = read_sides(folder / sides_name, stored.mesh.triangle_count(), fit.options.surface_side);
+    if (!promises.sides.empty()) {
+        const fs::path path = folder / sides_name;
+        fit.options.sides = read_sides(path, stored.mesh.triangle_count(), fit.options.surface_side);
+        if (checksum_of(*fit.options.sides) != promises.sides)
+            throw UserError(path.string() + ": not as fit.json describes it; restore it or fit again");
+    }
     const Shape shape(stored.mesh, fit.options);
     const fs::path problems = folder / problems_name;
     take_problem_image(problems, stored.mesh.vertex_count(), fit);

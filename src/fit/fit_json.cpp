@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/nesting.h"
 #include "fit/fit_maps.h"
 
@@ -64,9 +66,9 @@ TargetSpace space_of(const std::string& name) {
 }
 
 /// What comes before a model's own entries, and what comes behind them.
-Json head(const FitRecord& fit, const std::string& model) {
-    return {{"format", fit_format}, {"version", fit_version}, {"model", model},
-            {"solver", fit.solver}, {"engine", fit.engine},   {"space", space_name(fit.space)}};
+Json head(const FitRecord& fit, const std::string& model, int version = fit_version) {
+    return {{"format", fit_format}, {"version", version},   {"model", model},
+            {"solver", fit.solver}, {"engine", fit.engine}, {"space", space_name(fit.space)}};
 }
 void add_tail(Json& json, const FitRecord& fit, const std::string& dataset_path,
               const std::vector<std::string>& files) {
@@ -84,13 +86,14 @@ void add_tail(Json& json, const FitRecord& fit, const std::string& dataset_path,
     json["provenance"] = object_of(fit.provenance_json, "provenance");
 }
 
-Json checked_json(const std::string& text) {
+Json checked_json(const std::string& text, int newest = fit_version) {
     if (nested_deeper(text, 100)) throw std::runtime_error("its brackets are nested more than 100 deep");
     Json json = Json::parse(text);
     if (json.at("format") != fit_format) throw std::runtime_error("its format is not radiafit-fit");
-    if (json.at("version") != fit_version)
+    const Json& version = json.at("version");
+    if (!version.is_number_integer() || version < fit_version || version > newest)
         throw std::runtime_error(
-            fmt::format("its version is {}, this program reads version {}", json.at("version").dump(), fit_version));
+            fmt::format("its version is {}, this program reads version {}", version.dump(), newest));
     return json;
 }
 
@@ -119,9 +122,9 @@ FitPromises take_record(const Json& json, FitRecord& fit) {
 
 /// read(json), with what goes wrong in it as one line.
 template <class Read>
-auto reading(const std::filesystem::path& path, const std::string& text, const Read& read) {
+auto reading(const std::filesystem::path& path, const std::string& text, const Read& read, int newest = fit_version) {
     try {
-        return read(checked_json(text));
+        return read(checked_json(text, newest));
     } catch (const std::exception& e) {
         throw UserError(fmt::format("{}: cannot be used ({}); restore it or fit again", path.string(), e.what()));
     }
@@ -133,10 +136,9 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
                         const std::vector<std::string>& files) {
     const LfmOptions& o = fit.options;
     const size_t vertices = fit.problem_count() / 3;
-    Json json = head(fit, lfm_name);
+    Json json = head(fit, lfm_name, o.sides ? own_sides_version : fit_version);
     json[lfm_name] = {{"terms", o.terms},
                       {"surface_side", o.surface_side},
-                      {"own_sides", o.sides != nullptr},
                       {"view_side", o.view_side},
                       {"lookup", to_string(o.lookup)},
                       {"mode", to_string(o.mode)},
@@ -145,6 +147,7 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
                       {"mu", plain(o.mu)},
                       {"lower", plain(o.lower)},
                       {"upper", plain(o.upper)}};
+    if (o.sides) json[lfm_name]["sides"] = checksum_of(*o.sides);
     json["surface_maps"] = {
         {"width", atlas.width()}, {"height", atlas.height()}, {"rectangles_per_row", atlas.rectangles_per_row()}};
     json["view_maps"] = {{"columns", table_columns(vertices)}, {"rows", table_rows(vertices)}};
@@ -176,30 +179,41 @@ std::vector<std::string> files_in_json(const std::string& text) {
     return files;
 }
 
+std::string checksum_of(const std::vector<uint8_t>& sides) {
+    return fmt::format("{:016x}", hash_bytes(sides.data(), sides.size()));
+}
+
 std::string model_in_json(const std::filesystem::path& path, const std::string& text) {
-    return reading(path, text, [](const Json& json) { return json.at("model").get<std::string>(); });
+    return reading(
+        path, text, [](const Json& json) { return json.at("model").get<std::string>(); }, own_sides_version);
 }
 
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit) {
-    return reading(path, text, [&](const Json& json) {
-        if (json.at("model") != lfm_name) throw std::runtime_error("its model is no light field map");
-        LfmOptions& o = fit.options;
-        const Json& lfm = json.at(lfm_name);
-        o.terms = whole(lfm, "terms");
-        o.surface_side = whole(lfm, "surface_side");
-        o.view_side = whole(lfm, "view_side");
-        o.lookup = one_of(lfm.at("lookup"), {ViewLookup::bilinear, ViewLookup::nearest}, "lookup");
-        o.mode = one_of(lfm.at("mode"), {Mode::paper, Mode::modern}, "mode");
-        o.lambda_surface = number(lfm, "lambda_surface");
-        o.lambda_view = number(lfm, "lambda_view");
-        o.mu = number(lfm, "mu");
-        o.lower = number(lfm, "lower");
-        o.upper = number(lfm, "upper");
-        check_options(o);
-        FitPromises promises = take_record(json, fit);
-        promises.own_sides = lfm.contains("own_sides") && lfm.at("own_sides").get<bool>();
-        return promises;
-    });
+    return reading(
+        path, text,
+        [&](const Json& json) {
+            if (json.at("model") != lfm_name) throw std::runtime_error("its model is no light field map");
+            LfmOptions& o = fit.options;
+            const Json& lfm = json.at(lfm_name);
+            o.terms = whole(lfm, "terms");
+            o.surface_side = whole(lfm, "surface_side");
+            o.view_side = whole(lfm, "view_side");
+            o.lookup = one_of(lfm.at("lookup"), {ViewLookup::bilinear, ViewLookup::nearest}, "lookup");
+            o.mode = one_of(lfm.at("mode"), {Mode::paper, Mode::modern}, "mode");
+            o.lambda_surface = number(lfm, "lambda_surface");
+            o.lambda_view = number(lfm, "lambda_view");
+            o.mu = number(lfm, "mu");
+            o.lower = number(lfm, "lower");
+            o.upper = number(lfm, "upper");
+            check_options(o);
+            FitPromises promises = take_record(json, fit);
+            if (json.at("version") == own_sides_version) promises.sides = lfm.at("sides").get<std::string>();
+            const auto sides = std::ranges::count(json.at("files"), Json("sides.exr"));
+            if (sides != 0 && promises.sides.empty())
+                throw std::runtime_error("it lists sides.exr, but its version has none");
+            return promises;
+        },
+        own_sides_version);
 }
 
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, ReflectanceFit& fit) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "fit/fit_folder.h"
 #include "geometry/atlas.h"
@@ -9,7 +10,7 @@
 namespace radiafit {
 
 inline constexpr const char* fit_format = "radiafit-fit";
-inline constexpr int fit_version = 1;
+inline constexpr int fit_version = 1, own_sides_version = 2;  ///< the latter where surface maps differ in side
 inline constexpr const char* fit_json_name = "fit.json";
 
 /// `dataset_path` is what is saved: relative to the fit folder. `files`: the names in the folder. Throws
@@ -22,6 +23,8 @@ std::vector<std::string> files_in_json(const std::string& text);
 /// The same for reflectance.
 std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std::string& dataset_path,
                         const std::vector<std::string>& files);
+/// Of surface maps' sides, as fit.json has it.
+std::string checksum_of(const std::vector<uint8_t>& sides);
 /// "lfm" or a texel-local model's name. Throws UserError.
 std::string model_in_json(const std::filesystem::path& path, const std::string& text);
 
@@ -29,7 +32,7 @@ std::string model_in_json(const std::filesystem::path& path, const std::string& 
 struct FitPromises {
     std::string dataset_path;
     std::array<uint64_t, size_t(Status::count)> status_counts{};
-    bool own_sides = false;  ///< of surface maps, in an image
+    std::string sides;  ///< checksum of surface maps' sides, which are in an image; empty: they have one
 };
 
 /// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.

@@ -46,8 +46,8 @@ constexpr float whole = 16777217.0f;  // counts up to 2^24 are exact in float32
 
 /// `owner`: "vertex 7", what the value belongs to.
 uint32_t whole_number(const std::filesystem::path& path, float value, float limit, const char* what, const char* owner,
-                      size_t index) {
-    if (!(value >= 0 && value < limit && value == std::floor(value)))
+                      size_t index, float least = 0) {
+    if (!(value >= least && value < limit && value == std::floor(value)))
         throw UserError(fmt::format("{}: {} {} has {} = {}, which cannot be; restore the file or fit again",
                                     path.string(), owner, index, what, value));
     return uint32_t(value);
@@ -140,8 +140,8 @@ TileSides read_sides(const std::filesystem::path& path, size_t triangles, int mo
     const ExrImage image = read_exr(path, {"side"}, {{table_columns(triangles), table_rows(triangles)}});
     std::vector<uint8_t> sides;
     for (size_t t = 0; t < triangles; ++t) {
-        sides.push_back(uint8_t(whole_number(path, image.values[t], float(most) + 1, "side", "triangle", t)));
-        whole_number(path, float(sides.back()) - least_side, whole, "side above the least", "triangle", t);
+        sides.push_back(
+            uint8_t(whole_number(path, image.values[t], float(most) + 1, "side", "triangle", t, float(least_side))));
     }
     return std::make_shared<const std::vector<uint8_t>>(std::move(sides));
 }

@@ -26,13 +26,12 @@ public:
         for (const RasterPixel& p : rasterizer_.pixels())
             if (p.triangle != no_triangle) visible[p.triangle] = 1;
         ImageTiles out;
-        std::vector<TileViews::Texel> row(
-            atlas_->texels_per_tile());  // of the largest tile; others leave a rest unseen
+        std::vector<TileViews::Texel> row;
         for (uint32_t tile = 0; tile < atlas_->tile_count(); ++tile) {
             if (!visible[tile]) continue;
             bool any = false;
-            std::fill(row.begin(), row.end(), TileViews::Texel{});
-            for (uint32_t local = 0; local < atlas_->tile(tile).texels(); ++local) {
+            row.resize(atlas_->tile(tile).texels());
+            for (uint32_t local = 0; local < row.size(); ++local) {
                 row[local] = look_up(camera, tile, atlas_->position(tile, local));
                 any = any || row[local].seen;
             }
@@ -88,7 +87,6 @@ TileViews resample_tiles(const Dataset& dataset, const TriangleAtlas& atlas, con
                          TargetSpace space) {
     TileViews out;
     out.views = views;
-    out.texels_per_tile = atlas.texels_per_tile();
     ImageStream stream(dataset, StreamSource::disk, space);
     out.scale = stream.bits() == 8 ? stream.scale() / 257.0f : stream.scale();
     std::vector<ImageResampler> workers;
@@ -105,14 +103,20 @@ TileViews resample_tiles(const Dataset& dataset, const TriangleAtlas& atlas, con
     for (size_t tile = 0; tile < atlas.tile_count(); ++tile) out.tile_first[tile + 1] += out.tile_first[tile];
     std::vector<uint32_t> next(out.tile_first.begin(), out.tile_first.end() - 1);
     out.images.resize(out.tile_first.back());
-    out.texels.resize(size_t(out.tile_first.back()) * out.texels_per_tile);
+    out.texel_first.assign(1, 0);
+    for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile)
+        out.texel_first.push_back(out.texel_first.back() + out.images_of(tile).size() * atlas.tile(tile).texels());
+    out.texels.resize(out.texel_first.back());
     for (size_t i = 0; i < images.size(); ++i) {
         ImageTiles image = std::move(images[i]);  // freed once its rows are placed
-        for (size_t k = 0; k < image.tiles.size(); ++k) {
-            const uint32_t place = next[image.tiles[k]]++;
+        auto from = image.texels.cbegin();
+        for (const uint32_t tile : image.tiles) {
+            const uint32_t place = next[tile]++;
             out.images[place] = uint32_t(i);
-            std::copy_n(image.texels.begin() + ptrdiff_t(k * out.texels_per_tile), out.texels_per_tile,
-                        out.texels.begin() + ptrdiff_t(size_t(place) * out.texels_per_tile));
+            const size_t texels = atlas.tile(tile).texels();
+            const size_t to = out.texel_first[tile] + (place - out.tile_first[tile]) * texels;
+            std::copy_n(from, texels, out.texels.begin() + ptrdiff_t(to));
+            from += ptrdiff_t(texels);
         }
     }
     return out;

@@ -20,16 +20,17 @@ struct TileViews {
     std::vector<uint32_t> views;       ///< dataset view index of each image [L]
     std::vector<uint32_t> tile_first;  ///< [tiles + 1] into images
     std::vector<uint32_t> images;      ///< position in views, ascending within a tile: those that see any of its texels
-    std::vector<Texel> texels;         ///< [images of all tiles][texels per tile, of the largest]
+    std::vector<size_t> texel_first;   ///< [tiles + 1] into texels
+    std::vector<Texel> texels;         ///< of each tile [its images][its texels]
     float scale = 1.0f / 65535.0f;
-    uint32_t texels_per_tile = 0;
 
     std::span<const uint32_t> images_of(uint32_t tile) const {
         return {images.data() + tile_first[tile], images.data() + tile_first[tile + 1]};
     }
     /// Texels of the i-th image of a tile.
     std::span<const Texel> of(uint32_t tile, size_t i) const {
-        return {texels.data() + (tile_first[tile] + i) * texels_per_tile, texels_per_tile};
+        const size_t each = (texel_first[tile + 1] - texel_first[tile]) / images_of(tile).size();
+        return {texels.data() + texel_first[tile] + i * each, each};
     }
 };
 

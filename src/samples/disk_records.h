@@ -81,7 +81,8 @@ struct RecordGroup {
 struct FullRecord {
     float target[3];
     float residual[3];  ///< of the empty model: -L t
-    float surface[2];   ///< x = ring position + (column + 1/2) / n, y = (row + 1/2) / n of the texel's cell
+    float surface[2];   ///< x = ring position + (column + 1/2) / n, y = (row + 1/2) / n of the texel's cell, n its
+                        ///< tile's side
     float view[3][2];   ///< in the view maps of the triangle's corners; the vertex's own first
 };
 

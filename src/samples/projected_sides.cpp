@@ -14,13 +14,13 @@ double area_in(const Camera& camera, const Mesh& mesh, uint32_t triangle) {
     for (size_t c = 0; c < 3; ++c)
         corner[c] = camera.project(mesh.positions[mesh.triangles[triangle][c]].cast<double>());
     const Vec3d a = corner[1] - corner[0], b = corner[2] - corner[0];
-    return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
+    return std::min(0.5 * std::abs(a.x() * b.y() - a.y() * b.x()), double(camera.width) * camera.height);
 }
 
-int side_of(double texels, int most) {
+int side_of(double texels) {
     // n(n+1)/2 >= texels
     const double side = std::ceil((std::sqrt(1 + 8 * texels) - 1) / 2);
-    return int(std::clamp(side, double(least_side), double(most)));
+    return int(std::clamp(side, double(least_side), double(largest_side)));
 }
 
 }  // namespace
@@ -47,9 +47,9 @@ std::vector<double> projected_areas(const Dataset& dataset, const std::vector<ui
     return areas;
 }
 
-TileSides sides_by_area(std::span<const double> areas, double texels_per_pixel, int most) {
+TileSides sides_by_area(std::span<const double> areas, double texels_per_pixel) {
     std::vector<uint8_t> sides;
-    for (const double area : areas) sides.push_back(uint8_t(side_of(texels_per_pixel * area, most)));
+    for (const double area : areas) sides.push_back(uint8_t(side_of(texels_per_pixel * area)));
     return std::make_shared<const std::vector<uint8_t>>(std::move(sides));
 }
 
@@ -57,19 +57,19 @@ int largest_of(const TileSides& sides) {
     return sides->empty() ? least_side : *std::max_element(sides->begin(), sides->end());
 }
 
-double density_for(std::span<const double> areas, double mean_texels, int most) {
+double density_for(std::span<const double> areas, double mean_texels, double limit) {
     const auto mean = [&](double density) {
-        double sum = 0, count = 0;
-        for (const double area : areas)
-            if (area > 0) sum += TriangleTile::texels_of(side_of(density * area, most)), ++count;
-        return count > 0 ? sum / count : 0;
+        double sum = 0;
+        for (const double area : areas) sum += TriangleTile::texels_of(side_of(density * area));
+        return sum / double(areas.size());
     };
-    double low = 1e-4, high = 1e4;
+    double low = 1e-4, high = limit;
     for (int i = 0; i < 60; ++i) {
         const double middle = std::sqrt(low * high);
         (mean(middle) < mean_texels ? low : high) = middle;
     }
-    return mean_texels - mean(low) < mean(high) - mean_texels ? low : high;
+    const double unit = std::pow(10, std::floor(std::log10(high)) - 3);
+    return std::min(limit, std::round(high / unit) * unit);
 }
 
 }  // namespace radiafit

@@ -11,10 +11,10 @@ namespace {
 using Seeds = std::vector<std::string>;
 
 /// A fit of six vertices, two terms.
-void write_light_field(const fs::path& folder) {
+void write_light_field(const fs::path& folder, bool own_sides) {
     const Dataset dataset = testing::write_dataset(folder / "set", testing::sheet_dataset(tetrahedron(), 2, 4, 1),
                                                    [](size_t, int x, int y, int) { return uint8_t(16 * x + y); });
-    LightFieldFit fit = testing::random_fit(dataset, 2, ViewLookup::bilinear, 3);
+    LightFieldFit fit = testing::random_fit(dataset, 2, ViewLookup::bilinear, 3, own_sides);
     fit.options_json = "{\"validation\": 2}";
     write_fit(folder / "fit", fit, dataset.mesh);
 }
@@ -85,15 +85,19 @@ Seeds any_maps(const fs::path& folder) {
 
 std::vector<Target> fit_targets() {
     const auto lafortune = [](const fs::path& folder) { write_reflectance(folder, "lafortune"); };
+    const auto one_side = [](const fs::path& folder) { write_light_field(folder, false); };
+    const auto own_sides = [](const fs::path& folder) { write_light_field(folder, true); };
     const auto replacing = [](const fs::path& folder) {
         check_fit_target(folder / "fit");
         read_light_field(folder);
     };
     return {{"exr", "any.exr", any_maps, [](const fs::path& folder) { read_exr(folder / "any.exr"); }},
-            fit_target("fit_json", "fit.json", write_light_field, replacing),
-            fit_target("fit_surface_map", "surface_term0_corner0.exr", write_light_field, read_light_field),
-            fit_target("fit_view_map", "view_term1.exr", write_light_field, read_light_field),
-            fit_target("fit_problems", "problems.exr", write_light_field, read_light_field),
+            fit_target("fit_json", "fit.json", one_side, replacing),
+            fit_target("fit_surface_map", "surface_term0_corner0.exr", one_side, read_light_field),
+            fit_target("fit_view_map", "view_term1.exr", one_side, read_light_field),
+            fit_target("fit_problems", "problems.exr", one_side, read_light_field),
+            fit_target("fit_sides", "sides.exr", own_sides, read_light_field),
+            fit_target("fit_json_of_own_sides", "fit.json", own_sides, replacing),
             fit_target("reflectance_json", "fit.json", lafortune, read_reflectance_fit),
             fit_target("reflectance_map", "shape.exr", lafortune, read_reflectance_fit)};
 }
