@@ -21,7 +21,7 @@ pair(dataset, method) = dataset . ' ' . \
     awk(sprintf('$1 == "%s" && $3 == "%s" && $4 == "chosen" {print $14 " and " $15; exit}', dataset, method))
 chosen(method) = pair(word(names, 1), method) . (count > 1 ? ', ' . pair(word(names, 2), method) : '') \
     . (count > 2 ? ', ' . pair(word(names, 3), method) : '')
-texels(method) = sprintf('%.0f surface and %d view texels', cell(method, 'chosen', 22), cell(method, 'chosen', 7) ** 2)
+texels(method) = sprintf('%.0f surface and %d view texels', cell(method, 'chosen', 22) + 0, cell(method, 'chosen', 7) ** 2)
 brief = cell('cg-low-brief', 'chosen', 12)
 
 # Methods from the top, those of the high resolution and then those of the low one.
