@@ -53,10 +53,11 @@ class TwoStep(ProgramTest):
         self.assertEqual(psnr[0], psnr[1])
         self.assertAlmostEqual(psnr[0], psnr[2], delta=0.01)
         self.good("render", "stream", "-o", "picture")
-        for option in (("--engine", "fragment"), ("--model", "lambert")):
-            self.refused("fit", "star", "--texels-per-pixel", "1", *option, "-o", "no",
-                         says=["--texels-per-pixel means nothing to", "leave it out"])  # fmt: skip
-        self.refused("fit", "star", "--texels-per-pixel", "1", "--distributor", "gl", "-o", "no", says=["of one side"])
+        for option, words in ((("--engine", "fragment"), "all surface maps have one side"),
+                              (("--distributor", "gl", "--solver", "two-step"), "all surface maps have one side"),
+                              (("--model", "lambert"), "--texels-per-pixel means nothing to"),
+                              (("--surface-side", "5"), "leave out --surface-side")):  # fmt: skip
+            self.refused("fit", "star", "--texels-per-pixel", "1", *option, "-o", "no", says=[words])
 
     def test_memory_does_not_change_the_records(self):
         for memory in ("1G", "20K"):
