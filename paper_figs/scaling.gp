@@ -87,7 +87,7 @@ set format x '%g'
 set style fill solid noborder
 set autoscale
 stats summary using (strcol(1) eq of ? $5 : NaN) every ::1 nooutput name 'ratio'
-set xrange [0:ratio_max * 1.2]
+set xrange [0:ratio_max * 1.35]
 set yrange [1.7:-0.7]
 set ytics scale 0
 set arrow 1 from 1.1, graph 0 to 1.1, graph 1 nohead dt 2 lc rgb 'black'
