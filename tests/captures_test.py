@@ -4,6 +4,7 @@
 Arguments: the experiment's program, the checkout, radiafit.
 """
 import csv
+import json
 import math
 import shutil
 import unittest
@@ -33,7 +34,7 @@ class Captures(ProgramTest):
             pixels = [round(255 * z * albedo) for y in range(8) for x in range(8) for albedo in (x / 8, 0.5, y / 8)]
             write_png(self.root / f"flat/{i}.png", 8, 8, bytes(pixels))
         (self.root / "lamps.txt").write_text("".join(f"{x} {y} {z}\n" for x, y, z in lamps))
-        self.good("import", "lights", "--images", "flat", "--lights", "lamps.txt", "--transfer", "linear", "-o",
+        self.good("import", "lights", "--images", self.root / "flat", "--lights", "lamps.txt", "--transfer", "linear", "-o",
                   "datasets/packed/cards", program=RADIAFIT)
 
     def test_what_is_not_packed_is_named(self):
@@ -47,6 +48,9 @@ class Captures(ProgramTest):
         self.pack()
         self.good("--profile", "smoke")
         (run,) = (self.root / "results/captures").glob("*/*")
+        sources = [dataset["source"] for dataset in json.loads((run / "run.json").read_text())["datasets"]]
+        self.assertIn(f"{self.root.name}/flat --lights lamps.txt", " ".join(sources))
+        self.assertNotIn(str(self.root), " ".join(sources), "a place of this machine")
         rows = {}
         for name in ("captures", "images"):
             with open(run / f"{name}.csv", newline="", encoding="utf-8") as file:

@@ -73,6 +73,13 @@ class Report(ClaimsTest):
             self.assertEqual(row["verdict"], "not run")
             self.assertIn(words, row["reason"])
 
+    def test_the_reference_names_no_place_of_a_machine(self):
+        runs = list((self.checkout / "results/reference").glob("*/*/*/run.json"))
+        self.assertGreater(len(runs), 10)
+        for run in runs:
+            for dataset in json.loads(run.read_text())["datasets"]:
+                self.assertNotRegex(dataset["source"], r"(^| )/", run)
+
     def test_the_readme_shows_the_reference(self):
         shutil.copytree(self.checkout / "results/reference", self.root / "results/reference")
         before = snapshot(self.root / "results")

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <vector>
 
 #include "base/file.h"
@@ -75,12 +76,30 @@ std::string dataset_checksum(const Dataset& dataset) {
     return fmt::format("{:016x}", file_checksum(dataset.folder / dataset_json_name));
 }
 
+namespace {
+
+/// A command with the last two names of each absolute path in it: a note that others read says nothing of the machine.
+std::string without_places(const std::string& command) {
+    std::istringstream words(command);
+    std::string out;
+    for (std::string word; words >> word;) {
+        const fs::path path(word);
+        if (path.is_absolute()) word = (path.parent_path().filename() / path.filename()).generic_string();
+        out += (out.empty() ? "" : " ") + word;
+    }
+    return out;
+}
+
+}  // namespace
+
 std::string dataset_note(const Dataset& dataset) {
     uint64_t bytes = 0;
     for (const fs::directory_entry& entry : fs::directory_iterator(dataset.folder))
         if (entry.is_regular_file()) bytes += entry.file_size();
-    const nlohmann::ordered_json note = {
-        {"name", dataset.name}, {"source", dataset.source}, {"checksum", dataset_checksum(dataset)}, {"bytes", bytes}};
+    const nlohmann::ordered_json note = {{"name", dataset.name},
+                                         {"source", without_places(dataset.source)},
+                                         {"checksum", dataset_checksum(dataset)},
+                                         {"bytes", bytes}};
     return note.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -29,8 +29,8 @@ uint64_t file_checksum(const std::filesystem::path& file);
 /// likewise.
 std::string dataset_checksum(const Dataset& dataset);
 
-/// What a run's record says of a dataset that it read: a JSON object with name, source, checksum and the bytes of
-/// its files.
+/// What a run's record says of a dataset that it read: a JSON object with name, source (of absolute paths the
+/// last two names), checksum and the bytes of its files.
 std::string dataset_note(const Dataset& dataset);
 
 /// Throws UserError if the dataset has a checksum of its file `name` and the file has another one.
