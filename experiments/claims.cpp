@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "claims/rules.h"
 #include "experiment.h"
+#include "gl/context.h"
 #include "report/table.h"
 
 namespace radiafit {
@@ -52,7 +53,10 @@ Judgement judge(const Claim& claim, const FinishedRun& run) {
     }
     if (j.renderer.empty()) j.renderer = run.device();
     // rows say "cpu, 2 threads"
-    if (const size_t at = j.renderer.find("cpu,"); at != std::string::npos) j.renderer.replace(at, 3, run.cpu());
+    if (const size_t at = j.renderer.find("cpu,"); at != std::string::npos)
+        j.renderer.replace(at, 3, run.cpu());
+    else if (is_software_renderer(j.renderer))
+        j.renderer += ", " + run.cpu();
     return j;
 }
 

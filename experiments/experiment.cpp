@@ -113,7 +113,8 @@ ResultFolder Experiment::open_results(const std::string& device) const {
     // What is drawn besides, an experiment's config has under "seed".
     record.more.emplace_back(
         "seeds", fmt::format(R"({{"datasets": {}, "start": {}}})", SyntheticOptions().seed, FitRequest().seed));
-    return ResultFolder(results(), name_, device, record);
+    // what a software renderer's times are of is the processor
+    return ResultFolder(results(), name_, is_software_renderer(device) ? device + ", " + record_.cpu : device, record);
 }
 
 std::vector<fs::path> Experiment::show(const fs::path& rows, const std::string& caption, const fs::path& folder) const {

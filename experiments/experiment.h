@@ -41,7 +41,8 @@ public:
 
     /// What run.json of results opened from now on will hold.
     Record& record() { return record_; }
-    /// Opens the result folder: results/NAME/DEVICE/UTC-REVISION. Call once the config is finished.
+    /// Opens the result folder: results/NAME/DEVICE/UTC-REVISION. Call once the config is finished. `device`: OpenGL's
+    /// renderer or cpu_device().
     ResultFolder open_results(const std::string& device) const;
     /// Gives the result folder its name, and shows it: draws paper_figs/NAME.gp over the rows and copies NAME.md
     /// from among them; says where everything lies.

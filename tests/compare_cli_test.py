@@ -47,6 +47,26 @@ class Compare(ProgramTest):
         self.assertEqual((told["format"], told["version"]), ("radiafit-comparison", 1))
         return [(c["experiment"], f) for c in told["comparisons"] for f in c["figures"] if f["verdict"] != "UNCLEAR"]
 
+    def unclear(self, row, column):
+        told = json.loads(self.compare("--json", "--only", "streaming", status=0))
+        return [f for c in told["comparisons"] for f in c["figures"]
+                if (f["verdict"], f["row"], f.get("column")) == ("UNCLEAR", row, column)]
+
+    def newest(self, side, experiment):
+        return max((self.root / side / experiment).glob("*/*/run.json"), key=lambda path: path.parent.name).parent
+
+    def another_program(self, experiment):
+        """The newest run after becomes one of another revision."""
+        path = self.newest("after", experiment) / "run.json"
+        record = json.loads(path.read_text())
+        record["git_revision"] = "f00"
+        path.write_text(json.dumps(record))
+
+    def run_again(self, experiment):
+        """The newest run before stands twice: times that don't differ from run to run."""
+        run = self.newest("before", experiment)
+        shutil.copytree(run, run.with_name(run.name + "-2"))
+
     def test_the_reference_is_the_same_as_itself_and_every_column_has_its_rule(self):
         told = json.loads(self.compare("--json", "--all", status=0))
         there = {path.name for path in (CHECKOUT / "results/reference").iterdir() if path.is_dir()}
@@ -93,6 +113,12 @@ class Compare(ProgramTest):
 
         self.edit("streaming", "iterations.csv", steady(1.0), "before")
         self.edit("streaming", "iterations.csv", steady(1.05))
+        (figure,) = self.unclear("Lafortune, paper, memory", "line_s")
+        self.assertIn("1.05", f"{figure['ratio']:.2f}", "of one program: that is how much this machine's times differ")
+        self.another_program("streaming")
+        (figure,) = self.unclear("Lafortune, paper, memory", "line_s")
+        self.assertTrue(figure["reason"].startswith("one run of each side"), figure)
+        self.run_again("streaming")
         ((experiment, figure),) = self.figures(1)
         self.assertEqual((experiment, figure["verdict"], figure["row"]), ("streaming", "SLOWER", "Lafortune, paper, memory"))
         self.assertAlmostEqual(figure["ratio"], 1.05, places=2)

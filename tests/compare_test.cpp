@@ -165,13 +165,43 @@ Table timings(std::vector<double> seconds) {
 TEST_F(Runs, RepetitionsTellATime) {
     settings.experiment = "streaming", settings.file = "iterations.csv";
     const Table before = timings({1.000, 1.004, 0.998, 1.002, 1.001});
-    const Cell c = finding(before, timings({1.050, 1.052, 1.049, 1.055, 1.047}));
+    const auto against = [&](const Table& again, const Table& after) {  // two runs of the old program, one of the new
+        fs::remove_all(root());
+        settings.revision = "old";
+        add("a", before);
+        add("a", again);
+        settings.revision = "new";
+        add("b", after);
+        return cells().at(0);
+    };
+    const Table slower = timings({1.050, 1.052, 1.049, 1.055, 1.047});
+    const Cell c = against(before, slower);
     EXPECT_EQ(c.verdict, Verdict::slower);
     EXPECT_NEAR(c.amount, 1.049, 1e-3);
-    EXPECT_EQ(finding(before, timings({0.950, 0.952, 0.949, 0.955, 0.947})).verdict, Verdict::faster);
-    add("a", before, settings);
-    add("b", before, settings);
-    EXPECT_TRUE(findings(true).empty()) << "the same, not unclear";
+    EXPECT_EQ(against(before, timings({0.950, 0.952, 0.949, 0.955, 0.947})).verdict, Verdict::faster);
+    EXPECT_EQ(against(before, before).verdict, Verdict::same);
+    const Cell noisy = against(timings({1.080, 1.084, 1.078, 1.082, 1.081}), slower);
+    EXPECT_EQ(noisy.verdict, Verdict::unclear) << "run to run the old program differs by more";
+    ASSERT_TRUE(noisy.interval);
+    EXPECT_LT(noisy.interval->low, 1);
+    EXPECT_GT(noisy.interval->high, 1);
+}
+
+TEST_F(Runs, OneRunOfEachProgramDoesNotTellATime) {
+    settings.experiment = "streaming", settings.file = "iterations.csv";
+    add("a", timings({1, 1, 1, 1, 1}));
+    settings.revision = "new";
+    add("b", timings({2, 2, 2, 2, 2}));
+    const Cell c = cells().at(0);
+    EXPECT_EQ(c.verdict, Verdict::unclear);
+    EXPECT_EQ(c.reason, "one run of each side: how much times differ from run to run isn't known; repeat either");
+}
+
+TEST_F(Runs, TwoRunsOfOneProgramAreNeitherFasterNorSlower) {
+    settings.experiment = "streaming", settings.file = "iterations.csv";
+    add("a", timings({1, 1, 1, 1, 1}));
+    add("b", timings({2, 2, 2, 2, 2}));
+    EXPECT_EQ(cells().at(0).verdict, Verdict::unclear);
 }
 
 TEST_F(Runs, OneTimingTellsNothing) {
@@ -338,13 +368,13 @@ std::vector<double> draw(Rng& rng, size_t count, double level, double spread) {
 TEST(Times, NoiseIsUnclearATightDifferenceIsNot) {
     Rng rng(5);
     for (const size_t count : {3, 4, 5, 9}) {
-        EXPECT_EQ(judge_times(draw(rng, count, 1, 0.3), draw(rng, count, 1.05, 0.3)).verdict, Verdict::unclear)
+        EXPECT_EQ(judge_times(draw(rng, count, 1, 0.3), draw(rng, count, 1.05, 0.3), 1).verdict, Verdict::unclear)
             << count;
-        EXPECT_EQ(judge_times(draw(rng, count, 1, 0.005), draw(rng, count, 1.05, 0.005)).verdict, Verdict::slower)
+        EXPECT_EQ(judge_times(draw(rng, count, 1, 0.005), draw(rng, count, 1.05, 0.005), 1).verdict, Verdict::slower)
             << count;
-        EXPECT_EQ(judge_times(draw(rng, count, 1.05, 0.005), draw(rng, count, 1, 0.005)).verdict, Verdict::faster)
+        EXPECT_EQ(judge_times(draw(rng, count, 1.05, 0.005), draw(rng, count, 1, 0.005), 1).verdict, Verdict::faster)
             << count;
-        EXPECT_EQ(judge_times(draw(rng, count, 1, 0.003), draw(rng, count, 1.005, 0.003)).verdict, Verdict::same)
+        EXPECT_EQ(judge_times(draw(rng, count, 1, 0.003), draw(rng, count, 1.005, 0.003), 1).verdict, Verdict::same)
             << count;
     }
 }
@@ -354,7 +384,7 @@ TEST(Times, ADisturbedTimingChangesNothing) {
     const std::vector<double> calm = {1.000, 1.005, 0.995, 1.000, 1.005, 1.000, 0.995, 1.000, 1.005};
     std::vector<double> disturbed = calm;
     disturbed[3] = 30;
-    EXPECT_EQ(judge_times(calm, disturbed).verdict, Verdict::same);
+    EXPECT_EQ(judge_times(calm, disturbed, 1).verdict, Verdict::same);
 }
 
 // Two sides of one distribution: how often they come out faster or slower.
@@ -363,16 +393,26 @@ TEST(Times, FalseAlarmsAreFew) {
     for (const size_t count : {3, 4, 5, 6, 10}) {
         int alarms = 0;
         for (int trial = 0; trial < 300; ++trial)
-            alarms += judge_times(draw(rng, count, 1, 0.2), draw(rng, count, 1, 0.2)).verdict != Verdict::unclear;
+            alarms += judge_times(draw(rng, count, 1, 0.2), draw(rng, count, 1, 0.2), 1).verdict != Verdict::unclear;
         EXPECT_LE(alarms, 12) << count << " timings";  // at most 5 are expected
     }
 }
 
+TEST(Times, WhatDiffersFromRunToRunWidensTheInterval) {
+    const std::vector<double> before = {1.000, 1.001, 0.999, 1.000, 1.001}, after = {1.1, 1.1, 1.1, 1.1, 1.1};
+    const Interval narrow = *judge_times(before, after, 1).interval, wide = *judge_times(before, after, 1.2).interval;
+    EXPECT_NEAR(wide.low, narrow.low / 1.2, 1e-12);
+    EXPECT_NEAR(wide.high, narrow.high * 1.2, 1e-12);
+    EXPECT_EQ(judge_times(before, after, 1).verdict, Verdict::slower);
+    EXPECT_EQ(judge_times(before, after, 1.2).verdict, Verdict::unclear);
+    EXPECT_EQ(judge_times(before, after, {}).verdict, Verdict::unclear);
+}
+
 TEST(Times, WhatIsNoTime) {
-    EXPECT_EQ(judge_times({0, 0}, {0}).verdict, Verdict::same) << "nothing is streamed";
-    EXPECT_EQ(judge_times({1, 1, 1}, {1, 0, 1}).verdict, Verdict::unclear);
-    EXPECT_EQ(judge_times({1, 1, 1}, {1, NAN, 1}).verdict, Verdict::unclear);
-    EXPECT_EQ(judge_times({}, {1}).reason, "no timing");
+    EXPECT_EQ(judge_times({0, 0}, {0}, 1).verdict, Verdict::same) << "nothing is streamed";
+    EXPECT_EQ(judge_times({1, 1, 1}, {1, 0, 1}, 1).verdict, Verdict::unclear);
+    EXPECT_EQ(judge_times({1, 1, 1}, {1, NAN, 1}, 1).verdict, Verdict::unclear);
+    EXPECT_EQ(judge_times({}, {1}, 1).reason, "no timing");
 }
 
 }  // namespace

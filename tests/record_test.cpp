@@ -102,6 +102,14 @@ TEST(Machine, ReadsWhatTheKernelTells) {
     EXPECT_NE(read_machine(root.path()).hypervisor, "");
 }
 
+TEST(Machine, ProcessorsWithoutANumberAreToldApartByFamilyAndModel) {
+    const std::string id = "AuthenticAMD family 25 model 1 stepping 1 microcode 0xa0011d5";
+    EXPECT_EQ(processor_name("AMD EPYC", id), "AMD EPYC (family 25 model 1)");
+    EXPECT_EQ(processor_name("AMD EPYC", "family 26 model 2"), "AMD EPYC (family 26 model 2)");
+    EXPECT_EQ(processor_name("AMD EPYC 7763", id), "AMD EPYC 7763");
+    EXPECT_EQ(processor_name("AMD EPYC", ""), "AMD EPYC");
+}
+
 TEST(Machine, WhatCannotBeReadIsEmpty) {
     const TemporaryFolder root;
     std::filesystem::create_directories(root.path() / "proc/loadavg");  // a folder where a file belongs

@@ -9,6 +9,7 @@
 #include "cpu/two_step_solver.h"
 #include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
+#include "fit/fit_json.h"
 
 namespace radiafit {
 namespace {
@@ -98,8 +99,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
 
 void solve_two_step(FitTask& task) {
     std::string sides = std::to_string(task.options.surface_side);
-    if (const auto& own = task.options.sides)
-        sides = fmt::format("its own, {:016x}", hash_bytes(own->data(), own->size()));
+    if (const auto& own = task.options.sides) sides = "its own, " + checksum_of(*own);
     const std::string key = record_key(task.dataset, task.request, task.views, sides, task.request.text("record"));
     with_records(
         task.dataset, task.request, task.out.times, [&](const fs::path& folder) { distribute_to(folder, key, task); },

@@ -140,6 +140,12 @@ Machine read_machine(const fs::path& root) {
     return m;
 }
 
+std::string processor_name(const std::string& model_name, const std::string& id) {
+    const size_t family = id.find("family "), stepping = id.find(" stepping");
+    if (model_name.find_first_of("0123456789") != std::string::npos || family == std::string::npos) return model_name;
+    return fmt::format("{} ({})", model_name, id.substr(family, stepping - family));
+}
+
 std::vector<std::string> loaded_libraries() {
     std::vector<std::string> paths, names;
     dl_iterate_phdr(

@@ -28,6 +28,10 @@ struct Machine {
 /// fails.
 Machine read_machine(const std::filesystem::path& root = "/");
 
+/// A processor's model name; where that has no number ("AMD EPYC", as hypervisors say), its family and model with it,
+/// which tell chips apart: "AMD EPYC (family 25 model 1)". `id` as Machine::cpu_id.
+std::string processor_name(const std::string& model_name, const std::string& id);
+
 /// File names of the shared libraries that this process has loaded by now, links resolved, such as "libceres.so.2.1.0";
 /// sorted.
 std::vector<std::string> loaded_libraries();

@@ -111,7 +111,7 @@ Record make_record(int argc, const char* const* argv) {
     record.version = project_version();
     record.compiler = RADIAFIT_COMPILER;
     record.machine = read_machine();
-    record.cpu = record.machine.cpu.empty() ? "unknown" : record.machine.cpu;
+    record.cpu = record.machine.cpu.empty() ? "unknown" : processor_name(record.machine.cpu, record.machine.cpu_id);
     record.cores = core_count();
     record.threads = thread_count();
     return record;

@@ -3,10 +3,10 @@
 #include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>
+#include <compare>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -21,13 +21,20 @@ double twice_area(const Vec2d& a, const Vec2d& b, const Vec2d& c) { return cross
 
 /// Indices of one point out of each clump, in ascending order.
 std::vector<uint32_t> distinct(std::span<const Vec2d> points, const Vec2d& low, double grid) {
-    std::map<std::array<int64_t, 2>, uint32_t> cells;
+    struct InCell {
+        std::array<int64_t, 2> cell;
+        uint32_t point;
+        auto operator<=>(const InCell&) const = default;
+    };
+    std::vector<InCell> cells;
     for (uint32_t i = 0; i < points.size(); ++i) {
         const Vec2d cell = (points[i] - low) / grid;
-        cells.emplace(std::array<int64_t, 2>{std::llround(cell.x()), std::llround(cell.y())}, i);
+        cells.push_back({{std::llround(cell.x()), std::llround(cell.y())}, i});
     }
+    std::sort(cells.begin(), cells.end());
     std::vector<uint32_t> kept;
-    for (const auto& [cell, i] : cells) kept.push_back(i);
+    for (size_t i = 0; i < cells.size(); ++i)
+        if (i == 0 || cells[i].cell != cells[i - 1].cell) kept.push_back(cells[i].point);
     std::sort(kept.begin(), kept.end());
     return kept;
 }
@@ -120,7 +127,7 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
         xy.push_back((points[i].x() - low.x()) / extent);
         xy.push_back((points[i].y() - low.y()) / extent);
     }
-    std::map<Segment, int> sides;
+    std::vector<Segment> sides;
     for (Triangle t : Hull().triangulate(xy)) {
         for (uint32_t& i : t) i = kept[i];
         const double area = twice_area(points[t[0]], points[t[1]], points[t[2]]);
@@ -131,21 +138,34 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
         triangles_.push_back(t);
         for (size_t i = 0; i < 3; ++i) {
             const auto [low_end, high_end] = std::minmax(t[i], t[(i + 1) % 3]);
-            ++sides[{low_end, high_end}];
+            sides.push_back({low_end, high_end});
         }
     }
     std::sort(triangles_.begin(), triangles_.end());
-    for (const Triangle& t : triangles_) {
-        boxes_.emplace_back(points_[t[0]]);
-        boxes_.back().extend(points_[t[1]]).extend(points_[t[2]]);
+    std::sort(sides.begin(), sides.end());
+    for (size_t i = 0; i < sides.size(); ++i) {  // one of a triangle alone stands once
+        const bool as_before = i > 0 && sides[i] == sides[i - 1];
+        const bool as_next = i + 1 < sides.size() && sides[i] == sides[i + 1];
+        if (!as_before && !as_next) border_.push_back(sides[i]);
     }
-    for (const auto& [side, count] : sides)
-        if (count == 1) border_.push_back(side);
+    bottom_ = low.y();
+    strip_height_ = (high.y() - low.y()) / strip_count;
+    strips_.resize(strip_count);
+    for (uint32_t i = 0; i < triangles_.size(); ++i) {
+        Eigen::AlignedBox2d box(points_[triangles_[i][0]]);
+        box.extend(points_[triangles_[i][1]]).extend(points_[triangles_[i][2]]);
+        for (size_t s = strip_of(box.min().y()); s <= strip_of(box.max().y()); ++s) strips_[s].push_back({box, i});
+    }
+}
+
+size_t Triangulation::strip_of(double y) const {
+    return size_t(std::clamp((y - bottom_) / strip_height_, 0.0, double(strip_count - 1)));
 }
 
 Triangulation::Weights Triangulation::at(const Vec2d& place) const {
-    for (size_t i = 0; i < triangles_.size(); ++i) {
-        if (!boxes_[i].contains(place)) continue;
+    if (strips_.empty()) return nearest_on_border(place);
+    for (const auto& [box, i] : strips_[strip_of(place.y())]) {
+        if (!box.contains(place)) continue;
         const Triangle& t = triangles_[i];
         const Vec2d &a = points_[t[0]], &b = points_[t[1]], &c = points_[t[2]];
         const double wa = twice_area(b, c, place), wb = twice_area(c, a, place), wc = twice_area(a, b, place);

@@ -30,11 +30,19 @@ public:
     Weights at(const Vec2d& place) const;
 
 private:
+    static constexpr size_t strip_count = 32;
+    struct Boxed {
+        Eigen::AlignedBox2d box;
+        uint32_t triangle;
+    };
+
+    size_t strip_of(double y) const;
     Weights nearest_on_border(const Vec2d& place) const;
 
     std::vector<Vec2d> points_;
     std::vector<std::array<uint32_t, 3>> triangles_;
-    std::vector<Eigen::AlignedBox2d> boxes_;  ///< of the triangles: most places miss most of them
+    std::vector<std::vector<Boxed>> strips_;  ///< horizontal ones, with the triangles that reach into each, ascending
+    double bottom_ = 0, strip_height_ = 0;    ///< of the strips
     std::vector<std::array<uint32_t, 2>> border_;
 };
 

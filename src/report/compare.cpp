@@ -11,88 +11,15 @@
 #include <set>
 
 #include "base/error.h"
-#include "report/csv.h"
+#include "report/keyed_rows.h"
 #include "report/row_files.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
-using Key = std::vector<std::string>;
-
 constexpr double same_within = 1.02;  ///< times whose ratio surely lies below are the same
 constexpr size_t fewest_values = 3, enough_values = 5;
-
-std::string shown(const Key& key) {
-    Key told;
-    std::ranges::copy_if(key, std::back_inserter(told), [](const std::string& text) { return !text.empty(); });
-    return fmt::format("{}", fmt::join(told, ", "));
-}
-
-/// The rows of one file of a run by their keys.
-class Rows {
-public:
-    Rows(const RunRecord& run, const std::string& name, const TableRules& rules)
-        : file_(run.folder / name), table_(read_rows(run, name)) {
-        std::set<std::string> seen;
-        bool repeated = false;
-        for (const std::string& column : table_.header()) {
-            const ColumnRule* rule = rules.rule(column);
-            if (!rule)
-                throw UserError(fmt::format("{}: column '{}' of {} has no rule; say what it is in {}", file_.string(),
-                                            column, run.experiment, columns_file));
-            if (!seen.insert(column).second)
-                throw UserError(fmt::format("{}: column '{}' stands twice; remake the file", file_.string(), column));
-            repeated = repeated || rule->kind == ColumnKind::repetition;
-        }
-        for (const auto& [column, rule] : rules.columns())  // in one order, whatever the file's is
-            if ((rule.kind == ColumnKind::key || rule.kind == ColumnKind::device) && seen.contains(std::string(column)))
-                keys_.emplace_back(column, &rule);
-        if (keys_.empty()) return;  // nothing of it is compared
-        for (size_t row = 0; row < table_.row_count(); ++row) {
-            const Key key = key_of(row);
-            std::vector<size_t>& rows = rows_[key];
-            if (rows.empty()) order_.push_back(key);
-            rows.push_back(row);
-            if (rows.size() > 1 && !repeated)
-                throw UserError(fmt::format("{}: two rows of '{}'; remake the file", file_.string(), shown(key)));
-        }
-    }
-
-    const fs::path& file() const { return file_; }
-    const CsvTable& table() const { return table_; }
-    const std::vector<Key>& order() const { return order_; }  ///< keys, as their first rows stand in the file
-    bool has(const std::string& column) const { return std::ranges::count(table_.header(), column) > 0; }
-    /// Rows with this key; none if there are none.
-    std::span<const size_t> rows(const Key& key) const {
-        const auto found = rows_.find(key);
-        return found == rows_.end() ? std::span<const size_t>() : found->second;
-    }
-    /// Throws UserError unless rows have the same keys as the other's.
-    void require_keys_of(const Rows& other) const {
-        for (const auto& [column, rule] : other.keys_)
-            if (!has(column))
-                throw UserError(
-                    fmt::format("{}: no column '{}', by which rows of {} are told apart; run the experiment again",
-                                file_.string(), column, other.file_.string()));
-    }
-
-private:
-    Key key_of(size_t row) const {
-        Key key;
-        for (const auto& [column, rule] : keys_) {
-            const std::string& text = table_.text(row, column);
-            key.push_back(rule->kind == ColumnKind::key ? text : text.starts_with("cpu") ? "cpu" : "OpenGL");
-        }
-        return key;
-    }
-
-    fs::path file_;
-    CsvTable table_;
-    std::vector<std::pair<std::string, const ColumnRule*>> keys_;
-    std::map<Key, std::vector<size_t>> rows_;
-    std::vector<Key> order_;
-};
 
 /// How far apart two numbers are, as the rule measures it; infinite where one is no number, or says "never".
 double distance(const ColumnRule& rule, double a, double b) {
@@ -111,36 +38,44 @@ bool is_number(const std::string& text) {
 /// One file of two runs.
 class TableComparison {
 public:
-    /// Of each side the newest run's rows, then those of runs that repeat it. `apart`: why times can't be compared.
-    TableComparison(const TableRules& rules, std::string name, const std::vector<Rows>& before,
-                    const std::vector<Rows>& after, std::string apart)
-        : rules_(rules), name_(std::move(name)), before_(before), after_(after), apart_(std::move(apart)) {}
+    /// Of each side the newest run's rows, then those of runs that repeat it; `united`: both sides repeat one another.
+    /// `apart`: why times can't be compared.
+    TableComparison(const TableRules& rules, std::string name, const std::vector<KeyedRows>& before,
+                    const std::vector<KeyedRows>& after, bool united, std::string apart)
+        : rules_(rules), name_(std::move(name)), before_(before), after_(after), apart_(std::move(apart)) {
+        for (const KeyedRows& rows : before) before_runs_.push_back(&rows);
+        for (const KeyedRows& rows : after) after_runs_.push_back(&rows);
+        same_programs_ = {before_runs_, after_runs_};
+        if (united) same_programs_.front().insert(same_programs_.front().end(), after_runs_.begin(), after_runs_.end());
+    }
 
     std::vector<Cell> cells() {
-        const Rows &a = before_.front(), &b = after_.front();
+        const KeyedRows &a = before_.front(), &b = after_.front();
         a.require_keys_of(b);
         b.require_keys_of(a);
         for (const std::string& column : a.table().header())
             if (!b.has(column)) add({.file = name_, .column = column, .row = "", .verdict = Verdict::missing});
         for (const std::string& column : b.table().header())
             if (!a.has(column)) add({.file = name_, .column = column, .row = "", .verdict = Verdict::added});
-        for (const Key& key : a.order()) {
+        for (const RowKey& key : a.order()) {
             if (!b.rows(key).empty())
                 compare_row(key);
             else if (!rules_.partial())
                 add({.file = name_, .column = "", .row = shown(key), .verdict = Verdict::missing});
         }
-        for (const Key& key : b.order())
+        for (const RowKey& key : b.order())
             if (a.rows(key).empty() && !rules_.partial())
                 add({.file = name_, .column = "", .row = shown(key), .verdict = Verdict::added});
         return std::move(cells_);
     }
 
 private:
+    using Runs = std::vector<const KeyedRows*>;
+
     void add(Cell cell) { cells_.push_back(std::move(cell)); }
 
-    void compare_row(const Key& key) {
-        const Rows &a = before_.front(), &b = after_.front();
+    void compare_row(const RowKey& key) {
+        const KeyedRows &a = before_.front(), &b = after_.front();
         if (const std::string other = other_work(b, key); !other.empty()) {
             add({.file = name_, .column = "", .row = shown(key), .verdict = Verdict::unclear, .reason = other});
             return;
@@ -170,8 +105,8 @@ private:
     }
 
     /// How another run's row is of more or less than that of the newest run before; empty if it isn't.
-    std::string other_work(const Rows& other, const Key& key) const {
-        const Rows& a = before_.front();
+    std::string other_work(const KeyedRows& other, const RowKey& key) const {
+        const KeyedRows& a = before_.front();
         for (const std::string& column : a.table().header()) {
             if (rules_.rule(column)->kind != ColumnKind::work || !other.has(column)) continue;
             const std::string &ours = a.table().text(a.rows(key)[0], column),
@@ -181,7 +116,7 @@ private:
         return "";
     }
 
-    void compare_figures(const Key& key, const std::string& column, const ColumnRule& rule, size_t row_a,
+    void compare_figures(const RowKey& key, const std::string& column, const ColumnRule& rule, size_t row_a,
                          size_t row_b) {
         const CsvTable &a = before_.front().table(), &b = after_.front().table();
         Cell cell{.file = name_, .column = column, .row = shown(key), .rule = &rule};
@@ -198,14 +133,17 @@ private:
         add(std::move(cell));
     }
 
-    void compare_times(const Key& key, const std::string& column, const ColumnRule& rule) {
+    void compare_times(const RowKey& key, const std::string& column, const ColumnRule& rule) {
         Cell cell{.file = name_, .column = column, .row = shown(key), .rule = &rule};
         const bool by_runs = std::min(before_.size(), after_.size()) >= fewest_values;
-        const std::vector<double> a = timings(before_, key, column, by_runs), b = timings(after_, key, column, by_runs);
+        const auto timings_of = [&](const Runs& runs) {
+            return by_runs ? medians_of(runs, key, column) : timings(*runs.front(), key, column);
+        };
+        const std::vector<double> a = timings_of(before_runs_), b = timings_of(after_runs_);
         cell.before = fmt::format("{:.6g}", median(a));
         cell.after = fmt::format("{:.6g}", median(b));
         if (apart_.empty()) {
-            const TimeJudgement judged = judge_times(a, b);
+            const TimeJudgement judged = judge_times(a, b, by_runs ? 1 : run_to_run(column));
             cell.verdict = judged.verdict;
             cell.amount = judged.ratio;
             cell.interval = judged.interval;
@@ -217,24 +155,44 @@ private:
         add(std::move(cell));
     }
 
-    /// By runs: one median for each run that has the row; else the newest run's repetitions.
-    std::vector<double> timings(const std::vector<Rows>& runs, const Key& key, const std::string& column,
-                                bool by_runs) const {
+    /// The repetitions in one run's rows.
+    static std::vector<double> timings(const KeyedRows& run, const RowKey& key, const std::string& column) {
+        std::vector<double> repetitions;
+        for (const size_t row : run.rows(key)) repetitions.push_back(run.table().number(row, column));
+        return repetitions;
+    }
+
+    /// One for each of the runs that has the row.
+    std::vector<double> medians_of(const Runs& runs, const RowKey& key, const std::string& column) const {
         std::vector<double> medians;
-        for (const Rows& run : runs) {
-            if (run.rows(key).empty() || !run.has(column) || !other_work(run, key).empty()) continue;
-            std::vector<double> repetitions;
-            for (const size_t row : run.rows(key)) repetitions.push_back(run.table().number(row, column));
-            if (!by_runs) return repetitions;
-            medians.push_back(median(std::move(repetitions)));
-        }
+        for (const KeyedRows* run : runs)
+            if (!run->rows(key).empty() && run->has(column) && other_work(*run, key).empty())
+                medians.push_back(median(timings(*run, key, column)));
         return medians;
+    }
+
+    /// By how much the column's times differ between runs of one program: the largest ratio of two runs' medians of a
+    /// row. Nothing where no two runs repeat one another.
+    std::optional<double> run_to_run(const std::string& column) {
+        const auto [place, fresh] = noise_.try_emplace(column);
+        if (!fresh) return place->second;
+        for (const auto& runs : same_programs_)
+            for (const RowKey& key : before_.front().order()) {
+                const std::vector<double> medians = medians_of(runs, key, column);
+                if (medians.size() < 2) continue;
+                const auto [least, most] = std::ranges::minmax(medians);
+                if (least > 0) place->second = std::max(place->second.value_or(1), most / least);
+            }
+        return place->second;
     }
 
     const TableRules& rules_;
     std::string name_;
-    const std::vector<Rows>&before_, &after_;
+    const std::vector<KeyedRows>&before_, &after_;
     std::string apart_;
+    Runs before_runs_, after_runs_;
+    std::vector<Runs> same_programs_;                     ///< runs that repeat one another
+    std::map<std::string, std::optional<double>> noise_;  ///< run_to_run() by column
     std::vector<Cell> cells_;
 };
 
@@ -246,8 +204,8 @@ std::set<std::string> files_of(const RunRecord& run) {
 }
 
 /// This file of each run that has it.
-std::vector<Rows> rows_of(const std::vector<RunRecord>& runs, const std::string& name, const TableRules& rules) {
-    std::vector<Rows> rows;
+std::vector<KeyedRows> rows_of(const std::vector<RunRecord>& runs, const std::string& name, const TableRules& rules) {
+    std::vector<KeyedRows> rows;
     for (const RunRecord& run : runs)
         if (has_run_file(run, name)) rows.emplace_back(run, name, rules);
     return rows;
@@ -349,18 +307,21 @@ std::vector<Cell> compare_runs(const RunPair& pair) {
                                         columns_file));
         const bool here = has_run_file(a, name), there = has_run_file(b, name);
         // read in any case, so that a damaged file is told
-        const std::vector<Rows> before = rows_of(pair.before, name, *rules), after = rows_of(pair.after, name, *rules);
+        const std::vector<KeyedRows> before = rows_of(pair.before, name, *rules),
+                                     after = rows_of(pair.after, name, *rules);
         if (here != there) {
             cells.push_back(
                 {.file = name, .column = "", .row = "", .verdict = here ? Verdict::missing : Verdict::added});
             continue;
         }
-        std::ranges::move(TableComparison(*rules, name, before, after, apart).cells(), std::back_inserter(cells));
+        std::ranges::move(TableComparison(*rules, name, before, after, a.repeats(b), apart).cells(),
+                          std::back_inserter(cells));
     }
     return cells;
 }
 
-TimeJudgement judge_times(const std::vector<double>& before, const std::vector<double>& after) {
+TimeJudgement judge_times(const std::vector<double>& before, const std::vector<double>& after,
+                          std::optional<double> run_to_run) {
     const auto all_zero = [](const std::vector<double>& v) {
         return std::ranges::all_of(v, [](double x) { return x == 0; });
     };
@@ -385,6 +346,11 @@ TimeJudgement judge_times(const std::vector<double>& before, const std::vector<d
         const double spread = std::max(high_a / low_a, high_b / low_b);
         out.interval = {low_b / high_a / spread, high_b / low_a * spread};
     }
+    if (!run_to_run) {
+        out.reason = "one run of each side: how much times differ from run to run isn't known; repeat either";
+        return out;
+    }
+    out.interval = {out.interval->low / *run_to_run, out.interval->high * *run_to_run};
     const auto [low, high] = *out.interval;
     if (low >= 1 / same_within && high <= same_within)
         out.verdict = Verdict::same;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/machine.h"
 #include "base/nesting.h"
 #include "base/read_file.h"
 #include "report/result_folder.h"
@@ -80,6 +81,9 @@ RunRecord read_run(const fs::path& folder) {
                   .profile = field<std::string>(object, "profile", file),
                   .compiler = field<std::string>(object, "compiler", file),
                   .cpu = field<std::string>(object, "cpu", file)};
+    if (const auto machine = object.find("machine"); machine != object.end() && machine->is_object())
+        run.cpu =
+            processor_name(run.cpu, field<std::string>(*machine, "cpu_id", file));  // older runs have the bare name
     run.cores = field<int>(object, "cores", file);
     run.threads = field<int>(object, "threads", file);
     if (object.contains("caption")) run.caption = field<std::string>(object, "caption", file);
