@@ -57,8 +57,8 @@ struct TimeJudgement {
     std::optional<Interval> interval = {};
     std::string reason = {};
 };
-/// `run_to_run`: the factor by which times of one program differ from run to run, where the timings are of one run each;
-/// 1 where each is of a run of its own. Unclear where it isn't known.
+/// `run_to_run`: the factor by which times of one program differ from run to run, where the timings are of one run
+/// each; 1 where each is of a run of its own. Unclear where it isn't known.
 TimeJudgement judge_times(const std::vector<double>& before, const std::vector<double>& after,
                           std::optional<double> run_to_run);
 
