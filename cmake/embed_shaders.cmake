@@ -1,5 +1,5 @@
 # cmake -DFOLDER=shaders -DOUTPUT=FILE -P embed_shaders.cmake: all texts of the folder as one C++ table (src/gl/program.cpp).
-file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*.glsl ${FOLDER}/*.vert ${FOLDER}/*.frag)
+file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*.glsl ${FOLDER}/*.vert ${FOLDER}/*.frag ${FOLDER}/*.comp)
 list(SORT files)
 set(table "#include \"gl/embedded_shaders.h\"\n\nnamespace radiafit {\n\nconst std::vector<EmbeddedShader>& embedded_shaders() {\n")
 string(APPEND table "    static const std::vector<EmbeddedShader> all = {\n")

@@ -26,7 +26,7 @@ namespace radiafit {
     X(NamedFramebufferTexture) X(NamedFramebufferTextureLayer) \
     /* buffers and vertex arrays */ \
     X(BindVertexArray) \
-    X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
+    X(BindBufferBase) X(ClearNamedBufferData) X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
     X(EnableVertexArrayAttrib) X(GetNamedBufferParameteri64v) X(GetNamedBufferSubData) X(IsBuffer) \
     X(MapNamedBufferRange) X(NamedBufferStorage) X(NamedBufferSubData) X(UnmapNamedBuffer) \
     X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) X(VertexArrayAttribIFormat) \
@@ -38,6 +38,8 @@ namespace radiafit {
     X(ProgramUniform4fv) X(ShaderSource) X(UseProgram) \
     /* drawing */ \
     X(DrawArrays) X(DrawElements) \
+    /* compute */ \
+    X(DispatchCompute) X(MemoryBarrier) X(ShaderStorageBlockBinding) \
     /* queries, synchronization, debugging */ \
     X(BeginQuery) X(DebugMessageCallback) X(DeleteQueries) \
     X(EndQuery) X(GenQueries) X(GetQueryObjectui64v) X(QueryCounter)

@@ -144,7 +144,16 @@ Program Program::draw(const std::string& vertex_file, const std::string& fragmen
     return program;
 }
 
-// Gives samplers their units, one after another.
+Program Program::compute(const std::string& file, const Defines& defines) {
+    Program program;
+    program.name_ = link({compile(GL_COMPUTE_SHADER, file, defines)}, file);
+    program.find_inputs();
+    const std::string variant = pass_variant(defines);
+    program.label_ = variant.empty() ? file : file + " " + variant;
+    return program;
+}
+
+// Gives samplers their units, one after another, and storage blocks theirs.
 void Program::find_inputs() {
     constexpr GLenum plain[] = {GL_FLOAT, GL_FLOAT_VEC2, GL_FLOAT_VEC4, GL_INT};  // all others are samplers
     constexpr GLenum properties[] = {GL_LOCATION, GL_TYPE, GL_ARRAY_SIZE};
@@ -164,6 +173,14 @@ void Program::find_inputs() {
             gl().ProgramUniform1iv(name_, input.location, values[2], units.data());
         }
         inputs_.push_back(std::move(input));
+    }
+    gl().GetProgramInterfaceiv(name_, GL_SHADER_STORAGE_BLOCK, GL_ACTIVE_RESOURCES, &count);
+    buffers_.resize(size_t(count));
+    for (GLuint i = 0; i < GLuint(count); ++i) {
+        char name[64];
+        gl().GetProgramResourceName(name_, GL_SHADER_STORAGE_BLOCK, i, sizeof name, nullptr, name);
+        inputs_.push_back({.name = name, .unit = int(i)});
+        gl().ShaderStorageBlockBinding(name_, i, i);
     }
 }
 
@@ -201,8 +218,22 @@ void Program::bind(std::string_view sampler, const Texture& texture, size_t inde
     if (const Input* input = used(sampler)) textures_.at(size_t(input->unit) + index) = texture.name();
 }
 
+void Program::bind(std::string_view block, const Buffer& buffer) const {
+    if (const Input* input = used(block)) buffers_.at(size_t(input->unit)) = buffer.name();
+}
+
+void Program::dispatch(size_t groups) const {
+    constexpr size_t most = 65535;  // of a dimension, in any implementation
+    use();
+    const size_t rows = (groups + most - 1) / most;
+    gl().DispatchCompute(GLuint(std::min(groups, most)), GLuint(rows), 1);
+    gl().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
 void Program::use() const {
     gl().UseProgram(name_);
+    for (GLuint unit = 0; unit < buffers_.size(); ++unit)
+        gl().BindBufferBase(GL_SHADER_STORAGE_BUFFER, unit, buffers_[unit]);
     for (GLuint unit = 0; unit < textures_.size(); ++unit) gl().BindTextureUnit(unit, textures_[unit]);
     if (!detail::check_gl_calls) return;
     for (const Input& input : inputs_)

@@ -37,12 +37,15 @@ public:
     Program() = default;
     /// Throws SystemError with the compiler's messages, file names put in.
     static Program draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines = {});
+    /// Of compute shaders: buffers are bound by the names of their blocks.
+    static Program compute(const std::string& file, const Defines& defines = {});
     ~Program();
     Program(Program&& other) noexcept { *this = std::move(other); }
     Program& operator=(Program&& other) noexcept {
         std::swap(name_, other.name_);
         std::swap(inputs_, other.inputs_);
         std::swap(textures_, other.textures_);
+        std::swap(buffers_, other.buffers_);
         std::swap(label_, other.label_);
         std::swap(cost_, other.cost_);
         return *this;
@@ -55,14 +58,18 @@ public:
     void set(std::string_view uniform, std::span<const float> vec4s) const;  ///< a vec4, or several of an array
     /// For a sampler, or one of an array of them. The texture may move, and must live at every draw to come.
     void bind(std::string_view sampler, const Texture& texture, size_t index = 0) const;
+    /// For a storage block, "Name", or one of an array of them, "Name[2]". As textures.
+    void bind(std::string_view block, const Buffer& buffer) const;
     void set_if_used(std::string_view uniform, const auto&... values) const {
         if (find(uniform)) set(uniform, values...);
     }
-    void bind_if_used(std::string_view sampler, const Texture& texture) const {
-        if (find(sampler)) bind(sampler, texture);
+    void bind_if_used(std::string_view name, const auto& texture_or_buffer) const {
+        if (find(name)) bind(name, texture_or_buffer);
     }
     /// Draws are with this program, its uniforms and its textures, all of which it has been told.
     void use() const;
+    /// So many work groups, of a program for computing. What they write, whatever is issued later reads.
+    void dispatch(size_t groups) const;
 
     explicit operator bool() const { return name_ != 0; }
     /// The fragment stage and what its cost depends on, such as "gather/look_up.frag STORAGE=0 TERMS=1".
@@ -71,10 +78,10 @@ public:
     const PassCost* cost() const { return cost_; }
 
 private:
-    /// A uniform in use, or samplers in an array.
+    /// A uniform in use, samplers in an array, or a storage block.
     struct Input {
         std::string name;
-        int location = 0, unit = -1;  ///< unit: of its first texture; -1 for a uniform
+        int location = 0, unit = -1;  ///< unit: of its first texture, or of its buffer; -1 for a uniform
         bool told = false;
     };
     void find_inputs();
@@ -84,7 +91,7 @@ private:
     GLuint name_ = 0;
     // What the program's object holds is not this handle's.
     mutable std::vector<Input> inputs_;
-    mutable std::vector<GLuint> textures_;  ///< by unit
+    mutable std::vector<GLuint> textures_, buffers_;  ///< by unit
     std::string label_;
     const PassCost* cost_ = nullptr;
 };

@@ -116,6 +116,7 @@ public:
         return *this;
     }
     void write(size_t offset, size_t bytes, const void* data);
+    void clear();  ///< to all zero bits
     /// For writing all that is used later, until unmap(); what it held is lost.
     void* map();
     void unmap();

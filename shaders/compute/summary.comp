@@ -1,0 +1,23 @@
+#version 450 core
+// What an iteration tells of all problems, BLOCK of them an invocation: how many run, of how many the trial was accepted, and
+// the sum of their errors, a double in two words. Always in the same order.
+// variants: LANES=32 BLOCK=64 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5
+#include "optimize/dialect.glsl"
+layout(local_size_x = LANES) in;
+layout(std430) readonly buffer Numbers { float numbers[]; };
+uniform int vertex_count;
+layout(std430) buffer Summaries { uvec4 summaries[]; };
+void main() {
+    uint block = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * uint(LANES) + gl_LocalInvocationID.x;
+    if (block * uint(BLOCK) >= 3u * uint(vertex_count)) return;
+    uint end = min((block + 1u) * uint(BLOCK), 3u * uint(vertex_count));
+    uvec2 counts = uvec2(0u);
+    double error = 0.0;
+    for (uint problem = block * uint(BLOCK); problem < end; ++problem) {
+        uint at = problem * uint(NUMBER_COUNT);
+        counts += uvec2(numbers[at + uint(NUMBER_STATUS)] == STATUS_ACTIVE, numbers[at + uint(NUMBER_ACCEPTED)] != 0.0);
+        float of_problem = numbers[at];
+        error += double(of_problem < HUGE_ERROR ? of_problem : 0.0);  // else never evaluated, or not finite
+    }
+    summaries[block] = uvec4(counts, unpackDouble2x32(error));
+}

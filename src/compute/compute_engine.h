@@ -1,0 +1,88 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "compute/sample_store.h"
+#include "geometry/vertex_rings.h"
+#include "gl/context.h"
+#include "optim/engine.h"
+
+namespace radiafit {
+
+/// Light field maps by OpenGL's compute shaders, over samples that were distributed once and stay on the device.
+/// Fulfils Engine. A work group is a vertex; every sum has its own invocation, and work groups add up in a fixed order,
+/// so the same fit gives the same bits. The context must be current wherever it is used, and when it is destroyed.
+class ComputeEngine {
+public:
+    /// Of the arguments, atlas' mesh must outlive it. Throws UserError for options out of range, and where a buffer
+    /// would be larger than the device allows.
+    ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+                  const SampleList& samples, const LfmOptions& options);
+
+    size_t problem_count() const { return 3 * layout_.problem_count(); }
+    const LfmLayout& layout() const { return layout_; }
+
+    // The verbs of optim/engine.h.
+    ProblemStatistics count();
+    void reset(std::span<const float> start);
+    void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
+    void make_room(const Room& room);
+    void gradient_pass(bool diagonal);
+    void directional_pass();
+    void dot(std::initializer_list<DotProduct> products);
+    void step(Step which, const Turn& turn);
+    void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants);
+    EngineSummary summary();
+    void outcomes(std::span<ProblemOutcome> out) const;
+    void read_errors(std::span<float> out) const;
+    void read_parameters(std::span<float> out) const { read(vectors_[vector::p], out); }
+
+    // What tests and agreement checks look at.
+    struct Evaluation {
+        std::vector<float> error;     ///< [M] E_t at the trial point
+        std::vector<float> gradient;  ///< [N] Parameters order
+        std::vector<float> diagonal;  ///< [N] fresh preconditioner
+    };
+    Evaluation read_evaluation() const;  ///< after gradient_pass(true)
+    struct Line {
+        std::vector<float> gauss_newton, curvature, third, fourth;  ///< [M], penalties included
+    };
+    Line read_line() const;                                             ///< after directional_pass()
+    void set_line(std::span<const float> p, std::span<const float> d);  ///< [N] each, for directional_pass()
+
+    /// Allocated on the device by this engine.
+    uint64_t bytes() const { return uint64_t(Context::current().allocated_bytes() - allocated_before_); }
+
+private:
+    /// Of a problem: those of optim/verbs.h, then room for as many own ones as an optimizer may have.
+    static constexpr size_t number_count = number::first_own + 8;
+
+    Buffer make_vector() const;
+    static void read(const Buffer& buffer, std::span<float> out);
+    std::vector<float> read_problems() const;                                        ///< [vertices][OF_VERTEX][4]
+    std::vector<float> sums_of(int what, const std::vector<float>& problems) const;  ///< [M]
+    std::vector<float> read_numbers() const;                                         ///< [M][number_count]
+    Program program(const std::string& file, const Defines& more = {}) const;
+    const Program& step_program(Step which, const Turn& turn);
+    const Program& update_program(Update which);
+
+    int64_t allocated_before_ = Context::current().allocated_bytes();
+    LfmOptions options_;
+    LfmLayout layout_;
+    SampleStore samples_;
+    Room room_;
+    int first_term_ = 0, last_term_ = 1 << 30;
+    Buffer problems_, numbers_, products_, summaries_, pair_sums_;
+    std::vector<Buffer> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
+    Buffer smoothed_;
+    Program count_, direction_[2], line_, dot_, summary_;
+    std::map<std::tuple<Step, int, float>, Program> steps_;
+    std::map<Update, Program> updates_;
+    std::vector<uint32_t> sample_counts_;  ///< [vertices], from count()
+};
+
+}  // namespace radiafit
