@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference;
-gl on base, and fragment on it; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; app on all, and
+gl on base, fragment on it, and compute on fragment; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; app on all, and
 below nothing but experiments.
 
 Also: which folder may include which foreign library, that heavy headers stay out of our headers, and that no message below
@@ -23,6 +23,7 @@ ALLOWED.update(
     cpu=up_to("optim"),
     gl={"base"},
     fragment=up_to("optim") | {"gl"},
+    compute=up_to("optim") | {"gl", "fragment"},
     synthetic=up_to("dataset"),
     reference=up_to("optim"),
     capture=up_to("dataset"),

@@ -16,7 +16,7 @@ namespace {
 std::string takers(const FitOption& option) {
     if (option.uses == 0) return "every fit";
     std::vector<std::string> all;
-    for (const EngineKind engine : {EngineKind::cpu, EngineKind::fragment})
+    for (const EngineKind engine : {EngineKind::cpu, EngineKind::fragment, EngineKind::compute})
         if (engine_uses(engine) & option.uses) {
             FitRequest request;
             request.engine = engine;

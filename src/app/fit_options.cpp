@@ -228,9 +228,11 @@ std::vector<FitOption> make_fit_options() {
     };
     add("What is fitted, and by what",
         {model_option(), text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver),
-         choice<EngineKind>("engine", use::engine, OF(engine),
-                            {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}},
-                            "what solver stream runs on"),
+         choice<EngineKind>(
+             "engine", use::engine, OF(engine),
+             {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
+             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders over "
+             "samples that stay on the device"),
          choice<TargetSpace>("space", use::space, OF(space),
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),

@@ -30,9 +30,12 @@ void FitRequest::check() const {
     if (texel_model) texel_options();
     const bool own_sides = texels_per_pixel > 0 || model.sides;
     if (own_sides && (on_fragment_engine() || (uses & use::distribution && distributor == DistributorKind::gl)))
-        throw UserError(fmt::format("in OpenGL all surface maps have one side; leave out {}, {} or {}",
+        throw UserError(fmt::format("in fragment programs all surface maps have one side; leave out {}, {} or {}",
                                     option_name("texels-per-pixel"), option_name("engine fragment"),
                                     option_name("distributor gl")));
+    if (texel_model && on_engine(EngineKind::compute))
+        throw UserError(fmt::format("compute shaders fit light field maps only; choose {} or {}",
+                                    option_name("engine cpu"), option_name("engine fragment")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }
@@ -92,7 +95,7 @@ FragmentOptions FitRequest::fragment_options() const {
     return options;
 }
 
-bool FitRequest::on_fragment_engine() const { return uses_of(*this) & use::engine && engine == EngineKind::fragment; }
+bool FitRequest::on_engine(EngineKind kind) const { return uses_of(*this) & use::engine && engine == kind; }
 
 std::string FitRequest::label() const {
     const uint32_t uses = uses_of(*this);

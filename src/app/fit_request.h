@@ -12,7 +12,7 @@
 
 namespace radiafit {
 
-enum class EngineKind { cpu, fragment };
+enum class EngineKind { cpu, fragment, compute };
 enum class DistributorKind { cpu, gl };
 enum class ImageSource { disk, disk_cold, memory, device };
 
@@ -69,8 +69,9 @@ struct FitRequest {
     TexelOptions texel_options() const;  ///< checked
     FragmentOptions fragment_options() const;
     bool levenberg_marquardt() const { return optimizer == nullptr; }
-    bool on_fragment_engine() const;  ///< of solvers that run on an engine
-    std::string label() const;        ///< "cg-modern", as the trace's solver column
+    bool on_engine(EngineKind kind) const;  ///< of solvers that run on an engine
+    bool on_fragment_engine() const { return on_engine(EngineKind::fragment); }
+    std::string label() const;  ///< "cg-modern", as the trace's solver column
 };
 
 }  // namespace radiafit

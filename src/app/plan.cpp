@@ -178,6 +178,21 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
                          12 * dataset.mesh.vertex_count() + 13 * dataset.mesh.triangle_count()});
 }
 
+/// What compute shaders hold besides vectors, and what it takes to put it there.
+void add_compute_engine(const TriangleAtlas& atlas, const VertexRings& rings, const LfmLayout& layout, int terms,
+                        uint64_t images, uint64_t pixels, std::vector<PlanRow>& rows) {
+    const uint64_t vertices = rings.vertex_count(), views = vertices * images;
+    rows.push_back({"smoothed maps", fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
+                    layout.size() * sizeof(float)});
+    rows.push_back({"cameras' views of vertices, at most", fmt::format("{} vertices x {} images", vertices, images),
+                    views, views * (32 + 48 * uint64_t(terms))});
+    const uint64_t tables = 2 * images * (atlas.tile_count() + rings.corners().size()) + 4 * atlas.used_texels() +
+                            layout.size() / uint64_t(terms) + 4 * views;
+    rows.push_back({"tables, at most", "of samples, and once more while they are made", 2 * tables / 4, 2 * tables});
+    rows.push_back({"samples, at most", "pixels x 8 bytes, and in two orders on the device", 3 * pixels, 24 * pixels});
+    rows.push_back({"samples by image, until they are sorted", "once more", pixels, 8 * pixels});
+}
+
 }  // namespace
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t most_views) {
@@ -219,6 +234,10 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,
                              samples * record_bytes(request)});
+        return plan;
+    }
+    if (request.on_engine(EngineKind::compute)) {
+        add_compute_engine(atlas, rings, layout, options.terms, views.size(), pixels, plan.memory);
         return plan;
     }
     const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);

@@ -1,6 +1,7 @@
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
 #include "dataset/dataset_json.h"
 #include "fragment/fragment_engine.h"
@@ -52,6 +53,21 @@ void with_cpu_engine(FitTask& task) {
     task.out.times.optimization = clock.wall_s();
 }
 
+void with_compute_engine(FitTask& task) {
+    static_assert(Engine<ComputeEngine>);
+    FitOutcome& out = task.out;
+    const SampleList& samples = task.samples();
+    const auto context = Context::create(task.request.context);
+    out.gl_vendor = context->vendor();
+    out.gl_renderer = context->renderer();
+    out.gl_version = context->version();
+    Stopwatch clock;
+    ComputeEngine engine(task.dataset, task.atlas, task.rings, samples, task.options);
+    run_engine(engine, engine.layout(), task);
+    out.engine_bytes = engine.bytes();
+    out.times.optimization = clock.wall_s();
+}
+
 }  // namespace
 
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run) {
@@ -63,7 +79,14 @@ void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& data
 }
 
 void solve_stream(FitTask& task) {
-    task.request.on_fragment_engine() ? with_fragment_engine(task) : with_cpu_engine(task);
+    switch (task.request.engine) {
+        case EngineKind::cpu:
+            return with_cpu_engine(task);
+        case EngineKind::fragment:
+            return with_fragment_engine(task);
+        case EngineKind::compute:
+            return with_compute_engine(task);
+    }
 }
 
 }  // namespace radiafit
