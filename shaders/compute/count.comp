@@ -13,7 +13,7 @@ void main() {
         uint texel = of_map(map, MAP_TEXEL) + local;
         uint first = at_table(TABLE_TEXEL_FIRST, texel), last = at_table(TABLE_TEXEL_FIRST, texel + 1u);
         vec3 colours = vec3(0.0);
-        for (uint s = first; s < last; ++s) colours += colour_of(samples_by_texel[s]);
+        for (uint s = first; s < last; ++s) colours += colour_of(sample_at(samples_by_texel, s));
         sum += vec4(target_weight(map, local) * colours, float(last - first));
     }
     sum = group_sum(sum);

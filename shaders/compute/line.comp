@@ -7,11 +7,9 @@
 #include "compute/samples.glsl"
 #include "compute/look_up.glsl"
 #include "compute/penalty.glsl"
-layout(std430) readonly buffer Point { vec4 point[]; };
-layout(std430) readonly buffer Direction { vec4 direction[]; };
+uniform samplerBuffer point;
+uniform samplerBuffer direction;
 uniform int penalized;
-
-#define DIRECTION_AT(i) direction[i].xyz
 
 void main() {
     if (!is_active()) return;
@@ -21,8 +19,8 @@ void main() {
         Pair pair = pair_at(p);
         vec3 h[TERMS], dh[TERMS];
         for (uint k = 0u; k < uint(TERMS); ++k) {
-            h[k] = LOOK_UP(point, v.view_first, pair, k);
-            dh[k] = LOOK_UP(direction, v.view_first, pair, k);
+            h[k] = look_up(point, v.view_first, pair, k);
+            dh[k] = look_up(direction, v.view_first, pair, k);
         }
         for (uint map = v.ring; map < v.ring_end; ++map) {
             uint group = half_at_table(TABLE_GROUPS_OF_IMAGES, of_map(map, MAP_IMAGE_GROUP) + pair.image);
@@ -31,13 +29,13 @@ void main() {
             uint last = at_table(TABLE_GROUP_FIRST, group + 1u);
             uint map_first = of_map(map, MAP_FIRST), weights = of_map(map, MAP_WEIGHT);
             for (uint s = at_table(TABLE_GROUP_FIRST, group); s < last; ++s) {
-                WORD word = samples_by_image[s];
+                WORD word = sample_at(samples_by_image, s);
                 uint local = place_of(word), at = map_first + local * uint(TERMS);
                 float weight = uintBitsToFloat(at_table(TABLE_TARGET_WEIGHTS, weights + local));
                 vec3 r = -(pair.root * weight) * colour_of(word);
                 vec3 a = vec3(0.0), b = vec3(0.0);
                 for (uint k = 0u; k < uint(TERMS); ++k) {
-                    vec3 g = point[at + k].xyz, dg = direction[at + k].xyz;
+                    vec3 g = element_at(point, at + k), dg = element_at(direction, at + k);
                     r += lfm_value(g, h[k]);
                     a += lfm_slope(g, h[k], dg, dh[k]);
                     b += lfm_bend(dg, dh[k]);
@@ -55,9 +53,9 @@ void main() {
         Site site = site_at(v, i);
         for (uint k = 0u; k < uint(TERMS); ++k) {
             uint at = element_of(site, k);
-            vec3 once;
-            LAPLACIAN(once, site, k, DIRECTION_AT)
-            penalty += site.smoothness * once * once + bound_curvature(point[at].xyz, direction[at].xyz, k);
+            vec3 once = laplacian(direction, site, k);
+            penalty += site.smoothness * once * once +
+                       bound_curvature(element_at(point, at), element_at(direction, at), k);
         }
     }
     float inverse_density = OF_THIS_VERTEX(OF_DENSITY).x;

@@ -5,11 +5,13 @@ struct Pair {
     float root;
 };
 Pair pair_at(uint i) {
-    uvec4 rest = pairs[2u * i + 1u];
-    return Pair(uintBitsToFloat(pairs[2u * i]), rest.x, rest.y, uintBitsToFloat(rest.z));
+    uvec4 rest = texelFetch(pairs, 2 * int(i) + 1);
+    return Pair(uintBitsToFloat(texelFetch(pairs, 2 * int(i))), rest.x, rest.y, uintBitsToFloat(rest.z));
 }
-#define LOOK_UP(vector, view_first, pair, k)                                                                    \
-    (pair.weights.x * vector[view_first + pair.texel * uint(TERMS) + k].xyz +                                   \
-     pair.weights.y * vector[view_first + (pair.texel + 1u) * uint(TERMS) + k].xyz +                            \
-     pair.weights.z * vector[view_first + (pair.texel + uint(VIEW_SIDE)) * uint(TERMS) + k].xyz +               \
-     pair.weights.w * vector[view_first + (pair.texel + uint(VIEW_SIDE) + 1u) * uint(TERMS) + k].xyz)
+vec3 element_at(samplerBuffer vector, uint i) { return texelFetch(vector, int(i)).xyz; }
+vec3 look_up(samplerBuffer vector, uint view_first, Pair pair, uint k) {
+    uint at = view_first + pair.texel * uint(TERMS) + k;
+    uint row = uint(VIEW_SIDE * TERMS);
+    return pair.weights.x * element_at(vector, at) + pair.weights.y * element_at(vector, at + uint(TERMS)) +
+           pair.weights.z * element_at(vector, at + row) + pair.weights.w * element_at(vector, at + row + uint(TERMS));
+}

@@ -28,15 +28,14 @@ Site site_at(Vertex v, uint i) {
 uint element_of(Site site, uint k) { return site.first + site.local * uint(TERMS) + k; }
 
 // L of Eq. 9 inside one map: what lies outside is left out, and the centre's weight is the number kept.
-#define LAPLACIAN(result, site, k, FETCH)                                                                  \
-    {                                                                                                      \
-        result = vec3(0.0);                                                                                \
-        vec3 centre = FETCH(element_of(site, k));                                                          \
-        for (uint n = 0u; n < 4u; ++n) {                                                                   \
-            uint other = ((n < 2u ? site.near.x : site.near.y) >> (16u * (n & 1u))) & 0xffffu;                                 \
-            if (other != NONE) result += centre - FETCH(site.first + other * uint(TERMS) + k);           \
-        }                                                                                                  \
+vec3 laplacian(samplerBuffer vector, Site site, uint k) {
+    vec3 sum = vec3(0.0), centre = element_at(vector, element_of(site, k));
+    for (uint n = 0u; n < 4u; ++n) {
+        uint other = ((n < 2u ? site.near.x : site.near.y) >> (16u * (n & 1u))) & 0xffffu;
+        if (other != NONE) sum += centre - element_at(vector, site.first + other * uint(TERMS) + k);
     }
+    return sum;
+}
 
 vec3 bound_error(vec3 x, uint k) {
     return k > 0u ? vec3(0.0) : bound_error(x, vec3(bounds.x), vec3(bounds.y), mu, paper_penalty != 0);

@@ -4,4 +4,5 @@
 #define OF_TARGETS 2  // sum of L t, and samples
 #define OF_ERROR 3
 #define OF_LINE 4  // four sums along d
-#define OF_VERTEX 8
+#define OF_RESIDUALS 8  // sum of what residuals cost, twice
+#define OF_VERTEX 9

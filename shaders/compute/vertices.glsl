@@ -6,7 +6,8 @@
 #include "compute/problems.glsl"
 layout(local_size_x = LANES) in;
 
-// One buffer of whole numbers holds all that stays as it is; tables[] says where each table begins.
+// Whatever a pass only reads it fetches from buffer textures, which every device reads best: loads from storage buffers take
+// llvmpipe several times as long. One buffer of whole numbers holds all that stays as it is; tables[] says where each table begins.
 #define TABLE_VERTICES 0
 #define TABLE_MAPS 1
 #define TABLE_SITES 2               // [surface texels of all vertices] map of the vertex << 16 | texel of the map
@@ -20,11 +21,11 @@ layout(local_size_x = LANES) in;
 #define TABLE_TARGET_WEIGHTS 10     // [side][corner][texel] float: Lambda times the targets' scale
 #define TABLES 11
 #define NONE 0xffffu
-layout(std430) readonly buffer Tables { uint table[]; };
+uniform usamplerBuffer table;
 uniform int tables[TABLES];
 uniform int vertex_count;
 
-uint at_table(int name, uint i) { return table[uint(tables[name]) + i]; }
+uint at_table(int name, uint i) { return texelFetch(table, tables[name] + int(i)).r; }
 uint half_at_table(int name, uint i) { return (at_table(name, i / 2u) >> (16u * (i & 1u))) & 0xffffu; }
 
 struct Vertex {

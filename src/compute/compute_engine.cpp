@@ -14,7 +14,7 @@ constexpr size_t block = 256;  // problems that one invocation of summary.comp l
 
 /// shaders/compute/problems.glsl
 namespace of_problem {
-enum { density, lambda_view, targets, error, line, count = 8 };
+enum { density, lambda_view, targets, error, line, residuals = line + 4, count };
 }
 
 size_t problem_groups(size_t problems) { return (problems + lanes - 1) / lanes; }
@@ -27,30 +27,31 @@ ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas,
       layout_(rings, atlas, options.view_side, options.terms),
       samples_(dataset, atlas, rings, layout_, samples, options) {
     const size_t vertices = layout_.problem_count(), terms = size_t(options.terms);
-    const auto zeros = [](const char* what, size_t floats) {
-        const std::vector<float> zero(floats);
-        return storage_buffer(what, floats * sizeof(float), zero.data(), true);
-    };
-    problems_ = zeros("sums of vertices", vertices * of_problem::count * 4);
-    numbers_ = zeros("numbers of problems", problem_count() * number_count);
-    pair_sums_ = zeros("sums of cameras' views", samples_.pair_count() * terms * 3 * 4);
-    summaries_ = zeros("summaries", (problem_count() + block - 1) / block * 4);
+    problems_ = storage_buffer("sums of vertices", vertices * of_problem::count * 16);
+    numbers_ = storage_buffer("numbers of problems", problem_count() * number_count * sizeof(float));
+    summaries_ = storage_buffer("summaries", (problem_count() + block - 1) / block * 16);
+    pair_sums_ = FetchedBuffer("sums of cameras' views", GL_RGBA32F, samples_.pair_count() * terms * 3 * 16, nullptr);
     smoothed_ = make_vector();
     for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(make_vector());
 
     count_ = program("count.comp");
+    const FetchedBuffer& trial = vectors_[vector::trial];
     for (const bool diagonal : {false, true}) {
-        Program& direction = direction_[diagonal] =
-            program("direction.comp", diagonal ? Defines{{"DIAGONAL", ""}} : Defines{});
-        direction.bind("Trial", vectors_[vector::trial]);
-        direction.bind("Gradient", vectors_[vector::trial_g]);
-        direction.bind_if_used("Fresh", vectors_[vector::fresh]);
-        direction.bind("PairSums", pair_sums_);
-        direction.bind("Smoothed", smoothed_);
+        const Defines defines = diagonal ? Defines{{"DIAGONAL", ""}} : Defines{};
+        const Program& pairs = pair_passes_[diagonal] = program("pairs.comp", defines);
+        pairs.bind("trial", trial.texture);
+        pairs.bind("PairSums", pair_sums_.buffer);
+        pairs.bind("Smoothed", smoothed_.buffer);
+        const Program& gradient = gradient_passes_[diagonal] = program("gradient.comp", defines);
+        gradient.bind("trial", trial.texture);
+        gradient.bind("pair_sums", pair_sums_.texture);
+        gradient.bind("smoothed", smoothed_.texture);
+        gradient.bind("Gradient", vectors_[vector::trial_g].buffer);
+        gradient.bind_if_used("Fresh", vectors_[vector::fresh].buffer);
     }
     line_ = program("line.comp");
-    line_.bind("Point", vectors_[vector::p]);
-    line_.bind("Direction", vectors_[vector::d]);
+    line_.bind("point", vectors_[vector::p].texture);
+    line_.bind("direction", vectors_[vector::d].texture);
     line_.set("penalized", int(options.mends.penalty_curvature));
     dot_ = program("dot.comp");
     summary_ = program("summary.comp");
@@ -58,9 +59,9 @@ ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas,
     make_room({});
 }
 
-Buffer ComputeEngine::make_vector() const {
-    Buffer vector = storage_buffer("maps", layout_.size() * sizeof(float), nullptr, true);
-    vector.clear();
+FetchedBuffer ComputeEngine::make_vector() const {
+    FetchedBuffer vector("maps", GL_RGBA32F, layout_.size() * sizeof(float), nullptr, true);
+    vector.buffer.clear();
     return vector;
 }
 
@@ -111,9 +112,9 @@ ProblemStatistics ComputeEngine::count() {
 
 void ComputeEngine::reset(std::span<const float> start) {
     using real = float;
-    for (Buffer& v : vectors_) v.clear();
-    vectors_[vector::trial].write(0, start.size_bytes(), start.data());
-    vectors_[vector::p].write(0, start.size_bytes(), start.data());  // what a problem without samples returns
+    for (FetchedBuffer& v : vectors_) v.buffer.clear();
+    vectors_[vector::trial].buffer.write(0, start.size_bytes(), start.data());
+    vectors_[vector::p].buffer.write(0, start.size_bytes(), start.data());  // what a problem without samples returns
     std::vector<float> numbers(problem_count() * number_count);
     for (size_t i = 0; i < problem_count(); ++i) {
         float* of = &numbers[i * number_count];
@@ -127,10 +128,9 @@ void ComputeEngine::reset(std::span<const float> start) {
 void ComputeEngine::make_room(const Room& room) {
     room_ = room;
     vectors_.resize(std::min(vectors_.size(), size_t(room.vector_count())));
-    for (size_t v = vector::first_own; v < vectors_.size(); ++v) vectors_[v].clear();
+    for (size_t v = vector::first_own; v < vectors_.size(); ++v) vectors_[v].buffer.clear();
     while (vectors_.size() < size_t(room.vector_count())) vectors_.push_back(make_vector());
-    const std::vector<float> zero(layout_.problem_count() * size_t(room.product_count()) * 4);
-    products_ = storage_buffer("products", zero.size() * sizeof(float), zero.data(), true);
+    products_ = storage_buffer("products", layout_.problem_count() * size_t(room.product_count()) * 16);
     std::vector<float> numbers = read_numbers();
     for (size_t i = 0; i < problem_count(); ++i)
         std::fill_n(&numbers[i * number_count + number::first_own], number_count - number::first_own, 0.0f);
@@ -138,9 +138,11 @@ void ComputeEngine::make_room(const Room& room) {
 }
 
 void ComputeEngine::gradient_pass(bool diagonal) {
-    direction_[diagonal].set("first_term", first_term_);
-    direction_[diagonal].set("last_term", last_term_);
-    direction_[diagonal].dispatch(layout_.problem_count());
+    pair_passes_[diagonal].dispatch(layout_.problem_count());
+    const Program& gradient = gradient_passes_[diagonal];
+    gradient.set("first_term", first_term_);
+    gradient.set("last_term", last_term_);
+    gradient.dispatch(layout_.problem_count());
 }
 
 void ComputeEngine::directional_pass() { line_.dispatch(layout_.problem_count()); }
@@ -150,9 +152,9 @@ void ComputeEngine::dot(std::initializer_list<DotProduct> products) {
     dot_.set("product_count", room_.product_count());
     for (const DotProduct& product : products) {
         const bool weighted = product.weight != vector::none;
-        dot_.bind("Left", vectors_[size_t(product.a)]);
-        dot_.bind("Right", vectors_[size_t(product.b)]);
-        dot_.bind("Weights", vectors_[size_t(weighted ? product.weight : product.a)]);
+        dot_.bind("left", vectors_[size_t(product.a)].texture);
+        dot_.bind("right", vectors_[size_t(product.b)].texture);
+        dot_.bind("weights", vectors_[size_t(weighted ? product.weight : product.a)].texture);
         dot_.set("weighted", int(weighted));
         dot_.set("product", product.into);
         dot_.dispatch(layout_.problem_count());
@@ -199,7 +201,7 @@ void ComputeEngine::update(Update which, std::initializer_list<int> vectors, std
                            std::initializer_list<float> constants) {
     const Program& update = update_program(which);
     for (size_t k = 0; k < vectors.size(); ++k)
-        update.bind_if_used("Vectors[" + std::to_string(k) + "]", vectors_[size_t(std::data(vectors)[k])]);
+        update.bind_if_used("Vectors[" + std::to_string(k) + "]", vectors_[size_t(std::data(vectors)[k])].buffer);
     int indices[4] = {};
     float told[4] = {};
     std::ranges::transform(numbers, indices,
@@ -267,8 +269,8 @@ ComputeEngine::Evaluation ComputeEngine::read_evaluation() const {
     Evaluation result{sums_of(of_problem::error, read_problems()), {}, {}};
     result.gradient.resize(layout_.size());
     result.diagonal.resize(layout_.size());
-    read(vectors_[vector::trial_g], result.gradient);
-    read(vectors_[vector::fresh], result.diagonal);
+    read(vectors_[vector::trial_g].buffer, result.gradient);
+    read(vectors_[vector::fresh].buffer, result.diagonal);
     return result;
 }
 
@@ -279,8 +281,8 @@ ComputeEngine::Line ComputeEngine::read_line() const {
 }
 
 void ComputeEngine::set_line(std::span<const float> p, std::span<const float> d) {
-    vectors_[vector::p].write(0, p.size_bytes(), p.data());
-    vectors_[vector::d].write(0, d.size_bytes(), d.data());
+    vectors_[vector::p].buffer.write(0, p.size_bytes(), p.data());
+    vectors_[vector::d].buffer.write(0, d.size_bytes(), d.data());
 }
 
 }  // namespace radiafit

@@ -39,7 +39,7 @@ public:
     EngineSummary summary();
     void outcomes(std::span<ProblemOutcome> out) const;
     void read_errors(std::span<float> out) const;
-    void read_parameters(std::span<float> out) const { read(vectors_[vector::p], out); }
+    void read_parameters(std::span<float> out) const { read(vectors_[vector::p].buffer, out); }
 
     // What tests and agreement checks look at.
     struct Evaluation {
@@ -61,7 +61,7 @@ private:
     /// Of a problem: those of optim/verbs.h, then room for as many own ones as an optimizer may have.
     static constexpr size_t number_count = number::first_own + 8;
 
-    Buffer make_vector() const;
+    FetchedBuffer make_vector() const;
     static void read(const Buffer& buffer, std::span<float> out);
     std::vector<float> read_problems() const;                                        ///< [vertices][OF_VERTEX][4]
     std::vector<float> sums_of(int what, const std::vector<float>& problems) const;  ///< [M]
@@ -76,10 +76,10 @@ private:
     SampleStore samples_;
     Room room_;
     int first_term_ = 0, last_term_ = 1 << 30;
-    Buffer problems_, numbers_, products_, summaries_, pair_sums_;
-    std::vector<Buffer> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
-    Buffer smoothed_;
-    Program count_, direction_[2], line_, dot_, summary_;
+    Buffer problems_, numbers_, products_, summaries_;
+    std::vector<FetchedBuffer> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
+    FetchedBuffer smoothed_, pair_sums_;
+    Program count_, pair_passes_[2], gradient_passes_[2], line_, dot_, summary_;
     std::map<std::tuple<Step, int, float>, Program> steps_;
     std::map<Update, Program> updates_;
     std::vector<uint32_t> sample_counts_;  ///< [vertices], from count()

@@ -57,14 +57,38 @@ void append(std::vector<uint32_t>& words, const MapNeighbours& map) {
 
 }  // namespace
 
-Buffer storage_buffer(const char* what, size_t bytes, const void* data, bool dynamic) {
-    const auto most = uint64_t(Context::current().limits().ssbo_bytes);
+namespace {
+
+void check_size(const char* what, uint64_t bytes, uint64_t most) {
     if (bytes > most)
-        throw UserError(
-            fmt::format("{} take {} MB, and {} holds {} MB in a buffer; choose another engine, or a smaller "
-                        "fit",
-                        what, bytes / 1000000 + 1, Context::current().renderer(), most / 1000000));
-    return Buffer(bytes, data, dynamic);
+        throw UserError(fmt::format("{} take {} MB, and {} allows {} MB; choose another engine, or a smaller fit", what,
+                                    bytes / 1000000 + 1, Context::current().renderer(), most / 1000000));
+}
+
+uint64_t texel_bytes(GLenum format) {
+    switch (format) {
+        case GL_R32UI:
+            return 4;
+        case GL_RG32UI:
+            return 8;
+        default:
+            return 16;
+    }
+}
+
+}  // namespace
+
+FetchedBuffer::FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic) {
+    check_size(what, bytes, uint64_t(Context::current().limits().texture_buffer_texels) * texel_bytes(format));
+    buffer = Buffer(bytes, data, dynamic);
+    texture = Texture::of_buffer(format, buffer);
+}
+
+Buffer storage_buffer(const char* what, size_t bytes) {
+    check_size(what, bytes, uint64_t(Context::current().limits().ssbo_bytes));
+    Buffer buffer(bytes, nullptr, true);
+    buffer.clear();
+    return buffer;
 }
 
 SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
@@ -194,20 +218,20 @@ SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, con
         all.insert(all.end(), table[t].begin(), table[t].end());
         table[t] = {};
     }
-    const auto upload = [](const char* what, const auto& values) {
-        return storage_buffer(what, values.size() * sizeof values[0], values.data());
+    const auto upload = [](const char* what, GLenum format, const std::vector<uint32_t>& values) {
+        return FetchedBuffer(what, format, values.size() * sizeof values[0], values.data());
     };
-    tables_ = upload("tables of the samples", all);
-    pairs_ = upload("cameras' views of vertices", pairs);
-    by_image_ = upload("samples", by_image);
-    by_texel_ = upload("samples", by_texel);
+    tables_ = upload("tables of the samples", GL_R32UI, all);
+    pairs_ = upload("cameras' views of vertices", GL_RGBA32UI, pairs);
+    by_image_ = upload("samples", wide_ ? GL_RG32UI : GL_R32UI, by_image);
+    by_texel_ = upload("samples", wide_ ? GL_RG32UI : GL_R32UI, by_texel);
 }
 
 void SampleStore::bind_to(const Program& program) const {
-    program.bind_if_used("Tables", tables_);
-    program.bind_if_used("Pairs", pairs_);
-    program.bind_if_used("SamplesByImage", by_image_);
-    program.bind_if_used("SamplesByTexel", by_texel_);
+    program.bind_if_used("table", tables_.texture);
+    program.bind_if_used("pairs", pairs_.texture);
+    program.bind_if_used("samples_by_image", by_image_.texture);
+    program.bind_if_used("samples_by_texel", by_texel_.texture);
     program.set_if_used("tables", std::span<const int>(table_begin_));
     program.set_if_used("vertex_count", vertex_count_);
     program.set_if_used("view_neighbours", view_neighbours_);

@@ -8,7 +8,21 @@
 
 namespace radiafit {
 
-/// The samples of a light field map in storage buffers, and the tables that lead from vertices to them: what
+/// A buffer, and the buffer texture that passes fetch it by.
+struct FetchedBuffer {
+    Buffer buffer;
+    Texture texture;
+
+    FetchedBuffer() = default;
+    /// `format`: of the texture's texels, such as GL_RGBA32F. data: null, or so many bytes. Throws UserError, naming
+    /// what it is, where the device fetches from none so large.
+    FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic = false);
+};
+/// A buffer that passes write to, all zero. Throws UserError, naming what it is, where the device writes to none so
+/// large.
+Buffer storage_buffer(const char* what, size_t bytes);
+
+/// The samples of a light field map in buffers, and the tables that lead from vertices to them: what
 /// shaders/compute/samples.glsl reads. Samples stand there twice: by tile, image and texel, which is how the views of a
 /// vertex add up what they see, and by tile, texel and image, which is how a texel adds up its own. So every sum has
 /// one invocation that makes it, in one order. A sample takes four bytes in either order, or eight: of colours with
@@ -46,10 +60,7 @@ private:
     bool wide_ = false;
     int vertex_count_, view_neighbours_ = 0;
     std::array<int, table_count> table_begin_{};
-    Buffer tables_, pairs_, by_image_, by_texel_;
+    FetchedBuffer tables_, pairs_, by_image_, by_texel_;
 };
-
-/// A buffer of these values. Throws UserError, naming what it is, where the device allows none so large.
-Buffer storage_buffer(const char* what, size_t bytes, const void* data, bool dynamic = false);
 
 }  // namespace radiafit

@@ -227,7 +227,7 @@ void Program::dispatch(size_t groups) const {
     use();
     const size_t rows = (groups + most - 1) / most;
     gl().DispatchCompute(GLuint(std::min(groups, most)), GLuint(rows), 1);
-    gl().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void Program::use() const {

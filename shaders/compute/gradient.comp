@@ -1,99 +1,42 @@
 #version 450 core
 // variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 VIEW_SIDE=8 DIAGONAL=-,1 WIDE=-,1 LOSS=*
-// At the trial: E_t of a vertex's problems and its gradient (Eq. 12), penalties included; DIAGONAL: also the fresh
-// preconditioner. Residuals are formed twice, once for each order of the samples, so that no two invocations add into
-// one number.
+// After shaders/compute/pairs.comp: E_t of a vertex's problems and its gradient, penalties included; DIAGONAL: also the fresh
+// preconditioner.
 #include "compute/vertices.glsl"
 #include "model/loss.glsl"
 #include "model/lfm.glsl"
 #include "compute/samples.glsl"
 #include "compute/look_up.glsl"
 #include "compute/penalty.glsl"
-layout(std430) readonly buffer Trial { vec4 trial[]; };
-layout(std430) buffer Gradient { vec4 gradient[]; };
+uniform samplerBuffer trial;
+uniform samplerBuffer pair_sums;
+uniform samplerBuffer smoothed;
+layout(std430) writeonly buffer Gradient { vec4 gradient[]; };
 #ifdef DIAGONAL
 layout(std430) buffer Fresh { vec4 fresh[]; };
 #endif
-layout(std430) buffer PairSums { vec4 pair_sums[]; };  // [pair][term][3]: h_k; sum of r g_k; of g_k^2
-layout(std430) buffer Smoothed { vec4 smoothed[]; };   // L x
 uniform int first_term;
 uniform int last_term;  // terms outside [first, last) stay as they are
-
-#define OF_PAIR(pair, k, what) pair_sums[((pair) * uint(TERMS) + uint(k)) * 3u + uint(what)]
-#define TRIAL_AT(i) trial[i].xyz
-#define SMOOTHED_AT(i) smoothed[i].xyz
-
-// Every camera's view of the vertex: E, and what the view map's gradient is made of.
-vec3 sum_over_pairs(Vertex v) {
-    vec3 error = vec3(0.0);
-    for (uint p = v.pair + lane(); p < v.pair_end; p += uint(LANES)) {
-        Pair pair = pair_at(p);
-        vec3 h[TERMS], sum[TERMS];
-#ifdef DIAGONAL
-        vec3 squares[TERMS];
-#endif
-        for (uint k = 0u; k < uint(TERMS); ++k) {
-            h[k] = LOOK_UP(trial, v.view_first, pair, k);
-            OF_PAIR(p, k, 0) = vec4(h[k], pair.root);
-            sum[k] = vec3(0.0);
-#ifdef DIAGONAL
-            squares[k] = vec3(0.0);
-#endif
-        }
-        for (uint map = v.ring; map < v.ring_end; ++map) {
-            uint group = half_at_table(TABLE_GROUPS_OF_IMAGES, of_map(map, MAP_IMAGE_GROUP) + pair.image);
-            if (group == NONE) continue;
-            group += of_map(map, MAP_GROUP);
-            uint last = at_table(TABLE_GROUP_FIRST, group + 1u);
-            uint map_first = of_map(map, MAP_FIRST), weights = of_map(map, MAP_WEIGHT);
-            for (uint s = at_table(TABLE_GROUP_FIRST, group); s < last; ++s) {
-                WORD word = samples_by_image[s];
-                uint local = place_of(word), at = map_first + local * uint(TERMS);
-                float weight = uintBitsToFloat(at_table(TABLE_TARGET_WEIGHTS, weights + local));
-                vec3 r = -(pair.root * weight) * colour_of(word);
-                vec3 g[TERMS];
-                for (uint k = 0u; k < uint(TERMS); ++k) {
-                    g[k] = trial[at + k].xyz;
-                    r += lfm_value(g[k], h[k]);
-                }
-                error += LOSS_VALUE(r * r);
-                vec3 weighted = LOSS_WEIGHTED(r * r, r);
-                for (uint k = 0u; k < uint(TERMS); ++k) {
-                    sum[k] += lfm_gradient_view(weighted, g[k]);
-#ifdef DIAGONAL
-                    squares[k] += LOSS_WEIGHTED(r * r, g[k] * g[k]);
-#endif
-                }
-            }
-        }
-        for (uint k = 0u; k < uint(TERMS); ++k) {
-            OF_PAIR(p, k, 1) = vec4(sum[k], 0.0);
-#ifdef DIAGONAL
-            OF_PAIR(p, k, 2) = vec4(squares[k], 0.0);
-#endif
-        }
-    }
-    return error;
-}
+vec4 of_pair(uint pair, uint k, int what) { return texelFetch(pair_sums, (int(pair) * TERMS + int(k)) * 3 + what); }
 
 // The sums over a texel's samples.
 void sum_over_texel(Vertex v, uint map, uint local, out vec3 slope[TERMS], out vec3 squares[TERMS]) {
     vec3 g[TERMS];
     for (uint k = 0u; k < uint(TERMS); ++k) {
-        g[k] = trial[of_map(map, MAP_FIRST) + local * uint(TERMS) + k].xyz;
+        g[k] = element_at(trial, of_map(map, MAP_FIRST) + local * uint(TERMS) + k);
         slope[k] = squares[k] = vec3(0.0);
     }
     float weight = target_weight(map, local);
     uint texel = of_map(map, MAP_TEXEL) + local, pairs_of_groups = of_map(map, MAP_GROUP_PAIR);
     uint last = at_table(TABLE_TEXEL_FIRST, texel + 1u);
     for (uint s = at_table(TABLE_TEXEL_FIRST, texel); s < last; ++s) {
-        WORD word = samples_by_texel[s];
+        WORD word = sample_at(samples_by_texel, s);
         uint p = v.pair + half_at_table(TABLE_PAIRS_OF_GROUPS, pairs_of_groups + place_of(word));
-        vec4 first = OF_PAIR(p, 0, 0);
+        vec4 first = of_pair(p, 0u, 0);
         vec3 h[TERMS];
         vec3 r = -(first.w * weight) * colour_of(word);
         for (uint k = 0u; k < uint(TERMS); ++k) {
-            h[k] = k == 0u ? first.xyz : OF_PAIR(p, k, 0).xyz;
+            h[k] = k == 0u ? first.xyz : of_pair(p, k, 0).xyz;
             r += lfm_value(g[k], h[k]);
         }
         vec3 weighted = LOSS_WEIGHTED(r * r, r);
@@ -117,11 +60,11 @@ void sum_over_view_texel(Vertex v, uint local, out vec3 slope[TERMS], out vec3 s
         uint last = at_table(TABLE_CELL_FIRST, cell + 1u);
         for (uint i = at_table(TABLE_CELL_FIRST, cell); i < last; ++i) {
             uint p = v.pair + at_table(TABLE_CELL_PAIRS, i);
-            float weight = uintBitsToFloat(pairs[2u * p][corner]);
+            float weight = uintBitsToFloat(texelFetch(pairs, 2 * int(p))[corner]);
             for (uint k = 0u; k < uint(TERMS); ++k) {
-                slope[k] += weight * OF_PAIR(p, k, 1).xyz;
+                slope[k] += weight * of_pair(p, k, 1).xyz;
 #ifdef DIAGONAL
-                squares[k] += weight * weight * OF_PAIR(p, k, 2).xyz;
+                squares[k] += weight * weight * of_pair(p, k, 2).xyz;
 #endif
             }
         }
@@ -131,19 +74,7 @@ void sum_over_view_texel(Vertex v, uint local, out vec3 slope[TERMS], out vec3 s
 void main() {
     if (!is_active()) return;
     Vertex v = this_vertex();
-    vec3 error = sum_over_pairs(v);
     uint texels = site_count(v);
-    for (uint i = lane(); i < texels; i += uint(LANES)) {
-        Site site = site_at(v, i);
-        for (uint k = 0u; k < uint(TERMS); ++k) {
-            vec3 once;
-            LAPLACIAN(once, site, k, TRIAL_AT)
-            smoothed[element_of(site, k)] = vec4(once, 0.0);
-        }
-    }
-    memoryBarrierBuffer();
-    barrier();
-
     uint surface = (v.view_first - v.first) / uint(TERMS);
     float inverse_density = OF_THIS_VERTEX(OF_DENSITY).x;
     vec3 penalty = vec3(0.0), largest = vec3(0.0);
@@ -156,8 +87,7 @@ void main() {
             sum_over_view_texel(v, site.local, slope, squares);
         for (uint k = 0u; k < uint(TERMS); ++k) {
             uint at = element_of(site, k);
-            vec3 x = trial[at].xyz, once = smoothed[at].xyz, twice;
-            LAPLACIAN(twice, site, k, SMOOTHED_AT)
+            vec3 x = element_at(trial, at), once = element_at(smoothed, at), twice = laplacian(smoothed, site, k);
             penalty += 0.5 * site.smoothness * once * once + bound_error(x, k);
             slope[k] = slope[k] * inverse_density + site.smoothness * twice + bound_slope(x, k);
             bool fitted = int(k) >= first_term && int(k) < last_term;
@@ -169,7 +99,7 @@ void main() {
 #endif
         }
     }
-    error = group_sum(0.5 * inverse_density * error + penalty);
+    vec3 error = 0.5 * inverse_density * OF_THIS_VERTEX(OF_RESIDUALS).xyz + group_sum(penalty);
     if (lane() == 0u) OF_THIS_VERTEX(OF_ERROR) = vec4(error, 0.0);
 #ifdef DIAGONAL
     largest = group_max(largest);
