@@ -1,21 +1,23 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1 VIEW_SIDE=8 WIDE=-,1
-// The sum of a vertex's targets L t, and how many samples it has.
-#include "compute/vertices.glsl"
+// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1 WIDE=-,1
+// Of a tile's samples: the sums of targets L t of its three corners, and how many there are.
 #include "compute/samples.glsl"
+layout(std430) writeonly buffer TileSums { vec4 tile_sums[]; };  // [tile][corner][TILE_SUMS]
 void main() {
-    if (vertex_index() >= uint(vertex_count)) return;
-    Vertex v = this_vertex();
-    vec4 sum = vec4(0.0);
-    uint texels = (v.view_first - v.first) / uint(TERMS);
-    for (uint i = lane(); i < texels; i += uint(LANES)) {
-        uint word = at_table(TABLE_SITES, v.site + i), map = v.ring + (word >> 16), local = word & 0xffffu;
-        uint texel = of_map(map, MAP_TEXEL) + local;
-        uint first = at_table(TABLE_TEXEL_FIRST, texel), last = at_table(TABLE_TEXEL_FIRST, texel + 1u);
-        vec3 colours = vec3(0.0);
-        for (uint s = first; s < last; ++s) colours += colour_of(sample_at(samples_by_texel, s));
-        sum += vec4(target_weight(map, local) * colours, float(last - first));
+    if (group_index() >= uint(tile_count)) return;
+    uint texel_count = of_tile(TILE_TEXELS), first_texel = of_tile(TILE_TEXEL);
+    uint block = of_tile(TILE_TEXEL_BLOCK), weights_first = of_tile(TILE_WEIGHT);
+    vec4 sum[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
+    for (uint i = lane(); i < texel_count; i += uint(LANES)) {
+        uint texel = at_table(TABLE_TEXELS, first_texel + i), count = texel >> 16;
+        Column column = column_of(block, i, texel_count);
+        vec3 weights = texelFetch(target_weights, int(weights_first + (texel & 0xffffu))).xyz, colours = vec3(0.0);
+        for (uint s = 0u; s < count; ++s)
+            colours += colour_of(sample_at(samples_by_texel, column.first + s * column.stride));
+        for (int c = 0; c < 3; ++c) sum[c] += vec4(weights[c] * colours, float(count));
     }
-    sum = group_sum(sum);
-    if (lane() == 0u) OF_THIS_VERTEX(OF_TARGETS) = sum;
+    for (uint c = 0u; c < 3u; ++c) {
+        vec4 whole = group_sum(sum[c]);
+        if (lane() == 0u) tile_sums[(group_index() * 3u + c) * uint(TILE_SUMS)] = whole;
+    }
 }

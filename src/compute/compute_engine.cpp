@@ -14,8 +14,9 @@ constexpr size_t block = 256;  // problems that one invocation of summary.comp l
 
 /// shaders/compute/problems.glsl
 namespace of_problem {
-enum { density, lambda_view, targets, error, line, residuals = line + 4, count };
+enum { density, lambda_view, error, line, count = line + 4 };
 }
+constexpr size_t tile_sums = 4;
 
 size_t problem_groups(size_t problems) { return (problems + lanes - 1) / lanes; }
 
@@ -25,38 +26,62 @@ ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas,
                              const SampleList& samples, const LfmOptions& options)
     : options_((check_options(options), options)),
       layout_(rings, atlas, options.view_side, options.terms),
-      samples_(dataset, atlas, rings, layout_, samples, options) {
+      samples_(dataset, atlas, rings, layout_, samples, options, lanes),
+      rings_(&rings) {
     const size_t vertices = layout_.problem_count(), terms = size_t(options.terms);
     problems_ = storage_buffer("sums of vertices", vertices * of_problem::count * 16);
     numbers_ = storage_buffer("numbers of problems", problem_count() * number_count * sizeof(float));
     summaries_ = storage_buffer("summaries", (problem_count() + block - 1) / block * 16);
-    pair_sums_ = FetchedBuffer("sums of cameras' views", GL_RGBA32F, samples_.pair_count() * terms * 3 * 16, nullptr);
+    const auto floats4 = [](const char* what, size_t count) {
+        return FetchedBuffer(what, GL_RGBA32F, count * 16, nullptr);
+    };
+    for (FetchedBuffer* of_pairs : {&pair_values_, &pair_slopes_, &pair_sums_, &pair_squares_})
+        *of_pairs = floats4("cameras' views of vertices", samples_.pair_count() * terms);
+    group_sums_ = floats4("sums of groups of samples", samples_.group_count() * 3 * terms);
+    tile_sums_ = floats4("sums of triangles", samples_.tile_count() * 3 * tile_sums);
     smoothed_ = make_vector();
     for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(make_vector());
+    make_programs();
+    make_room({});
+}
 
+void ComputeEngine::make_programs() {
+    const Texture &trial = vectors_[vector::trial].texture, &p = vectors_[vector::p].texture,
+                  &d = vectors_[vector::d].texture;
+    const auto over = [&](const Texture& maps, const char* file, const Defines& defines = {}) {
+        Program made = program(file, defines);
+        made.bind("maps", maps);
+        return made;
+    };
     count_ = program("count.comp");
-    const FetchedBuffer& trial = vectors_[vector::trial];
+    look_up_ = program("look_up.comp");
+    look_up_along_ = over(d, "look_up.comp");
+    look_up_along_.bind("PairValues", pair_slopes_.buffer);
+    laplacian_ = over(trial, "laplacian.comp");
+    laplacian_.bind("Smoothed", smoothed_.buffer);
+    group_pass_ = over(trial, "tile_groups.comp");
+    square_pass_ = over(trial, "tile_groups.comp", {{"SQUARES", ""}});
+    pair_pass_ = program("pair_sums.comp");
     for (const bool diagonal : {false, true}) {
         const Defines defines = diagonal ? Defines{{"DIAGONAL", ""}} : Defines{};
-        const Program& pairs = pair_passes_[diagonal] = program("pairs.comp", defines);
-        pairs.bind("trial", trial.texture);
-        pairs.bind("PairSums", pair_sums_.buffer);
-        pairs.bind("Smoothed", smoothed_.buffer);
-        const Program& gradient = gradient_passes_[diagonal] = program("gradient.comp", defines);
-        gradient.bind("trial", trial.texture);
-        gradient.bind("pair_sums", pair_sums_.texture);
-        gradient.bind("smoothed", smoothed_.texture);
-        gradient.bind("Gradient", vectors_[vector::trial_g].buffer);
-        gradient.bind_if_used("Fresh", vectors_[vector::fresh].buffer);
+        texel_passes_[diagonal] = over(trial, "tile_texels.comp", defines);
+        gradient_passes_[diagonal] = over(trial, "gradient.comp", defines);
+        gradient_passes_[diagonal].bind("smoothed", smoothed_.texture);
+        gradient_passes_[diagonal].bind("pair_sums", pair_sums_.texture);
+        gradient_passes_[diagonal].bind_if_used("pair_squares", pair_squares_.texture);
+        for (const Program* made : {&texel_passes_[diagonal], &gradient_passes_[diagonal]}) {
+            made->bind("Gradient", vectors_[vector::trial_g].buffer);
+            made->bind_if_used("Fresh", vectors_[vector::fresh].buffer);
+        }
     }
-    line_ = program("line.comp");
-    line_.bind("point", vectors_[vector::p].texture);
-    line_.bind("direction", vectors_[vector::d].texture);
-    line_.set("penalized", int(options.mends.penalty_curvature));
+    tile_line_ = over(p, "tile_line.comp");
+    line_ = over(p, "line.comp");
+    for (const Program* made : {&tile_line_, &line_}) made->bind("direction", d);
+    tile_line_.bind("pair_slopes", pair_slopes_.texture);
+    line_.set("penalized", int(options_.mends.penalty_curvature));
     dot_ = program("dot.comp");
     summary_ = program("summary.comp");
     summary_.bind("Summaries", summaries_);
-    make_room({});
 }
 
 FetchedBuffer ComputeEngine::make_vector() const {
@@ -77,6 +102,11 @@ Program ComputeEngine::program(const std::string& file, const Defines& more) con
                                                            samples_.defines() + loss_defines(options_.loss) + more);
     samples_.bind_to(made);
     made.bind_if_used("Problems", problems_);
+    made.bind_if_used("pair_values", pair_values_.texture);
+    made.bind_if_used("group_sums", group_sums_.texture);
+    made.bind_if_used("GroupSums", group_sums_.buffer);
+    made.bind_if_used("tile_sums", tile_sums_.texture);
+    made.bind_if_used("TileSums", tile_sums_.buffer);
     made.bind_if_used("Numbers", numbers_);
     made.set_if_used("lambda_surface", options_.lambda_surface);
     made.set_if_used("mu", options_.mu);
@@ -86,22 +116,28 @@ Program ComputeEngine::program(const std::string& file, const Defines& more) con
 }
 
 ProblemStatistics ComputeEngine::count() {
-    count_.dispatch(layout_.problem_count());
-    std::vector<float> all = read_problems();
+    count_.dispatch(samples_.tile_count());
+    std::vector<float> of_tiles(samples_.tile_count() * 3 * tile_sums * 4);
+    read(tile_sums_.buffer, of_tiles);
     const size_t vertices = layout_.problem_count();
+    std::vector<float> all(vertices * of_problem::count * 4);
     ProblemStatistics statistics;
-    statistics.samples.resize(vertices);
+    statistics.samples.assign(vertices, 0);
     statistics.mean.assign(3 * vertices, 0.0f);
     for (size_t v = 0; v < vertices; ++v) {
-        float* of = &all[v * of_problem::count * 4];
-        const auto samples = uint32_t(of[4 * of_problem::targets + 3]);
+        double sum[3] = {};
+        for (const Corner& corner : rings_->ring(v)) {
+            const float* of_tile = &of_tiles[(3 * size_t(corner.triangle) + corner.corner) * tile_sums * 4];
+            for (size_t c = 0; c < 3; ++c) sum[c] += double(of_tile[c]);
+            statistics.samples[v] += uint32_t(of_tile[3]);
+        }
+        const uint32_t samples = statistics.samples[v];
         const size_t texels = layout_.surface_texels(v);
-        statistics.samples[v] = samples;
+        float* of = &all[v * of_problem::count * 4];
         of[4 * of_problem::density] = samples ? float(inverse_density(options_, texels, samples)) : 1.0f;
         of[4 * of_problem::density + 1] = float(texels);
         for (size_t c = 0; c < 3 && samples; ++c) {
-            const float mean = of[4 * of_problem::targets + c] / float(samples);
-            statistics.mean[3 * v + c] = mean;
+            const float mean = statistics.mean[3 * v + c] = float(sum[c] / samples);
             of[4 * of_problem::lambda_view + c] = scaled_lambda_view(options_, texels, mean);
         }
     }
@@ -137,15 +173,40 @@ void ComputeEngine::make_room(const Room& room) {
     numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
 }
 
+void ComputeEngine::look_up(const FetchedBuffer& maps) {
+    look_up_.bind("maps", maps.texture);
+    look_up_.bind("PairValues", pair_values_.buffer);
+    look_up_.dispatch(layout_.problem_count());
+}
+
+void ComputeEngine::sum_over_pairs(const FetchedBuffer& into) {
+    pair_pass_.bind("PairSums", into.buffer);
+    pair_pass_.dispatch(layout_.problem_count());
+}
+
 void ComputeEngine::gradient_pass(bool diagonal) {
-    pair_passes_[diagonal].dispatch(layout_.problem_count());
+    const size_t vertices = layout_.problem_count(), tiles = samples_.tile_count();
+    look_up(vectors_[vector::trial]);
+    group_pass_.dispatch(tiles);
+    sum_over_pairs(pair_sums_);
+    if (diagonal) {
+        square_pass_.dispatch(tiles);
+        sum_over_pairs(pair_squares_);
+    }
+    texel_passes_[diagonal].dispatch(tiles);
+    laplacian_.dispatch(vertices);
     const Program& gradient = gradient_passes_[diagonal];
     gradient.set("first_term", first_term_);
     gradient.set("last_term", last_term_);
-    gradient.dispatch(layout_.problem_count());
+    gradient.dispatch(vertices);
 }
 
-void ComputeEngine::directional_pass() { line_.dispatch(layout_.problem_count()); }
+void ComputeEngine::directional_pass() {
+    look_up(vectors_[vector::p]);
+    look_up_along_.dispatch(layout_.problem_count());
+    tile_line_.dispatch(samples_.tile_count());
+    line_.dispatch(layout_.problem_count());
+}
 
 void ComputeEngine::dot(std::initializer_list<DotProduct> products) {
     dot_.bind("Products", products_);

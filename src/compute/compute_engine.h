@@ -17,7 +17,7 @@ namespace radiafit {
 /// so the same fit gives the same bits. The context must be current wherever it is used, and when it is destroyed.
 class ComputeEngine {
 public:
-    /// Of the arguments, atlas' mesh must outlive it. Throws UserError for options out of range, and where a buffer
+    /// rings and the atlas' mesh must outlive it. Throws UserError for options out of range, and where a buffer
     /// would be larger than the device allows.
     ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                   const SampleList& samples, const LfmOptions& options);
@@ -67,6 +67,9 @@ private:
     std::vector<float> sums_of(int what, const std::vector<float>& problems) const;  ///< [M]
     std::vector<float> read_numbers() const;                                         ///< [M][number_count]
     Program program(const std::string& file, const Defines& more = {}) const;
+    void make_programs();
+    void look_up(const FetchedBuffer& maps);
+    void sum_over_pairs(const FetchedBuffer& into);
     const Program& step_program(Step which, const Turn& turn);
     const Program& update_program(Update which);
 
@@ -74,12 +77,16 @@ private:
     LfmOptions options_;
     LfmLayout layout_;
     SampleStore samples_;
+    const VertexRings* rings_;
     Room room_;
     int first_term_ = 0, last_term_ = 1 << 30;
     Buffer problems_, numbers_, products_, summaries_;
     std::vector<FetchedBuffer> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
-    FetchedBuffer smoothed_, pair_sums_;
-    Program count_, pair_passes_[2], gradient_passes_[2], line_, dot_, summary_;
+    FetchedBuffer smoothed_;
+    FetchedBuffer pair_values_, pair_slopes_;  ///< what cameras see of view maps, of x and along d
+    FetchedBuffer group_sums_, pair_sums_, pair_squares_, tile_sums_;
+    Program count_, look_up_, look_up_along_, laplacian_, group_pass_, square_pass_, pair_pass_, texel_passes_[2],
+        gradient_passes_[2], tile_line_, line_, dot_, summary_;
     std::map<std::tuple<Step, int, float>, Program> steps_;
     std::map<Update, Program> updates_;
     std::vector<uint32_t> sample_counts_;  ///< [vertices], from count()
