@@ -1,13 +1,10 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=18 STEP=*
+// variants: LANES=32 NUMBER_COUNT=18 PROBLEMS=vertices_given,texels_given STEP=*
 // One step of an optimizer, for every problem by itself: reads and writes its own numbers.
 #include "optimize/dialect.glsl"
 #include "optimize/TEXT.glsl"
-#include "compute/problems.glsl"
 layout(local_size_x = LANES) in;
 layout(std430) buffer Numbers { float numbers[]; };
-layout(std430) readonly buffer Problems { vec4 problems[]; };  // as compute/vertices.glsl has them
-layout(std430) readonly buffer Products { vec4 products[]; };
 #ifndef LEFT_OUT
 #define LEFT_OUT 0
 #endif
@@ -18,28 +15,21 @@ uniform int rule;
 uniform int restart;
 uniform vec2 stop;  // residual, output change
 uniform int slot;
+uniform int problem_count;
 uniform int product_count;
-uniform int vertex_count;
+#include "compute/PROBLEMS.glsl"
 
 void main() {
     uint problem = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * uint(LANES) + gl_LocalInvocationID.x;
-    if (problem >= 3u * uint(vertex_count)) return;
-    uint at = problem * uint(NUMBER_COUNT), vertex = problem / 3u, channel = problem % 3u;
+    if (problem >= uint(problem_count)) return;
+    uint at = problem * uint(NUMBER_COUNT);
     ProblemState s = ProblemState(numbers[at], numbers[at + 1u], numbers[at + 2u], numbers[at + 3u], numbers[at + 4u],
                                   numbers[at + 5u], numbers[at + 6u], numbers[at + 7u], numbers[at + 8u],
                                   numbers[at + 9u]);
     if (s.status != STATUS_ACTIVE && s.accepted == 0.0) return;
     Own own;
     for (uint i = 0u; i < uint(MOST_OWN); ++i) own.x[i] = numbers[at + 10u + i];
-    Given given;
-    uint of_vertex = vertex * uint(OF_VERTEX), line = of_vertex + uint(OF_LINE);
-    given.texels = problems[of_vertex + uint(OF_DENSITY)].y;
-    given.trial_error = problems[of_vertex + uint(OF_ERROR)][channel];
-    given.line = LineSums(problems[line][channel], problems[line + 1u][channel], problems[line + 2u][channel],
-                          problems[line + 3u][channel]);
-    for (int i = 0; i < STEP_PRODUCTS; ++i)
-        given.products[i] = i < product_count ? products[vertex * uint(product_count) + uint(i)][channel] : 0.0;
-    STEP(s, own, given, Turn(rule, restart, slot, StopRules(stop.x, stop.y), LEFT_OUT, FIRST_STEP));
+    STEP(s, own, given_of(problem), Turn(rule, restart, slot, StopRules(stop.x, stop.y), LEFT_OUT, FIRST_STEP));
     numbers[at] = s.error;
     numbers[at + 1u] = s.norm;
     numbers[at + 2u] = s.slope;

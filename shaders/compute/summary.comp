@@ -5,12 +5,12 @@
 #include "optimize/dialect.glsl"
 layout(local_size_x = LANES) in;
 layout(std430) readonly buffer Numbers { float numbers[]; };
-uniform int vertex_count;
+uniform int problem_count;
 layout(std430) buffer Summaries { uvec4 summaries[]; };
 void main() {
     uint block = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * uint(LANES) + gl_LocalInvocationID.x;
-    if (block * uint(BLOCK) >= 3u * uint(vertex_count)) return;
-    uint end = min((block + 1u) * uint(BLOCK), 3u * uint(vertex_count));
+    if (block * uint(BLOCK) >= uint(problem_count)) return;
+    uint end = min((block + 1u) * uint(BLOCK), uint(problem_count));
     uvec2 counts = uvec2(0u);
     double error = 0.0;
     for (uint problem = block * uint(BLOCK); problem < end; ++problem) {

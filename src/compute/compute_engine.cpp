@@ -1,7 +1,6 @@
 #include "compute/compute_engine.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "fragment/map_vector.h"
 #include "model/lfm_start.h"
@@ -9,16 +8,13 @@
 namespace radiafit {
 namespace {
 
-constexpr size_t lanes = 32;   // of a work group
-constexpr size_t block = 256;  // problems that one invocation of summary.comp looks at
+constexpr size_t lanes = 32;  // of a work group
 
 /// shaders/compute/problems.glsl
 namespace of_problem {
 enum { density, lambda_view, error, line, count = line + 4 };
 }
 constexpr size_t tile_sums = 4;
-
-size_t problem_groups(size_t problems) { return (problems + lanes - 1) / lanes; }
 
 }  // namespace
 
@@ -27,11 +23,10 @@ ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas,
     : options_((check_options(options), options)),
       layout_(rings, atlas, options.view_side, options.terms),
       samples_(dataset, atlas, rings, layout_, samples, options, lanes),
+      problems_(3 * layout_.problem_count(), "vertices_given", lanes),
       rings_(&rings) {
     const size_t vertices = layout_.problem_count(), terms = size_t(options.terms);
-    problems_ = storage_buffer("sums of vertices", vertices * of_problem::count * 16);
-    numbers_ = storage_buffer("numbers of problems", problem_count() * number_count * sizeof(float));
-    summaries_ = storage_buffer("summaries", (problem_count() + block - 1) / block * 16);
+    problems_.make_given(vertices * of_problem::count * 16);
     const auto floats4 = [](const char* what, size_t count) {
         return FetchedBuffer(what, GL_RGBA32F, count * 16, nullptr);
     };
@@ -80,8 +75,6 @@ void ComputeEngine::make_programs() {
     tile_line_.bind("pair_slopes", pair_slopes_.texture);
     line_.set("penalized", int(options_.mends.penalty_curvature));
     dot_ = program("dot.comp");
-    summary_ = program("summary.comp");
-    summary_.bind("Summaries", summaries_);
 }
 
 FetchedBuffer ComputeEngine::make_vector() const {
@@ -92,22 +85,17 @@ FetchedBuffer ComputeEngine::make_vector() const {
 
 /// With all that programs share.
 Program ComputeEngine::program(const std::string& file, const Defines& more) const {
-    Program made = Program::compute("compute/" + file, Defines{{"LANES", std::to_string(lanes)},
-                                                               {"BLOCK", std::to_string(block)},
-                                                               {"NUMBER_COUNT", std::to_string(number_count)},
-                                                               {"NUMBER_STATUS", std::to_string(number::status)},
-                                                               {"NUMBER_ACCEPTED", std::to_string(number::accepted)},
-                                                               {"TERMS", std::to_string(options_.terms)},
-                                                               {"VIEW_SIDE", std::to_string(options_.view_side)}} +
+    Program made = Program::compute("compute/" + file, problems_.defines() +
+                                                           Defines{{"TERMS", std::to_string(options_.terms)},
+                                                                   {"VIEW_SIDE", std::to_string(options_.view_side)}} +
                                                            samples_.defines() + loss_defines(options_.loss) + more);
     samples_.bind_to(made);
-    made.bind_if_used("Problems", problems_);
+    problems_.bind_to(made);
     made.bind_if_used("pair_values", pair_values_.texture);
     made.bind_if_used("group_sums", group_sums_.texture);
     made.bind_if_used("GroupSums", group_sums_.buffer);
     made.bind_if_used("tile_sums", tile_sums_.texture);
     made.bind_if_used("TileSums", tile_sums_.buffer);
-    made.bind_if_used("Numbers", numbers_);
     made.set_if_used("lambda_surface", options_.lambda_surface);
     made.set_if_used("mu", options_.mu);
     made.set_if_used("bounds", options_.lower, options_.upper);
@@ -141,24 +129,16 @@ ProblemStatistics ComputeEngine::count() {
             of[4 * of_problem::lambda_view + c] = scaled_lambda_view(options_, texels, mean);
         }
     }
-    problems_.write(0, all.size() * sizeof(float), all.data());
+    problems_.given().write(0, all.size() * sizeof(float), all.data());
     sample_counts_ = statistics.samples;
     return statistics;
 }
 
 void ComputeEngine::reset(std::span<const float> start) {
-    using real = float;
     for (FetchedBuffer& v : vectors_) v.buffer.clear();
     vectors_[vector::trial].buffer.write(0, start.size_bytes(), start.data());
     vectors_[vector::p].buffer.write(0, start.size_bytes(), start.data());  // what a problem without samples returns
-    std::vector<float> numbers(problem_count() * number_count);
-    for (size_t i = 0; i < problem_count(); ++i) {
-        float* of = &numbers[i * number_count];
-        of[number::error] = HUGE_ERROR;
-        of[number::step_factor] = 1;
-        of[number::status] = float(sample_counts_[i / 3] ? Status::active : Status::no_samples);
-    }
-    numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
+    problems_.reset([&](size_t problem) { return sample_counts_[problem / 3]; });
 }
 
 void ComputeEngine::make_room(const Room& room) {
@@ -166,11 +146,8 @@ void ComputeEngine::make_room(const Room& room) {
     vectors_.resize(std::min(vectors_.size(), size_t(room.vector_count())));
     for (size_t v = vector::first_own; v < vectors_.size(); ++v) vectors_[v].buffer.clear();
     while (vectors_.size() < size_t(room.vector_count())) vectors_.push_back(make_vector());
-    products_ = storage_buffer("products", layout_.problem_count() * size_t(room.product_count()) * 16);
-    std::vector<float> numbers = read_numbers();
-    for (size_t i = 0; i < problem_count(); ++i)
-        std::fill_n(&numbers[i * number_count + number::first_own], number_count - number::first_own, 0.0f);
-    numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
+    problems_.make_products(room.product_count(), layout_.problem_count() * 16);
+    problems_.clear_own();
 }
 
 void ComputeEngine::look_up(const FetchedBuffer& maps) {
@@ -209,8 +186,7 @@ void ComputeEngine::directional_pass() {
 }
 
 void ComputeEngine::dot(std::initializer_list<DotProduct> products) {
-    dot_.bind("Products", products_);
-    dot_.set("product_count", room_.product_count());
+    problems_.bind_to(dot_);
     for (const DotProduct& product : products) {
         const bool weighted = product.weight != vector::none;
         dot_.bind("left", vectors_[size_t(product.a)].texture);
@@ -222,39 +198,12 @@ void ComputeEngine::dot(std::initializer_list<DotProduct> products) {
     }
 }
 
-const Program& ComputeEngine::step_program(Step which, const Turn& turn) {
-    Program& made = steps_[{which, turn.left_out, turn.first_step}];
-    if (made) return made;
-    const StepName& name = steps[int(which)];
-    Defines defines{{"TEXT", name.file}, {"STEP", name.function}};
-    if (turn.left_out)
-        defines = defines +
-                  Defines{{"LEFT_OUT", std::to_string(turn.left_out)}, {"FIRST_STEP", std::to_string(turn.first_step)}};
-    made = program("step.comp", defines);
-    return made;
-}
-
-void ComputeEngine::step(Step which, const Turn& turn) {
-    const Program& step = step_program(which, turn);
-    step.bind_if_used("Products", products_);
-    step.set_if_used("product_count", room_.product_count());
-    step.set_if_used("rule", turn.rule);
-    step.set_if_used("restart", turn.restart);
-    step.set_if_used("slot", turn.slot);
-    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
-    step.dispatch(problem_groups(problem_count()));
-}
+void ComputeEngine::step(Step which, const Turn& turn) { problems_.step(which, turn); }
 
 const Program& ComputeEngine::update_program(Update which) {
     Program& made = updates_[which];
     if (made) return made;
-    const UpdateShape& shape = radiafit::updates[int(which)];
-    made = program("update.comp", {{"TEXT", shape.file},
-                                   {"UPDATE", shape.function},
-                                   {"VECTORS", std::to_string(shape.vectors)},
-                                   {"WRITTEN", std::to_string(shape.written)},
-                                   {"NUMBERS", std::to_string(shape.numbers)},
-                                   {"PRODUCTS", std::to_string(shape.products)}});
+    made = program("update.comp", ProblemBuffers::update_defines(which));
     return made;
 }
 
@@ -263,59 +212,15 @@ void ComputeEngine::update(Update which, std::initializer_list<int> vectors, std
     const Program& update = update_program(which);
     for (size_t k = 0; k < vectors.size(); ++k)
         update.bind_if_used("Vectors[" + std::to_string(k) + "]", vectors_[size_t(std::data(vectors)[k])].buffer);
-    int indices[4] = {};
-    float told[4] = {};
-    std::ranges::transform(numbers, indices,
-                           [](int n) { return n >= number::first_product ? n - number::first_product : n; });
-    std::ranges::copy(constants, told);
-    update.set_if_used("number_indices", std::span<const int>(indices));
-    update.set_if_used("constants", std::span<const float>(told));
-    update.bind_if_used("Products", products_);
-    update.set_if_used("product_count", room_.product_count());
+    problems_.tell_update(update, numbers, constants);
     update.dispatch(layout_.problem_count());
-}
-
-EngineSummary ComputeEngine::summary() {
-    const size_t blocks = (problem_count() + block - 1) / block;
-    summary_.dispatch(problem_groups(blocks));
-    std::vector<std::array<uint32_t, 4>> parts(blocks);
-    summaries_.read(0, blocks * sizeof parts[0], parts.data());
-    EngineSummary sum;
-    for (const auto& [active, accepted, low, high] : parts) {
-        sum.active += active;
-        sum.accepted += accepted;
-        sum.error += std::bit_cast<double>(uint64_t(high) << 32 | low);
-    }
-    return sum;
-}
-
-void ComputeEngine::outcomes(std::span<ProblemOutcome> out) const {
-    using real = float;
-    const std::vector<float> numbers = read_numbers();
-    for (size_t i = 0; i < problem_count(); ++i) {
-        const float* of = &numbers[i * number_count];
-        out[i] = {of[number::error] < HUGE_ERROR ? of[number::error] : 0, Status(int(of[number::status])),
-                  uint32_t(of[number::iterations])};
-        if (out[i].status == Status::active) out[i].status = Status::max_iterations;
-    }
-}
-
-void ComputeEngine::read_errors(std::span<float> out) const {
-    const std::vector<float> numbers = read_numbers();
-    for (size_t i = 0; i < problem_count(); ++i) out[i] = numbers[i * number_count + number::error];
 }
 
 void ComputeEngine::read(const Buffer& buffer, std::span<float> out) { buffer.read(0, out.size_bytes(), out.data()); }
 
 std::vector<float> ComputeEngine::read_problems() const {
     std::vector<float> all(layout_.problem_count() * of_problem::count * 4);
-    read(problems_, all);
-    return all;
-}
-
-std::vector<float> ComputeEngine::read_numbers() const {
-    std::vector<float> all(problem_count() * number_count);
-    read(numbers_, all);
+    read(problems_.given(), all);
     return all;
 }
 

@@ -2,9 +2,9 @@
 #include <map>
 #include <memory>
 #include <span>
-#include <tuple>
 #include <vector>
 
+#include "compute/problem_buffers.h"
 #include "compute/sample_store.h"
 #include "geometry/vertex_rings.h"
 #include "gl/context.h"
@@ -36,9 +36,9 @@ public:
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    EngineSummary summary();
-    void outcomes(std::span<ProblemOutcome> out) const;
-    void read_errors(std::span<float> out) const;
+    EngineSummary summary() { return problems_.summary(); }
+    void outcomes(std::span<ProblemOutcome> out) const { problems_.outcomes(out); }
+    void read_errors(std::span<float> out) const { problems_.read_errors(out); }
     void read_parameters(std::span<float> out) const { read(vectors_[vector::p].buffer, out); }
 
     // What tests and agreement checks look at.
@@ -58,36 +58,30 @@ public:
     uint64_t bytes() const { return uint64_t(Context::current().allocated_bytes() - allocated_before_); }
 
 private:
-    /// Of a problem: those of optim/verbs.h, then room for as many own ones as an optimizer may have.
-    static constexpr size_t number_count = number::first_own + 8;
-
     FetchedBuffer make_vector() const;
     static void read(const Buffer& buffer, std::span<float> out);
     std::vector<float> read_problems() const;                                        ///< [vertices][OF_VERTEX][4]
     std::vector<float> sums_of(int what, const std::vector<float>& problems) const;  ///< [M]
-    std::vector<float> read_numbers() const;                                         ///< [M][number_count]
     Program program(const std::string& file, const Defines& more = {}) const;
     void make_programs();
     void look_up(const FetchedBuffer& maps);
     void sum_over_pairs(const FetchedBuffer& into);
-    const Program& step_program(Step which, const Turn& turn);
     const Program& update_program(Update which);
 
     int64_t allocated_before_ = Context::current().allocated_bytes();
     LfmOptions options_;
     LfmLayout layout_;
     SampleStore samples_;
+    ProblemBuffers problems_;
     const VertexRings* rings_;
     Room room_;
     int first_term_ = 0, last_term_ = 1 << 30;
-    Buffer problems_, numbers_, products_, summaries_;
     std::vector<FetchedBuffer> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
     FetchedBuffer smoothed_;
     FetchedBuffer pair_values_, pair_slopes_;  ///< what cameras see of view maps, of x and along d
     FetchedBuffer group_sums_, pair_sums_, pair_squares_, tile_sums_;
     Program count_, look_up_, look_up_along_, laplacian_, group_pass_, square_pass_, pair_pass_, texel_passes_[2],
-        gradient_passes_[2], tile_line_, line_, dot_, summary_;
-    std::map<std::tuple<Step, int, float>, Program> steps_;
+        gradient_passes_[2], tile_line_, line_, dot_;
     std::map<Update, Program> updates_;
     std::vector<uint32_t> sample_counts_;  ///< [vertices], from count()
 };

@@ -9,28 +9,10 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "gl/context.h"
 #include "model/penalty.h"
 
 namespace radiafit {
 namespace {
-
-void check_size(const char* what, uint64_t bytes, uint64_t most) {
-    if (bytes > most)
-        throw UserError(fmt::format("{} take {} MB, and {} allows {} MB; choose another engine, or a smaller fit", what,
-                                    bytes / 1000000 + 1, Context::current().renderer(), most / 1000000));
-}
-
-uint64_t texel_bytes(GLenum format) {
-    switch (format) {
-        case GL_R32UI:
-            return 4;
-        case GL_RG32UI:
-            return 8;
-        default:
-            return 16;
-    }
-}
 
 bool is_of_8_bits(const Sample& s) {
     return std::ranges::all_of(s.rgb, [](uint16_t value) { return value % 257 == 0; });
@@ -95,19 +77,6 @@ std::vector<uint32_t> by_size(size_t count, const Size& size) {
 }
 
 }  // namespace
-
-FetchedBuffer::FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic) {
-    check_size(what, bytes, uint64_t(Context::current().limits().texture_buffer_texels) * texel_bytes(format));
-    buffer = Buffer(bytes, data, dynamic);
-    texture = Texture::of_buffer(format, buffer);
-}
-
-Buffer storage_buffer(const char* what, size_t bytes) {
-    check_size(what, bytes, uint64_t(Context::current().limits().ssbo_bytes));
-    Buffer buffer(bytes, nullptr, true);
-    buffer.clear();
-    return buffer;
-}
 
 SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                          const LfmLayout& layout, const SampleList& samples, const LfmOptions& options, uint32_t lanes)

@@ -1,26 +1,12 @@
 #pragma once
 #include <array>
 
+#include "compute/problem_buffers.h"
 #include "dataset/dataset.h"
-#include "gl/program.h"
 #include "model/lfm.h"
 #include "samples/sample_list.h"
 
 namespace radiafit {
-
-/// A buffer, and the buffer texture that passes fetch it by.
-struct FetchedBuffer {
-    Buffer buffer;
-    Texture texture;
-
-    FetchedBuffer() = default;
-    /// `format`: of the texture's texels, such as GL_RGBA32F. data: null, or so many bytes. Throws UserError, naming
-    /// what it is, where the device fetches from none so large.
-    FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic = false);
-};
-/// A buffer that passes write to, all zero. Throws UserError, naming what it is, where the device writes to none so
-/// large.
-Buffer storage_buffer(const char* what, size_t bytes);
 
 /// The samples of a light field map on the device, and the tables that lead to them: what shaders/compute/tables.glsl
 /// and samples.glsl read. A sample counts for the problems of its triangle's three vertices. It stands there twice, by

@@ -1,0 +1,166 @@
+#include "compute/problem_buffers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "base/error.h"
+#include "gl/context.h"
+
+namespace radiafit {
+namespace {
+
+constexpr size_t block = 256;  // problems that one invocation of summary.comp looks at
+
+void check_size(const char* what, uint64_t bytes, uint64_t most) {
+    if (bytes > most)
+        throw UserError(fmt::format("{} take {} MB, and {} allows {} MB; choose another engine, or a smaller fit", what,
+                                    bytes / 1000000 + 1, Context::current().renderer(), most / 1000000));
+}
+
+uint64_t texel_bytes(GLenum format) { return format == GL_R32UI ? 4 : format == GL_RG32UI ? 8 : 16; }
+
+}  // namespace
+
+FetchedBuffer::FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic) {
+    check_size(what, bytes, uint64_t(Context::current().limits().texture_buffer_texels) * texel_bytes(format));
+    buffer = Buffer(bytes, data, dynamic);
+    texture = Texture::of_buffer(format, buffer);
+}
+
+Buffer storage_buffer(const char* what, size_t bytes) {
+    check_size(what, bytes, uint64_t(Context::current().limits().ssbo_bytes));
+    Buffer buffer(bytes, nullptr, true);
+    buffer.clear();
+    return buffer;
+}
+
+ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given, size_t lanes)
+    : count_(problems),
+      lanes_(lanes),
+      given_text_(given),
+      numbers_(storage_buffer("numbers of problems", problems * number_count * sizeof(float))),
+      summaries_(storage_buffer("summaries", (problems + block - 1) / block * 16)),
+      summary_(Program::compute("compute/summary.comp", defines() + Defines{{"BLOCK", std::to_string(block)}})) {
+    bind_to(summary_);
+    summary_.bind("Summaries", summaries_);
+}
+
+void ProblemBuffers::make_products(int count, size_t bytes_each) {
+    product_count_ = count;
+    products_ = storage_buffer("products", size_t(count) * bytes_each);
+}
+
+Defines ProblemBuffers::defines() const {
+    return {{"LANES", std::to_string(lanes_)},
+            {"NUMBER_COUNT", std::to_string(number_count)},
+            {"NUMBER_STATUS", std::to_string(number::status)},
+            {"NUMBER_ACCEPTED", std::to_string(number::accepted)}};
+}
+
+void ProblemBuffers::bind_to(const Program& program) const {
+    program.bind_if_used("Numbers", numbers_);
+    program.bind_if_used("Problems", given_);
+    program.bind_if_used("Products", products_);
+    program.set_if_used("product_count", product_count_);
+    program.set_if_used("problem_count", int(count_));
+}
+
+void ProblemBuffers::reset(std::span<const Status> status) {
+    using real = float;
+    std::vector<float> numbers(count_ * number_count);
+    for (size_t i = 0; i < count_; ++i) {
+        float* of = &numbers[i * number_count];
+        of[number::error] = HUGE_ERROR;
+        of[number::step_factor] = 1;
+        of[number::status] = float(status[i]);
+    }
+    numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
+}
+
+void ProblemBuffers::clear_own() {
+    std::vector<float> numbers = read_numbers();
+    for (size_t i = 0; i < count_; ++i)
+        std::fill_n(&numbers[i * number_count + number::first_own], number_count - number::first_own, 0.0f);
+    numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
+}
+
+void ProblemBuffers::step(Step which, const Turn& turn) {
+    Program& step = steps_[{which, turn.left_out, turn.first_step}];
+    if (!step) {
+        const StepName& name = steps[int(which)];
+        Defines all = defines() + Defines{{"PROBLEMS", given_text_}, {"TEXT", name.file}, {"STEP", name.function}};
+        if (turn.left_out)
+            all = all +
+                  Defines{{"LEFT_OUT", std::to_string(turn.left_out)}, {"FIRST_STEP", std::to_string(turn.first_step)}};
+        step = Program::compute("compute/step.comp", all);
+    }
+    bind_to(step);
+    step.set_if_used("rule", turn.rule);
+    step.set_if_used("restart", turn.restart);
+    step.set_if_used("slot", turn.slot);
+    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
+    step.dispatch(groups(count_));
+}
+
+Defines ProblemBuffers::update_defines(Update which) {
+    const UpdateShape& shape = updates[int(which)];
+    return {{"TEXT", shape.file},
+            {"UPDATE", shape.function},
+            {"VECTORS", std::to_string(shape.vectors)},
+            {"WRITTEN", std::to_string(shape.written)},
+            {"NUMBERS", std::to_string(shape.numbers)},
+            {"PRODUCTS", std::to_string(shape.products)}};
+}
+
+void ProblemBuffers::tell_update(const Program& update, std::initializer_list<int> numbers,
+                                 std::initializer_list<float> constants) const {
+    int indices[4] = {};
+    float told[4] = {};
+    std::ranges::transform(numbers, indices,
+                           [](int n) { return n >= number::first_product ? n - number::first_product : n; });
+    std::ranges::copy(constants, told);
+    update.set_if_used("number_indices", std::span<const int>(indices));
+    update.set_if_used("constants", std::span<const float>(told));
+    bind_to(update);
+}
+
+EngineSummary ProblemBuffers::summary() {
+    const size_t blocks = (count_ + block - 1) / block;
+    summary_.dispatch(groups(blocks));
+    std::vector<std::array<uint32_t, 4>> parts(blocks);
+    summaries_.read(0, blocks * sizeof parts[0], parts.data());
+    EngineSummary sum;
+    for (const auto& [active, accepted, low, high] : parts) {
+        sum.active += active;
+        sum.accepted += accepted;
+        sum.error += std::bit_cast<double>(uint64_t(high) << 32 | low);
+    }
+    return sum;
+}
+
+std::vector<float> ProblemBuffers::read_numbers() const {
+    std::vector<float> all(count_ * number_count);
+    numbers_.read(0, all.size() * sizeof(float), all.data());
+    return all;
+}
+
+void ProblemBuffers::outcomes(std::span<ProblemOutcome> out) const {
+    using real = float;
+    const std::vector<float> numbers = read_numbers();
+    for (size_t i = 0; i < count_; ++i) {
+        const float* of = &numbers[i * number_count];
+        out[i] = {of[number::error] < HUGE_ERROR ? of[number::error] : 0, Status(int(of[number::status])),
+                  uint32_t(of[number::iterations])};
+        if (out[i].status == Status::active) out[i].status = Status::max_iterations;
+    }
+}
+
+void ProblemBuffers::read_errors(std::span<float> out) const {
+    const std::vector<float> numbers = read_numbers();
+    for (size_t i = 0; i < count_; ++i) out[i] = numbers[i * number_count + number::error];
+}
+
+}  // namespace radiafit
