@@ -16,14 +16,13 @@ float clipped_unit(float clip_above, float gain, float scale) {
 
 }  // namespace
 
-std::array<float, 12> TexelPassResources::numbers_of(const View& view) const {
+std::array<float, 12> view_numbers(const View& view, float scale, float clip_above) {
     std::array<float, 12> numbers;
     const auto put = [&](size_t at, const Vec3d& three, float fourth) {
         for (int c = 0; c < 3; ++c) numbers[at + size_t(c)] = float(three(c));
         numbers[at + 3] = fourth;
     };
     const Light& light = *view.light;
-    const float scale = images.scale16();
     // Where a lamp sends no light of a colour, the pixel says nothing of it, and is 0.
     const Vec3d inverse = light.intensity.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
     put(0, light.place, light.kind == Light::Kind::near ? 1.0f : 0.0f);

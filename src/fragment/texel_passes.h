@@ -33,6 +33,10 @@ public:
     virtual void finish() {}
 };
 
+/// What shaders/reflect/sample.glsl knows of a view: lamp, exposure, camera_centre. scale: linear value of a unit of 16
+/// bits. clip_above: of TexelOptions; 0 where the dataset's encoding has no largest value.
+std::array<float, 12> view_numbers(const View& view, float scale, float clip_above);
+
 /// What every implementation of TexelPasses is made from. All references outlive it.
 struct TexelPassResources {
     const TexelShape& shape;
@@ -47,8 +51,9 @@ struct TexelPassResources {
 
     /// For programs that look into words of colour.
     Defines colour() const { return {{"COLOUR", std::to_string(images.bits())}}; }
-    /// What shaders/reflect/sample.glsl knows of a view: lamp, exposure, camera_centre.
-    std::array<float, 12> numbers_of(const View& view) const;
+    std::array<float, 12> numbers_of(const View& view) const {
+        return view_numbers(view, images.scale16(), clip_above);
+    }
     /// Where a grid's programs find pixels in a stack of so many images.
     void set_stack(const Program& program, int images_in_it) const;
     /// The shapes of a group's candidates, for start.frag.

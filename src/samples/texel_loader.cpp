@@ -16,8 +16,10 @@ TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::
                                  : std::numeric_limits<float>::infinity());
 }
 
-void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out) const {
+void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out,
+                       std::vector<uint32_t>* which) const {
     out.clear();
+    if (which) which->clear();
     if (samples.empty()) return;
     const TexelShading::Place place = TexelShading::place(*atlas_, texel);
     for (const TexelRadiance& s : samples) {
@@ -28,12 +30,19 @@ void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, s
         // where a lamp sends no light of a colour, the pixel says nothing of it, and is 0
         const auto target = [&](int c) { return lit.irradiance[c] > 0 ? s.value[c] / lit.irradiance[c] : 0.0f; };
         out.push_back({lit.u, lit.v, {target(0), target(1), target(2)}, float(sample_weight(weights_, lit.v.z()))});
+        if (which) which->push_back(uint32_t(&s - samples.data()));
     }
     if (shadow_below_ <= 0) return;
     const float albedo = lambertian_albedo(out).sum();
-    std::erase_if(out, [&](const ShadedSample& s) {
-        return s.target[0] + s.target[1] + s.target[2] < shadow_below_ * albedo * s.u.z();
-    });
+    size_t kept = 0;
+    for (size_t i = 0; i < out.size(); ++i) {
+        const ShadedSample& s = out[i];
+        if (s.target[0] + s.target[1] + s.target[2] < shadow_below_ * albedo * s.u.z()) continue;
+        if (which) (*which)[kept] = (*which)[i];
+        out[kept++] = s;
+    }
+    out.resize(kept);
+    if (which) which->resize(kept);
 }
 
 Vec3f lambertian_albedo(std::span<const ShadedSample> samples) {

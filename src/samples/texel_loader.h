@@ -18,8 +18,9 @@ public:
     /// The dataset and the atlas must outlive it.
     TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                 const TexelOptions& options);
-    /// Thread-safe. Reuses out's storage.
-    void load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out) const;
+    /// Thread-safe. Reuses out's storage. `which`, if given: the samples' places in what was asked for.
+    void load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out,
+              std::vector<uint32_t>* which = nullptr) const;
 
 private:
     const Atlas* atlas_;

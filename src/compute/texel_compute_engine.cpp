@@ -1,0 +1,242 @@
+#include "compute/texel_compute_engine.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "dataset/encoding.h"
+#include "dataset/image_stream.h"
+#include "fragment/texel_passes.h"
+
+namespace radiafit {
+namespace {
+
+constexpr size_t lanes = 32;  // of a work group
+constexpr float unbound = 3e38f;
+
+/// [texels][4]; position and usability, or normal.
+Texture surface_texture(const TexelShape& shape) {
+    Texture surface(GL_RGBA32F, shape.width(), shape.height(), 2);
+    std::vector<float> layers[2];
+    for (auto& layer : layers) layer.resize(4 * size_t(shape.width()) * size_t(shape.height()));
+    for (uint32_t texel = 0; texel < shape.texels(); ++texel) {
+        const Vec3f three[2] = {shape.atlas->position(texel), shape.atlas->normal(texel)};
+        for (int layer = 0; layer < 2; ++layer) {
+            float* at = layers[layer].data() + 4 * size_t(shape.place[texel]);
+            at[0] = three[layer].x(), at[1] = three[layer].y(), at[2] = three[layer].z();
+            at[3] = layer == 0 && shape.atlas->usable(texel) ? 1.0f : 0.0f;
+        }
+    }
+    for (int layer = 0; layer < 2; ++layer) surface.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
+    return surface;
+}
+
+}  // namespace
+
+TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
+                                       const TexelOptions& options, const TexelSource& source)
+    : options_((require_lights(dataset), check_options(options), options)),
+      shape_(atlas, *options.model, options.loss),
+      problems_(shape_.texels(), "texels_given", lanes),
+      wide_(!has_largest_value(dataset.encoding)),
+      unit_(wide_ ? 1 : ImageStream(dataset, StreamSource::disk, TargetSpace::linear).scale16()),
+      surface_(surface_texture(shape_)) {
+    upload_samples(dataset, views, source);
+    std::vector<float> numbers;
+    for (const uint32_t view : views) {
+        const auto of_view = view_numbers(dataset.views[view], unit_, 0);
+        numbers.insert(numbers.end(), of_view.begin(), of_view.end());
+    }
+    views_ = FetchedBuffer("views", GL_RGBA32F, numbers.size() * sizeof(float), numbers.data());
+    problems_.make_given(shape_.texels() * 16);
+    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(make_vector());
+    for (const bool diagonal : {false, true}) {
+        const Program& gradient = gradient_passes_[diagonal] =
+            program("texel_gradient.comp", diagonal ? Defines{{"DIAGONAL", ""}} : Defines{});
+        gradient.bind("trial", vectors_[vector::trial].texture);
+        gradient.bind("Gradient", vectors_[vector::trial_g].buffer);
+        gradient.bind_if_used("Fresh", vectors_[vector::fresh].buffer);
+    }
+    line_ = program("texel_line.comp");
+    line_.bind("point", vectors_[vector::p].texture);
+    line_.bind("direction", vectors_[vector::d].texture);
+    dot_ = program("texel_dot.comp");
+    make_room({});
+}
+
+void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vector<uint32_t>& views,
+                                        const TexelSource& source) {
+    const TexelLoader loader(dataset, *shape_.atlas, views, options_);
+    const size_t texels = shape_.texels();
+    statistics_.samples.assign(texels, 0);
+    statistics_.mean.assign(3 * texels, 0.0f);
+    std::vector<std::vector<TexelRadiance>> counted(texels);
+    parallel_for(source.block_count(), 1, [&](size_t block, int) {
+        TexelSamples samples;
+        std::vector<ShadedSample> shaded;
+        std::vector<uint32_t> which;
+        const uint32_t begin = uint32_t(block) * TexelSource::block;
+        source.read(begin, samples);
+        for (size_t i = 0; i + 1 < samples.first.size(); ++i) {
+            const size_t texel = begin + i;
+            const auto all = samples.of(i);
+            loader.load(uint32_t(texel), all, shaded, &which);
+            for (const uint32_t w : which) counted[texel].push_back(all[w]);
+            statistics_.samples[texel] = uint32_t(which.size());
+            const Vec3f albedo = lambertian_albedo(shaded);
+            for (int c = 0; c < 3; ++c) statistics_.mean[3 * texel + size_t(c)] = albedo[c];
+        }
+    });
+    std::vector<std::array<uint32_t, 4>> rows(texels);
+    std::vector<uint32_t> words;
+    const size_t each = wide_ ? 4 : 2;
+    for (size_t begin = 0; begin < texels; begin += lanes) {
+        const size_t width = std::min(lanes, texels - begin), first = words.size() / each;
+        size_t most = 0;
+        for (size_t i = 0; i < width; ++i) most = std::max(most, counted[begin + i].size());
+        words.resize(words.size() + most * width * each);
+        for (size_t i = 0; i < width; ++i) {
+            const size_t texel = begin + i;
+            rows[texel] = {shape_.place[texel], uint32_t(counted[texel].size()), uint32_t(first + i), uint32_t(width)};
+            for (size_t s = 0; s < counted[texel].size(); ++s) {
+                const TexelRadiance& sample = counted[texel][s];
+                uint32_t* word = &words[(first + s * width + i) * each];
+                if (wide_) {
+                    for (int c = 0; c < 3; ++c) word[c] = std::bit_cast<uint32_t>(sample.value[c]);
+                    word[3] = sample.image;
+                } else {
+                    uint32_t units[3];
+                    for (int c = 0; c < 3; ++c)
+                        units[c] = uint32_t(std::clamp(std::lround(sample.value[c] / unit_), 0l, 65535l));
+                    word[0] = units[0] | units[1] << 16;
+                    word[1] = units[2] | sample.image << 16;
+                }
+            }
+            counted[texel] = {};
+        }
+    }
+    texels_ = FetchedBuffer("texels", GL_RGBA32UI, rows.size() * sizeof rows[0], rows.data());
+    samples_ = FetchedBuffer("samples", wide_ ? GL_RGBA32UI : GL_RG32UI, words.size() * sizeof words[0], words.data());
+}
+
+FetchedBuffer TexelComputeEngine::make_vector() const {
+    FetchedBuffer vector("maps", GL_RGBA32F, shape_.texels() * size_t(shape_.maps()) * 16, nullptr, true);
+    vector.buffer.clear();
+    return vector;
+}
+
+/// With all that programs share.
+Program TexelComputeEngine::program(const std::string& file, const Defines& more) const {
+    const Defines wide = wide_ ? Defines{{"WIDE", ""}} : Defines{};
+    Program made =
+        Program::compute("compute/" + file, problems_.defines() + shape_.defines(Storage::fp32) + wide + more);
+    problems_.bind_to(made);
+    made.set_if_used("texel_count", int(shape_.texels()));
+    made.set_if_used("surface_width", shape_.width());
+    made.bind_if_used("texels", texels_.texture);
+    made.bind_if_used("texel_samples", samples_.texture);
+    made.bind_if_used("views", views_.texture);
+    made.bind_if_used("surface", surface_);
+    std::vector<float> lowest(4 * size_t(shape_.maps()), -unbound), highest(lowest.size(), unbound);
+    for (int i = 0; i < shape_.model->parameters; ++i) {
+        const auto [map, channel] = TexelShape::map_of(i);
+        lowest[size_t(4 * map + channel)] = float(shape_.model->bounds[size_t(i)][0]);
+        highest[size_t(4 * map + channel)] = float(shape_.model->bounds[size_t(i)][1]);
+    }
+    made.set_if_used("mu", options_.mu);
+    made.set_if_used("paper_penalty", int(options_.mode == Mode::paper));
+    made.set_if_used("lowest", std::span<const float>(lowest));
+    made.set_if_used("highest", std::span<const float>(highest));
+    return made;
+}
+
+void TexelComputeEngine::write(FetchedBuffer& vector, std::span<const float> values) const {
+    const size_t texels = shape_.texels(), each = size_t(shape_.model->parameters);
+    std::vector<float> all(texels * size_t(shape_.maps()) * 4);
+    for (size_t texel = 0; texel < texels; ++texel)
+        for (size_t i = 0; i < each; ++i) {
+            const auto [map, channel] = TexelShape::map_of(int(i));
+            all[4 * (size_t(map) * texels + texel) + size_t(channel)] = values[texel * each + i];
+        }
+    vector.buffer.write(0, all.size() * sizeof(float), all.data());
+}
+
+void TexelComputeEngine::read(const Buffer& buffer, std::span<float> values) const {
+    const size_t texels = shape_.texels(), each = size_t(shape_.model->parameters);
+    std::vector<float> all(texels * size_t(shape_.maps()) * 4);
+    buffer.read(0, all.size() * sizeof(float), all.data());
+    for (size_t texel = 0; texel < texels; ++texel)
+        for (size_t i = 0; i < each; ++i) {
+            const auto [map, channel] = TexelShape::map_of(int(i));
+            values[texel * each + i] = all[4 * (size_t(map) * texels + texel) + size_t(channel)];
+        }
+}
+
+void TexelComputeEngine::reset(std::span<const float> start) {
+    for (FetchedBuffer& v : vectors_) v.buffer.clear();
+    write(vectors_[vector::trial], start);
+    write(vectors_[vector::p], start);  // what a problem without samples returns
+    problems_.reset([&](size_t texel) { return statistics_.samples[texel]; });
+}
+
+void TexelComputeEngine::make_room(const Room& room) {
+    vectors_.resize(std::min(vectors_.size(), size_t(room.vector_count())));
+    for (size_t v = vector::first_own; v < vectors_.size(); ++v) vectors_[v].buffer.clear();
+    while (vectors_.size() < size_t(room.vector_count())) vectors_.push_back(make_vector());
+    problems_.make_products(room.product_count(), shape_.texels() * sizeof(float));
+    problems_.clear_own();
+}
+
+void TexelComputeEngine::gradient_pass(bool diagonal) {
+    gradient_passes_[diagonal].dispatch(problems_.groups(shape_.texels()));
+}
+
+void TexelComputeEngine::directional_pass() { line_.dispatch(problems_.groups(shape_.texels())); }
+
+void TexelComputeEngine::dot(std::initializer_list<DotProduct> products) {
+    problems_.bind_to(dot_);
+    for (const DotProduct& product : products) {
+        const bool weighted = product.weight != vector::none;
+        dot_.bind("left", vectors_[size_t(product.a)].texture);
+        dot_.bind("right", vectors_[size_t(product.b)].texture);
+        dot_.bind("weights", vectors_[size_t(weighted ? product.weight : product.a)].texture);
+        dot_.set("weighted", int(weighted));
+        dot_.set("product", product.into);
+        dot_.dispatch(problems_.groups(shape_.texels()));
+    }
+}
+
+void TexelComputeEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                                std::initializer_list<float> constants) {
+    Program& update = updates_[which];
+    if (!update) update = program("texel_update.comp", ProblemBuffers::update_defines(which));
+    for (size_t k = 0; k < vectors.size(); ++k)
+        update.bind_if_used("Vectors[" + std::to_string(k) + "]", vectors_[size_t(std::data(vectors)[k])].buffer);
+    problems_.tell_update(update, numbers, constants);
+    update.dispatch(problems_.groups(shape_.texels()));
+}
+
+std::vector<float> TexelComputeEngine::read_given(size_t which) const {
+    std::vector<float> all(shape_.texels() * 4), out;
+    problems_.given().read(0, all.size() * sizeof(float), all.data());
+    for (size_t texel = 0; texel < shape_.texels(); ++texel) out.push_back(all[4 * texel + which]);
+    return out;
+}
+
+TexelComputeEngine::Evaluation TexelComputeEngine::read_evaluation() const {
+    Evaluation result{read_given(0), std::vector<float>(parameter_count()), std::vector<float>(parameter_count())};
+    read(vectors_[vector::trial_g].buffer, result.gradient);
+    read(vectors_[vector::fresh].buffer, result.diagonal);
+    return result;
+}
+
+TexelComputeEngine::Line TexelComputeEngine::read_line() const { return {read_given(1), read_given(2)}; }
+
+void TexelComputeEngine::set_line(std::span<const float> p, std::span<const float> d) {
+    write(vectors_[vector::p], p);
+    write(vectors_[vector::d], d);
+}
+
+}  // namespace radiafit
