@@ -356,8 +356,11 @@ uint32_t uses_of(const FitRequest& request, bool grid) {
     }
     if (uses & use::engine) uses |= engine_uses(request.engine);
     uses = with_optimizer(uses, request);
-    if (uses & use::passes) uses &= ~(use::normal_equations | use::own_sides);
-    if (grid) uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | use::opengl));
+    const bool compute = uses & use::engine && request.engine == EngineKind::compute;
+    if (uses & use::passes || compute) uses &= ~use::normal_equations;
+    if (uses & use::passes) uses &= ~use::own_sides;
+    if (grid)
+        uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | (compute ? 0u : uint32_t(use::opengl))));
     return uses;
 }
 

@@ -33,9 +33,6 @@ void FitRequest::check() const {
         throw UserError(fmt::format("in fragment programs all surface maps have one side; leave out {}, {} or {}",
                                     option_name("texels-per-pixel"), option_name("engine fragment"),
                                     option_name("distributor gl")));
-    if (texel_model && on_engine(EngineKind::compute))
-        throw UserError(fmt::format("compute shaders fit light field maps only; choose {} or {}",
-                                    option_name("engine cpu"), option_name("engine fragment")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }

@@ -124,7 +124,13 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
     }
     rows.push_back({"samples, about", fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
                     samples * sizeof(TexelRadiance)});
-    if (uses & use::engine && !request.levenberg_marquardt())
+    if (request.on_engine(EngineKind::compute)) {
+        const uint64_t maps = n / 3 + 1, vectors = uint64_t(room_of(request.optimizer_options()).vector_count());
+        rows.push_back({"vectors, about", fmt::format("{} x {} texels x {} x 4 floats", vectors, texels, maps),
+                        vectors * texels * n, vectors * texels * maps * 16});
+        rows.push_back({"samples that count, about", "once more, and for the device", 2 * samples, 48 * samples});
+        rows.push_back({"texels", "their surface, samples and numbers", texels, 160 * texels});
+    } else if (uses & use::engine && !request.levenberg_marquardt())
         rows.push_back(
             {"engine, about", "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
              texel_solvers(*options.model).stream_bytes(texels, samples, room_of(request.optimizer_options()))});

@@ -8,8 +8,10 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "compute/texel_compute_engine.h"
 #include "cpu/texel_solver.h"
 #include "fragment/texel_engine.h"
+#include "optim/optimizer.h"
 #include "reference/ceres_texel.h"
 
 namespace radiafit {
@@ -64,23 +66,11 @@ void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve
     take(std::move(result), task);
 }
 
-void solve_fragment(TexelTask& task) {
-    static_assert(Engine<TexelFragmentEngine>);
-    const FitRequest& request = task.request;
+/// What the engine ended with, in the canonical gauge, with E itself.
+template <Engine E>
+void take_fit(E& engine, const ProblemStatistics& statistics, TexelTask& task) {
     ReflectanceOutcome& out = task.out;
     const TexelModel& model = *task.options.model;
-    const auto context = Context::create(request.context);
-    out.gl_vendor = context->vendor();
-    out.gl_renderer = context->renderer();
-    out.gl_version = context->version();
-    Stopwatch clock;
-    TexelFragmentEngine engine(task.dataset, *out.atlas, task.views, task.options, request.fragment_options());
-    const ProblemStatistics statistics = engine.count();
-    engine.reset(engine.start());
-    out.trace = optimize(engine, request.optimizer_options(), [&](int iteration) {
-        if (task.each_iteration)
-            task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
-    });
     ReflectanceFit& fit = out.fit;
     const size_t texels = engine.problem_count(), n = size_t(model.parameters);
     std::vector<ProblemOutcome> outcomes(texels);
@@ -88,6 +78,7 @@ void solve_fragment(TexelTask& task) {
     fit.parameters.resize(texels * n);
     engine.read_parameters(fit.parameters);
     fit.samples = statistics.samples;
+    out.samples = 0;
     for (size_t t = 0; t < texels; ++t) {
         const std::span<float> p(&fit.parameters[t * n], n);
         fit.status.push_back(outcomes[t].status);
@@ -99,14 +90,81 @@ void solve_fragment(TexelTask& task) {
         out.sample_iterations += uint64_t(statistics.samples[t]) * outcomes[t].iterations;
         model.make_canonical(p);
     }
-    take_sweeps(engine.times(), clock.wall_s(), task.dataset, out);
     out.engine_bytes = engine.bytes();
+}
+
+template <Engine E>
+void optimize_engine(E& engine, TexelTask& task) {
+    task.out.trace = optimize(engine, task.request.optimizer_options(), [&](int iteration) {
+        if (task.each_iteration)
+            task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
+    });
+}
+
+std::unique_ptr<Context> open_context(TexelTask& task) {
+    auto context = Context::create(task.request.context);
+    task.out.gl_vendor = context->vendor();
+    task.out.gl_renderer = context->renderer();
+    task.out.gl_version = context->version();
+    return context;
+}
+
+void solve_fragment(TexelTask& task) {
+    const auto context = open_context(task);
+    Stopwatch clock;
+    TexelFragmentEngine engine(task.dataset, *task.out.atlas, task.views, task.options,
+                               task.request.fragment_options());
+    const ProblemStatistics statistics = engine.count();
+    engine.reset(engine.start());
+    optimize_engine(engine, task);
+    take_fit(engine, statistics, task);
+    take_sweeps(engine.times(), clock.wall_s(), task.dataset, task.out);
+}
+
+/// Parameters [texels][parameters]: for every texel the best of the model's starts.
+std::vector<float> starts_of(const TexelProblem& problem, const TexelTask& task) {
+    constexpr size_t eight = 8;
+    const size_t n = size_t(task.options.model->parameters);
+    std::vector<float> out(problem.source.texel_count() * n);
+    parallel_for(problem.source.block_count(), 1, [&](size_t block, int) {
+        TexelSamples samples;
+        std::vector<std::vector<ShadedSample>> shaded(eight);
+        const uint32_t begin = uint32_t(block) * TexelSource::block;
+        problem.source.read(begin, samples);
+        const size_t count = samples.first.size() - 1;
+        for (size_t first = 0; first < count; first += eight) {
+            for (size_t i = 0; i < eight; ++i) {
+                shaded[i].clear();
+                if (first + i < count)
+                    problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
+            }
+            const std::vector<float> start = task.solvers().start(shaded);
+            std::copy_n(start.begin(), std::min(eight, count - first) * n, &out[(begin + first) * n]);
+        }
+    });
+    return out;
+}
+
+void solve_compute(TexelTask& task) {
+    with_samples(task, [&](const TexelSource& source) {
+        if (source.sample_count() == 0) reject_unseen(task.dataset);
+        const auto context = open_context(task);
+        Stopwatch clock;
+        const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
+        TexelComputeEngine engine(task.dataset, *task.out.atlas, task.views, task.options, source);
+        const ProblemStatistics statistics = engine.count();
+        engine.reset(starts_of({source, loader, task.options}, task));
+        optimize_engine(engine, task);
+        take_fit(engine, statistics, task);
+        task.out.times.optimization = clock.wall_s();
+    });
 }
 
 }  // namespace
 
 void solve_texel_stream(TexelTask& task) {
-    if (task.request.on_fragment_engine()) return solve_fragment(task);
+    if (task.request.on_engine(EngineKind::fragment)) return solve_fragment(task);
+    if (task.request.on_engine(EngineKind::compute)) return solve_compute(task);
     with_samples(task, [&](const TexelSource& source) {
         solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
             return task.request.levenberg_marquardt()

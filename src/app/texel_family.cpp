@@ -104,8 +104,7 @@ FinishedFit fit_reflectance(const Dataset& dataset, const FitRequest& request) {
 
 /// Levenberg-Marquardt where it can, and a side for the texels: that of the mesh's normals.
 void settle(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request) {
-    if (uses_of(request) & use::optimizer && !request.on_fragment_engine() && !given("--optimizer") &&
-        !request.model.loss.robust())
+    if (uses_of(request) & use::normal_equations && !given("--optimizer") && !request.model.loss.robust())
         request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !given("--iterations")) request.iterations = TexelFitOptions().iterations;
     if (!given("--surface-side") && !dataset.has_grid())
