@@ -186,17 +186,19 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
 
 /// What compute shaders hold besides vectors, and what it takes to put it there.
 void add_compute_engine(const TriangleAtlas& atlas, const VertexRings& rings, const LfmLayout& layout, int terms,
-                        uint64_t images, uint64_t pixels, std::vector<PlanRow>& rows) {
+                        uint64_t images, uint64_t samples, std::vector<PlanRow>& rows) {
     const uint64_t vertices = rings.vertex_count(), views = vertices * images;
     rows.push_back({"smoothed maps", fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
                     layout.size() * sizeof(float)});
     rows.push_back({"cameras' views of vertices, at most", fmt::format("{} vertices x {} images", vertices, images),
-                    views, views * (32 + 48 * uint64_t(terms))});
-    const uint64_t tables = 2 * images * (atlas.tile_count() + rings.corners().size()) + 4 * atlas.used_texels() +
-                            layout.size() / uint64_t(terms) + 4 * views;
-    rows.push_back({"tables, at most", "of samples, and once more while they are made", 2 * tables / 4, 2 * tables});
-    rows.push_back({"samples, at most", "pixels x 8 bytes, and in two orders on the device", 3 * pixels, 24 * pixels});
-    rows.push_back({"samples by image, until they are sorted", "once more", pixels, 8 * pixels});
+                    views, views * (32 + 64 * uint64_t(terms))});
+    const uint64_t groups = std::min(samples, uint64_t(atlas.tile_count()) * images);
+    rows.push_back({"groups of samples, at most", "those of a triangle and an image", groups,
+                    groups * (16 + 48 * uint64_t(terms))});
+    const uint64_t tables = 4 * (3 * groups + views) + 8 * atlas.used_texels() + layout.size() / uint64_t(terms);
+    rows.push_back({"tables, at most", "of samples, and once more while they are made", tables / 2, 2 * tables});
+    rows.push_back({"samples, about", "8 bytes, and in two orders on the device", 3 * samples, 24 * samples});
+    rows.push_back({"samples by image, until they are sorted", "once more", samples, 8 * samples});
 }
 
 }  // namespace
@@ -243,7 +245,8 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         return plan;
     }
     if (request.on_engine(EngineKind::compute)) {
-        add_compute_engine(atlas, rings, layout, options.terms, views.size(), pixels, plan.memory);
+        add_compute_engine(atlas, rings, layout, options.terms, views.size(),
+                           estimate_samples(dataset, atlas, request, most_views), plan.memory);
         return plan;
     }
     const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);
