@@ -1,9 +1,9 @@
 # find_package(radiafit) gives radiafit::core: problems, optimizers, devices, datasets, the judge, synthetic datasets. Importers
 # and the rivals (Ceres) are apart: they are the program's alone.
 include(CMakePackageConfigHelpers)
-set(core_layers base geometry model dataset synthetic samples optim cpu gl fragment fit eval)
+set(core_layers base geometry model dataset synthetic samples optim cpu gl fragment compute fit eval)
 add_library(radiafit_core INTERFACE)
-target_link_libraries(radiafit_core INTERFACE radiafit_synthetic radiafit_cpu radiafit_fragment radiafit_eval)
+target_link_libraries(radiafit_core INTERFACE radiafit_synthetic radiafit_cpu radiafit_compute radiafit_eval)
 set(core_targets radiafit_core radiafit_headers)
 foreach(layer IN LISTS core_layers)
   list(APPEND core_targets radiafit_${layer})
