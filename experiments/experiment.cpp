@@ -26,6 +26,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// A caption that is longer than a figure is wide: broken behind the part ("one; two; three") that ends nearest to its
+/// middle.
+std::string in_two_lines(std::string caption) {
+    constexpr size_t widest = 120;
+    if (caption.size() <= widest) return caption;
+    const auto off_middle = [&](size_t at) { return std::abs(double(at) - double(caption.size()) / 2); };
+    size_t best = std::string::npos;
+    for (size_t at = caption.find("; "); at != std::string::npos; at = caption.find("; ", at + 1))
+        if (best == std::string::npos || off_middle(at) < off_middle(best)) best = at;
+    if (best != std::string::npos) caption[best + 1] = '\n';
+    return caption;
+}
+
 bool is_checkout(const fs::path& folder) {
     return folder_stands(folder / "experiments") && folder_stands(folder / "paper_figs");
 }
@@ -126,7 +139,7 @@ std::vector<fs::path> Experiment::show(const fs::path& rows, const std::string& 
     }
     const fs::path script = root_ / "paper_figs" / (name_ + ".gp");
     if (fs::exists(script)) {
-        draw_figure(script, folder / name_, {{"rows", rows.string()}, {"caption", caption}});
+        draw_figure(script, folder / name_, {{"rows", rows.string()}, {"caption", in_two_lines(caption)}});
         for (const char* extension : {".svg", ".png"}) shown.push_back(folder / (name_ + extension));
     }
     return shown;

@@ -21,7 +21,7 @@ do for [k=1:3] {
         k == 2 ? sprintf('memory traffic, of %.3g GB/s', peak_median) : sprintf('texture reads, of %.3g G/s', peak_median), \
         peak_min, peak_max)
 }
-set title "{/:Bold Figure 10: use of the fragment stage, share of this device's own peaks, measured in the same run}\n{/*0.8 " . caption . "}"
+set title "{/:Bold Figure 10: use of the fragment stage, share of this device's own peaks, measured in the same run}\n{/*0.85 " . caption . "}"
 set label 1 "An operation is an arithmetic one, a comparison or a conversion of one component, and a multiply-add two; a texture read fetches one texel, of mostly 16 bytes." \
     at screen 0.5,0.062 center font ',10'
 set label 2 "Counted from every program's compiled code and how often it ran. Whiskers: 95 % interval of the median, each repetition by its own peaks; in brackets the peaks' range." \
