@@ -186,7 +186,7 @@ public:
 
     void add(const Images& images, const Entrant& entrant, const std::string& renderer,
              const ReflectanceOutcome& outcome, const ReflectanceFit& ceres, double distribution_s, const Options& o) {
-        const bool streams = !outcome.gl_renderer.empty();
+        const bool streams = entrant.request.on_fragment_engine();
         const FitTimes& t = outcome.times;
         const double texels = double(outcome.fit.problem_count()), solve_s = t.optimization;
         const double ns = 1e9 * solve_s / double(std::max<uint64_t>(1, outcome.sample_iterations));

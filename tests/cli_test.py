@@ -61,7 +61,7 @@ class Files(CommandLine):
 
     def test_plan_adds_up(self):
         tables = []
-        for engine in ("cpu", "fragment"):
+        for engine in ("cpu", "fragment", "compute"):
             tables += self.good("plan", "star", "--engine", engine).stdout.split("\n\n")
         for table in filter(str.strip, tables):
             megabytes = [float(line.split()[-1]) for line in table.splitlines() if re.search(r"\d$", line)]
@@ -185,7 +185,7 @@ class Engines(CommandLine):
             self.assertAlmostEqual(self.judge(passes)["psnr"], self.judge("cpu")["psnr"], delta=0.05)
 
     def test_same_bits_twice(self):
-        for engine in ("cpu", "fragment"):
+        for engine in ("cpu", "fragment", "compute"):
             for i in (1, 2):
                 self.good("fit", "star", "--engine", engine, "--iterations", "2", "--threads", i, "-o", f"{engine}{i}")
             self.good("fit", "star", "--engine", engine, "--iterations", "2", "--threads", "2", "-o", f"{engine}3")

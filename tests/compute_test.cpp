@@ -61,6 +61,57 @@ TEST(Compute, SameBitsTwiceAndInEveryContext) {
     }
 }
 
+struct Fitted {
+    Trace trace;
+    std::vector<float> parameters;
+    std::vector<ProblemOutcome> outcomes;
+};
+template <Engine E>
+Fitted fitted(E& engine, const LfmLayout& layout, const OptimizerOptions& optimizer, int terms, bool deflate) {
+    Fitted out;
+    const ProblemStatistics statistics = engine.count();
+    out.parameters = lfm_start(layout, statistics.mean, 3);
+    engine.make_room({.vectors = 2, .numbers = 3, .products = 2});  // as if another optimizer had been here
+    out.trace = optimize_terms(engine, optimizer, terms, deflate, out.parameters);
+    out.outcomes.resize(engine.problem_count());
+    engine.outcomes(out.outcomes);
+    return out;
+}
+
+/// Problems that end while others of their vertex and triangle run on; and terms one after another.
+TEST(Compute, EndsProblemsOneByOne) {
+    const auto context = make_context(ContextKind::egl);
+    const NoiseDataset noise(awkward_mesh(1));
+    const TriangleAtlas atlas(noise.dataset.mesh, 8);
+    const VertexRings rings(noise.dataset.mesh);
+    RasterDistributor distributor(atlas);
+    const SampleList list = build_sample_list(noise.dataset, atlas, all_views(), {&distributor});
+    LfmOptions options;
+    options.terms = 2;
+    for (const bool deflate : {false, true}) {
+        const OptimizerOptions optimizer{.iterations = 12, .stop_output_change = deflate ? 0.0f : 0.02f};
+        ComputeEngine engine(noise.dataset, atlas, rings, list, options);
+        LfmProblem<float> problem(noise.dataset, atlas, rings, list, options);
+        StreamEngine<float> cpu(problem);
+        const Fitted a = fitted(engine, engine.layout(), optimizer, 2, deflate),
+                     b = fitted(cpu, problem.layout(), optimizer, 2, deflate);
+        ASSERT_EQ(a.trace.rows.size(), b.trace.rows.size());
+        for (size_t i = 0; i < b.trace.rows.size(); ++i) {
+            EXPECT_NEAR(a.trace.rows[i].error, b.trace.rows[i].error, 1e-3 * b.trace.rows[i].error) << i;
+            EXPECT_NEAR(double(a.trace.rows[i].active), double(b.trace.rows[i].active),
+                        0.02 * double(engine.problem_count()))
+                << i;
+        }
+        if (deflate) continue;
+        size_t mixed = 0;  // vertices whose problems did not all end together
+        for (size_t v = 0; v < rings.vertex_count(); ++v) {
+            const auto iterations = [&](size_t c) { return a.outcomes[3 * v + c].iterations; };
+            mixed += iterations(0) != iterations(1) || iterations(1) != iterations(2);
+        }
+        EXPECT_GT(mixed, 10U);
+    }
+}
+
 /// Sides of each triangle's own, which the fragment engine has not.
 TEST(Compute, TakesTrianglesOfSeveralSides) {
     const auto context = make_context(ContextKind::egl);

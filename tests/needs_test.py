@@ -59,7 +59,7 @@ class Needs(ProgramTest):
                 self.assertLess(announced, most * measured)
 
     def test_vectors_of_the_optimizer(self):
-        for engine in ("cpu", "fragment"):
+        for engine in ("cpu", "fragment", "compute"):
             large = ("--engine", engine, "--surface-side", "32", "--view-side", "64", "--terms", "12", "--iterations", "0")
             plain, plain_announced = self.measured_and_announced(*large)
             measured, announced = self.measured_and_announced(*large, "--optimizer", "lbfgs", "--history", "8")

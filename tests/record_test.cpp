@@ -106,6 +106,7 @@ TEST(Machine, ProcessorsWithoutANumberAreToldApartByFamilyAndModel) {
     const std::string id = "AuthenticAMD family 25 model 1 stepping 1 microcode 0xa0011d5";
     EXPECT_EQ(processor_name("AMD EPYC", id), "AMD EPYC (family 25 model 1)");
     EXPECT_EQ(processor_name("AMD EPYC", "family 26 model 2"), "AMD EPYC (family 26 model 2)");
+    EXPECT_EQ(processor_name("AMD EPYC", "family 26 model 2 microcode 0x1"), "AMD EPYC (family 26 model 2)");
     EXPECT_EQ(processor_name("AMD EPYC 7763", id), "AMD EPYC 7763");
     EXPECT_EQ(processor_name("AMD EPYC", ""), "AMD EPYC");
 }

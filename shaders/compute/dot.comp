@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1 VIEW_SIDE=8
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1 VIEW_SIDE=8
 // A dot product of two vectors for each of a vertex's problems: (a / weight) . b, or a . b.
 #include "compute/vertices.glsl"
 uniform samplerBuffer left;
@@ -16,7 +16,10 @@ void main() {
     uint end = v.view_first + uint(VIEW_SIDE * VIEW_SIDE * TERMS);
     for (uint i = v.first + lane(); i < end; i += uint(LANES)) {
         vec3 x = texelFetch(left, int(i)).xyz;
-        if (weighted != 0) x /= texelFetch(weights, int(i)).xyz;
+        if (weighted != 0) {
+            vec3 weight = texelFetch(weights, int(i)).xyz;
+            x = mix(x, x / weight, notEqual(weight, vec3(0.0)));
+        }
         sum += x * texelFetch(right, int(i)).xyz;
     }
     sum = group_sum(sum);

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 VIEW_SIDE=8
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 VIEW_SIDE=8
 // From tiles' sums along d to those of a vertex's problems, penalties included.
 #include "compute/vertices.glsl"
 #include "compute/penalty.glsl"

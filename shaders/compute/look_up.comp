@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 VIEW_SIDE=8
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 VIEW_SIDE=8
 // What every camera sees of a vertex's view map: h_k, with the root of the samples' weight in it.
 #include "compute/vertices.glsl"
 uniform usamplerBuffer pairs;  // [pair][2]: weights of texels (x0, y0), (x0 + 1, y0), (x0, y0 + 1), (x0 + 1, y0 + 1), the root in them; the first texel, the root

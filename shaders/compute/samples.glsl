@@ -27,7 +27,7 @@ uniform samplerBuffer maps;               // x; or p, along d
 #define TILE_GROUP 6       // first group
 #define TILE_GROUPS 7      // how many
 #define TILE_TEXEL 8       // first in TABLE_TEXELS
-#define TILE_TEXELS 9      // that take a sample
+#define TILE_TEXELS 9      // how many, with or without samples
 #define TILE_WEIGHT 10     // in target_weights
 #define TILE_GROUP_BLOCK 11  // first in TABLE_BLOCKS
 #define TILE_TEXEL_BLOCK 12

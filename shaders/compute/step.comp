@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=18 PROBLEMS=vertices_given,texels_given STEP=*
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_FIRST_OWN=10 PROBLEMS=vertices_given,texels_given STEP=*
 // One step of an optimizer, for every problem by itself: reads and writes its own numbers.
 #include "optimize/dialect.glsl"
 #include "optimize/TEXT.glsl"
@@ -28,7 +28,7 @@ void main() {
                                   numbers[at + 9u]);
     if (s.status != STATUS_ACTIVE && s.accepted == 0.0) return;
     Own own;
-    for (uint i = 0u; i < uint(MOST_OWN); ++i) own.x[i] = numbers[at + 10u + i];
+    for (uint i = 0u; i < uint(MOST_OWN); ++i) own.x[i] = numbers[at + uint(NUMBER_FIRST_OWN) + i];
     STEP(s, own, given_of(problem), Turn(rule, restart, slot, StopRules(stop.x, stop.y), LEFT_OUT, FIRST_STEP));
     numbers[at] = s.error;
     numbers[at + 1u] = s.norm;
@@ -40,5 +40,5 @@ void main() {
     numbers[at + 7u] = s.iterations;
     numbers[at + 8u] = s.alpha;
     numbers[at + 9u] = s.taken;
-    for (uint i = 0u; i < uint(MOST_OWN); ++i) numbers[at + 10u + i] = own.x[i];
+    for (uint i = 0u; i < uint(MOST_OWN); ++i) numbers[at + uint(NUMBER_FIRST_OWN) + i] = own.x[i];
 }

@@ -1,5 +1,5 @@
-// What all passes over light field maps share. Whatever a pass only reads it fetches from buffer textures, which every device
-// reads best: loads from storage buffers take llvmpipe longer.
+// What all passes over light field maps share. Maps, samples and tables that a pass only reads it fetches from buffer textures:
+// loads from storage buffers take llvmpipe longer.
 #include "model/vec3_element.glsl"
 #include "optimize/problem_state.glsl"
 #include "compute/problems.glsl"

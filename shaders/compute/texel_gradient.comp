@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 MODEL=* ONE_CAMERA=-,1 DIAGONAL=-,1 WIDE=-,1
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 MODEL=* DIAGONAL=-,1 WIDE=-,1
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 MODEL=* LOSS=* WEIGHTED=1 DIAGONAL=-,1
 // At the trial: E_t of a texel and its gradient, penalties included; DIAGONAL: also the fresh preconditioner.
 #include "optimize/dialect.glsl"

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 MODEL=* ONE_CAMERA=-,1 WIDE=-,1
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 MODEL=* WIDE=-,1
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 MODEL=* LOSS=* WEIGHTED=1
 // At p along d: sums over a texel's samples of a^2 and of a^2 + r b, penalties included, with a and b the first and second
 // derivative of the model's value.

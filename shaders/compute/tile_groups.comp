@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 SQUARES=-,1 WIDE=-,1 LOSS=*
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 SQUARES=-,1 WIDE=-,1 LOSS=*
 // What each group of a tile's samples adds to the view maps of the three vertices: sum of r g_k (Eq. 12) or, SQUARES, of
 // g_k^2; and E, the sum of what residuals cost, twice.
 #include "compute/samples.glsl"

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 WIDE=-,1 LOSS=*
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 WIDE=-,1 LOSS=*
 // At p along d: the sums over a tile's samples that the steps of its three vertices are made from (Eq. 13).
 #include "compute/samples.glsl"
 uniform samplerBuffer direction;    // d

@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=10 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 DIAGONAL=-,1 WIDE=-,1 LOSS=*
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 DIAGONAL=-,1 WIDE=-,1 LOSS=*
 // The sums over the samples of each texel of a tile that its surface maps' gradient is made of: of r h_k (Eq. 12); DIAGONAL:
 // also of h_k^2.
 #include "compute/samples.glsl"

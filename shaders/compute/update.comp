@@ -1,5 +1,5 @@
 #version 450 core
-// variants: LANES=32 NUMBER_COUNT=14 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=2 VIEW_SIDE=8 UPDATE=*
+// variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=2 VIEW_SIDE=8 UPDATE=*
 // One update of an optimizer, for every element of some vectors.
 #include "compute/vertices.glsl"
 #include "optimize/elements.glsl"

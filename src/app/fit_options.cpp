@@ -265,7 +265,8 @@ std::vector<FitOption> make_fit_options() {
          number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
                 "n: n(n+1)/2 texels per surface map, or per triangle"),
          number("texels_per_pixel", use::own_sides, OF(texels_per_pixel), limits::texels_per_pixel,
-                "on the CPU, in place of one side: a side from 2 to 64 for each triangle's surface maps, with so many "
+                "not in fragment programs; in place of one side: a side from 2 to 64 for each triangle's surface maps, "
+                "with so many "
                 "texels for each pixel of the triangle's largest projection into the photographs"),
          number("view_side", use::maps, OF(model.view_side), limits::map_side, "m: m x m texels per view map"),
          choice<ViewLookup>("view", use::maps, OF(model.lookup),

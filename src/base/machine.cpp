@@ -141,9 +141,9 @@ Machine read_machine(const fs::path& root) {
 }
 
 std::string processor_name(const std::string& model_name, const std::string& id) {
-    const size_t family = id.find("family "), stepping = id.find(" stepping");
+    const size_t family = id.find("family "), end = std::min(id.find(" stepping"), id.find(" microcode"));
     if (model_name.find_first_of("0123456789") != std::string::npos || family == std::string::npos) return model_name;
-    return fmt::format("{} ({})", model_name, id.substr(family, stepping - family));
+    return fmt::format("{} ({})", model_name, id.substr(family, end - family));
 }
 
 std::vector<std::string> loaded_libraries() {

@@ -27,17 +27,16 @@ ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas,
       rings_(&rings) {
     const size_t vertices = layout_.problem_count(), terms = size_t(options.terms);
     problems_.make_given(vertices * of_problem::count * 16);
-    const auto floats4 = [](const char* what, size_t count) {
-        return FetchedBuffer(what, GL_RGBA32F, count * 16, nullptr);
-    };
     for (FetchedBuffer* of_pairs : {&pair_values_, &pair_slopes_, &pair_sums_, &pair_squares_})
-        *of_pairs = floats4("cameras' views of vertices", samples_.pair_count() * terms);
-    group_sums_ = floats4("sums of groups of samples", samples_.group_count() * 3 * terms);
-    tile_sums_ = floats4("sums of triangles", samples_.tile_count() * 3 * tile_sums);
+        *of_pairs = FetchedBuffer::written("cameras' views of vertices", samples_.pair_count() * terms);
+    group_sums_ = FetchedBuffer::written("sums of groups of samples", samples_.group_count() * 3 * terms);
+    tile_sums_ = FetchedBuffer::written("sums of triangles", samples_.tile_count() * 3 * tile_sums);
     smoothed_ = make_vector();
     for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(make_vector());
     make_programs();
     make_room({});
+    for (const Step which : {Step::judge_trial, Step::step_length}) problems_.program(which);
+    for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
 }
 
 void ComputeEngine::make_programs() {
@@ -77,11 +76,7 @@ void ComputeEngine::make_programs() {
     dot_ = program("dot.comp");
 }
 
-FetchedBuffer ComputeEngine::make_vector() const {
-    FetchedBuffer vector("maps", GL_RGBA32F, layout_.size() * sizeof(float), nullptr, true);
-    vector.buffer.clear();
-    return vector;
-}
+FetchedBuffer ComputeEngine::make_vector() const { return FetchedBuffer::written("maps", layout_.size() / 4); }
 
 /// With all that programs share.
 Program ComputeEngine::program(const std::string& file, const Defines& more) const {
@@ -117,7 +112,7 @@ ProblemStatistics ComputeEngine::count() {
         for (const Corner& corner : rings_->ring(v)) {
             const float* of_tile = &of_tiles[(3 * size_t(corner.triangle) + corner.corner) * tile_sums * 4];
             for (size_t c = 0; c < 3; ++c) sum[c] += double(of_tile[c]);
-            statistics.samples[v] += uint32_t(of_tile[3]);
+            statistics.samples[v] += samples_.tile_samples()[corner.triangle];
         }
         const uint32_t samples = statistics.samples[v];
         const size_t texels = layout_.surface_texels(v);
@@ -142,7 +137,6 @@ void ComputeEngine::reset(std::span<const float> start) {
 }
 
 void ComputeEngine::make_room(const Room& room) {
-    room_ = room;
     vectors_.resize(std::min(vectors_.size(), size_t(room.vector_count())));
     for (size_t v = vector::first_own; v < vectors_.size(); ++v) vectors_[v].buffer.clear();
     while (vectors_.size() < size_t(room.vector_count())) vectors_.push_back(make_vector());

@@ -74,7 +74,6 @@ private:
     SampleStore samples_;
     ProblemBuffers problems_;
     const VertexRings* rings_;
-    Room room_;
     int first_term_ = 0, last_term_ = 1 << 30;
     std::vector<FetchedBuffer> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
     FetchedBuffer smoothed_;

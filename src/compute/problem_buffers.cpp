@@ -20,14 +20,22 @@ void check_size(const char* what, uint64_t bytes, uint64_t most) {
                                     bytes / 1000000 + 1, Context::current().renderer(), most / 1000000));
 }
 
-uint64_t texel_bytes(GLenum format) { return format == GL_R32UI ? 4 : format == GL_RG32UI ? 8 : 16; }
-
 }  // namespace
 
-FetchedBuffer::FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic) {
-    check_size(what, bytes, uint64_t(Context::current().limits().texture_buffer_texels) * texel_bytes(format));
-    buffer = Buffer(bytes, data, dynamic);
+FetchedBuffer::FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data) {
+    check_size(what, bytes,
+               uint64_t(Context::current().limits().texture_buffer_texels) * uint64_t(bytes_per_texel(format)));
+    buffer = Buffer(bytes, data);
     texture = Texture::of_buffer(format, buffer);
+}
+
+FetchedBuffer FetchedBuffer::written(const char* what, size_t texels) {
+    const uint64_t bytes = uint64_t(texels) * 16;
+    check_size(what, bytes, uint64_t(Context::current().limits().texture_buffer_texels) * 16);
+    FetchedBuffer out;
+    out.buffer = storage_buffer(what, bytes);
+    out.texture = Texture::of_buffer(GL_RGBA32F, out.buffer);
+    return out;
 }
 
 Buffer storage_buffer(const char* what, size_t bytes) {
@@ -49,6 +57,7 @@ ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given, size_t
 }
 
 void ProblemBuffers::make_products(int count, size_t bytes_each) {
+    if (product_count_ == count) return;
     product_count_ = count;
     products_ = storage_buffer("products", size_t(count) * bytes_each);
 }
@@ -57,7 +66,8 @@ Defines ProblemBuffers::defines() const {
     return {{"LANES", std::to_string(lanes_)},
             {"NUMBER_COUNT", std::to_string(number_count)},
             {"NUMBER_STATUS", std::to_string(number::status)},
-            {"NUMBER_ACCEPTED", std::to_string(number::accepted)}};
+            {"NUMBER_ACCEPTED", std::to_string(number::accepted)},
+            {"NUMBER_FIRST_OWN", std::to_string(int(number::first_own))}};
 }
 
 void ProblemBuffers::bind_to(const Program& program) const {
@@ -78,25 +88,32 @@ void ProblemBuffers::reset(std::span<const Status> status) {
         of[number::status] = float(status[i]);
     }
     numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
+    own_clear_ = true;
 }
 
 void ProblemBuffers::clear_own() {
+    if (own_clear_) return;
+    own_clear_ = true;
     std::vector<float> numbers = read_numbers();
     for (size_t i = 0; i < count_; ++i)
         std::fill_n(&numbers[i * number_count + number::first_own], number_count - number::first_own, 0.0f);
     numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
 }
 
+const Program& ProblemBuffers::program(Step which, int left_out, float first_step) {
+    Program& step = steps_[{which, left_out, first_step}];
+    if (step) return step;
+    const StepName& name = steps[int(which)];
+    Defines all = defines() + Defines{{"PROBLEMS", given_text_}, {"TEXT", name.file}, {"STEP", name.function}};
+    if (left_out)
+        all = all + Defines{{"LEFT_OUT", std::to_string(left_out)}, {"FIRST_STEP", std::to_string(first_step)}};
+    step = Program::compute("compute/step.comp", all);
+    return step;
+}
+
 void ProblemBuffers::step(Step which, const Turn& turn) {
-    Program& step = steps_[{which, turn.left_out, turn.first_step}];
-    if (!step) {
-        const StepName& name = steps[int(which)];
-        Defines all = defines() + Defines{{"PROBLEMS", given_text_}, {"TEXT", name.file}, {"STEP", name.function}};
-        if (turn.left_out)
-            all = all +
-                  Defines{{"LEFT_OUT", std::to_string(turn.left_out)}, {"FIRST_STEP", std::to_string(turn.first_step)}};
-        step = Program::compute("compute/step.comp", all);
-    }
+    const Program& step = program(which, turn.left_out, turn.first_step);
+    own_clear_ = false;
     bind_to(step);
     step.set_if_used("rule", turn.rule);
     step.set_if_used("restart", turn.restart);

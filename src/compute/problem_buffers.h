@@ -15,9 +15,11 @@ struct FetchedBuffer {
     Texture texture;
 
     FetchedBuffer() = default;
-    /// `format`: of the texture's texels, such as GL_RGBA32F. data: null, or so many bytes. Throws UserError, naming
-    /// what it is, where the device fetches from none so large.
-    FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data, bool dynamic = false);
+    /// To be fetched only. `format`: of the texture's texels, such as GL_RGBA32F. Throws UserError, naming what it is,
+    /// where the device fetches from none so large.
+    FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data);
+    /// Of four floats a texel, that passes write to, too; zero at first. Throws UserError likewise.
+    static FetchedBuffer written(const char* what, size_t texels);
 };
 /// A buffer that passes write to, all zero. Throws UserError, naming what it is, where the device writes to none so
 /// large.
@@ -49,7 +51,9 @@ public:
         reset(std::span<const Status>(status));
     }
     void reset(std::span<const Status> status);
-    void clear_own();  ///< the optimizer's numbers
+    void clear_own();  ///< the optimizer's numbers; waits if a step was taken since reset()
+    /// Compiled when it is first asked for. left_out, first_step: of Turn.
+    const Program& program(Step which, int left_out = 0, float first_step = 0);
     void step(Step which, const Turn& turn);
     /// Numbers and constants of an update as update() of optim/engine.h has them.
     void tell_update(const Program& update, std::initializer_list<int> numbers,
@@ -73,6 +77,7 @@ private:
     size_t count_, lanes_;
     std::string given_text_;
     int product_count_ = 0;
+    bool own_clear_ = false;  ///< the optimizer's numbers are zero
     Buffer numbers_, given_, products_, summaries_;
     Program summary_;
     std::map<std::tuple<Step, int, float>, Program> steps_;

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "gl/context.h"
 #include "model/penalty.h"
 
 namespace radiafit {
@@ -84,9 +85,16 @@ SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, con
       vertex_count_(int(rings.vertex_count())),
       tile_count_(int(samples.tile_count())) {
     const size_t images = samples.image_count();
-    if (samples.samples.size() >= UINT32_MAX)
-        throw UserError(fmt::format("{} samples are more than this engine counts to; choose another engine",
-                                    samples.samples.size()));
+    const auto most_samples = uint64_t(Context::current().limits().texture_buffer_texels);
+    if (samples.samples.size() > most_samples)
+        throw UserError(fmt::format("{} samples are more than the {} that {} fetches from; choose another engine",
+                                    samples.samples.size(), most_samples, Context::current().renderer()));
+    constexpr size_t most = 65535;  // of what is kept in 16 bits
+    if (images > most || rings.max_valence() > most)
+        throw UserError(
+            fmt::format("{} images, or a vertex of {} triangles, are more than the {} that compute shaders "
+                        "count to here; choose another engine",
+                        images, rings.max_valence(), most));
     const auto groups_of = [&](uint32_t tile) { return samples.tile_groups[tile + 1] - samples.tile_groups[tile]; };
     uint32_t most_groups = 0;
     for (uint32_t t = 0; t < samples.tile_count(); ++t) most_groups = std::max(most_groups, groups_of(t));
@@ -119,6 +127,8 @@ SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, con
     std::vector<uint32_t> image_of_group(group_count_);         // in the order of the device
     for (uint32_t t = 0; t < samples.tile_count(); ++t) {
         const bool usable = !atlas.degenerate(t);
+        tile_samples_.push_back(
+            uint32_t(samples.groups[samples.tile_groups[t + 1]].first - samples.groups[samples.tile_groups[t]].first));
         const size_t texel_count = usable ? atlas.tile(t).texels() : 0;
         const uint32_t first_group = samples.tile_groups[t];
         const auto [near, first_weight] = of_side.at(atlas.side(t));
@@ -203,8 +213,10 @@ SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, con
         all.insert(all.end(), table[t].begin(), table[t].end());
         table[t] = {};
     }
-    const auto upload = [](const char* what, GLenum format, const auto& values) {
-        return FetchedBuffer(what, format, values.size() * sizeof values[0], values.data());
+    const auto upload = [](const char* what, GLenum format, auto& values) {
+        FetchedBuffer buffer(what, format, values.size() * sizeof values[0], values.data());
+        values = {};
+        return buffer;
     };
     const GLenum word = wide_ ? GL_RG32UI : GL_R32UI;
     tables_ = upload("tables of the samples", GL_R32UI, all);

@@ -13,8 +13,8 @@ namespace radiafit {
 /// what a tile takes of an image (a group) and by texel, so that every sum over samples has one invocation that makes
 /// it, in one order. Groups of a tile, and its texels, are taken in blocks of as many as a work group has invocations,
 /// those with most samples first; the samples of a block lie row by row, so that neighbours read neighbours. A sample
-/// takes four bytes in either order, or eight: of colours with more than 8 bits, and in tiles of more than 256 texels
-/// or groups.
+/// takes four bytes ineither order, or all take eight: where colours have more than 8 bits, or some tile more than 256
+/// texels or groups.
 class SampleStore {
 public:
     /// Nothing of the arguments is kept. lanes: invocations of a work group. Throws UserError where a buffer would be
@@ -29,6 +29,7 @@ public:
     size_t pair_count() const { return pair_count_; }
     size_t group_count() const { return group_count_; }
     size_t tile_count() const { return size_t(tile_count_); }
+    const std::vector<uint32_t>& tile_samples() const { return tile_samples_; }  ///< [tiles]
 
 private:
     /// As shaders/compute/tables.glsl numbers them.
@@ -48,6 +49,7 @@ private:
     };
 
     size_t pair_count_ = 0, group_count_ = 0;
+    std::vector<uint32_t> tile_samples_;
     bool wide_ = false;
     int vertex_count_, tile_count_, view_neighbours_ = 0;
     std::array<int, table_count> table_begin_{};

@@ -1,10 +1,13 @@
 #include "compute/texel_compute_engine.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "dataset/encoding.h"
 #include "dataset/image_stream.h"
@@ -14,24 +17,6 @@ namespace radiafit {
 namespace {
 
 constexpr size_t lanes = 32;  // of a work group
-constexpr float unbound = 3e38f;
-
-/// [texels][4]; position and usability, or normal.
-Texture surface_texture(const TexelShape& shape) {
-    Texture surface(GL_RGBA32F, shape.width(), shape.height(), 2);
-    std::vector<float> layers[2];
-    for (auto& layer : layers) layer.resize(4 * size_t(shape.width()) * size_t(shape.height()));
-    for (uint32_t texel = 0; texel < shape.texels(); ++texel) {
-        const Vec3f three[2] = {shape.atlas->position(texel), shape.atlas->normal(texel)};
-        for (int layer = 0; layer < 2; ++layer) {
-            float* at = layers[layer].data() + 4 * size_t(shape.place[texel]);
-            at[0] = three[layer].x(), at[1] = three[layer].y(), at[2] = three[layer].z();
-            at[3] = layer == 0 && shape.atlas->usable(texel) ? 1.0f : 0.0f;
-        }
-    }
-    for (int layer = 0; layer < 2; ++layer) surface.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
-    return surface;
-}
 
 }  // namespace
 
@@ -42,7 +27,8 @@ TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atla
       problems_(shape_.texels(), "texels_given", lanes),
       wide_(!has_largest_value(dataset.encoding)),
       unit_(wide_ ? 1 : ImageStream(dataset, StreamSource::disk, TargetSpace::linear).scale16()),
-      surface_(surface_texture(shape_)) {
+      surface_(GL_RGBA32F, shape_.width(), shape_.height(), 2) {
+    write_surface(shape_, {}, surface_);
     upload_samples(dataset, views, source);
     std::vector<float> numbers;
     for (const uint32_t view : views) {
@@ -64,10 +50,18 @@ TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atla
     line_.bind("direction", vectors_[vector::d].texture);
     dot_ = program("texel_dot.comp");
     make_room({});
+    for (const Step which : {Step::judge_trial, Step::step_length}) problems_.program(which);
+    for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
 }
 
 void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vector<uint32_t>& views,
                                         const TexelSource& source) {
+    constexpr size_t most_images = 65535;  // in 16 bits
+    if (!wide_ && views.size() > most_images)
+        throw UserError(
+            fmt::format("{} images are more than the {} that compute shaders count to here; choose another "
+                        "engine",
+                        views.size(), most_images));
     const TexelLoader loader(dataset, *shape_.atlas, views, options_);
     const size_t texels = shape_.texels();
     statistics_.samples.assign(texels, 0);
@@ -122,9 +116,7 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
 }
 
 FetchedBuffer TexelComputeEngine::make_vector() const {
-    FetchedBuffer vector("maps", GL_RGBA32F, shape_.texels() * size_t(shape_.maps()) * 16, nullptr, true);
-    vector.buffer.clear();
-    return vector;
+    return FetchedBuffer::written("maps", shape_.texels() * size_t(shape_.maps()));
 }
 
 /// With all that programs share.
@@ -139,16 +131,11 @@ Program TexelComputeEngine::program(const std::string& file, const Defines& more
     made.bind_if_used("texel_samples", samples_.texture);
     made.bind_if_used("views", views_.texture);
     made.bind_if_used("surface", surface_);
-    std::vector<float> lowest(4 * size_t(shape_.maps()), -unbound), highest(lowest.size(), unbound);
-    for (int i = 0; i < shape_.model->parameters; ++i) {
-        const auto [map, channel] = TexelShape::map_of(i);
-        lowest[size_t(4 * map + channel)] = float(shape_.model->bounds[size_t(i)][0]);
-        highest[size_t(4 * map + channel)] = float(shape_.model->bounds[size_t(i)][1]);
-    }
+    const MapBounds bounds(shape_);
     made.set_if_used("mu", options_.mu);
     made.set_if_used("paper_penalty", int(options_.mode == Mode::paper));
-    made.set_if_used("lowest", std::span<const float>(lowest));
-    made.set_if_used("highest", std::span<const float>(highest));
+    made.set_if_used("lowest", std::span<const float>(bounds.lowest));
+    made.set_if_used("highest", std::span<const float>(bounds.highest));
     return made;
 }
 
@@ -208,10 +195,15 @@ void TexelComputeEngine::dot(std::initializer_list<DotProduct> products) {
     }
 }
 
+const Program& TexelComputeEngine::update_program(Update which) {
+    Program& made = updates_[which];
+    if (!made) made = program("texel_update.comp", ProblemBuffers::update_defines(which));
+    return made;
+}
+
 void TexelComputeEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                                 std::initializer_list<float> constants) {
-    Program& update = updates_[which];
-    if (!update) update = program("texel_update.comp", ProblemBuffers::update_defines(which));
+    const Program& update = update_program(which);
     for (size_t k = 0; k < vectors.size(); ++k)
         update.bind_if_used("Vectors[" + std::to_string(k) + "]", vectors_[size_t(std::data(vectors)[k])].buffer);
     problems_.tell_update(update, numbers, constants);

@@ -12,9 +12,10 @@
 namespace radiafit {
 
 /// Texel-local models by OpenGL's compute shaders, over samples that were distributed once and stay on the device:
-/// those that count, in eight bytes each (16 bits a channel, and the image), or in sixteen where the dataset has
-/// floats. Fulfils Engine, with a problem per texel of the atlas; an invocation is a texel, so the same fit gives the
-/// same bits. The context must be current wherever it is used, and when it is destroyed.
+/// thosethat count, in eight bytes each (16 bits a channel in linear light, to which the fragment engine rounds, too,
+/// and the image), or in sixteen where the dataset has floats.Fulfils Engine, with a problem per texel of the atlas; an
+/// invocation is a texel, so the same fit gives the same bits. The context must be current wherever it is used, and
+/// when it is destroyed.
 class TexelComputeEngine {
 public:
     /// Nothing of the arguments is kept. source: of these views. Throws UserError for options out of range, for a
@@ -64,6 +65,7 @@ private:
     void read(const Buffer& buffer, std::span<float> values) const;
     std::vector<float> read_given(size_t which) const;
     Program program(const std::string& file, const Defines& more = {}) const;
+    const Program& update_program(Update which);
 
     int64_t allocated_before_ = Context::current().allocated_bytes();
     TexelOptions options_;

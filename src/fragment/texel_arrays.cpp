@@ -54,6 +54,33 @@ std::vector<float> read_texels(const TexelShape& shape, const Texture& texture, 
     return out;
 }
 
+void write_surface(const TexelShape& shape, std::span<const float> darkness, Texture& surface) {
+    const Atlas& atlas = *shape.atlas;
+    std::vector<float> layers[2];
+    for (auto& layer : layers) layer.resize(4 * size_t(shape.width()) * size_t(shape.height()));
+    for (uint32_t texel = 0; texel < shape.texels(); ++texel) {
+        const auto write = [&](int layer, const Vec3f& three, float fourth) {
+            float* at = layers[layer].data() + 4 * size_t(shape.place[texel]);
+            at[0] = three.x(), at[1] = three.y(), at[2] = three.z(), at[3] = fourth;
+        };
+        write(0, atlas.position(texel), atlas.usable(texel) ? 1.0f : 0.0f);
+        write(1, atlas.normal(texel), darkness.empty() ? 0.0f : darkness[texel]);
+    }
+    for (int layer = 0; layer < 2; ++layer) surface.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
+}
+
+MapBounds::MapBounds(const TexelShape& shape) {
+    constexpr float unbound = 3e38f;
+    lowest.assign(4 * size_t(shape.maps()), -unbound);
+    highest.assign(lowest.size(), unbound);
+    for (int i = 0; i < shape.model->parameters; ++i) {
+        const auto [map, channel] = TexelShape::map_of(i);
+        const size_t at = 4 * size_t(map) + size_t(channel);
+        lowest[at] = float(shape.model->bounds[size_t(i)][0]);
+        highest[at] = float(shape.model->bounds[size_t(i)][1]);
+    }
+}
+
 void write_texels(const TexelShape& shape, std::span<const float> values, Texture& texture) {
     std::vector<float> all(size_t(shape.width()) * size_t(shape.height()));
     for (size_t texel = 0; texel < values.size(); ++texel) all[shape.place[texel]] = values[texel];

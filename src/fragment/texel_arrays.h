@@ -76,6 +76,14 @@ struct TexelSumLayers {
 
 /// One number of each texel, from a layer of an array [places][channels]. Waits.
 std::vector<float> read_texels(const TexelShape& shape, const Texture& texture, int channel, int layer = 0);
+/// What shaders/reflect/site.glsl reads, into two layers of RGBA. darkness [texels], or none: samples whose channels'
+/// sum is below that share of u_z lie in shadow.
+void write_surface(const TexelShape& shape, std::span<const float> darkness, Texture& surface);
+/// Of parameters, for shaders/reflect/bounds.glsl: [map][4].
+struct MapBounds {
+    std::vector<float> lowest, highest;
+    explicit MapBounds(const TexelShape& shape);
+};
 /// The way back, [texels] into a texture of one channel.
 void write_texels(const TexelShape& shape, std::span<const float> values, Texture& texture);
 

@@ -5,12 +5,6 @@
 #include "dataset/encoding.h"
 
 namespace radiafit {
-namespace {
-
-constexpr float unbound = 3e38f;
-
-}  // namespace
-
 TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& atlas, std::vector<uint32_t> views,
                                          const TexelOptions& options, const FragmentOptions& fragment_options)
     : allocated_before_(Context::current().allocated_bytes()),
@@ -71,41 +65,18 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     gradient_.bind("sample_sums", sums_.gradient.layers);
     precondition_.bind("sample_sums", sums_.diagonal.layers);
     for (const Program* program : {&gradient_, &precondition_}) program->bind("inverse_samples", inverse_samples_);
-    write_surface({});
+    write_surface(shape_, {}, surface_);
     bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
 }
 
 TexelFragmentEngine::~TexelFragmentEngine() = default;
 
-// For shaders/reflect/bounds.glsl.
 void TexelFragmentEngine::set_bounds(const Program& program) const {
-    std::vector<float> lowest(4 * size_t(shape_.maps()), -unbound), highest(lowest.size(), unbound);
-    for (int i = 0; i < shape_.model->parameters; ++i) {
-        const auto [map, channel] = TexelShape::map_of(i);
-        const size_t at = 4 * size_t(map) + size_t(channel);
-        lowest[at] = float(shape_.model->bounds[size_t(i)][0]);
-        highest[at] = float(shape_.model->bounds[size_t(i)][1]);
-    }
+    const MapBounds bounds(shape_);
     program.set("mu", options_.mu);
     program.set("paper_penalty", options_.mode == Mode::paper);
-    program.set("lowest", std::span<const float>(lowest));
-    program.set("highest", std::span<const float>(highest));
-}
-
-// darkness [texels], or none: samples whose channels' sum is below that share of u_z lie in shadow.
-void TexelFragmentEngine::write_surface(std::span<const float> darkness) {
-    const Atlas& atlas = *shape_.atlas;
-    std::vector<float> layers[2];
-    for (auto& layer : layers) layer.resize(4 * size_t(shape_.width()) * size_t(shape_.height()));
-    for (uint32_t texel = 0; texel < shape_.texels(); ++texel) {
-        const auto write = [&](int layer, const Vec3f& three, float fourth) {
-            float* at = layers[layer].data() + 4 * size_t(shape_.place[texel]);
-            at[0] = three.x(), at[1] = three.y(), at[2] = three.z(), at[3] = fourth;
-        };
-        write(0, atlas.position(texel), atlas.usable(texel) ? 1.0f : 0.0f);
-        write(1, atlas.normal(texel), darkness.empty() ? 0.0f : darkness[texel]);
-    }
-    for (int layer = 0; layer < 2; ++layer) surface_.upload(GL_RGBA, GL_FLOAT, layers[layer].data(), layer);
+    program.set("lowest", std::span<const float>(bounds.lowest));
+    program.set("highest", std::span<const float>(bounds.highest));
 }
 
 // Streams every image once through body(images), batch by batch.
@@ -118,7 +89,7 @@ void TexelFragmentEngine::sweep(const Body& body) {
 }
 
 void TexelFragmentEngine::count_samples(std::span<const float> darkness) {
-    write_surface(darkness);
+    write_surface(shape_, darkness, surface_);
     sums_.count.clear(*run_);
     sweep([&](const std::vector<ImageOnDevice>& images) { passes_->count(images); });
 }

@@ -70,7 +70,6 @@ private:
     template <class Body>
     void sweep(const Body& body);
     void count_samples(std::span<const float> darkness);
-    void write_surface(std::span<const float> darkness);
     void penalty_pass(const Program& program, const TexelVector& x);
     void set_bounds(const Program& program) const;
     void map_passes(const Program& program, const std::vector<Framebuffer>& targets);

@@ -66,9 +66,10 @@ public:
     void bind_if_used(std::string_view name, const auto& texture_or_buffer) const {
         if (find(name)) bind(name, texture_or_buffer);
     }
-    /// Draws are with this program, its uniforms and its textures, all of which it has been told.
+    /// Draws are with this program, its uniforms, textures and buffers, all of which it has been told.
     void use() const;
-    /// So many work groups, of a program for computing. What they write, whatever is issued later reads.
+    /// So many work groups, of a program for computing. What they write to storage buffers, later programs read there
+    /// and by buffer textures, and Buffer::read().
     void dispatch(size_t groups) const;
 
     explicit operator bool() const { return name_ != 0; }

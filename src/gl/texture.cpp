@@ -10,7 +10,6 @@
 #include "gl/context.h"
 
 namespace radiafit {
-namespace {
 
 int bytes_per_texel(GLenum format) {
     switch (format) {
@@ -39,6 +38,8 @@ int bytes_per_texel(GLenum format) {
             throw SystemError(fmt::format("texture format 0x{:04x} has no size in bytes_per_texel", format));
     }
 }
+
+namespace {
 
 bool holds_integers(GLenum format) {
     constexpr GLenum formats[] = {GL_R8UI, GL_RGBA8UI, GL_R16UI, GL_RGBA16UI, GL_R32UI, GL_RG32UI, GL_RGBA32UI};

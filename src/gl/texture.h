@@ -56,6 +56,9 @@ private:
     int64_t bytes_ = 0;
 };
 
+/// Of a sized internal format. Throws SystemError for one that nothing here uses.
+int bytes_per_texel(GLenum format);
+
 /// One attachment: a texture, or one layer of an array.
 struct Target {
     const Texture* texture;

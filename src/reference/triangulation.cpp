@@ -159,7 +159,8 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
 }
 
 size_t Triangulation::strip_of(double y) const {
-    return size_t(std::clamp((y - bottom_) / strip_height_, 0.0, double(strip_count - 1)));
+    const double strip = (y - bottom_) / strip_height_;
+    return strip > 0 ? size_t(std::min(strip, double(strip_count - 1))) : 0;
 }
 
 Triangulation::Weights Triangulation::at(const Vec2d& place) const {

@@ -46,6 +46,7 @@ public:
         for (const KeyedRows& rows : before) before_runs_.push_back(&rows);
         for (const KeyedRows& rows : after) after_runs_.push_back(&rows);
         same_programs_ = {before_runs_, after_runs_};
+        united_ = united;
         if (united) same_programs_.front().insert(same_programs_.front().end(), after_runs_.begin(), after_runs_.end());
     }
 
@@ -145,6 +146,7 @@ private:
         if (apart_.empty()) {
             const TimeJudgement judged = judge_times(a, b, by_runs ? 1 : run_to_run(column));
             cell.verdict = judged.verdict;
+            if (united_ && !by_runs && cell.verdict != Verdict::same) cell.verdict = Verdict::unclear;
             cell.amount = judged.ratio;
             cell.interval = judged.interval;
             cell.reason = judged.reason;
@@ -191,6 +193,7 @@ private:
     const std::vector<KeyedRows>&before_, &after_;
     std::string apart_;
     Runs before_runs_, after_runs_;
+    bool united_ = false;
     std::vector<Runs> same_programs_;                     ///< runs that repeat one another
     std::map<std::string, std::optional<double>> noise_;  ///< run_to_run() by column
     std::vector<Cell> cells_;
@@ -347,7 +350,7 @@ TimeJudgement judge_times(const std::vector<double>& before, const std::vector<d
         out.interval = {low_b / high_a / spread, high_b / low_a * spread};
     }
     if (!run_to_run) {
-        out.reason = "one run of each side: how much times differ from run to run isn't known; repeat either";
+        out.reason = "no two runs of one program tell how much this time differs from run to run; repeat either side";
         return out;
     }
     out.interval = {out.interval->low / *run_to_run, out.interval->high * *run_to_run};
