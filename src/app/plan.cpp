@@ -186,7 +186,7 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
 
 /// What compute shaders hold besides vectors, and what it takes to put it there.
 void add_compute_engine(const TriangleAtlas& atlas, const VertexRings& rings, const LfmLayout& layout, int terms,
-                        uint64_t images, uint64_t samples, std::vector<PlanRow>& rows) {
+                        uint64_t images, uint64_t samples, uint64_t sample_bytes, std::vector<PlanRow>& rows) {
     const uint64_t vertices = rings.vertex_count(), views = vertices * images;
     rows.push_back({"smoothed maps", fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
                     layout.size() * sizeof(float)});
@@ -197,7 +197,8 @@ void add_compute_engine(const TriangleAtlas& atlas, const VertexRings& rings, co
                     groups * (16 + 48 * uint64_t(terms))});
     const uint64_t tables = 4 * (3 * groups + views) + 8 * atlas.used_texels() + layout.size() / uint64_t(terms);
     rows.push_back({"tables, at most", "of samples, and once more while they are made", tables / 2, 2 * tables});
-    rows.push_back({"samples, about", "8 bytes, and in two orders on the device", 3 * samples, 24 * samples});
+    rows.push_back({"samples, about", "8 bytes, and in two orders for the device and on it", 5 * samples,
+                    (8 + 4 * sample_bytes) * samples});
     rows.push_back({"samples by image, until they are sorted", "once more", samples, 8 * samples});
 }
 
@@ -246,7 +247,8 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
     }
     if (request.on_engine(EngineKind::compute)) {
         add_compute_engine(atlas, rings, layout, options.terms, views.size(),
-                           estimate_samples(dataset, atlas, request, most_views), plan.memory);
+                           estimate_samples(dataset, atlas, request, most_views),
+                           ImageStream(dataset, StreamSource::disk, request.space).bits() == 8 ? 4 : 8, plan.memory);
         return plan;
     }
     const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);
