@@ -182,9 +182,7 @@ void Buffer::write(size_t offset, size_t bytes, const void* data) {
     gl().NamedBufferSubData(name_, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
 }
 
-void Buffer::clear() {
-    gl().ClearNamedBufferData(name_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-}
+void Buffer::clear() { gl().ClearNamedBufferData(name_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr); }
 
 void* Buffer::map() {
     void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_),
