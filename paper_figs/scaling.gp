@@ -28,7 +28,7 @@ stats memory using 4 every ::1 nooutput name 'side'
 set title sprintf('memory of the OpenGL engine, maps of side %d to %d (Section 6.3)', side_min, side_max)
 set xlabel 'parameters N' offset 0,0.4
 set ylabel 'MB' offset 1
-set key bottom right samplen 3
+set key bottom right samplen 3 opaque
 stats memory using ($10 / 1e6) every ::1 nooutput name 'megabytes'
 stats memory using 7 every ::1 nooutput name 'parameters'
 set yrange [megabytes_min / 8:megabytes_max * 1.5]

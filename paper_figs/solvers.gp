@@ -22,7 +22,7 @@ low = 10 ** floor(log10(ms_min * 0.7))
 set title "{/:Bold Solvers of light field maps: time per vertex to 1.01 × the least error}\n" . caption . "\n "
 set lmargin 27
 set logscale x
-set rmargin 36  # for the longest bars' labels
+set rmargin 40  # for the longest bars' labels
 set xrange [low:ms_max * 1.3]
 set yrange [ms_records - 0.4:-0.6]
 set format x '%g'
