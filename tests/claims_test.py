@@ -88,10 +88,14 @@ class Report(ClaimsTest):
         self.good("--config", "experiments/claims.toml", "--set", 'results="results/reference"', "--output", "judged")
         self.assertEqual(snapshot(self.root / "results"), before)
         report = (self.root / "judged/claims.md").read_text()
-        readme = {" ".join(line.split()) for line in (self.checkout / "README.md").read_text().splitlines()}
-        for line in report.splitlines():
-            if re.match(r"\| C\d+ ", line):
-                self.assertIn(" ".join(line.split()), readme, "the README's line is another")
+        def lines_of(text):
+            return [" ".join(line.split()) for line in text.splitlines() if re.match(r"\| C\d+ ", line)]
+
+        reported, shown = lines_of(report), lines_of((self.checkout / "README.md").read_text())
+        self.assertEqual(len({line.split()[1] for line in shown}), 23)
+        self.assertEqual(len(shown), 23, "the README has one line for each claim, of one machine")
+        for line in shown:
+            self.assertTrue(line in reported, f"the README's line is not the reference's: {line}")
         told = subprocess.run([sys.executable, "-B", self.checkout / "tests/recompute_claims.py", self.root / "judged/claims.json",
                                self.root], capture_output=True, text=True)  # fmt: skip
         self.assertEqual(told.returncode, 0, told.stdout + told.stderr)

@@ -61,11 +61,11 @@ class Needs(ProgramTest):
     def test_vectors_of_the_optimizer(self):
         for engine in ("cpu", "fragment", "compute"):
             large = ("--engine", engine, "--surface-side", "32", "--view-side", "64", "--terms", "12", "--iterations", "0")
-            more = (*large, "--optimizer", "lbfgs", "--history", "8")
-            if engine != "cpu":  # once more than needed: a driver that compiles shaders takes memory for it, later ones it keeps
-                self.measured_and_announced(*more)
-            plain, plain_announced = self.measured_and_announced(*large)
-            measured, announced = self.measured_and_announced(*more)
+            # the least of some runs: now and then a driver compiles shaders, which takes memory
+            runs = 1 if engine == "cpu" else 4
+            (plain, plain_announced), (measured, announced) = (
+                min(self.measured_and_announced(*large, *more) for _ in range(runs))
+                for more in ((), ("--optimizer", "lbfgs", "--history", "8")))
             with self.subTest(engine):
                 self.assertGreater(measured - plain, 20e6)
                 self.assertGreater(announced - plain_announced, 0.9 * (measured - plain))
