@@ -101,16 +101,8 @@ void optimize_engine(E& engine, TexelTask& task) {
     });
 }
 
-std::unique_ptr<Context> open_context(TexelTask& task) {
-    auto context = Context::create(task.request.context);
-    task.out.gl_vendor = context->vendor();
-    task.out.gl_renderer = context->renderer();
-    task.out.gl_version = context->version();
-    return context;
-}
-
 void solve_fragment(TexelTask& task) {
-    const auto context = open_context(task);
+    const auto context = open_context(task.request, task.out);
     Stopwatch clock;
     TexelFragmentEngine engine(task.dataset, *task.out.atlas, task.views, task.options,
                                task.request.fragment_options());
@@ -121,26 +113,43 @@ void solve_fragment(TexelTask& task) {
     take_sweeps(engine.times(), clock.wall_s(), task.dataset, task.out);
 }
 
-/// Parameters [texels][parameters]: for every texel the best of the model's starts.
-std::vector<float> starts_of(const TexelProblem& problem, const TexelTask& task) {
+/// body(first texel, how many, their samples): eight texels at a time, or what is left of a block, on all cores.
+/// Returns the seconds that reading and shading took, per core.
+template <class Body>
+double for_eights(const TexelProblem& problem, const std::function<void()>& block_done, const Body& body) {
     constexpr size_t eight = 8;
-    const size_t n = size_t(task.options.model->parameters);
-    std::vector<float> out(problem.source.texel_count() * n);
-    parallel_for(problem.source.block_count(), 1, [&](size_t block, int) {
+    std::vector<double> load_s(size_t(thread_count()), 0);
+    parallel_for(problem.source.block_count(), 1, [&](size_t block, int worker) {
+        Stopwatch clock;
         TexelSamples samples;
         std::vector<std::vector<ShadedSample>> shaded(eight);
         const uint32_t begin = uint32_t(block) * TexelSource::block;
         problem.source.read(begin, samples);
+        load_s[size_t(worker)] += clock.wall_s();
         const size_t count = samples.first.size() - 1;
         for (size_t first = 0; first < count; first += eight) {
+            clock.restart();
             for (size_t i = 0; i < eight; ++i) {
                 shaded[i].clear();
                 if (first + i < count)
                     problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
             }
-            const std::vector<float> start = task.solvers().start(shaded);
-            std::copy_n(start.begin(), std::min(eight, count - first) * n, &out[(begin + first) * n]);
+            load_s[size_t(worker)] += clock.wall_s();
+            body(begin + first, std::min(eight, count - first), shaded);
         }
+        if (block_done) block_done();
+    });
+    double sum = 0;
+    for (const double s : load_s) sum += s / thread_count();
+    return sum;
+}
+
+/// Parameters [texels][parameters]: for every texel the best of the model's starts.
+std::vector<float> starts_of(const TexelProblem& problem, const TexelTask& task) {
+    const size_t n = size_t(task.options.model->parameters);
+    std::vector<float> out(problem.source.texel_count() * n);
+    for_eights(problem, {}, [&](size_t first, size_t count, const auto& shaded) {
+        std::copy_n(task.solvers().start(shaded).begin(), count * n, &out[first * n]);
     });
     return out;
 }
@@ -148,7 +157,7 @@ std::vector<float> starts_of(const TexelProblem& problem, const TexelTask& task)
 void solve_compute(TexelTask& task) {
     with_samples(task, [&](const TexelSource& source) {
         if (source.sample_count() == 0) reject_unseen(task.dataset);
-        const auto context = open_context(task);
+        const auto context = open_context(task.request, task.out);
         Stopwatch clock;
         const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
         TexelComputeEngine engine(task.dataset, *task.out.atlas, task.views, task.options, source);
@@ -199,7 +208,6 @@ namespace {
 
 TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, CeresTexelOptions::Method method,
                          const std::function<void()>& progress) {
-    constexpr size_t eight = 8;
     const TexelModel& model = *task.options.model;
     const size_t texels = problem.source.texel_count(), n = size_t(model.parameters);
     TexelResult out;
@@ -207,38 +215,20 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, Cer
     out.status.assign(texels, Status::no_samples);
     out.iterations.assign(texels, 0);
     out.samples.assign(texels, 0);
-    std::vector<double> load_s(size_t(thread_count()), 0);
-    parallel_for(problem.source.block_count(), 1, [&](size_t block, int worker) {
-        Stopwatch clock;
-        TexelSamples samples;
-        std::vector<std::vector<ShadedSample>> shaded(eight);
-        const uint32_t begin = uint32_t(block) * TexelSource::block;
-        problem.source.read(begin, samples);
-        load_s[size_t(worker)] += clock.wall_s();
-        const size_t count = samples.first.size() - 1;
-        for (size_t first = 0; first < count; first += eight) {
-            clock.restart();
-            for (size_t i = 0; i < eight; ++i) {
-                shaded[i].clear();
-                if (first + i < count)
-                    problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
-            }
-            load_s[size_t(worker)] += clock.wall_s();
-            const std::vector<float> start = task.solvers().start(shaded);
-            for (size_t i = 0; i < eight && first + i < count; ++i) {
-                const size_t t = begin + first + i;
-                const CeresTexelFit fit = ceres_texel(model, shaded[i], {&start[i * n], n},
-                                                      {.method = method, .iterations = task.request.iterations});
-                std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
-                out.iterations[t] = uint32_t(fit.iterations);
-                out.samples[t] = uint32_t(shaded[i].size());
-                out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
-            }
+    const double load_s = for_eights(problem, progress, [&](size_t first, size_t count, const auto& shaded) {
+        const std::vector<float> start = task.solvers().start(shaded);
+        for (size_t i = 0; i < count; ++i) {
+            const size_t t = first + i;
+            const CeresTexelFit fit = ceres_texel(model, shaded[i], {&start[i * n], n},
+                                                  {.method = method, .iterations = task.request.iterations});
+            std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
+            out.iterations[t] = uint32_t(fit.iterations);
+            out.samples[t] = uint32_t(shaded[i].size());
+            out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
         }
-        progress();
     });
     out.error = task.solvers().errors(problem, out.parameters, &out.load_s);
-    for (const double s : load_s) out.load_s += s / thread_count();
+    out.load_s += load_s;
     for (size_t t = 0; t < texels; ++t) out.sample_iterations += uint64_t(out.samples[t]) * out.iterations[t];
     return out;
 }

@@ -32,10 +32,7 @@ void with_fragment_engine(FitTask& task) {
     static_assert(Engine<FragmentEngine>);
     const FitRequest& request = task.request;
     FitOutcome& out = task.out;
-    const auto context = Context::create(request.context);
-    out.gl_vendor = context->vendor();
-    out.gl_renderer = context->renderer();
-    out.gl_version = context->version();
+    const auto context = open_context(request, out);
     Stopwatch clock;
     FragmentEngine engine(task.dataset, task.atlas, task.rings, task.views, task.options, request.fragment_options());
     run_engine(engine, engine.layout(), task);
@@ -57,10 +54,7 @@ void with_compute_engine(FitTask& task) {
     static_assert(Engine<ComputeEngine>);
     FitOutcome& out = task.out;
     const SampleList& samples = task.samples();
-    const auto context = Context::create(task.request.context);
-    out.gl_vendor = context->vendor();
-    out.gl_renderer = context->renderer();
-    out.gl_version = context->version();
+    const auto context = open_context(task.request, out);
     Stopwatch clock;
     ComputeEngine engine(task.dataset, task.atlas, task.rings, samples, task.options);
     run_engine(engine, engine.layout(), task);
@@ -69,6 +63,14 @@ void with_compute_engine(FitTask& task) {
 }
 
 }  // namespace
+
+std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run) {
+    auto context = Context::create(request.context);
+    run.gl_vendor = context->vendor();
+    run.gl_renderer = context->renderer();
+    run.gl_version = context->version();
+    return context;
+}
 
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run) {
     run.times.streaming = times.stream_s + times.upload_s;

@@ -108,6 +108,8 @@ std::string record_key(const Dataset& dataset, const FitRequest& request, const 
 /// Drops records from the page cache if so requested, and notes how much of them is there.
 void settle_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
 
+/// The context that a request names, which the run tells of.
+std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);
 /// What a fragment engine tells of its sweeps after so many seconds.
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
 

@@ -12,7 +12,19 @@
 namespace radiafit {
 namespace {
 
-constexpr size_t block = 256;  // problems that one invocation of summary.comp looks at
+constexpr size_t block = 256;                  // problems that one invocation of summary.comp looks at
+constexpr int most_blocks = MOST_VECTORS + 3;  // storage blocks of a pass: an update's vectors, numbers, products, sums
+
+/// `problems`, where the device's passes may have enough storage blocks. Throws UserError otherwise.
+size_t on_this_device(size_t problems) {
+    const Context& context = Context::current();
+    if (context.limits().compute_ssbos < most_blocks)
+        throw UserError(
+            fmt::format("{} lets a compute shader have {} storage blocks, and {} are needed; choose another "
+                        "engine",
+                        context.renderer(), context.limits().compute_ssbos, most_blocks));
+    return problems;
+}
 
 void check_size(const char* what, uint64_t bytes, uint64_t most) {
     if (bytes > most)
@@ -46,7 +58,7 @@ Buffer storage_buffer(const char* what, size_t bytes) {
 }
 
 ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given, size_t lanes)
-    : count_(problems),
+    : count_(on_this_device(problems)),
       lanes_(lanes),
       given_text_(given),
       numbers_(storage_buffer("numbers of problems", problems * number_count * sizeof(float))),

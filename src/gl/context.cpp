@@ -129,6 +129,7 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
     functions_.GetIntegerv(GL_MAX_DRAW_BUFFERS, &limits_.draw_buffers);
     functions_.GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &limits_.texture_units);
     functions_.GetIntegerv(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS, &limits_.fragment_ssbos);
+    functions_.GetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &limits_.compute_ssbos);
     functions_.GetIntegerv(GL_MAX_VARYING_COMPONENTS, &limits_.varying_components);
     GLint64 value = 0;
     functions_.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &value);

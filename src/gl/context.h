@@ -22,7 +22,7 @@ struct ContextOptions {
 };
 
 struct ContextLimits {
-    int texture_size, draw_buffers, texture_units, fragment_ssbos, varying_components;
+    int texture_size, draw_buffers, texture_units, fragment_ssbos, compute_ssbos, varying_components;
     int64_t ssbo_bytes, texture_buffer_texels;
 };
 

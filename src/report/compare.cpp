@@ -42,11 +42,15 @@ public:
     /// `apart`: why times can't be compared.
     TableComparison(const TableRules& rules, std::string name, const std::vector<KeyedRows>& before,
                     const std::vector<KeyedRows>& after, bool united, std::string apart)
-        : rules_(rules), name_(std::move(name)), before_(before), after_(after), apart_(std::move(apart)) {
+        : rules_(rules),
+          name_(std::move(name)),
+          before_(before),
+          after_(after),
+          apart_(std::move(apart)),
+          united_(united) {
         for (const KeyedRows& rows : before) before_runs_.push_back(&rows);
         for (const KeyedRows& rows : after) after_runs_.push_back(&rows);
         same_programs_ = {before_runs_, after_runs_};
-        united_ = united;
         if (united) same_programs_.front().insert(same_programs_.front().end(), after_runs_.begin(), after_runs_.end());
     }
 
@@ -192,8 +196,8 @@ private:
     std::string name_;
     const std::vector<KeyedRows>&before_, &after_;
     std::string apart_;
+    bool united_;
     Runs before_runs_, after_runs_;
-    bool united_ = false;
     std::vector<Runs> same_programs_;                     ///< runs that repeat one another
     std::map<std::string, std::optional<double>> noise_;  ///< run_to_run() by column
     std::vector<Cell> cells_;

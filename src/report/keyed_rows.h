@@ -24,7 +24,6 @@ public:
     /// keys which are no repetitions.
     KeyedRows(const RunRecord& run, const std::string& name, const TableRules& rules);
 
-    const std::filesystem::path& file() const { return file_; }
     const CsvTable& table() const { return table_; }
     const std::vector<RowKey>& order() const { return order_; }  ///< keys, as their first rows stand in the file
     bool has(const std::string& column) const;
