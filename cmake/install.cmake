@@ -27,7 +27,10 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/radiafit-config-version.c
 install(FILES ${PROJECT_BINARY_DIR}/radiafit-config.cmake ${PROJECT_BINARY_DIR}/radiafit-config-version.cmake
         DESTINATION lib/cmake/radiafit)
 
-# The program, and the module that it loads when it reads photographs.
+# The program, and the modules that it loads when it reads photographs, or when mpirun starts it.
 install(TARGETS radiafit RUNTIME DESTINATION bin)
 install(TARGETS radiafit_oiio LIBRARY DESTINATION lib/radiafit)
+if(TARGET radiafit_mpi)
+  install(TARGETS radiafit_mpi LIBRARY DESTINATION lib/radiafit)
+endif()
 set_target_properties(radiafit PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/radiafit")

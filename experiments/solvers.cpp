@@ -388,11 +388,11 @@ void compare_solvers(Experiment& experiment) {
     const AtomicFolder folder(std::filesystem::temp_directory_path() / "radiafit-solvers");
     const Distributors distributors = make_distributors(atlas, request);
     write_records(folder.path(), dataset, atlas, rings, dataset.split(false), distributors.workers(),
-                  {.memory = request.memory, .key = "solvers"});
+                  {.memory = request.sort_memory, .key = "solvers"});
     const DiskRecords records(folder.path(), "solvers");
 
     const std::vector<uint32_t> chosen = draw(gatherer.statistics(), o);
-    if (chosen.empty()) reject_unseen(dataset);
+    require_seen(!chosen.empty(), dataset, request);
     const LfmLayout& layout = gatherer.layout();
     const std::vector<float> start = lfm_start(layout, gatherer.statistics().mean, 1);
     std::vector<Vertex> vertices(chosen.size());

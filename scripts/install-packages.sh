@@ -13,6 +13,7 @@ packages="
     libegl-dev libgl-dev libosmesa6-dev
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
     gnuplot-nox fonts-dejavu-core strace
+    libopenmpi-dev openmpi-bin
     clang-format glslang-tools spirv-tools python3
 "
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"

@@ -41,7 +41,7 @@ class Reflectance(ProgramTest):
     def test_every_solver_finds_it(self):
         for options in (("--optimizer", "cg", "--iterations", "40"),
                         ("--solver", "two-step"),
-                        ("--solver", "two-step", "--optimizer", "cg", "--iterations", "40", "--memory", "1M"),
+                        ("--solver", "two-step", "--optimizer", "cg", "--iterations", "40", "--sort-memory", "1M"),
                         ("--engine", "fragment", "--iterations", "30"),
                         ("--solver", "ceres")):
             self.good("fit", "ornament", "--model", "lafortune", *options, "-o", "other")

@@ -23,7 +23,7 @@ LIGHT_FIELD = [
     "--optimizer lbfgs --terms 2",
     "--optimizer adam --terms 2",
 ]
-STEPS = ["--solver two-step", "--solver two-step --record full", "--solver two-step --terms 2 --memory 20K"]
+STEPS = ["--solver two-step", "--solver two-step --record full", "--solver two-step --terms 2 --sort-memory 20K"]
 OTHERS = [f"--solver {s} --terms {k}" for s, k in itertools.product(("pca", "ceres", "als", "varpro"), (1, 2))] + ["--solver mean"]
 FRAGMENT = [f"--engine fragment --passes {p} --storage {s} --sums {t} --optimizer {o}" for p, s, t, o in itertools.product(
     ("paper", "combined"), ("fp32", "fp16", "fp16-truncate"), ("fp32", "fp16"), ("cg", "sd"))]  # fmt: skip

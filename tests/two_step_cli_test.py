@@ -61,7 +61,7 @@ class TwoStep(ProgramTest):
 
     def test_memory_does_not_change_the_records(self):
         for memory in ("1G", "20K"):
-            self.good("fit", "star", *FIT, "--memory", memory, "--records", f"records-{memory}", "-o", f"fit-{memory}")
+            self.good("fit", "star", *FIT, "--sort-memory", memory, "--records", f"records-{memory}", "-o", f"fit-{memory}")
         large, small = (snapshot(self.root / f"records-{memory}") for memory in ("1G", "20K"))
         for name in ("records.bin", "index.bin"):
             self.assertEqual(large[name], small[name], name)
@@ -113,7 +113,7 @@ class TwoStep(ProgramTest):
 
     def test_options(self):
         for memory in ("nonsense", "-1", "0", "12Q", ""):
-            self.refused("fit", "star", *FIT, "--memory", memory, "-o", "fit", says=["memory", "64M"])
+            self.refused("fit", "star", *FIT, "--sort-memory", memory, "-o", "fit", says=["memory", "64M"])
         self.refused("fit", "star", *FIT, "--record", "tiny", "-o", "fit", says=["'tiny'", "compact", "full"])
 
     def test_full_disk(self):
@@ -124,7 +124,7 @@ class TwoStep(ProgramTest):
         for memory in ("1G", "20K"):  # the records themselves; files in which samples wait
             before = snapshot(self.root)
             result = subprocess.run(
-                [str(self.program), "fit", "star", *FIT, "--memory", memory, "--records", "records", "-o", "fit"],
+                [str(self.program), "fit", "star", *FIT, "--sort-memory", memory, "--records", "records", "-o", "fit"],
                 cwd=self.root, stdin=subprocess.DEVNULL, capture_output=True, text=True, preexec_fn=no_more_than_a_page)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn("fit needs about ", result.stderr.splitlines()[0])
@@ -136,7 +136,7 @@ class TwoStep(ProgramTest):
     def kill_while_distributing(self):
         """Starts a fit and kills it while it writes records. False: it was too fast for this machine."""
         process = subprocess.Popen(
-            [str(self.program), "fit", "star", *FIT, "--memory", "20K", "--records", "records", "-o", "killed"],
+            [str(self.program), "fit", "star", *FIT, "--sort-memory", "20K", "--records", "records", "-o", "killed"],
             cwd=self.root, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             while process.poll() is None:
@@ -158,7 +158,7 @@ class TwoStep(ProgramTest):
         else:
             self.fail("no run could be killed in time")
         self.assertFalse((self.root / "killed").exists())
-        again = self.good("fit", "star", *FIT, "--memory", "20K", "--records", "records", "-o", "killed")
+        again = self.good("fit", "star", *FIT, "--sort-memory", "20K", "--records", "records", "-o", "killed")
         self.assertNotIn("earlier run", again.stderr)
         self.assertEqual(self.parameters("whole"), self.parameters("killed"))
         self.assertFalse(list(self.root.glob(".radiafit-tmp-*")), "what the killed run left")

@@ -1,6 +1,7 @@
 #version 450 core
 // The texture item buffer: which SLS texel a pixel's centre sees. COLOUR 8 or 16: with the pixel's colour in so many bits
-// a channel, so that a texel finds both in one look-up; pixels outside the mask are seen by none.
+// a channel, so that a texel finds both in one look-up; pixels outside the mask are seen by none. PART: a frame of zeros has
+// no texels.
 #include "distribute/tiles.glsl"
 
 layout(location = 0) in vec2 barycentric;
@@ -18,6 +19,9 @@ void main() {
     if (cell.x + cell.y >= SIDE) cell -= cell.x > cell.y ? ivec2(1, 0) : ivec2(0, 1);
     ivec2 place = frame.xy + frame.z * cell;
     uint index = uint(place.y * layout_width + place.x);
+#ifdef PART
+    if (frame.z == 0) index = 0xffffffffu;
+#endif
 #ifdef COLOUR
     uvec4 channels = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
     if (channels.a == 0u) index = 0xffffffffu;

@@ -1,5 +1,5 @@
 #version 450 core
-// Pass 1 of Section 5.1.1: the mesh in image space.
+// Pass 1 of Section 5.1.1: the mesh in image space. PART: some triangles have no tile (0xffffffff) and only hide others.
 #include "distribute/camera.glsl"
 #include "distribute/tiles.glsl"
 
@@ -19,6 +19,9 @@ void main() {
     vec3 q = corner == 0 ? q0 : corner == 1 ? q1 : q2;
     barycentric = vec2(corner == 1, corner == 2);
     frame = tile_frame(int(tile), SIDE);
+#ifdef PART
+    if (tile == 0xffffffffu) frame = ivec3(0);
+#endif
     // Depth is 1/w in reverse, 1e-6 / w: a float keeps its relative precision at any distance.
     vec4 clip = vec4(2.0 * q.xy / image_size - q.z, 1.0e-6, q.z);
     gl_Position = in_front(q0, q1, q2) ? clip : vec4(0.0, 0.0, 2.0, 1.0);

@@ -9,6 +9,7 @@
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "app/limits.h"
+#include "app/parts.h"
 #include "base/error.h"
 #include "base/leftovers.h"
 #include "base/printable.h"
@@ -183,6 +184,13 @@ void add_plan(CommandLine& program) {
         const Plan planned = plan(dataset, *request);
         show("this program", planned.memory);
         show("on disk", planned.disk);
+        if (needs_parts(dataset, *request)) {
+            Needs needs;
+            const auto whole = family_of(*request).divide(dataset, *request);
+            const size_t parts = count_parts(*whole, {}, *request, needs);
+            fmt::print("in {} parts, {} of memory at most and {} of disk\n", parts, readable_bytes(needs.memory),
+                       readable_bytes(needs.disk));
+        }
         if (!planned.paper.empty()) show("paper layout (Section 6.3; the accounting is ours)", planned.paper);
     });
 }

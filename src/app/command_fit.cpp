@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/commands.h"
 #include "app/family.h"
+#include "app/fit_on_ranks.h"
 #include "app/fit_options.h"
+#include "app/parts.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -121,15 +124,20 @@ std::string summary_of(const FitRun& run, const FitRequest& request) {
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
     constexpr size_t views_to_count_samples_on = 8;
-    constexpr uint64_t program_bytes = 150'000'000;  // with its libraries, which `radiafit --version` loads too
     const Plan planned = plan(dataset, request, views_to_count_samples_on);
     announce_needs("fit", {total_bytes(planned.memory) + program_bytes, total_bytes(planned.disk)}, out, force);
 }
 
-void fit(const std::string& out, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
+/// What a fit's record begins with.
+Record begin_record(const Dataset& dataset, const Invocation& invocation) {
     Record begun = make_record(invocation.argc, invocation.argv);
     begun.datasets->push_back(dataset_note(dataset));
-    FinishedFit done = family_of(request).fit(dataset, request);
+    return begun;
+}
+
+/// Checks what a fit came to, writes it and says so.
+void leave(const std::string& out, const Dataset& dataset, const FitRequest& request, FinishedFit done,
+           const Record& begun) {
     const FitRecord& record = done.fit->record();
     require_result(record, dataset);
     save(out, done, request, begun);
@@ -139,31 +147,77 @@ void fit(const std::string& out, const Dataset& dataset, const FitRequest& reque
                          counts[size_t(Status::not_finite)], out));
 }
 
+/// In one piece; or in parts, on one machine or on all that mpirun chose, which OUT.parts keeps until all are there.
+void fit(const std::string& out, const Dataset& dataset, const FitRequest& request, const Invocation& invocation,
+         bool force) {
+    const Record begun = begin_record(dataset, invocation);
+    const std::filesystem::path parts = std::filesystem::path(out).concat(".parts");
+    if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
+        auto done = fit_on_ranks(*ranks, dataset, request, parts, force);
+        if (!done) return;
+        leave(out, dataset, request, std::move(*done), begun);
+    } else if (!needs_parts(dataset, request)) {
+        announce_plan(out, dataset, request, force);
+        return leave(out, dataset, request, family_of(request).fit(dataset, request), begun);
+    } else {
+        fit_shard(dataset, request, {}, parts, force);
+        leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun);
+    }
+    std::filesystem::remove_all(parts);
+}
+
 }  // namespace
 
 void add_fit(CommandLine& program, const Invocation& invocation) {
     auto request = std::make_shared<FitRequest>();
     auto folder = std::make_shared<std::string>();
     auto out = std::make_shared<std::string>();
+    auto shard = std::make_shared<std::string>();
     auto force = std::make_shared<bool>(false);
     CommandLine& command = program.add_command("fit", "fit a model to a packed dataset");
     command.add_text("dataset", *folder, "packed dataset").required();
     add_fit_options(command, *request);
-    command.add_text("-o,--output", *out, "folder of the fit").required();
+    command.add_text("-o,--output", *out, "folder of the fit, or of the shard").required();
+    command.add_text("--shard", *shard,
+                     "2/7: only the second of seven shares of the surface, into a folder for radiafit merge");
     add_force(command, *force);
     command.on_run([=, &command] {
         request->check();
-        check_fit_target(*out);
-        // an output that cannot be written shows now, not at the end
-        { const AtomicFolder tried(*out, AtomicFolder::Existing::replace); }
+        const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
+        if (!share) {
+            check_fit_target(*out);
+            // an output that cannot be written shows now, not at the end
+            const AtomicFolder tried(*out, AtomicFolder::Existing::replace);
+        }
         check_apart(*out, request->records);
         request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         const Dataset dataset = open_dataset(*folder);
         family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
-        announce_plan(*out, dataset, *request, *force);
         warn_about_range(dataset, *request);
-        fit(*out, dataset, *request, invocation);
+        if (share)
+            fit_shard(dataset, *request, *share, *out, *force);
+        else
+            fit(*out, dataset, *request, invocation, *force);
+    });
+}
+
+void add_merge(CommandLine& program, const Invocation& invocation) {
+    auto folders = std::make_shared<std::vector<std::string>>();
+    auto moved_to = std::make_shared<std::string>();
+    auto out = std::make_shared<std::string>();
+    CommandLine& command = program.add_command("merge", "put the shards of a fit together");
+    command.add_rest("shards", *folders, "folders that radiafit fit --shard wrote, all of one fit").required();
+    command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
+    command.add_text("-o,--output", *out, "folder of the fit").required();
+    command.on_run([=] {
+        check_fit_target(*out);
+        { const AtomicFolder tried(*out, AtomicFolder::Existing::replace); }
+        const ShardNote note = read_shard(folders->front());
+        const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));
+        const Record begun = begin_record(dataset, invocation);
+        leave(*out, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
+              begun);
     });
 }
 

@@ -117,6 +117,11 @@ CommandOption CommandLine::add_words(const std::string& name, std::vector<std::s
     return CommandOption(*app_->add_option(name, values, help)->allow_extra_args(false));
 }
 
+CommandOption CommandLine::add_rest(const std::string& name, std::vector<std::string>& values,
+                                    const std::string& help) {
+    return CommandOption(*app_->add_option(name, values, help)->expected(1, 1 << 20));
+}
+
 CommandOption CommandLine::add_numbers(const std::string& name, std::vector<double>& values, int count,
                                        const std::string& help) {
     return CommandOption(*app_->add_option(name, values, help)->expected(count)->delimiter(','));

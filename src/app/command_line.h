@@ -66,6 +66,8 @@ public:
     CommandOption add_word(const std::string& name, std::string& value, const std::string& help);
     /// Any texts, one per time that the option is given.
     CommandOption add_words(const std::string& name, std::vector<std::string>& values, const std::string& help);
+    /// All positional arguments, one at least.
+    CommandOption add_rest(const std::string& name, std::vector<std::string>& values, const std::string& help);
     /// So many numbers, between commas or blanks.
     CommandOption add_numbers(const std::string& name, std::vector<double>& values, int count, const std::string& help);
     /// "--yes" or "--yes,!--no".

@@ -16,6 +16,7 @@ void add_import(CommandLine& program, const Invocation& invocation);
 void add_info(CommandLine& program);
 void add_plan(CommandLine& program);
 void add_fit(CommandLine& program, const Invocation& invocation);
+void add_merge(CommandLine& program, const Invocation& invocation);
 void add_judge(CommandLine& program);
 void add_render(CommandLine& program);
 void add_devices(CommandLine& program);

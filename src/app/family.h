@@ -40,6 +40,8 @@ struct FinishedFit {
     std::string note;        ///< for the closing line: "4096 texels, 3 underdetermined, "
 };
 
+class Divided;
+
 struct Family {
     const char* name;                        ///< in messages
     bool (*owns)(const std::string& model);  ///< by its name in requests and in fit.json
@@ -50,6 +52,8 @@ struct Family {
     void (*settle)(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request);
     Plan (*plan)(const Dataset& dataset, const FitRequest& request, size_t most_views);
     FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
+    /// For a fit in parts (app/parts.h).
+    std::unique_ptr<Divided> (*divide)(const Dataset& dataset, const FitRequest& request);
     /// moved_to: where the dataset is now; empty: where the fit says. Throws UserError.
     std::unique_ptr<Fitted> (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
 };
@@ -61,6 +65,13 @@ std::unique_ptr<Fitted> open_fit(const std::filesystem::path& folder, const std:
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
+
+std::unique_ptr<Divided> divide_light_field(const Dataset& dataset, const FitRequest& request);
+std::unique_ptr<Divided> divide_texels(const Dataset& dataset, const FitRequest& request);
+/// `dataset` must outlive it.
+FinishedFit finished_light_field(LightFieldFit fit, FitRun run, const ResamplingCounts& resampling,
+                                 const Dataset& dataset);
+FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& dataset);
 
 /// FitRequest::validation of a fit. Throws UserError.
 int validation_of(const FitRecord& fit);

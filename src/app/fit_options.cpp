@@ -121,7 +121,7 @@ std::string explained(const auto& table) {
     return all;
 }
 /// Bytes, with K, M or G for powers of 1024.
-uint64_t parse_bytes(const std::string& text) {
+uint64_t parse_bytes(const std::string& name, const std::string& text) {
     size_t end = 0;
     double value = 0;
     try {
@@ -134,7 +134,7 @@ uint64_t parse_bytes(const std::string& text) {
     const double bytes = value * double(uint64_t(1) << (10 * std::min(power, units.size())));
     const bool known_unit = unit.empty() || (unit.size() == 1 && power > 0);
     if (!known_unit || !(bytes >= 1 && bytes < 1e18))
-        throw UserError("memory '" + text + "': give bytes, such as 64M or 2G");
+        throw UserError(fmt::format("{} '{}': give bytes, such as 64M or 2G", name, text));
     return uint64_t(bytes);
 }
 std::string bytes_text(uint64_t bytes) {
@@ -142,12 +142,24 @@ std::string bytes_text(uint64_t bytes) {
     for (; power < 3 && bytes % 1024 == 0 && bytes > 0; ++power) bytes /= 1024;
     return fmt::format("{}{}", bytes, std::string_view(" KMG").substr(power, power > 0));
 }
-FitOption memory_option() {
-    FitOption o = option("memory", use::records, "bytes of samples that two-step's distribution holds at a time");
+FitOption sort_memory_option() {
+    FitOption o = option("sort_memory", use::records, "bytes of samples that two-step's distribution holds at a time");
     o.values = "bytes, such as 64M";
-    o.read = [](FitRequest& r, const std::string& text) { r.memory = parse_bytes(text); };
-    o.text = [](const FitRequest& r) { return bytes_text(r.memory); };
-    o.json = [](const FitRequest& r) { return dumped(bytes_text(r.memory)); };
+    o.read = [](FitRequest& r, const std::string& text) { r.sort_memory = parse_bytes("sort-memory", text); };
+    o.text = [](const FitRequest& r) { return bytes_text(r.sort_memory); };
+    o.json = [](const FitRequest& r) { return dumped(bytes_text(r.sort_memory)); };
+    return o;
+}
+
+/// Bytes, or any number of them.
+FitOption memory_option() {
+    FitOption o = option("memory", 0,
+                         "bytes that the program may hold, itself included: a fit that takes more goes in parts, one "
+                         "after another, to the same result");
+    o.values = "bytes, such as 4G, or any";
+    o.read = [](FitRequest& r, const std::string& text) { r.memory = text == "any" ? 0 : parse_bytes("memory", text); };
+    o.text = [](const FitRequest& r) { return r.memory ? bytes_text(r.memory) : "any"; };
+    o.json = [text = o.text](const FitRequest& r) { return dumped(text(r)); };
     return o;
 }
 
@@ -236,7 +248,7 @@ std::vector<FitOption> make_fit_options() {
          choice<TargetSpace>("space", use::space, OF(space),
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),
-         validation_option()});
+         validation_option(), memory_option()});
     add("Optimizer",
         {optimizer_option(), loss_option(),
          number("loss_scale", use::loss, OF(model.loss.scale), limits::loss_scale,
@@ -307,7 +319,7 @@ std::vector<FitOption> make_fit_options() {
         {choice<RecordKind>("record", use::record_kind, OF(record),
                             {{"compact", RecordKind::compact}, {"full", RecordKind::full}},
                             "what two-step writes of a sample; full is the paper's"),
-         memory_option(), records_option(),
+         sort_memory_option(), records_option(),
          number("refills", use::refills, OF(refills), limits::refills,
                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms"),
          text("ceres", use::ceres, OF(ceres), "a name", explained(ceres_settings()), check_ceres)});

@@ -44,12 +44,14 @@ struct FitRequest {
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
     RecordKind record = RecordKind::compact;
-    uint64_t memory = uint64_t(1) << 30;  ///< bytes
-    std::string records;                  ///< empty: they go again
+    uint64_t memory = 0;                       ///< bytes, beyond which a fit goes in parts; 0: any
+    uint64_t sort_memory = uint64_t(1) << 30;  ///< bytes
+    std::string records;                       ///< empty: they go again
     int refills = 0;
 
     std::filesystem::path scratch;  ///< where records go that don't stay; empty: the folder for such files
     bool cold = false;              ///< records leave the page cache between the steps
+    bool part = false;              ///< fits a part of a surface (app/parts.h), which may be unseen
     int left_out = 0;               ///< of OptimizerOptions; model.mends are others
     float first_step = 1;           ///< likewise
     bool cull = true;               ///< of FragmentOptions

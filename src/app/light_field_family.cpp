@@ -61,8 +61,16 @@ FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
     Progress progress("fit", size_t(request.iterations) + 1);
     FitOutcome outcome = solve(dataset, request, nullptr, [&](int, const auto&) { progress.advance(); });
     progress.finish();
+    const ResamplingCounts resampling = outcome.resampling;
+    FitRun run = outcome;
+    return finished_light_field(std::move(outcome.fit), std::move(run), resampling, dataset);
+}
+
+}  // namespace
+
+FinishedFit finished_light_field(LightFieldFit fit, FitRun run, const ResamplingCounts& r, const Dataset& dataset) {
     FinishedFit out;
-    if (const ResamplingCounts& r = outcome.resampling; r.entries) {
+    if (r.entries) {
         out.times_json = nlohmann::ordered_json{{"resampling",
                                                  {{"entries", r.entries},
                                                   {"outside_hull", r.outside_hull},
@@ -72,12 +80,10 @@ FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
         out.note = fmt::format("{} of {} resampled entries ({:.1f}%) invented, ", r.outside_hull + r.unseen_texels,
                                r.entries, 100 * r.invented_share());
     }
-    out.fit = std::make_unique<FittedLightField>(std::move(outcome.fit), dataset);
-    out.run = std::move(outcome);
+    out.fit = std::make_unique<FittedLightField>(std::move(fit), dataset);
+    out.run = std::move(run);
     return out;
 }
-
-}  // namespace
 
 const Family light_field_maps = {
     .name = "light field maps",
@@ -91,6 +97,7 @@ const Family light_field_maps = {
         },
     .plan = plan_light_field,
     .fit = fit_light_field,
+    .divide = divide_light_field,
     .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {
         return std::make_unique<FittedLightField>(folder, moved_to);
     },

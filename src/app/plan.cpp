@@ -86,8 +86,8 @@ void add_host_images(const Dataset& dataset, const FitRequest& request, std::vec
 
 /// What two-step holds of samples, `bytes` in all, while it sorts them.
 PlanRow held_samples(const FitRequest& request, uint64_t bytes) {
-    return {"samples held in step 1, at most", "--memory, beside an image per thread", 0,
-            std::min(request.memory, bytes)};
+    return {"samples held in step 1, at most", "--sort-memory, beside an image per thread", 0,
+            std::min(request.sort_memory, bytes)};
 }
 
 /// Samples on disk by texel, and once more while they are sorted.

@@ -17,7 +17,8 @@
 
 namespace radiafit {
 
-void reject_unseen(const Dataset& dataset) {
+void require_seen(bool seen, const Dataset& dataset, const FitRequest& request) {
+    if (seen || request.part) return;
     throw UserError(dataset.folder.string() +
                     ": no training view sees the mesh; check that mesh and calibration share one frame");
 }
@@ -47,7 +48,7 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
     const Distributors distributors = make_distributors(atlas, request);
     out.list = build_sample_list(dataset, atlas, views, distributors.workers(), request.space, &out.statistics);
     out.seconds = clock.wall_s();
-    if (out.list.samples.empty()) reject_unseen(dataset);
+    require_seen(!out.list.samples.empty(), dataset, request);
     return out;
 }
 

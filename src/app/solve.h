@@ -105,6 +105,8 @@ struct Plan {
     std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
     std::vector<PlanRow> paper;         ///< the paper's layout of the same, where it has one
 };
+/// Of the program itself with its libraries, which `radiafit --version` loads too.
+inline constexpr uint64_t program_bytes = 150'000'000;
 /// Samples are counted on every eighth fitted view but eight at least, or on `most_views`.
 Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.

@@ -55,7 +55,7 @@ void with_samples(TexelTask& task, const Solve& solve) {
 /// What solves texels one after another, with its progress shown.
 template <class Solve>
 void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve) {
-    if (source.sample_count() == 0) reject_unseen(task.dataset);
+    require_seen(source.sample_count() > 0, task.dataset, task.request);
     Stopwatch clock;
     const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
     Progress progress("texels", source.block_count());
@@ -156,7 +156,7 @@ std::vector<float> starts_of(const TexelProblem& problem, const TexelTask& task)
 
 void solve_compute(TexelTask& task) {
     with_samples(task, [&](const TexelSource& source) {
-        if (source.sample_count() == 0) reject_unseen(task.dataset);
+        require_seen(source.sample_count() > 0, task.dataset, task.request);
         const auto context = open_context(task.request, task.out);
         Stopwatch clock;
         const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
@@ -189,7 +189,7 @@ void solve_texel_two_step(TexelTask& task) {
     const auto write = [&](const fs::path& folder) {
         const Distributors distributors = make_distributors(*task.out.atlas, task.request);
         task.out.records = write_texel_records(folder, task.dataset, *task.out.atlas, task.views,
-                                               distributors.workers(), task.request.memory, key);
+                                               distributors.workers(), task.request.sort_memory, key);
     };
     with_records(task.dataset, task.request, task.out.times, write, [&](const fs::path& folder) {
         const auto source = open_texel_records(folder, key, task.out.atlas->texel_count(), task.views);
@@ -264,7 +264,7 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& a
     TexelTask task{dataset, request, training, each_iteration, samples, request.texel_options(), out};
     out.atlas = texel_atlas(dataset, task.options.surface_side);
     find_solver(request.solver).solve_texels(task);
-    if (std::all_of(out.fit.samples.begin(), out.fit.samples.end(), [](uint32_t n) { return n == 0; }))
+    if (!request.part && std::all_of(out.fit.samples.begin(), out.fit.samples.end(), [](uint32_t n) { return n == 0; }))
         throw UserError(
             fmt::format("{}: no sample is left to fit; choose a larger --clip-above or a smaller "
                         "--shadow-below, and check that lamps and cameras stand before the surface",

@@ -15,7 +15,7 @@ template <Engine E>
 void run_engine(E& engine, const LfmLayout& layout, FitTask& task) {
     const FitRequest& request = task.request;
     const ProblemStatistics statistics = engine.count();
-    if (!statistics.any()) reject_unseen(task.dataset);
+    require_seen(statistics.any(), task.dataset, request);
     const auto hook = [&](int iteration) {
         if (task.each_iteration)
             task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });

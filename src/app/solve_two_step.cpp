@@ -31,7 +31,7 @@ void distribute_to(const fs::path& folder, const std::string& key, FitTask& task
     const Distributors distributors = make_distributors(task.atlas, task.request);
     task.out.records = write_records(
         folder, task.dataset, task.atlas, task.rings, task.views, distributors.workers(),
-        {.kind = task.request.record, .space = task.request.space, .memory = task.request.memory, .key = key});
+        {.kind = task.request.record, .space = task.request.space, .memory = task.request.sort_memory, .key = key});
 }
 
 void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
@@ -46,7 +46,7 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
         {.optimizer = task.request.optimizer_options(), .deflate = task.request.deflate, .seed = task.request.seed},
         [&] { progress.advance(); });
     progress.finish();
-    if (!result.statistics.any()) reject_unseen(task.dataset);
+    require_seen(result.statistics.any(), task.dataset, task.request);
     out.times.streaming = result.read_s;
     out.times.optimization = clock.wall_s() - result.read_s;
     out.trace = std::move(result.trace);

@@ -37,8 +37,8 @@ private:
     std::optional<SharedSamples> own_;
 };
 
-/// Throws UserError: no training view has a sample.
-[[noreturn]] void reject_unseen(const Dataset& dataset);
+/// Throws UserError where no training view has a sample, but of a part of a fit, which may well be unseen.
+void require_seen(bool seen, const Dataset& dataset, const FitRequest& request);
 
 /// The distributors that a request names, one per thread (or one, with its own context), as SampleCollector takes them.
 struct Distributors {
@@ -71,6 +71,7 @@ struct Solver {
     uint32_t uses = 0;                                ///< of solve: bits of app/fit_options.h
     void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model
     uint32_t texel_uses = 0;
+    int halo = 0;  ///< how far beyond a vertex's own triangles its solution looks at samples: so many rings of them
     /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
     uint64_t (*vertex_bytes)(const FitRequest& request, const VertexShape& largest) = nullptr;
 };

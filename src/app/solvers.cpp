@@ -97,7 +97,7 @@ void solve_mean(FitTask& task) {
     task.options.view_side = 2;
     const SampleList& samples = task.samples();
     Stopwatch clock;
-    std::vector<float> parameters = mean_solver(task.atlas, task.rings, task.layout(), samples);
+    std::vector<float> parameters = mean_solver(task.atlas, task.layout(), samples);
     task.out.times.optimization = clock.wall_s();
     fill_problems(task, std::move(parameters), Status::stationary, 0);
 }
@@ -160,7 +160,8 @@ std::span<const Solver> solvers() {
         {.name = "mean",
          .help = "the trivial baseline: one mean colour per texel",
          .solve = solve_mean,
-         .uses = samples | space | sides | own_sides},
+         .uses = samples | space | sides | own_sides,
+         .halo = 1},
     };
     return table;
 }

@@ -92,14 +92,7 @@ private:
 };
 
 FinishedFit fit_reflectance(const Dataset& dataset, const FitRequest& request) {
-    ReflectanceOutcome outcome = solve_reflectance(dataset, request);
-    FinishedFit out;
-    out.times_json = nlohmann::json{{"samples", outcome.samples}}.dump();
-    out.note = fmt::format("{} texels, {} underdetermined, ", outcome.fit.problem_count(),
-                           outcome.fit.status_counts()[size_t(Status::underdetermined)]);
-    out.run = static_cast<FitRun&>(outcome);
-    out.fit = std::make_unique<FittedReflectance>(std::move(outcome), dataset);
-    return out;
+    return finished_reflectance(solve_reflectance(dataset, request), dataset);
 }
 
 /// Levenberg-Marquardt where it can, and a side for the texels: that of the mesh's normals.
@@ -114,6 +107,16 @@ void settle(const std::function<bool(const char*)>& given, const Dataset& datase
 
 }  // namespace
 
+FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& dataset) {
+    FinishedFit out;
+    out.times_json = nlohmann::json{{"samples", outcome.samples}}.dump();
+    out.note = fmt::format("{} texels, {} underdetermined, ", outcome.fit.problem_count(),
+                           outcome.fit.status_counts()[size_t(Status::underdetermined)]);
+    out.run = static_cast<FitRun&>(outcome);
+    out.fit = std::make_unique<FittedReflectance>(std::move(outcome), dataset);
+    return out;
+}
+
 const Family texel_local_models = {
     .name = "texel-local models",
     .owns = [](const std::string& model) { return model != lfm_name; },  // those that are none are told by their reader
@@ -125,6 +128,7 @@ const Family texel_local_models = {
     .settle = settle,
     .plan = plan_texels,
     .fit = fit_reflectance,
+    .divide = divide_texels,
     .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {
         return std::make_unique<FittedReflectance>(read_reflectance(folder, moved_to));
     },

@@ -133,7 +133,10 @@ SampleStore::SampleStore(const Dataset& dataset, const TriangleAtlas& atlas, con
         const uint32_t first_group = samples.tile_groups[t];
         const auto [near, first_weight] = of_side.at(atlas.side(t));
         for (const uint32_t vertex : atlas.mesh().triangles[t]) push(tiles, {vertex});
-        for (uint32_t corner = 0; corner < 3; ++corner) push(tiles, {usable ? layout.map_offset(t, corner) / 4 : 0});
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            const size_t map = layout.map_offset(t, corner);
+            push(tiles, {map == LfmLayout::no_map ? 0 : map / 4});
+        }
         push(tiles, {first_group, groups_of(t), table[texels].size(), texel_count, first_weight, table[blocks].size()});
 
         const std::vector<uint32_t> order =

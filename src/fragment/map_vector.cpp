@@ -53,6 +53,7 @@ void visit_surface(const MapShape& shape, int corner, int term, const Visit& vis
     for (uint32_t triangle = 0; triangle < atlas.tile_count(); ++triangle) {
         if (atlas.degenerate(triangle)) continue;
         const size_t map = shape.layout->map_offset(triangle, static_cast<uint32_t>(corner));
+        if (map == LfmLayout::no_map) continue;
         for (uint32_t local = 0; local < atlas.texels_per_tile(); ++local) {
             const auto [x, y] = atlas.place(triangle * atlas.texels_per_tile() + local);
             visit(x, y, map + local * shape.layout->stride() + 4 * size_t(term));

@@ -5,74 +5,83 @@
 
 #include "base/error.h"
 #include "dataset/image_stream.h"
+#include "geometry/mesh_part.h"
 
 namespace radiafit {
 
 SlsMesh::SlsMesh(const TriangleAtlas& atlas, bool cull) : atlas_(&atlas), cull_(cull) {
     if (!atlas.one_side()) throw UserError("in OpenGL all surface maps have one side; choose it, or fit on the CPU");
-    const Mesh& mesh = atlas.mesh();
+    const Mesh& mesh = visible_mesh(atlas.mesh());
     std::vector<Vec3f> positions[3];
     std::vector<uint32_t> tiles;
     std::vector<std::array<uint32_t, 3>> vertices;
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-        if (atlas.degenerate(t)) continue;
+        if (is_degenerate(mesh, t)) continue;
+        const uint32_t tile = fitted_triangle(atlas.mesh(), t);
         const auto& [i0, i1, i2] = mesh.triangles[t];
-        of_triangle_.push_back(t);
+        tile_of_.push_back(tile);
         points_.push_back(mesh.positions[i0]);
         normals_.push_back((mesh.positions[i1] - mesh.positions[i0]).cross(mesh.positions[i2] - mesh.positions[i0]));
         for (int repeat = 0; repeat < 3; ++repeat) {
             for (int c = 0; c < 3; ++c) positions[c].push_back(mesh.positions[mesh.triangles[t][c]]);
-            tiles.push_back(t);
-            vertices.push_back(mesh.triangles[t]);
+            tiles.push_back(tile);
+            vertices.push_back(tile == no_triangle ? std::array<uint32_t, 3>{} : atlas.mesh().triangles[tile]);
         }
     }
-    count_ = static_cast<int>(tiles.size());
-    drawn_tiles_ = of_triangle_;
-    elements_ = Buffer(tiles.size() * sizeof(uint32_t), nullptr, true);
-    array_.elements(elements_);
-    selected_.reserve(tiles.size());
-    for (int c = 0; c < 3; ++c) {
-        positions_[c] = Buffer(positions[c]);
-        array_.floats(static_cast<unsigned>(c), 3, positions_[c]);
-    }
+    for (int c = 0; c < 3; ++c) positions_[c] = Buffer(positions[c]);
     tiles_ = Buffer(tiles);
-    array_.integers(3, 1, tiles_);
     vertices_ = Buffer(vertices);
-    array_.integers(4, 3, vertices_);
+    own_.make(*this, part() ? 3 * atlas.tile_count() : tiles.size());
+    if (part()) visible_.make(*this, tiles.size());
+    select({});
+}
+
+void SlsMesh::Drawn::make(const SlsMesh& mesh, size_t most) {
+    elements = Buffer(most * sizeof(uint32_t), nullptr, true);
+    array.elements(elements);
+    selected.reserve(most);
+    for (int c = 0; c < 3; ++c) array.floats(static_cast<unsigned>(c), 3, mesh.positions_[c]);
+    array.integers(3, 1, mesh.tiles_);
+    array.integers(4, 3, mesh.vertices_);
+}
+
+void SlsMesh::Drawn::write() { elements.write(0, selected.size() * sizeof(uint32_t), selected.data()); }
+
+void SlsMesh::Drawn::draw() const {
+    array.bind();
+    if (!selected.empty()) gl().DrawElements(GL_TRIANGLES, int(selected.size()), GL_UNSIGNED_INT, nullptr);
+}
+
+bool SlsMesh::may_face(uint32_t i) const {
+    return eyes_.empty() || std::any_of(eyes_.begin(), eyes_.end(), [&](const Vec3f& eye) {
+               const Vec3f to_eye = eye - points_[i];
+               // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
+               const float facing = normals_[i].dot(to_eye);
+               return !(facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm());
+           });
 }
 
 void SlsMesh::select(std::span<const Camera* const> cameras) {
-    drawn_ = 0;
-    if (cameras.empty() || !cull_) {
-        drawn_tiles_ = of_triangle_;
-        return;
-    }
     eyes_.clear();
-    for (const Camera* camera : cameras) eyes_.push_back(camera->center().cast<float>());
-    selected_.clear();
+    if (cull_)
+        for (const Camera* camera : cameras) eyes_.push_back(camera->center().cast<float>());
+    own_.selected.clear();
+    visible_.selected.clear();
     drawn_tiles_.clear();
     for (uint32_t i = 0; i < points_.size(); ++i) {
-        const bool seen = std::any_of(eyes_.begin(), eyes_.end(), [&](const Vec3f& eye) {
-            const Vec3f to_eye = eye - points_[i];
-            // Rounding must not lose a triangle that OpenGL would draw: one seen edge-on stays.
-            const float facing = normals_[i].dot(to_eye);
-            return !(facing < 0 && facing * facing > 1e-8f * normals_[i].squaredNorm() * to_eye.squaredNorm());
-        });
-        if (!seen) continue;
-        selected_.insert(selected_.end(), {3 * i, 3 * i + 1, 3 * i + 2});
-        drawn_tiles_.push_back(of_triangle_[i]);
+        if (!may_face(i)) continue;
+        if (part()) visible_.add(i);
+        if (tile_of_[i] == no_triangle) continue;
+        own_.add(i);
+        drawn_tiles_.push_back(tile_of_[i]);
     }
-    drawn_ = static_cast<int>(selected_.size());
-    elements_.write(0, selected_.size() * sizeof(uint32_t), selected_.data());
+    own_.write();
+    if (part()) visible_.write();
 }
 
-void SlsMesh::draw() const {
-    array_.bind();
-    if (drawn_ > 0)
-        gl().DrawElements(GL_TRIANGLES, drawn_, GL_UNSIGNED_INT, nullptr);
-    else
-        gl().DrawArrays(GL_TRIANGLES, 0, count_);
-}
+void SlsMesh::draw() const { own_.draw(); }
+
+void SlsMesh::draw_visible() const { (part() ? visible_ : own_).draw(); }
 
 std::array<float, 12> SlsMesh::camera_rows(const Camera& camera) {
     Mat3d intrinsics;
@@ -99,8 +108,9 @@ ItemBuffer::ItemBuffer(const SlsMesh& mesh, int max_width, int max_height, int b
                          : GL_R32UI,
              max_width, max_height, layers),
       depth_(GL_DEPTH_COMPONENT32F, max_width, max_height),
-      program_(Program::draw("distribute/item.vert", "distribute/item.frag",
-                             bits ? mesh.defines() + Defines{{"COLOUR", std::to_string(bits)}} : mesh.defines())) {
+      program_(
+          Program::draw("distribute/item.vert", "distribute/item.frag",
+                        bits ? mesh.item_defines() + Defines{{"COLOUR", std::to_string(bits)}} : mesh.item_defines())) {
     for (int layer = 0; layer < std::max(1, layers); ++layer)
         framebuffers_.push_back(Framebuffer({{&items_, layer}}, &depth_));
 }
@@ -120,7 +130,7 @@ void ItemBuffer::draw(const Camera& camera, int layer) const {
     gl().Enable(GL_CULL_FACE);
     gl().FrontFace(GL_CW);  // image y points down
     program_.use();
-    mesh_->draw();
+    mesh_->draw_visible();
     gl().Disable(GL_CULL_FACE);
     gl().Disable(GL_DEPTH_TEST);
 }

@@ -19,12 +19,16 @@ public:
     /// Leaves out of what draw() draws the triangles that surely face away from every camera; none: draws all again.
     void select(std::span<const Camera* const> cameras);
     void draw() const;  ///< as triangles, with whatever program is in use
+    /// With what hides them, where the atlas's mesh is a part: those triangles have the tile 0xffffffff.
+    void draw_visible() const;
     const TriangleAtlas& atlas() const { return *atlas_; }
     const std::vector<uint32_t>& drawn_tiles() const { return drawn_tiles_; }
     /// SIDE and RECTANGLES for shaders/distribute/tiles.glsl.
     Defines defines() const {
         return {{"SIDE", std::to_string(atlas_->side())}, {"RECTANGLES", std::to_string(atlas_->rectangles_per_row())}};
     }
+    /// Those, and PART for shaders/distribute/item.* where the atlas's mesh is a part.
+    Defines item_defines() const { return part() ? defines() + Defines{{"PART", ""}} : defines(); }
     /// For shaders/distribute/*: the texels of the layout once, the camera per image.
     void set_layout(const Program& program) const {
         program.set("layout_size", float(atlas_->width()), float(atlas_->height()));
@@ -34,15 +38,28 @@ public:
     static std::array<float, 12> camera_rows(const Camera& camera);
 
 private:
+    /// Which of the triangles are drawn, as an array of their own.
+    struct Drawn {
+        VertexArray array;
+        Buffer elements;
+        std::vector<uint32_t> selected;
+        void make(const SlsMesh& mesh, size_t most);
+        void add(uint32_t triangle) {
+            selected.insert(selected.end(), {3 * triangle, 3 * triangle + 1, 3 * triangle + 2});
+        }
+        void write();
+        void draw() const;
+    };
+    bool part() const { return atlas_->mesh().surroundings != nullptr; }
+    bool may_face(uint32_t triangle) const;
+
     const TriangleAtlas* atlas_;
     Buffer positions_[3], tiles_, vertices_;
-    VertexArray array_;
-    Buffer elements_;
-    std::vector<Vec3f> normals_, points_;  ///< per drawn triangle: any length, and one of its vertices
-    std::vector<uint32_t> of_triangle_;    ///< per drawn triangle: its tile
-    std::vector<uint32_t> selected_, drawn_tiles_;
+    Drawn own_, visible_;                  ///< visible_: of a part
+    std::vector<Vec3f> normals_, points_;  ///< per triangle here: any length, and one of its vertices
+    std::vector<uint32_t> tile_of_;        ///< per triangle here: its tile
+    std::vector<uint32_t> drawn_tiles_;
     std::vector<Vec3f> eyes_;
-    int count_ = 0, drawn_ = 0;
     bool cull_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,13 +9,30 @@
 
 namespace radiafit {
 
+struct Surroundings;
+
 /// An indexed triangle mesh in world space; counter-clockwise triangles face outward.
 struct Mesh {
-    std::vector<Vec3f> positions;                    ///< [V]
-    std::vector<std::array<uint32_t, 3>> triangles;  ///< [F] indices into positions
+    std::vector<Vec3f> positions;                                ///< [V]
+    std::vector<std::array<uint32_t, 3>> triangles;              ///< [F] indices into positions
+    std::shared_ptr<const Surroundings> surroundings = nullptr;  ///< of a part that was cut from a larger mesh
 
     size_t vertex_count() const { return positions.size(); }
     size_t triangle_count() const { return triangles.size(); }
+};
+
+inline constexpr uint32_t no_triangle = 0xffffffffu;
+
+/// What a part of a mesh knows of the whole that it was cut from (geometry/mesh_part.h).
+struct Surroundings {
+    std::shared_ptr<const Mesh> whole;    ///< hides the part in images, as it did before
+    std::vector<uint32_t> vertices;       ///< [V] where each of the part's vertices stands in the whole, ascending
+    std::vector<uint32_t> triangles;      ///< [F] likewise
+    std::vector<uint32_t> part_triangle;  ///< [whole's F] index in the part, or no_triangle
+    /// [V] not 0: a vertex at the part's rim, whose other triangles were left out. It has no problem here.
+    std::vector<uint8_t> rim;
+    /// [V] where the vertex's block begins in the whole's parameters (LfmLayout): random starts are told apart by it.
+    std::vector<uint64_t> blocks;
 };
 
 /// What a mesh suffers from without being unusable. Named, never repaired silently.

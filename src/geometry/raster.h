@@ -7,8 +7,6 @@
 
 namespace radiafit {
 
-inline constexpr uint32_t no_triangle = 0xffffffffu;
-
 /// What one pixel centre sees.
 struct RasterPixel {
     uint32_t triangle = no_triangle;

@@ -13,10 +13,12 @@ struct Corner {
     uint32_t corner;  ///< 0, 1 or 2
 };
 
-/// The triangle ring of every vertex: its corners in ascending triangle order. Degenerate triangles are left out.
+/// The triangle ring of every vertex: its corners in ascending triangle order. Degenerate triangles are left out;
+/// vertices at the rim of a part have none.
 class VertexRings {
 public:
-    explicit VertexRings(const Mesh& mesh);
+    /// rims: those of a rim's vertices, too, as far as the part has them.
+    explicit VertexRings(const Mesh& mesh, bool rims = false);
     size_t vertex_count() const { return offsets_.size() - 1; }
     std::span<const Corner> ring(size_t vertex) const {
         return {corners_.data() + offsets_[vertex], corners_.data() + offsets_[vertex + 1]};

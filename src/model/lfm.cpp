@@ -25,6 +25,8 @@ TriangleAtlas surface_atlas(const Mesh& mesh, const LfmOptions& options) {
 
 LfmLayout::LfmLayout(const VertexRings& rings, const TriangleAtlas& atlas, int view_side, int terms)
     : view_side_(view_side), view_texels_(view_side * view_side), terms_(terms), first_maps_(rings.offsets()) {
+    if (const auto& around = atlas.mesh().surroundings; around && !around->blocks.empty())
+        whole_offsets_ = {around, &around->blocks};
     offsets_.reserve(rings.vertex_count() + 1);
     offsets_.push_back(0);
     uint32_t triangles = 0;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,6 +61,8 @@ public:
     size_t size() const { return offsets_.back(); }               ///< floats, padding included
     size_t offset(size_t v) const { return offsets_[v]; }
     size_t view_offset(size_t v) const { return offsets_[v + 1] - size_t(view_texels_) * stride(); }
+    /// Where it begins in the layout of the whole mesh, where this one's is a part.
+    uint64_t whole_offset(size_t v) const { return whole_offsets_ ? (*whole_offsets_)[v] : offsets_[v]; }
     size_t block_size(size_t v) const { return offsets_[v + 1] - offsets_[v]; }
     size_t stride() const { return size_t(4) * terms_; }  ///< floats per texel, all terms
     int terms() const { return terms_; }
@@ -73,7 +76,7 @@ public:
     int view_side() const { return view_side_; }
     /// N as the paper counts it: scalar parameters without padding.
     uint64_t parameter_count() const { return uint64_t(size()) / 4 * 3; }
-    /// Where the surface map of (triangle, corner) begins; no_map for a degenerate triangle.
+    /// Where the surface map of (triangle, corner) begins; no_map for a degenerate triangle, or a vertex without a ring.
     static constexpr size_t no_map = ~size_t(0);
     size_t map_offset(uint32_t triangle, uint32_t corner) const {
         const size_t i = 3 * size_t(triangle) + corner;
@@ -83,6 +86,7 @@ public:
 private:
     int view_side_, view_texels_, terms_;
     std::vector<size_t> offsets_;
+    std::shared_ptr<const std::vector<uint64_t>> whole_offsets_;  ///< null: of a whole mesh
     std::vector<size_t> map_offsets_;
     std::vector<uint32_t> first_maps_;  ///< [vertices + 1] into sides_
     std::vector<uint8_t> sides_;

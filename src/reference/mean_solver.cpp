@@ -16,8 +16,7 @@ struct Mean {
 
 }  // namespace
 
-std::vector<float> mean_solver(const TriangleAtlas& atlas, const VertexRings& rings, const LfmLayout& layout,
-                               const SampleList& samples) {
+std::vector<float> mean_solver(const TriangleAtlas& atlas, const LfmLayout& layout, const SampleList& samples) {
     std::vector<float> p(layout.size(), 0.0f);
     for (size_t v = 0; v < layout.problem_count(); ++v)
         for (size_t at = layout.view_offset(v); at < layout.offset(v + 1); at += 4)
@@ -34,10 +33,11 @@ std::vector<float> mean_solver(const TriangleAtlas& atlas, const VertexRings& ri
             tiles[tile].add(one);
         }
     }
+    const VertexRings all(atlas.mesh(), true);
     const auto around = [&](uint32_t tile) {
         Mean mean;
         for (uint32_t v : atlas.mesh().triangles[tile])
-            for (const Corner& c : rings.ring(v)) mean.add(tiles[c.triangle]);
+            for (const Corner& c : all.ring(v)) mean.add(tiles[c.triangle]);
         return mean;
     };
     for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/mesh_part.h"
 #include "geometry/raster.h"
 
 namespace radiafit {
@@ -21,10 +22,10 @@ public:
 
     ImageTiles resample(const Camera& camera, uint32_t view) {
         stream_.load(view, image_);
-        rasterizer_.draw(atlas_->mesh(), camera);
+        rasterizer_.draw(visible_mesh(atlas_->mesh()), camera);
         std::vector<uint8_t> visible(atlas_->tile_count(), 0);
         for (const RasterPixel& p : rasterizer_.pixels())
-            if (p.triangle != no_triangle) visible[p.triangle] = 1;
+            if (const uint32_t t = fitted_triangle(atlas_->mesh(), p.triangle); t != no_triangle) visible[t] = 1;
         ImageTiles out;
         std::vector<TileViews::Texel> row;
         for (uint32_t tile = 0; tile < atlas_->tile_count(); ++tile) {
@@ -49,9 +50,11 @@ private:
         const size_t pixel = size_t(y) * image_.width + x;
         const uint32_t triangle = rasterizer_.pixels()[pixel].triangle;
         if (triangle == no_triangle || !image_.masked_in(pixel)) return false;
-        if (triangle == tile) return true;
-        for (uint32_t a : atlas_->mesh().triangles[triangle])
-            for (uint32_t b : atlas_->mesh().triangles[tile])
+        const auto& triangles = visible_mesh(atlas_->mesh()).triangles;
+        const uint32_t own = visible_triangle(atlas_->mesh(), tile);
+        if (triangle == own) return true;
+        for (uint32_t a : triangles[triangle])
+            for (uint32_t b : triangles[own])
                 if (a == b) return true;
         return false;
     }

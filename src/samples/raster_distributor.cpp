@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "geometry/mesh_part.h"
+
 namespace radiafit {
 
 namespace {
@@ -67,32 +69,40 @@ void RasterDistributor::fill_items(const TargetImage& image, Distribution& out) 
     items_.back() = no_texel;
     tile_visible_.assign(atlas_->tile_count(), 0);
     uint32_t covered = 0;
-    const auto fill_by = [&](const auto* rgba, const auto& side_of) {
+    const Mesh& mesh = atlas_->mesh();
+    const auto fill_by = [&](const auto* rgba, const auto& triangle_of, const auto& side_of) {
         uint32_t* items = items_.data();
         for (size_t k = 0; k < pixels.size(); ++k) {
             const RasterPixel& p = pixels[k];
-            const uint32_t item = p.triangle * texels + TriangleTile::local_at(side_of(p.triangle), p.b1, p.b2);
-            const bool holds = (p.triangle != no_triangle) & (rgba[4 * k + 3] != 0);
+            const uint32_t triangle = triangle_of(p.triangle);
+            const uint32_t item = triangle * texels + TriangleTile::local_at(side_of(triangle), p.b1, p.b2);
+            const bool holds = (triangle != no_triangle) & (rgba[4 * k + 3] != 0);
             items[k] = holds ? item : no_texel;
             covered += holds;
         }
     };
+    const auto fill_of = [&](const auto* rgba, const auto& side_of) {
+        if (mesh.surroundings)
+            fill_by(rgba, [&](uint32_t visible) { return fitted_triangle(mesh, visible); }, side_of);
+        else
+            fill_by(rgba, [](uint32_t visible) { return visible; }, side_of);
+    };
     const auto fill = [&](const auto* rgba) {
         if (atlas_->one_side())
-            fill_by(rgba, [side = atlas_->side()](uint32_t) { return side; });
+            fill_of(rgba, [side = atlas_->side()](uint32_t) { return side; });
         else
-            fill_by(rgba, [&](uint32_t t) { return t == no_triangle ? least_side : atlas_->side(t); });
+            fill_of(rgba, [&](uint32_t t) { return t == no_triangle ? least_side : atlas_->side(t); });
     };
     image.bits == 8 ? fill(image.rgba8.data()) : fill(image.rgba16.data());
     for (size_t k = 0; k < pixels.size(); ++k)
-        if (items_[k] != no_texel) tile_visible_[pixels[k].triangle] = 1;
+        if (items_[k] != no_texel) tile_visible_[fitted_triangle(mesh, pixels[k].triangle)] = 1;
     out.covered_pixels = covered;
 }
 
 void RasterDistributor::distribute(const Camera& camera, const TargetImage& image, Distribution& out) {
     const Mesh& mesh = atlas_->mesh();
     const uint32_t texels = atlas_->texels_per_tile();
-    rasterizer_.draw(mesh, camera);
+    rasterizer_.draw(visible_mesh(mesh), camera);
     fill_items(image, out);
 
     const uint32_t outside = static_cast<uint32_t>(items_.size() - 1);
