@@ -142,6 +142,27 @@ TEST(WrapSolid, GivesClosedMeshesOfGoodTriangles) {
     check(bust_solid(2, 0.03), {0, 0.06, 0}, 2002);
 }
 
+TEST(Subdivided, IsTheSameSurfaceAndClosed) {
+    const Mesh mesh = wrap_solid(star_solid(1), {0, 0, 0}, 320);
+    for (const int n : {1, 2, 3, 7}) {
+        const Mesh fine = subdivided(mesh, n);
+        ASSERT_EQ(fine.triangle_count(), mesh.triangle_count() * size_t(n * n));
+        expect_closed(fine);
+        for (size_t t = 0; t < fine.triangle_count(); ++t) {
+            const auto corner = [](const Mesh& m, size_t triangle, size_t k) {
+                return Vec3d(m.positions[m.triangles[triangle][k]].cast<double>());
+            };
+            const size_t from = t / size_t(n * n);
+            const Vec3d big =
+                (corner(mesh, from, 1) - corner(mesh, from, 0)).cross(corner(mesh, from, 2) - corner(mesh, from, 0));
+            const Vec3d small =
+                (corner(fine, t, 1) - corner(fine, t, 0)).cross(corner(fine, t, 2) - corner(fine, t, 0));
+            EXPECT_NEAR((small * n * n - big).norm(), 0, 1e-3 * big.norm());
+            EXPECT_NEAR((corner(fine, t, 0) - corner(mesh, from, 0)).dot(big.normalized()), 0, 1e-6);
+        }
+    }
+}
+
 TEST_P(SyntheticTest, SmokeScaleIsWhatItSays) {
     const std::string shape = GetParam();
     generate(shape, 1);

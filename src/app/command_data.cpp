@@ -110,6 +110,8 @@ void add_generate(CommandLine& program) {
     command.add_word("shape", options->shape, "star, bust or ornament").hide_default().required();
     command.add_word("--scale", options->scale, "smoke, standard or paper");
     command.add_number("--seed", options->seed, limits::seed, "of everything random");
+    command.add_number("--subdivide", options->subdivide, limits::subdivide,
+                       "star and bust: each triangle in so many times so many equal ones, of the same photographs");
     OrnamentOptions& ornament = options->ornament;
     std::vector<CommandOption> of_ornament = {
         command.add_choice("--encoding", ornament.sensor.encoding,

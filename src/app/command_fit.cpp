@@ -163,7 +163,8 @@ void fit(const std::string& out, const Dataset& dataset, const FitRequest& reque
         fit_shard(dataset, request, {}, parts, force);
         leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun);
     }
-    std::filesystem::remove_all(parts);
+    std::error_code ignored;
+    std::filesystem::remove_all(parts, ignored);
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ constexpr Range<int> repetitions{1, 1'000'000};
 constexpr Range<int> images{0, 1'000'000, "0 is all"};
 constexpr Range<double> tolerance{1 + 1e-6, 1e6, "a multiple of the best error"};
 
+constexpr Range<int> subdivide{1, 64};
 constexpr Range<double> noise{0, 1, "white is 1"};
 constexpr Range<int> max_size{0, 65536, "0 keeps the size"};
 constexpr Range<double> sample_width{1e-9, 1e9};

@@ -213,7 +213,6 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
     check_shard_folder(folder, key, shard);
     if (const auto note = read_note(folder))
         return log_info(fmt::format("{} is there: {}", name_of(shard), folder.string()));
-    fs::create_directories(folder);
     const auto whole = family_of(request).divide(dataset, request);
     if (size_t(shard.count) > whole->places().size())
         throw UserError(fmt::format("shard {}/{}: {} has {} places to cut at; choose fewer shards", shard.index,
@@ -221,6 +220,7 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
     Needs needs;
     const auto parts = parts_of(*whole, shard, count_parts(*whole, shard, request, needs));
     announce_needs(name_of(shard), needs, folder, force);
+    fs::create_directories(folder);
     const std::vector<std::string> files = solve_parts(*whole, parts, key, folder);
     const Json note = {{"format", format},
                        {"version", version},

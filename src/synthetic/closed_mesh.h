@@ -15,4 +15,8 @@ std::vector<std::array<uint32_t, 3>> sphere_hull(const std::vector<Vec3d>& direc
 /// along the surface, edges flip to Delaunay. `triangles` is even and at least 8.
 Mesh wrap_solid(const Solid& solid, const Vec3d& center, int triangles);
 
+/// Each triangle of a closed mesh in n x n equal ones, in its place: the same surface. Triangle t becomes those from t
+/// n n on.
+Mesh subdivided(const Mesh& mesh, int n);
+
 }  // namespace radiafit

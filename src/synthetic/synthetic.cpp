@@ -88,6 +88,7 @@ void write_painted(const SyntheticSize& size, const SyntheticOptions& options, D
     const Paint paint(header.mesh, options.shape, options.seed);
     const SurfaceLight light(header.mesh, solid, size.side < 100 ? 4 : 8);  // steps of about a pixel
     write_views({header.mesh, paint, light}, cameras, writer);
+    header.mesh = subdivided(header.mesh, options.subdivide);
     header.description = description(options);
 }
 
@@ -110,6 +111,8 @@ SyntheticSize synthetic_size(const SyntheticOptions& options) {
             fmt::format("encoding, noise, shading and light are the ornament's to choose, not the {}'s; "
                         "leave these options out",
                         options.shape));
+    if (ornament && options.subdivide > 1)
+        throw UserError("the ornament's truth is of its own triangles; leave subdivide out");
     // About two texels of the ornament for each pixel that sees it: finer than the images, so that a texel takes nearly
     // every pixel (Section 5.1.1).
     if (ornament && options.scale == "smoke") return {320, 240, 64, 6};
@@ -136,7 +139,7 @@ Needs synthetic_needs(const SyntheticOptions& options) {
     const uint64_t image = (3 * channel * pixels + image_alignment - 1) / image_alignment * image_alignment;
     return {.memory = other_memory + uint64_t(thread_count()) * 4 * pixels * pixel_in_memory + texels * texel_in_memory,
             .disk = uint64_t(size.views) * (image + 1000) + texels * texel_on_disk +
-                    uint64_t(size.triangles) * mesh_on_disk};
+                    uint64_t(size.triangles) * uint64_t(options.subdivide * options.subdivide) * mesh_on_disk};
 }
 
 void generate_synthetic(const SyntheticOptions& options, const std::filesystem::path& out) {
@@ -155,6 +158,7 @@ void generate_synthetic(const SyntheticOptions& options, const std::filesystem::
 std::string synthetic_source(const SyntheticOptions& options) {
     constexpr int recipe = 1;  // count up whenever the same options begin to give other bytes
     std::string own;
+    if (options.subdivide > 1) own += fmt::format(" --subdivide {}", options.subdivide);
     const OrnamentOptions &o = options.ornament, usual;
     if (o.sensor.encoding != usual.sensor.encoding) own += " --encoding " + to_string(o.sensor.encoding);
     if (o.sensor.read_noise > 0) own += fmt::format(" --read-noise {}", o.sensor.read_noise);

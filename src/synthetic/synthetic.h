@@ -17,6 +17,7 @@ struct SyntheticOptions {
         "smoke";  ///< "smoke", "standard" or "paper": what it has of triangles and images, see SyntheticSize
     uint64_t seed = 1;
     OrnamentOptions ornament = {};  ///< refused for another shape
+    int subdivide = 1;              ///< each triangle in n x n equal ones: the same surface; refused for the ornament
 };
 
 /// What a shape has at a scale.
