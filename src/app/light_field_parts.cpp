@@ -6,6 +6,8 @@
 #include "app/solver.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
+#include "fit/fit_maps.h"
 #include "geometry/mesh_part.h"
 
 namespace radiafit {
@@ -54,6 +56,14 @@ public:
         // positions, normals, offsets, weights, blocks; triangles, corners, flags; the part's tables of all of them
         return vertices * (12 + 12 + 4 + 8 + 8) + triangles * (12 + 24 + 1) + vertices * 5 + triangles * 4 +
                dataset_->views.size() * 2 * sizeof(View);
+    }
+    uint64_t merge_bytes(size_t parts) const override {
+        const LfmLayout layout = layout_of(request_.model.view_side, request_.model.terms);
+        const uint64_t parameters = layout.size() * sizeof(float), problems = 3 * layout.problem_count() * 13;
+        const uint64_t images = written_side_by_side(atlas_, layout) ? uint64_t(thread_count()) : 1;
+        constexpr uint64_t image_and_file = 2;
+        const uint64_t writing = images * image_and_file * largest_image_bytes(atlas_, layout);
+        return held_bytes() + parameters + problems + std::max((parameters + problems) / parts, writing);
     }
 
     void add(const PartResult& result, const std::string& name) override {

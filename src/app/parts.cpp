@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <map>
@@ -119,6 +120,7 @@ std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std
         log_info(fmt::format("part {} of {}: {} of {} places, {} views", k + 1, parts.size(), parts[k].size(),
                              whole.places().size(), part.dataset.split(false).size()));
         write_part_result(file, key, whole.solve(part));
+        malloc_trim(0);  // what the part's small pieces took, back to the system
     }
     return files;
 }
@@ -182,6 +184,10 @@ std::vector<std::vector<uint32_t>> parts_of(const Divided& whole, const Shard& s
 
 size_t count_parts(const Divided& whole, const Shard& shard, const FitRequest& request, Needs& needs) {
     constexpr size_t looked_at = 6;
+    const uint64_t merging = shard.count == 1 ? whole.merge_bytes(size_t(-1)) + program_bytes : 0;
+    if (request.memory > 0 && merging > request.memory)
+        throw UserError(fmt::format("{} are too little to put the fit together, which takes {}; give {} more",
+                                    readable_bytes(request.memory), readable_bytes(merging), option_name("memory")));
     for (size_t count = 1;;) {
         const auto parts = parts_of(whole, shard, count);
         uint64_t most = 0;
@@ -191,6 +197,7 @@ size_t count_parts(const Divided& whole, const Shard& shard, const FitRequest& r
             most = std::max(most, total_bytes(planned.memory) + program_bytes + whole.held_bytes());
             needs.disk = std::max(needs.disk, 2 * count * total_bytes(planned.disk));
         }
+        if (shard.count == 1) most = std::max(most, whole.merge_bytes(count) + program_bytes);
         needs.memory = most;
         if (request.memory == 0 || most <= request.memory) return count;
         if (parts.size() < count || 16 * count > whole.places().size())

@@ -33,6 +33,8 @@ public:
     virtual PartResult solve(const Part& part) const = 0;
     /// Bytes that are held beside a part: the whole surface, and what it takes to cut it.
     virtual uint64_t held_bytes() const = 0;
+    /// Likewise while the whole fit is put together and written, results of `parts` parts one at a time.
+    virtual uint64_t merge_bytes(size_t parts) const = 0;
 
     /// Puts a part in its place. Throws UserError, prefixed by `name`, if it doesn't belong there, or was there before.
     virtual void add(const PartResult& result, const std::string& name) = 0;

@@ -74,6 +74,11 @@ public:
         return vertices * (24 + 5) + triangles * (13 + 4) + places_.size() * 20 + out_.fit.parameters.size() * 4 +
                fit.status.size() * (1 + 3 * 4 + 1) + dataset_->views.size() * 2 * sizeof(View);
     }
+    uint64_t merge_bytes(size_t parts) const override {
+        const uint64_t image = uint64_t(out_.atlas->width()) * uint64_t(out_.atlas->height()) * 4 * sizeof(float);
+        constexpr uint64_t image_and_file = 2;
+        return held_bytes() + std::max(out_.fit.parameters.size() * sizeof(float) / parts, image_and_file * image);
+    }
 
     void add(const PartResult& result, const std::string& name) override {
         const size_t n = size_t(request_.texel_model->parameters), count = result.units.size();

@@ -139,7 +139,9 @@ void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mes
     write_ply(mesh, place / "mesh.ply");
     write_exr(place / problems_name, problem_image(fit));
     if (fit.options.sides) write_exr(place / sides_name, side_image(*fit.options.sides));
-    parallel_for(size_t(fit.options.terms) * 4, 1, [&](size_t job, int) {
+    // Side by side, unless they are so large that memory counts for more than time.
+    const size_t maps = size_t(fit.options.terms) * 4;
+    parallel_for(maps, written_side_by_side(shape.atlas, shape.layout) ? 1 : maps, [&](size_t job, int) {
         const int term = int(job / 4), corner = int(job % 4);
         if (corner < 3)
             write_exr(place / surface_name(term, corner), surface_image(shape.atlas, shape.layout, fit, term, corner));

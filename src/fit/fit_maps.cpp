@@ -120,6 +120,18 @@ ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term)
     return image;
 }
 
+uint64_t largest_image_bytes(const TriangleAtlas& atlas, const LfmLayout& layout) {
+    const uint64_t vertices = layout.problem_count(), texels = uint64_t(layout.view_texels());
+    const uint64_t surface = uint64_t(atlas.width()) * uint64_t(atlas.height());
+    const uint64_t view = uint64_t(table_columns(vertices)) * uint64_t(table_rows(vertices)) * texels;
+    return std::max(surface, view) * 3 * sizeof(float);
+}
+
+bool written_side_by_side(const TriangleAtlas& atlas, const LfmLayout& layout) {
+    constexpr uint64_t large = 100'000'000;
+    return largest_image_bytes(atlas, layout) < large;
+}
+
 void take_view_image(const std::filesystem::path& path, const LfmLayout& layout, int term, LightFieldFit& fit) {
     const size_t vertices = layout.problem_count();
     const int side = layout.view_side();

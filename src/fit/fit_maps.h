@@ -19,6 +19,10 @@ ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, cons
                        int corner);
 /// View maps of one term: R, G, B; texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
 ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term);
+/// Of a map as an image, at most.
+uint64_t largest_image_bytes(const TriangleAtlas& atlas, const LfmLayout& layout);
+/// Whether write_fit() has several images in memory at a time, one per thread.
+bool written_side_by_side(const TriangleAtlas& atlas, const LfmLayout& layout);
 /// Sides of surface maps: a pixel per triangle, row by row in table_columns(triangles).
 ExrImage side_image(const std::vector<uint8_t>& sides);
 /// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
