@@ -29,13 +29,14 @@ constexpr const char* cpu_engine = "cpu";
 
 struct Options {
     std::string dataset = "star";
-    std::vector<int> sides = {8, 12, 16, 24, 32}, images = {5, 10, 20, 40, 87};
+    std::vector<int> sides = {8, 12, 16, 24, 32}, texel_sides = sides, images = {5, 10, 20, 40, 87};
     int side = 8, texel_images = 5, distribution_images = 20, rounds = 9, cpu_iterations = 10;
     double lambda = 1e-3;
 
     explicit Options(Config& c) {
         c.read("dataset", dataset, check_light_field_shape);
         c.read("sides", sides, limits::map_side);
+        c.read("texel_sides", texel_sides, limits::map_side);
         c.read("side", side, limits::map_side);
         c.read("images", images, limits::repetitions);
         c.read("texel_images", texel_images, limits::repetitions);
@@ -45,6 +46,7 @@ struct Options {
         c.read("lambda", lambda, limits::weight);
         c.finish();
         if (sides.size() < 3) c.reject("sides", "a slope needs at least 3");
+        if (texel_sides.size() < 3) c.reject("texel_sides", "a slope needs at least 3");
         if (images.size() < 3) c.reject("images", "a slope needs at least 3");
     }
     void check(Config& c, const Dataset& opened) const {
@@ -279,7 +281,7 @@ std::vector<Contestant> time_all(const Dataset& dataset, const VertexRings& ring
         }
     });
     run([&](Contest& contest) {
-        for (const int side : o.sides) {
+        for (const int side : o.texel_sides) {
             contest.add_cpu("texels", side, o.texel_images);
             for (const char* passes : {"paper", "combined"})
                 contest.add_fragment("texels", passes, side, o.texel_images);

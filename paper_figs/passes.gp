@@ -23,9 +23,9 @@ unset key
 stats ladder using 3 every ::1 nooutput name 'ms'
 set xrange [ms_min / 3:ms_max * 4]
 set yrange [ms_records - 0.4:-0.9]
-set label 1 '■ fragment programs' at graph 0.62,0.20 tc rgb '#0072b2'
-set label 2 '■ compute shaders' at graph 0.62,0.14 tc rgb '#d55e00'
-set label 3 '■ CPU, C++' at graph 0.62,0.08 tc rgb '#009e73'
+set label 1 '■ fragment programs' at graph 0.30,0.965 tc rgb '#0072b2'
+set label 2 '■ compute shaders' at graph 0.53,0.965 tc rgb '#d55e00'
+set label 3 '■ CPU, C++' at graph 0.74,0.965 tc rgb '#009e73'
 kind(name) = name[1:3] eq 'CPU' ? 0x009e73 : name[1:7] eq 'compute' ? 0xd55e00 : 0x0072b2
 change(step, over) = step == 0 ? '' : over < 1 ? sprintf(', %.3g times as fast as the step before', 1 / over) : sprintf(', %.3g times as long as the step before', over)
 plot ladder using (ms_min / 3):1:(ms_min / 3):3:($1 - 0.32):($1 + 0.32):(kind(strcol(2))):ytic(2) every ::1 \

@@ -71,13 +71,13 @@ part = 'texels'
 engines = '"fragment paper" "fragment combined" "compute gather" "compute scatter"'
 names = '"gather: the paper''s passes" "gather: combined passes" "gather: compute, texel by texel" "scatter: compute, pixel by pixel"'
 of_sweeps(i) = color[i == 1 ? 1 : i == 2 ? 3 : i == 3 ? 4 : 5]
-set title 'time of sweeps over texels of the surface: the same images, finer maps (Section 6.6)'
-set ylabel 'seconds of an iteration in sweeps over the images' offset 1
+set title 'time of sweeps over the same images, finer maps (Section 6.6)'
+set ylabel 'seconds of an iteration in sweeps' offset 1
 set xlabel 'texels in surface location space' offset 0,0.4
 set autoscale
 stats times using (strcol(1) eq part && strcol(11) ne '' ? $11 : NaN) every ::1 nooutput name 'seconds'
 stats times using (strcol(1) eq part ? $6 : NaN) every ::1 nooutput name 'size'
-set yrange [seconds_min / 2:seconds_max * (seconds_max / seconds_min) ** 0.45]
+set yrange [seconds_min / 2:seconds_max * (seconds_max / seconds_min) ** 0.75]
 plot for [i=1:4] sweeps(part, word(engines, i), 6) using 1:2 with lines lw 2 lc rgb of_sweeps(i) \
          title sprintf('%s: slope %s', word(names, i), slope('seconds of sweeps over texels', word(engines, i))), \
      for [i=1:4] times using (is(i) ? $6 : NaN):11 every ::1 with points pt 7 ps 0.5 lc rgb of_sweeps(i) notitle, \
@@ -97,7 +97,7 @@ set xrange [0:ratio_max * 1.35]
 set yrange [3.7:-0.7]
 set ytics scale 0
 set arrow 1 from 1.1, graph 0 to 1.1, graph 1 nohead dt 2 lc rgb 'black'
-set label 1 'at most 1.1: "almost no extra cost"' at 1.1, graph 0.5 offset 0.6,0
+set label 1 'at most 1.1: "almost no extra cost"' at 1.1, graph 0.03 offset 0.6,0
 row(engine) = engine eq 'cpu' ? 3 : engine eq 'compute scatter' ? 2 : engine eq 'compute gather' ? 1 : 0
 what(engine) = engine eq 'cpu' ? 'CPU' : engine eq 'fragment paper' ? "OpenGL,\nthe paper's\npasses" : engine eq 'compute gather' ? "compute,\ngather" : "compute,\nscatter"
 plot summary using (strcol(1) eq of ? $3 / 2 : NaN):(row(strcol(2))):($3 / 2):(0.3):ytic(what(strcol(2))) every ::1 \

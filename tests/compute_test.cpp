@@ -1,5 +1,6 @@
 // The compute engine against its oracles: the naive one in double, and the CPU engine.
 #include "compute/compute_engine.h"
+#include "compute/compute_plan.h"
 #include "lfm_agreement.h"
 #include "samples/raster_distributor.h"
 
@@ -258,6 +259,30 @@ TEST(Compute, FitsEndAlikeInEveryWay) {
         EXPECT_NEAR(errors.back(), errors.front(), 1e-3 * errors.front())  // rounding grows over conjugate steps
             << way;
     }
+}
+
+/// What is planned is no less than what the device holds, and not much more; the host's part is in the plan, too.
+TEST(Compute, TakesWhatIsPlanned) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    const SampleList list = scene.list();
+    for (const int terms : {1, 3})
+        for (const Way& way : ways) {
+            LfmOptions options;
+            options.terms = terms;
+            const auto engine = scene.engine(way, list, options);
+            const LfmLayout& layout = engine->layout();
+            const auto arrays = way.streamed ? plan_redistribution(scene.dataset, scene.atlas, scene.rings, layout,
+                                                                   way.accumulate, list.views, StreamOptions{})
+                                             : plan_cached_samples(scene.atlas, scene.rings, layout, way.accumulate,
+                                                                   list.image_count(), list.samples.size(), 4);
+            uint64_t planned = 0;
+            for (const PlannedArray& array : arrays) planned += array.bytes;
+            const uint64_t numbers = engine->problem_count() * 100;  // of problems, which no plan tells
+            const uint64_t held = engine->bytes() - vector::first_own * layout.size() * sizeof(float);
+            EXPECT_GE(planned + numbers, held) << way << ", " << terms << " terms";
+            EXPECT_LT(double(planned), 1.7 * double(held)) << way << ", " << terms << " terms";
+        }
 }
 
 struct Fitted {

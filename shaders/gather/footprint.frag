@@ -12,6 +12,8 @@ void main() {
     vec2 texel;
     float root;
     footprint_of(layer(0), layer(1), layer(2), layer(3), weights, texel, root);
+#ifdef WEIGHTED
     weights *= root;
+#endif
     base = vec4(texel, 0.0, 0.0);
 }

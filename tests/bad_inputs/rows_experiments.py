@@ -108,6 +108,7 @@ refuse("reflectance", "within", [1, 0], "within = ", "a multiple of the best err
 
 refuse("scaling", "sides", [[], [8, 12, 99], [8, 1, 12]], "sides = ")
 refuse("scaling", "sides", [[8, 12]], "'sides' a slope needs at least 3")
+refuse("scaling", "texel_sides", [[8, 12]], "'texel_sides' a slope needs at least 3")
 refuse("scaling", "images", [[5, 10, 0], [-1, 5, 10]], "images = ", "choose a whole number from 1")
 refuse("scaling", "images", [[5, 10]], "'images' a slope needs at least 3")
 for key in ("rounds", "cpu_iterations", "texel_images", "distribution_images"):
