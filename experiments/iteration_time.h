@@ -9,7 +9,8 @@
 #include "gl/context.h"
 #include "optim/optimizer.h"
 
-/// One iteration of a fragment engine, timed half by half, for the experiments about where the time goes.
+/// Iterations of engines in the paper's mode, timed whole or half by half, for the experiments about where the time
+/// goes.
 namespace radiafit {
 
 /// Seconds of one half: a sweep over the images, then passes over maps.
@@ -78,6 +79,18 @@ void start_iterations(E& engine, std::span<const float> start) {
     engine.make_room(paper_gradients.room());
     paper_gradients.judge(engine, 0);
     engine.summary();
+}
+
+/// Of an iteration after the first: the mean of some.
+template <class E>
+double seconds_per_iteration(E& engine, int iterations) {
+    const Stopwatch clock;
+    for (int i = 0; i < iterations; ++i) {
+        paper_gradients.move(engine, 1);
+        paper_gradients.judge(engine, 1);
+    }
+    engine.summary();  // waits
+    return clock.wall_s() / iterations;
 }
 
 /// Reads a file into the page cache.

@@ -1,6 +1,6 @@
 // Memory and time against the size of the problem (Sections 3.2, 4.3, 6.3 and 6.6; claims C13, C14, C15 and C18): bytes
 // of the fragment engine over parameters; seconds of an iteration over radiance samples and over texels of the surface;
-// and what it costs to find every texel's pixel again in each sweep over the images.
+// gathered and scattered; and what it costs to find every texel's pixel again in each sweep over the images.
 #include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -9,16 +9,16 @@
 #include <fstream>
 
 #include "app/limits.h"
-#include "base/clock.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/held_bytes.h"
+#include "iteration_time.h"
 #include "model/lfm_start.h"
-#include "optim/conjugate_gradients.h"
 #include "report/csv.h"
 #include "report/table.h"
 
@@ -29,13 +29,14 @@ constexpr const char* cpu_engine = "cpu";
 
 struct Options {
     std::string dataset = "star";
-    std::vector<int> sides = {8, 12, 16, 24, 32}, images = {5, 10, 20, 40, 87};
+    std::vector<int> sides = {8, 12, 16, 24, 32}, texel_sides = sides, images = {5, 10, 20, 40, 87};
     int side = 8, texel_images = 5, distribution_images = 20, rounds = 9, cpu_iterations = 10;
     double lambda = 1e-3;
 
     explicit Options(Config& c) {
         c.read("dataset", dataset, check_light_field_shape);
         c.read("sides", sides, limits::map_side);
+        c.read("texel_sides", texel_sides, limits::map_side);
         c.read("side", side, limits::map_side);
         c.read("images", images, limits::repetitions);
         c.read("texel_images", texel_images, limits::repetitions);
@@ -45,6 +46,7 @@ struct Options {
         c.read("lambda", lambda, limits::weight);
         c.finish();
         if (sides.size() < 3) c.reject("sides", "a slope needs at least 3");
+        if (texel_sides.size() < 3) c.reject("texel_sides", "a slope needs at least 3");
         if (images.size() < 3) c.reject("images", "a slope needs at least 3");
     }
     void check(Config& c, const Dataset& opened) const {
@@ -120,41 +122,26 @@ std::vector<Memory> memory_of_all(const Dataset& dataset, const VertexRings& rin
 
 // Time.
 
+/// Seconds, and those of them in sweeps over images.
+struct Taken {
+    double seconds;
+    std::optional<double> sweeps = {};
+};
+
 /// What is timed by turns with the others of its part.
 struct Contestant {
     std::string part, engine, what;
     int side;
     size_t images;
     uint64_t texels = 0, samples = 0, parameters = 0;
-    std::function<double()> measure = {};  ///< seconds of an iteration, or of distributing all images once
-    std::vector<double> seconds = {};      ///< [round]
+    std::function<Taken()> measure = {};  ///< of an iteration, or of distributing all images once
+    std::vector<double> seconds = {};     ///< [round]
+    std::vector<double> sweeps = {};      ///< likewise, of them in sweeps over images; empty where none stream
 
     std::string name() const { return what == iteration ? engine : engine + ", " + what; }
     static constexpr const char *iteration = "iteration", *kept = "iteration, samples kept",
                                 *distribution = "distribution";
 };
-
-const ConjugateGradients schedule({.rule = Rule::cg_paper});
-
-template <Engine E>
-void start(E& engine, const std::vector<float>& parameters) {
-    engine.reset(parameters);
-    engine.make_room(schedule.room());
-    schedule.judge(engine, 0);
-    engine.summary();  // waits
-}
-
-/// As optim/optimizer.h calls it.
-template <Engine E>
-double seconds_per_iteration(E& engine, int iterations) {
-    Stopwatch clock;
-    for (int i = 0; i < iterations; ++i) {
-        schedule.move(engine, 1);
-        schedule.judge(engine, 1);
-    }
-    engine.summary();
-    return clock.wall_s() / iterations;
-}
 
 /// Makes contestants, which own their engines, over spread training views.
 class Contest {
@@ -176,13 +163,28 @@ public:
         options.keep_samples = keep_samples.value_or(false);
         held->engine = std::make_unique<FragmentEngine>(dataset_, held->atlas, rings_, views(images),
                                                         request.model_options(), options);
-        const ProblemStatistics statistics = held->engine->count();
-        start(*held->engine, lfm_start(held->engine->layout(), statistics.mean, request.seed));
-        Contestant& c = add(part, "fragment " + passes, options.keep_samples ? Contestant::kept : Contestant::iteration,
-                            side, images, held->engine->layout().parameter_count());
-        for (const uint32_t of_vertex : statistics.samples) c.samples += of_vertex;
-        c.samples /= 3;  // each is in three rings
-        c.measure = [held] { return seconds_per_iteration(*held->engine, 1); };
+        add_opengl(part, "fragment " + passes, options.keep_samples, side, images, held, request);
+    }
+
+    /// Compute shaders that distribute in every sweep, or, kept, read samples that stay on the device.
+    void add_compute(const std::string& part, Accumulate accumulate, int side, int images, bool keep_images,
+                     bool keep_samples = false) {
+        struct Held {
+            TriangleAtlas atlas;
+            std::unique_ptr<ComputeEngine> engine = {};
+        };
+        const auto held = std::make_shared<Held>(Held{TriangleAtlas(dataset_.mesh, side)});
+        const FitRequest request = o_.request(side, o_.side);
+        if (keep_samples)
+            held->engine = std::make_unique<ComputeEngine>(
+                dataset_, held->atlas, rings_, distribute(dataset_, held->atlas, request, views(images)).list,
+                request.model_options(), accumulate);
+        else
+            held->engine =
+                std::make_unique<ComputeEngine>(dataset_, held->atlas, rings_, views(images), request.model_options(),
+                                                StreamOptions{.keep_on_device = keep_images}, accumulate);
+        const std::string engine = accumulate == Accumulate::gather ? "compute gather" : "compute scatter";
+        add_opengl(part, engine, keep_samples, side, images, held, request);
     }
 
     void add_cpu(const std::string& part, int side, int images) {
@@ -204,8 +206,8 @@ public:
             add(part, cpu_engine, Contestant::iteration, side, images, held->problem->layout().parameter_count());
         c.samples = held->samples.list.samples.size();
         c.measure = [held, iterations = o_.cpu_iterations] {
-            start(*held->engine, held->start);  // again: a problem that has stopped would be skipped
-            return seconds_per_iteration(*held->engine, iterations);
+            start_iterations(*held->engine, held->start);  // again: a problem that has stopped would be skipped
+            return Taken{seconds_per_iteration(*held->engine, iterations)};
         };
     }
 
@@ -217,20 +219,42 @@ public:
         };
         Contestant& c = add(part, cpu_engine, Contestant::distribution, side, images, 0);
         c.samples = once().list.samples.size();
-        c.measure = [once] { return once().seconds; };
+        c.measure = [once] { return Taken{once().seconds}; };
     }
 
     /// All by turns: what slows the machine for a while meets all of them.
     std::vector<Contestant> run() {
         Progress progress(contestants_.front().part + ", rounds", size_t(o_.rounds));
         for (int round = 0; round < o_.rounds; ++round, progress.advance())
-            for (Contestant& c : contestants_) c.seconds.push_back(c.measure());
+            for (Contestant& c : contestants_) {
+                const Taken taken = c.measure();
+                c.seconds.push_back(taken.seconds);
+                if (taken.sweeps) c.sweeps.push_back(*taken.sweeps);
+            }
         for (Contestant& c : contestants_) c.measure = {};  // lets go of its engine
         return std::move(contestants_);
     }
 
 private:
     std::vector<uint32_t> views(int images) const { return spread_views(dataset_.split(false), images); }
+    /// held: an engine, which has begun its fit, and what it needs.
+    template <class Held>
+    void add_opengl(const std::string& part, const std::string& engine, bool keep_samples, int side, int images,
+                    const std::shared_ptr<Held>& held, const FitRequest& request) {
+        const ProblemStatistics statistics = held->engine->count();
+        start_iterations(*held->engine, lfm_start(held->engine->layout(), statistics.mean, request.seed));
+        Contestant& c = add(part, engine, keep_samples ? Contestant::kept : Contestant::iteration, side, images,
+                            held->engine->layout().parameter_count());
+        for (const uint32_t of_vertex : statistics.samples) c.samples += of_vertex;
+        c.samples /= 3;  // each is in three rings
+        c.measure = [held] {
+            const SweepTimes before = held->engine->times();
+            Taken taken{seconds_per_iteration(*held->engine, 1)};
+            const SweepTimes& after = held->engine->times();
+            if (after.sweeps > before.sweeps) taken.sweeps = after.sweep_s - before.sweep_s;
+            return taken;
+        };
+    }
     Contestant& add(const std::string& part, const std::string& engine, const std::string& what, int side, int images,
                     uint64_t parameters) {
         const uint64_t texels = dataset_.mesh.triangle_count() * uint64_t(side) * uint64_t(side + 1) / 2;
@@ -257,15 +281,20 @@ std::vector<Contestant> time_all(const Dataset& dataset, const VertexRings& ring
         }
     });
     run([&](Contest& contest) {
-        for (const int side : o.sides) {
+        for (const int side : o.texel_sides) {
             contest.add_cpu("texels", side, o.texel_images);
             for (const char* passes : {"paper", "combined"})
                 contest.add_fragment("texels", passes, side, o.texel_images);
+            for (const Accumulate accumulate : {Accumulate::gather, Accumulate::scatter_fixed})
+                contest.add_compute("texels", accumulate, side, o.texel_images, false);
         }
     });
     run([&](Contest& contest) {
         for (const bool keep : {false, true})
             contest.add_fragment("distribution", "paper", o.side, o.distribution_images, keep);
+        for (const Accumulate accumulate : {Accumulate::gather, Accumulate::scatter_fixed})
+            for (const bool keep : {false, true})
+                contest.add_compute("distribution", accumulate, o.side, o.distribution_images, true, keep);
         contest.add_cpu("distribution", o.side, o.distribution_images);
         contest.add_cpu_distribution("distribution", o.side, o.distribution_images);
     });
@@ -290,15 +319,15 @@ public:
     }
     /// Slopes of log y over log x, one for each round.
     void add_slopes(const std::string& of, const std::vector<Contestant>& all, const std::string& part,
-                    uint64_t Contestant::*x) {
+                    uint64_t Contestant::*x, std::vector<double> Contestant::*y = &Contestant::seconds) {
         std::map<std::string, std::vector<const Contestant*>> lines;
         for (const Contestant& c : all)
-            if (c.part == part) lines[c.name()].push_back(&c);
+            if (c.part == part && !(c.*y).empty()) lines[c.name()].push_back(&c);
         for (const auto& [name, line] : lines) {
             std::vector<double> slopes;
-            for (size_t round = 0; round < line.front()->seconds.size(); ++round) {
+            for (size_t round = 0; round < (line.front()->*y).size(); ++round) {
                 Points points;
-                for (const Contestant* c : line) points.emplace_back(double(c->*x), c->seconds[round]);
+                for (const Contestant* c : line) points.emplace_back(double(c->*x), (c->*y)[round]);
                 slopes.push_back(log_slope(points));
             }
             add(of, name, slopes);
@@ -346,12 +375,13 @@ void write_memory(const ResultFolder& results, const Dataset& dataset, const std
 void write_times(const ResultFolder& results, const std::vector<Contestant>& times, const std::string& gl_renderer,
                  const std::string& cpu) {
     CsvWriter rows(results.path() / "time.csv", {"part", "engine", "what", "side", "images", "texels", "samples",
-                                                 "parameters", "repetition", "seconds", "renderer"});
+                                                 "parameters", "repetition", "seconds", "sweep_seconds", "renderer"});
     for (const Contestant& c : times)
         for (size_t round = 0; round < c.seconds.size(); ++round)
             rows.row({c.part, c.engine, c.what, std::to_string(c.side), std::to_string(c.images),
                       std::to_string(c.texels), std::to_string(c.samples), std::to_string(c.parameters),
                       std::to_string(round), fmt::format("{:.6g}", c.seconds[round]),
+                      c.sweeps.empty() ? "" : fmt::format("{:.6g}", c.sweeps[round]),
                       c.engine == cpu_engine ? cpu : gl_renderer});
     rows.commit();
 }
@@ -365,14 +395,17 @@ void add_ratios(const std::vector<Contestant>& times, Summary& summary) {
                                     })
             ->seconds;
     };
-    std::vector<double> device, cpu;
-    for (size_t round = 0; round < times.front().seconds.size(); ++round) {
-        device.push_back(of("fragment paper", Contestant::iteration)[round] /
-                         of("fragment paper", Contestant::kept)[round]);
+    const size_t rounds = times.front().seconds.size();
+    for (const char* engine : {"fragment paper", "compute gather", "compute scatter"}) {
+        std::vector<double> ratios;
+        for (size_t round = 0; round < rounds; ++round)
+            ratios.push_back(of(engine, Contestant::iteration)[round] / of(engine, Contestant::kept)[round]);
+        summary.add("time with distribution over time without", engine, ratios);
+    }
+    std::vector<double> cpu;
+    for (size_t round = 0; round < rounds; ++round)
         cpu.push_back(1 +
                       of(cpu_engine, Contestant::distribution)[round] / of(cpu_engine, Contestant::iteration)[round]);
-    }
-    summary.add("time with distribution over time without", "fragment paper", device);
     summary.add("time with distribution over time without", cpu_engine, cpu);
 }
 
@@ -392,6 +425,7 @@ void scaling(Experiment& experiment) {
     write_times(results, times, context->renderer(), experiment.cpu_name());
     summary.add_slopes("seconds over samples", times, "samples", &Contestant::samples);
     summary.add_slopes("seconds over texels", times, "texels", &Contestant::texels);
+    summary.add_slopes("seconds of sweeps over texels", times, "texels", &Contestant::texels, &Contestant::sweeps);
     add_ratios(times, summary);
     summary.commit();
     experiment.finish(results,

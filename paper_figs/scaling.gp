@@ -14,7 +14,7 @@ summary = rows . '/summary.csv'
 field(of, engine, column) = system(sprintf("awk -F, '$1 == \"%s\" && $2 == \"%s\" {printf \"%%s\", $%d}' '%s'", of, engine, column, summary))
 interval(of, engine) = field(of, engine, 4) eq '' ? '' : sprintf(' (%.2f to %.2f)', real(field(of, engine, 4)), real(field(of, engine, 5)))
 slope(of, engine) = sprintf('%.2f', real(field(of, engine, 3))) . interval(of, engine)
-array color[4] = ['#0072b2', '#56b4e9', '#d55e00', '#e69f00']
+array color[5] = ['#0072b2', '#56b4e9', '#d55e00', '#e69f00', '#009e73']
 set multiplot layout 2,2 title "{/:Bold Memory and time against the size of the problem: the paper's conjugate gradients}\n" . caption \
     margins 0.07,0.975,0.07,0.885 spacing 0.085,0.125
 set grid lc rgb '#dddddd'
@@ -46,7 +46,9 @@ plot for [i=1:4] memory using (kind(strcol(3), strcol(2)) eq word(kinds, i) ? $7
      [parameters_min:parameters_max] 142 with lines lw 1 dt 4 lc rgb '#009e73' title "142 MB, the paper's star"
 
 # Medians over repetitions by size, a column of time.csv.
-medians(part, engine, size) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" {print $%d, $10}' '%s' | sort -g -k 1,1 -k 2,2 | awk 'n && $1 != x {print x \",\" y[int((n + 1) / 2)]; n = 0} {x = $1; y[++n] = $2} END {print x \",\" y[int((n + 1) / 2)]}'", part, engine, size, times)
+medians_of(part, engine, size, seconds) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" {print $%d, $%d}' '%s' | sort -g -k 1,1 -k 2,2 | awk 'n && $1 != x {print x \",\" y[int((n + 1) / 2)]; n = 0} {x = $1; y[++n] = $2} END {print x \",\" y[int((n + 1) / 2)]}'", part, engine, size, seconds, times)
+medians(part, engine, size) = medians_of(part, engine, size, 10)
+sweeps(part, engine, size) = medians_of(part, engine, size, 11)
 engines = '"fragment paper" "fragment combined" "cpu"'
 names = '"OpenGL, the paper''s passes" "OpenGL, combined passes" "CPU, samples in memory"'
 of_engine(i) = color[i == 1 ? 1 : i == 2 ? 3 : 2]
@@ -66,15 +68,19 @@ plot for [i=1:3] medians(part, word(engines, i), 7) using 1:2 with lines lw 2 lc
      [size_min:size_max] x * seconds_min / size_min * 4 with lines lw 1 dt 3 lc rgb 'black' title 'guide: slope 1'
 
 part = 'texels'
-set title 'time over texels of the surface: the same images, finer maps (Section 6.6)'
+engines = '"fragment paper" "fragment combined" "compute gather" "compute scatter"'
+names = '"gather: the paper''s passes" "gather: combined passes" "gather: compute, texel by texel" "scatter: compute, pixel by pixel"'
+of_sweeps(i) = color[i == 1 ? 1 : i == 2 ? 3 : i == 3 ? 4 : 5]
+set title 'time of sweeps over the same images, finer maps (Section 6.6)'
+set ylabel 'seconds of an iteration in sweeps' offset 1
 set xlabel 'texels in surface location space' offset 0,0.4
 set autoscale
-stats times using (strcol(1) eq part ? $10 : NaN) every ::1 nooutput name 'seconds'
+stats times using (strcol(1) eq part && strcol(11) ne '' ? $11 : NaN) every ::1 nooutput name 'seconds'
 stats times using (strcol(1) eq part ? $6 : NaN) every ::1 nooutput name 'size'
-set yrange [seconds_min / 2:seconds_max * (seconds_max / seconds_min) ** 0.45]
-plot for [i=1:3] medians(part, word(engines, i), 6) using 1:2 with lines lw 2 lc rgb of_engine(i) \
-         title sprintf('%s: slope %s', word(names, i), slope('seconds over texels', word(engines, i))), \
-     for [i=1:3] times using (is(i) ? $6 : NaN):10 every ::1 with points pt 7 ps 0.5 lc rgb of_engine(i) notitle, \
+set yrange [seconds_min / 2:seconds_max * (seconds_max / seconds_min) ** 0.75]
+plot for [i=1:4] sweeps(part, word(engines, i), 6) using 1:2 with lines lw 2 lc rgb of_sweeps(i) \
+         title sprintf('%s: slope %s', word(names, i), slope('seconds of sweeps over texels', word(engines, i))), \
+     for [i=1:4] times using (is(i) ? $6 : NaN):11 every ::1 with points pt 7 ps 0.5 lc rgb of_sweeps(i) notitle, \
      [size_min:size_max] x * seconds_min / size_min * 4 with lines lw 1 dt 3 lc rgb 'black' title 'guide: slope 1'
 
 unset logscale
@@ -88,15 +94,15 @@ set style fill solid noborder
 set autoscale
 stats summary using (strcol(1) eq of ? $5 : NaN) every ::1 nooutput name 'ratio'
 set xrange [0:ratio_max * 1.35]
-set yrange [1.7:-0.7]
+set yrange [3.7:-0.7]
 set ytics scale 0
 set arrow 1 from 1.1, graph 0 to 1.1, graph 1 nohead dt 2 lc rgb 'black'
-set label 1 'at most 1.1: "almost no extra cost"' at 1.1, graph 0.5 offset 0.6,0
-row(engine) = engine eq 'cpu' ? 1 : 0
-what(engine) = engine eq 'cpu' ? 'CPU' : "OpenGL,\nthe paper's\npasses"
+set label 1 'at most 1.1: "almost no extra cost"' at 1.1, graph 0.03 offset 0.6,0
+row(engine) = engine eq 'cpu' ? 3 : engine eq 'compute scatter' ? 2 : engine eq 'compute gather' ? 1 : 0
+what(engine) = engine eq 'cpu' ? 'CPU' : engine eq 'fragment paper' ? "OpenGL,\nthe paper's\npasses" : engine eq 'compute gather' ? "compute,\ngather" : "compute,\nscatter"
 plot summary using (strcol(1) eq of ? $3 / 2 : NaN):(row(strcol(2))):($3 / 2):(0.3):ytic(what(strcol(2))) every ::1 \
          with boxxyerror lc rgb color[2], \
      summary using (strcol(1) eq of ? $3 : NaN):(row(strcol(2))):4:5 every ::1 with xerrorbars pt -1 lw 2 lc rgb '#333333', \
      summary using (strcol(1) eq of ? $3 : NaN):(row(strcol(2))):(sprintf('%.2f%s', $3, interval(of, strcol(2)))) every ::1 \
-         with labels left offset 1,-1.5
+         with labels left offset 1,-1
 unset multiplot

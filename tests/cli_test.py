@@ -61,8 +61,10 @@ class Files(CommandLine):
 
     def test_plan_adds_up(self):
         tables = []
-        for engine in ("cpu", "fragment", "compute"):
-            tables += self.good("plan", "star", "--engine", engine).stdout.split("\n\n")
+        compute = [["--engine", "compute", "--samples", samples, "--accumulate", accumulate]
+                   for samples in ("cached", "redistributed") for accumulate in ("gather", "scatter-fixed", "scatter-float")]
+        for engine in (["--engine", "cpu"], ["--engine", "fragment"], *compute):
+            tables += self.good("plan", "star", *engine).stdout.split("\n\n")
         for table in filter(str.strip, tables):
             megabytes = [float(line.split()[-1]) for line in table.splitlines() if re.search(r"\d$", line)]
             self.assertGreater(len(megabytes), 3, table)
@@ -191,6 +193,30 @@ class Engines(CommandLine):
             self.good("fit", "star", "--engine", engine, "--iterations", "2", "--threads", "2", "-o", f"{engine}3")
             self.assert_same_files(f"{engine}1", f"{engine}2", "*.exr")
             self.assert_same_files(f"{engine}2", f"{engine}3", "*.exr")
+
+    def test_compute_in_every_way(self):
+        def fitted(name, *options):
+            told = self.good("fit", "star", "--engine", "compute", "--iterations", "4", *options, "-o", name).stderr
+            accumulation = json.loads((self.root / name / "fit.json").read_text())["times_s"]["accumulation"]
+            self.assertIn(accumulation, told)
+            return accumulation, self.final_error(name)
+
+        self.assertEqual(fitted("gathered")[0], "gathered sums")
+        expected = self.final_error("gathered")
+        for samples in ("cached", "redistributed"):
+            for accumulate, told in (("gather", "gathered sums"), ("scatter-fixed", "scattered sums in 64-bit fixed point"),
+                                     ("scatter-float", "scattered sums of floats, by ")):  # fmt: skip
+                name, options = f"{samples}-{accumulate}", ("--samples", samples, "--accumulate", accumulate)
+                accumulation, error = fitted(name, *options)
+                self.assertTrue(accumulation.startswith(told), accumulation)
+                # OpenGL's rasterizer and the CPU's give some texels other pixels
+                self.assertLess(abs(error / expected - 1), 1e-3 if samples == "cached" else 0.01, name)
+                if accumulate != "scatter-float":
+                    fitted(name + "-again", *options)
+                    self.assert_same_files(name, name + "-again", "*.exr")
+        for source in ("disk", "device"):
+            fitted(source, "--samples", "redistributed", "--source", source)
+            self.assert_same_files(source, "redistributed-gather", "*.exr")
 
     def test_egl_and_osmesa_alike(self):
         for context in ("egl", "osmesa"):

@@ -1,21 +1,46 @@
 // The compute engine against its oracles: the naive one in double, and the CPU engine.
 #include "compute/compute_engine.h"
+#include "compute/compute_plan.h"
 #include "lfm_agreement.h"
 #include "samples/raster_distributor.h"
 
 namespace radiafit {
 namespace {
 
-class ComputeAgreement : public ::testing::TestWithParam<Case> {};
-
-const auto make_engine = [](const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-                            const SampleList& list, const LfmOptions& options) {
-    return std::make_unique<ComputeEngine>(dataset, atlas, rings, list, options);
+/// One of the engine's ways to samples and to sums.
+struct Way {
+    const char* name;
+    bool streamed;
+    Accumulate accumulate;
 };
+constexpr Way ways[] = {
+    {"cached_gather", false, Accumulate::gather},        {"cached_fixed", false, Accumulate::scatter_fixed},
+    {"cached_float", false, Accumulate::scatter_float},  {"cached_swap", false, Accumulate::scatter_swap},
+    {"streamed_gather", true, Accumulate::gather},       {"streamed_fixed", true, Accumulate::scatter_fixed},
+    {"streamed_float", true, Accumulate::scatter_float}, {"streamed_swap", true, Accumulate::scatter_swap}};
+std::ostream& operator<<(std::ostream& out, const Way& way) { return out << way.name; }
 
-TEST_P(ComputeAgreement, WithTheOracle) { agree_with_the_oracle(GetParam(), make_engine); }
-TEST_P(ComputeAgreement, WithTheCpuEngineOverIterations) {
-    agree_with_the_cpu_engine_over_iterations(GetParam(), make_engine);
+class ComputeAgreement : public ::testing::TestWithParam<std::tuple<Case, Way>> {};
+
+/// An engine whose samples are the list's; one that streams finds them anew.
+auto engine_maker(const Way& way) {
+    return [way](const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const SampleList& list,
+                 const LfmOptions& options) {
+        return way.streamed ? std::make_unique<ComputeEngine>(dataset, atlas, rings, list.views, options,
+                                                              StreamOptions{}, way.accumulate)
+                            : std::make_unique<ComputeEngine>(dataset, atlas, rings, list, options, way.accumulate);
+    };
+}
+const auto make_engine = engine_maker(ways[0]);
+
+TEST_P(ComputeAgreement, WithTheOracle) {
+    const auto& [c, way] = GetParam();
+    agree_with_the_oracle(c, engine_maker(way));
+}
+using ComputeIterations = ComputeAgreement;
+TEST_P(ComputeIterations, WithTheCpuEngine) {
+    const auto& [c, way] = GetParam();
+    agree_with_the_cpu_engine_over_iterations(c, engine_maker(way));
 }
 
 std::vector<Case> cases() {
@@ -34,31 +59,230 @@ std::vector<Case> cases() {
              .loss = {LossKind::huber, 0.4f, SampleWeights::facing}},
             {.name = "small_sides_many_terms", .terms = 9, .surface_side = 2, .view_side = 2}};
 }
-INSTANTIATE_TEST_SUITE_P(Cases, ComputeAgreement, ::testing::ValuesIn(cases()),
-                         [](const auto& info) { return info.param.name; });
+std::string case_name(const ::testing::TestParamInfo<std::tuple<Case, Way>>& info) {
+    return std::get<Case>(info.param).name + "_" + std::get<Way>(info.param).name;
+}
+/// Those that differ in more than a program's constants.
+std::vector<Case> few_cases() {
+    std::vector<Case> few;
+    for (const Case& c : cases())
+        if (c.name == "two_terms" || c.name == "odd_sides_16_bit" || c.name == "huber_facing") few.push_back(c);
+    return few;
+}
+INSTANTIATE_TEST_SUITE_P(Cases, ComputeAgreement,
+                         ::testing::Combine(::testing::ValuesIn(cases()), ::testing::ValuesIn(ways)), case_name);
+INSTANTIATE_TEST_SUITE_P(Gathered, ComputeIterations,
+                         ::testing::Combine(::testing::ValuesIn(cases()), ::testing::Values(ways[0])), case_name);
+INSTANTIATE_TEST_SUITE_P(Others, ComputeIterations,
+                         ::testing::Combine(::testing::ValuesIn(few_cases()),
+                                            ::testing::ValuesIn(ways + 1, std::end(ways))),
+                         case_name);
 
-std::vector<float> run(ContextKind kind, const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& list) {
+/// A scene that engines share, of noise. Lists are made by OpenGL, so that engines that stream find the same samples.
+struct Scene {
+    NoiseDataset noise{awkward_mesh(1)};
+    const Dataset& dataset = noise.dataset;
+    TriangleAtlas atlas{dataset.mesh, 8};
+    VertexRings rings{dataset.mesh};
+
+    SampleList list(const std::vector<uint32_t>& views = all_views()) const {
+        GlDistributor distributor(atlas);
+        return build_sample_list(dataset, atlas, views, {&distributor});
+    }
+    std::unique_ptr<ComputeEngine> engine(const Way& way, const SampleList& list,
+                                          const LfmOptions& options = {}) const {
+        return engine_maker(way)(dataset, atlas, rings, list, options);
+    }
+};
+
+std::vector<float> run(ContextKind kind, const Scene& scene, const Way& way, const SampleList& list) {
     const auto context = make_context(kind);
-    const VertexRings rings(dataset.mesh);
-    ComputeEngine engine(dataset, atlas, rings, list, {});
-    engine.reset(lfm_start(engine.layout(), engine.count().mean, 3));
-    const Trace trace = optimize(engine, OptimizerOptions{.iterations = 3});
-    std::vector<float> p(engine.layout().size());
-    engine.read_parameters(p);
+    const auto engine = scene.engine(way, list);
+    engine->reset(lfm_start(engine->layout(), engine->count().mean, 3));
+    const Trace trace = optimize(*engine, OptimizerOptions{.iterations = 3});
+    std::vector<float> p(engine->layout().size());
+    engine->read_parameters(p);
     p.push_back(float(trace.rows.back().error));
     return p;
 }
 
-TEST(Compute, SameBitsTwiceAndInEveryContext) {
-    const NoiseDataset noise(awkward_mesh(1));
-    const TriangleAtlas atlas(noise.dataset.mesh, 8);
-    RasterDistributor distributor(atlas);
-    const SampleList list = build_sample_list(noise.dataset, atlas, all_views(), {&distributor});
-    const std::vector<float> first = run(ContextKind::egl, noise.dataset, atlas, list);
-    EXPECT_EQ(first, run(ContextKind::egl, noise.dataset, atlas, list));
+class ComputeBits : public ::testing::TestWithParam<Way> {};
+TEST_P(ComputeBits, AreTheSameTwiceAndInEveryContext) {
+    const Scene scene;
+    const SampleList list = [&] {
+        const auto context = make_context(ContextKind::egl);
+        return scene.list();
+    }();
+    const std::vector<float> first = run(ContextKind::egl, scene, GetParam(), list);
+    EXPECT_EQ(first, run(ContextKind::egl, scene, GetParam(), list));
     if (make_context(ContextKind::egl)->software()) {
-        EXPECT_EQ(first, run(ContextKind::osmesa, noise.dataset, atlas, list));
+        EXPECT_EQ(first, run(ContextKind::osmesa, scene, GetParam(), list));
     }
+}
+std::string way_name(const ::testing::TestParamInfo<Way>& info) { return info.param.name; }
+INSTANTIATE_TEST_SUITE_P(Ways, ComputeBits, ::testing::Values(ways[0], ways[1], ways[4], ways[5]), way_name);
+
+/// Everything that sweeps over samples leave, at random parameters.
+struct Sums {
+    ProblemStatistics statistics;
+    ComputeEngine::Evaluation evaluation;
+    ComputeEngine::Line line;
+
+    std::vector<float> gradient_and_diagonal() const {
+        std::vector<float> all = evaluation.gradient;
+        all.insert(all.end(), evaluation.diagonal.begin(), evaluation.diagonal.end());
+        return all;
+    }
+};
+Sums sums_of(ComputeEngine& engine, std::span<const float> p, std::span<const float> d) {
+    Sums sums{engine.count(), {}, {}};
+    engine.reset(p);
+    engine.gradient_pass(true);
+    sums.evaluation = engine.read_evaluation();
+    engine.set_line(p, d);
+    engine.directional_pass();
+    sums.line = engine.read_line();
+    return sums;
+}
+
+class FixedPoint : public ::testing::TestWithParam<Way> {};
+/// Images the other way round, and samples of a group in any order.
+TEST_P(FixedPoint, IsTheSameBitsInAnyOrder) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    std::vector<uint32_t> backwards = all_views();
+    std::ranges::reverse(backwards);
+    SampleList list = scene.list(), other = scene.list(backwards);
+    std::mt19937 rng(7);
+    for (size_t g = 0; g + 1 < other.groups.size(); ++g)
+        std::shuffle(other.samples.begin() + ptrdiff_t(other.groups[g].first),
+                     other.samples.begin() + ptrdiff_t(other.groups[g + 1].first), rng);
+    LfmOptions options;
+    options.terms = 2;
+    const auto engine = scene.engine(GetParam(), list, options), reordered = scene.engine(GetParam(), other, options);
+    const std::vector<float> p = random_vector(engine->layout(), -0.5f, 1.5f, 1),
+                             d = random_vector(engine->layout(), -1, 1, 2);
+    const Sums a = sums_of(*engine, p, d), b = sums_of(*reordered, p, d);
+    EXPECT_EQ(a.statistics.samples, b.statistics.samples);
+    EXPECT_EQ(a.statistics.mean, b.statistics.mean);
+    EXPECT_EQ(a.evaluation.error, b.evaluation.error);
+    EXPECT_EQ(a.gradient_and_diagonal(), b.gradient_and_diagonal());
+    EXPECT_EQ(a.line.curvature, b.line.curvature);
+    EXPECT_EQ(a.line.fourth, b.line.fourth);
+}
+
+/// Constant maps make every term as large as its bound allows; and magnitudes far from 1.
+TEST_P(FixedPoint, DoesNotOverflow) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    const SampleList list = scene.list();
+    LfmOptions options;
+    options.terms = 2;
+    options.lambda_surface = options.lambda_view = options.mu = 0;
+    const auto fixed = scene.engine(GetParam(), list, options), gathered = scene.engine(ways[0], list, options);
+    for (const float size : {1e-6f, 1.0f, 1e4f, 1e8f}) {
+        const std::vector<float> p = random_vector(fixed->layout(), 0.999f * size, size, 1);
+        const Sums a = sums_of(*fixed, p, p), b = sums_of(*gathered, p, p);
+        const auto near = [&](const std::vector<float>& x, const std::vector<float>& y, const char* what) {
+            for (size_t i = 0; i < x.size(); ++i)
+                ASSERT_NEAR(x[i], y[i], 1e-5f * std::abs(y[i])) << what << " " << i << " of maps of " << size;
+        };
+        near(a.evaluation.error, b.evaluation.error, "error");
+        near(a.line.gauss_newton, b.line.gauss_newton, "gauss-newton");
+        near(a.line.fourth, b.line.fourth, "fourth");
+        if (size > 1) near(a.gradient_and_diagonal(), b.gradient_and_diagonal(), "gradient");  // else terms cancel
+    }
+}
+
+/// Where a term may be no float, no sum is taken for one.
+TEST_P(FixedPoint, KnowsNoSumsOfWhatIsNotFinite) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    const auto engine = scene.engine(GetParam(), scene.list());
+    const ProblemStatistics statistics = engine->count();
+    for (const float huge : {1e15f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+        engine->reset(std::vector<float>(engine->layout().size(), huge));
+        engine->gradient_pass(false);
+        const std::vector<float> error = engine->read_evaluation().error;
+        for (size_t i = 0; i < error.size(); ++i)
+            if (statistics.samples[i / 3]) {
+                EXPECT_FALSE(std::isfinite(error[i])) << i << " of maps of " << huge;
+            }
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Ways, FixedPoint, ::testing::Values(ways[1], ways[5]), way_name);
+
+class FloatScatter : public ::testing::TestWithParam<Way> {};
+/// Repeated sums differ, by rounding alone: told, and at most a tenth of what tests allow of any engine.
+TEST_P(FloatScatter, SpreadsLittle) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    const SampleList list = scene.list();
+    const LfmOptions options{.lambda_surface = 0, .lambda_view = 0, .mu = 0};
+    const auto engine = scene.engine(GetParam(), list, options);
+    const LfmLayout& layout = engine->layout();
+    const std::vector<float> p = random_vector(layout, -0.5f, 1.5f, 1), d = random_vector(layout, -1, 1, 2);
+    const auto oracle =
+        testing::lfm_oracle(scene.dataset, scene.atlas, layout, options, list, {p.begin(), p.end()}, {});
+    std::vector<float> low, high;
+    for (int turn = 0; turn < 8; ++turn) {
+        const std::vector<float> gradient = sums_of(*engine, p, d).evaluation.gradient;
+        if (turn == 0) low = high = gradient;
+        for (size_t i = 0; i < gradient.size(); ++i)
+            low[i] = std::min(low[i], gradient[i]), high[i] = std::max(high[i], gradient[i]);
+    }
+    double widest = 0;
+    for (size_t v = 0; v < layout.problem_count(); ++v)
+        for (size_t i = layout.offset(v); i < layout.offset(v + 1); ++i) {
+            if (oracle.gradient[i].magnitude == 0) continue;
+            const double scale = double(layout.surface_texels(v)) / oracle.samples[v] * oracle.gradient[i].magnitude;
+            widest = std::max(widest, double(high[i] - low[i]) / scale);
+        }
+    std::printf("  %s: widest spread of a gradient's entry over 8 sums, of its terms' magnitudes: %.1e\n",
+                describe(engine->accumulate()), widest);
+    EXPECT_LE(widest, 1e-6);
+}
+INSTANTIATE_TEST_SUITE_P(Ways, FloatScatter, ::testing::Values(ways[2], ways[3], ways[6], ways[7]), way_name);
+
+/// Whatever sums come about by, fits end alike.
+TEST(Compute, FitsEndAlikeInEveryWay) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    const SampleList list = scene.list();
+    std::vector<double> errors;
+    for (const Way& way : ways) {
+        const auto engine = scene.engine(way, list);
+        engine->reset(lfm_start(engine->layout(), engine->count().mean, 3));
+        const Trace trace = optimize(*engine, OptimizerOptions{.iterations = 15});
+        errors.push_back(trace.rows.back().error);
+        EXPECT_LT(errors.back(), 0.5 * trace.rows.front().error) << way;
+        EXPECT_NEAR(errors.back(), errors.front(), 1e-3 * errors.front())  // rounding grows over conjugate steps
+            << way;
+    }
+}
+
+/// What is planned is no less than what the device holds, and not much more; the host's part is in the plan, too.
+TEST(Compute, TakesWhatIsPlanned) {
+    const auto context = make_context(ContextKind::egl);
+    const Scene scene;
+    const SampleList list = scene.list();
+    for (const int terms : {1, 3})
+        for (const Way& way : ways) {
+            LfmOptions options;
+            options.terms = terms;
+            const auto engine = scene.engine(way, list, options);
+            const LfmLayout& layout = engine->layout();
+            const auto arrays = way.streamed ? plan_redistribution(scene.dataset, scene.atlas, scene.rings, layout,
+                                                                   way.accumulate, list.views, StreamOptions{})
+                                             : plan_cached_samples(scene.atlas, scene.rings, layout, way.accumulate,
+                                                                   list.image_count(), list.samples.size(), 4);
+            uint64_t planned = 0;
+            for (const PlannedArray& array : arrays) planned += array.bytes;
+            const uint64_t numbers = engine->problem_count() * 100;  // of problems, which no plan tells
+            const uint64_t held = engine->bytes() - vector::first_own * layout.size() * sizeof(float);
+            EXPECT_GE(planned + numbers, held) << way << ", " << terms << " terms";
+            EXPECT_LT(double(planned), 1.7 * double(held)) << way << ", " << terms << " terms";
+        }
 }
 
 struct Fitted {

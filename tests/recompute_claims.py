@@ -125,11 +125,15 @@ def memory(run):
         yield float([r for r in rows if r["side"] == "8"][-1]["paper_layout_bytes"]) / 1e6
 
 
-def time_slope(run, of, engine):
+def time_slope(run, of, engine, column="seconds"):
     rounds = defaultdict(list)
     for r in run.rows("time", part=of, engine=engine, what="iteration"):
-        rounds[r["repetition"]].append((float(r[of]), float(r["seconds"])))
+        rounds[r["repetition"]].append((float(r[of]), float(r.get(column, r["seconds"]))))
     return median(map(slope, rounds.values()))
+
+
+def timed(run, part, *engines):  # those of the engines that the run has
+    return [e for e in engines if run.rows("time", part=part, engine=e)]
 
 
 def stopping(run, told):  # the thresholds that were chosen are in the measures' names: "residual below 0.5/255, ..."
@@ -167,9 +171,11 @@ VALUES = {
     "C9": lambda run: differences(run, (("cg-low-fp16", "chosen"), ("cg-low-brief", "chosen"), PSNR)),
     "C11": lambda run: (ratio(*(streamed(run, problem, passes, source, o) for source in ("memory", "disk-cold")))
                         for problem in PROBLEMS for passes in ("paper", "combined") for o in OPTIMIZERS),
-    "C13": lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine="fragment paper", what=what)
-                                for what in ("iteration", "iteration, samples kept"))),),
-    "C15": lambda run: (time_slope(run, "texels", e) for e in ("fragment paper", "fragment combined")),
+    "C13": lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine=e, what=what)
+                                for what in ("iteration", "iteration, samples kept")))
+                        for e in timed(run, "distribution", "fragment paper", "compute gather", "compute scatter")),
+    "C15": lambda run: (time_slope(run, "texels", e, "sweep_seconds")
+                        for e in timed(run, "texels", "fragment paper", "fragment combined", "compute scatter")),
     "C18": lambda run: (*(time_slope(run, "samples", e) for e in ("cpu", "fragment paper", "fragment combined")), max(memory_slopes(run))),
     "C19": lambda run: map(median, arrivals(run, "cg_paper", "varpro", comparable=True)),
     "C20": lambda run: fig10(run, lambda w, t: (ratio(t("penalties_s"), t("seconds")),

@@ -434,10 +434,12 @@ class Smoke(ProgramTest):
         summary = {(r["of"], r["engine"]): r for r in tables["summary"]}
         for kind in kinds:  # what doesn't grow is a few images: the slope tends to 1 from below
             self.assertTrue(0.5 < float(summary["bytes over parameters", kind]["median"]) < 1.01, kind)
-        engines = {"cpu", "fragment paper", "fragment combined"}
+        fragment, compute = {"fragment paper", "fragment combined"}, {"compute gather", "compute scatter"}
+        of_part = {"samples": {"cpu"} | fragment, "texels": {"cpu"} | fragment | compute}
         self.assertEqual(set(summary), {("bytes over parameters", k) for k in kinds} |
-                         {(f"seconds over {size}", e) for size in ("samples", "texels") for e in engines} |
-                         {("time with distribution over time without", e) for e in ("fragment paper", "cpu")})
+                         {(f"seconds over {size}", e) for size, engines in of_part.items() for e in engines} |
+                         {("seconds of sweeps over texels", e) for e in fragment | compute} |
+                         {("time with distribution over time without", e) for e in {"fragment paper", "cpu"} | compute})
         for row in tables["summary"]:
             self.assertLessEqual(float(row["low"]), float(row["median"]))
             self.assertLessEqual(float(row["median"]), float(row["high"]))
@@ -447,16 +449,43 @@ class Smoke(ProgramTest):
         for rows in times.values():
             self.assertEqual([row["repetition"] for row in rows], [str(i) for i in range(6)])
             self.assertEqual(len({(row["texels"], row["samples"], row["parameters"]) for row in rows}), 1)
+            for row in rows:
+                streams = row["engine"] != "cpu" and row["what"] == "iteration" or row["engine"] == "fragment paper"
+                self.assertEqual(row["sweep_seconds"] != "", streams, row)
+                if streams:
+                    self.assertLess(float(row["sweep_seconds"]), float(row["seconds"]))
         for part, size in (("samples", "images"), ("texels", "side")):
-            for engine in engines:
+            for engine in of_part[part]:
                 lines = [rows[0] for key, rows in times.items() if key[:2] == (part, engine)]
                 self.assertEqual(len(lines), 5 if part == "samples" else 3)
                 for smaller, larger in zip(lines, lines[1:]):
                     self.assertLess(int(smaller[size]), int(larger[size]))
                     self.assertLess(int(smaller["samples"]), int(larger["samples"]))
         what = {key[1:3] for key in times if key[0] == "distribution"}
-        self.assertEqual(what, {("fragment paper", "iteration"), ("fragment paper", "iteration, samples kept"),
-                                ("cpu", "iteration"), ("cpu", "distribution")})
+        self.assertEqual(what, {(e, w) for e in {"fragment paper"} | compute for w in ("iteration", "iteration, samples kept")} |
+                         {("cpu", "iteration"), ("cpu", "distribution")})
+        counts = {row["samples"] for row in tables["time"] if row["part"] == "distribution" and row["engine"] == "compute scatter"
+                  and row["what"] == "iteration"}  # fmt: skip
+        self.assertEqual(counts, {row["samples"] for row in tables["time"] if row["part"] == "distribution"
+                                  and row["engine"] == "fragment paper"}, "the same pixels as fragment programs find")
+
+    def check_passes(self, tables):
+        steps = ["the paper's passes", "combined passes, image by image", "combined passes, several images",
+                 "compute, redistributing, gather", "compute, redistributing, scatter", "compute, cached samples, scatter",
+                 "compute, cached samples, gather", "CPU, redistributing", "CPU, cached samples"]  # fmt: skip
+        self.assertEqual([(r["step"], r["name"]) for r in tables["ladder"]], [(str(i), n) for i, n in enumerate(steps)])
+        rounds = {name: {r["repetition"]: float(r["ms_per_image_and_sweep"]) for r in tables["rounds"] if r["name"] == name}
+                  for name in steps}  # fmt: skip
+        self.assertEqual({(r["images"], r["samples"]) for r in tables["rounds"]}, {("4", tables["rounds"][0]["samples"])})
+        for row, before in zip(tables["ladder"], [steps[0], *steps]):
+            times = rounds[row["name"]]
+            self.assertEqual(set(times), {"0", "1", "2"})
+            self.assertAlmostEqual(float(row["median_ms"]) / sorted(times.values())[1], 1, places=3)
+            for column, other in (("over_previous", before), ("over_first", steps[0])):
+                ratios = sorted(t / rounds[other][k] for k, t in times.items())
+                self.assertAlmostEqual(float(row[column]) / ratios[1], 1, places=3)
+            self.assertEqual((row["low_ms"], row["high_ms"]), ("", ""))
+            self.assertEqual(row["renderer"].startswith("cpu, "), row["name"].startswith("CPU"))
 
     def check_precision(self, tables):
         kinds = {(s, k) for s in ("fp32", "fp16", "fp16-truncate") for k in ("fp32", "fp16")}

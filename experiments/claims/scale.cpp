@@ -14,9 +14,14 @@ namespace {
 /// What scaling's summary writes of the same figures; the rules work from the rows of every round.
 constexpr const char *iteration = "iteration", *kept = "iteration, samples kept", *distribution = "distribution";
 const std::string paper = "fragment paper", combined = "fragment combined", cpu = "cpu";
+const std::string compute_gather = "compute gather", compute_scatter = "compute scatter";
 
 std::string plain_name(const std::string& engine) {
-    return engine == paper ? "OpenGL, the paper's passes" : engine == combined ? "OpenGL, combined passes" : "the CPU";
+    return engine == paper             ? "OpenGL, the paper's passes"
+           : engine == combined        ? "OpenGL, combined passes"
+           : engine == compute_gather  ? "OpenGL, compute shaders that gather"
+           : engine == compute_scatter ? "OpenGL, compute shaders that scatter"
+                                       : "the CPU";
 }
 
 double slope_of(const std::map<double, double>& points) { return log_slope({points.begin(), points.end()}); }
@@ -29,13 +34,18 @@ public:
             if (t_.text(i, "engine") == paper) renderer = t_.text(i, "renderer");
         if (renderer.empty()) throw UserError("time.csv: no row of " + paper + "; run scaling again");
     }
+    bool has(const char* part, const std::string& engine) const {
+        for (size_t i = 0; i < t_.row_count(); ++i)
+            if (t_.text(i, "part") == part && t_.text(i, "engine") == engine) return true;
+        return false;
+    }
     /// [round]: seconds by size, a column of the table.
     std::vector<std::map<double, double>> rounds(const char* part, const std::string& engine, const char* size,
-                                                 const char* what = iteration) const {
+                                                 const char* what = iteration, const char* time = "seconds") const {
         std::map<int, std::map<double, double>> out;
         for (size_t i = 0; i < t_.row_count(); ++i)
             if (t_.text(i, "part") == part && t_.text(i, "engine") == engine && t_.text(i, "what") == what)
-                out[int(t_.number(i, "repetition"))][t_.number(i, size)] = t_.number(i, "seconds");
+                out[int(t_.number(i, "repetition"))][t_.number(i, size)] = t_.number(i, time);
         if (out.empty())
             throw UserError(fmt::format("time.csv: no row {}, {}, {}; run scaling again", part, engine, what));
         std::vector<std::map<double, double>> list;
@@ -43,9 +53,9 @@ public:
         return list;
     }
     /// Of log time over log size, a slope for each round.
-    Figure slope(const char* part, const std::string& engine, const char* size) const {
+    Figure slope(const char* part, const std::string& engine, const char* size, const char* time = "seconds") const {
         std::vector<double> slopes;
-        for (const auto& points : rounds(part, engine, size)) {
+        for (const auto& points : rounds(part, engine, size, iteration, time)) {
             if (points.size() < 3) throw UserError("time.csv: a slope needs three sizes; run scaling again");
             slopes.push_back(slope_of(points));
         }
@@ -91,29 +101,41 @@ Judgement redistribution(const FinishedRun& run) {
     const Times times(run);
     Judgement j{.renderer = times.renderer};
     const auto only = [](const std::map<double, double>& points) { return points.begin()->second; };
-    std::vector<double> device, on_cpu;
-    const auto with = times.rounds("distribution", paper, "images"),
-               without = times.rounds("distribution", paper, "images", kept);
-    for (size_t i = 0; i < std::min(with.size(), without.size()); ++i)
-        device.push_back(only(with[i]) / only(without[i]));
-    const auto step2 = times.rounds("distribution", cpu, "images"),
-               step1 = times.rounds("distribution", cpu, "images", distribution);
-    for (size_t i = 0; i < std::min(step1.size(), step2.size()); ++i)
-        on_cpu.push_back(1 + only(step1[i]) / only(step2[i]));
-    const Figure figure = median_of_rounds(device), beside = median_of_rounds(on_cpu);
-    j.measures.push_back(
-        {.of = "OpenGL, time with distribution over time without", .figure = figure, .bound = at_most(1.1)});
+    const auto quotients = [&](const std::string& engine, const char* above, const char* below) {
+        const auto a = times.rounds("distribution", engine, "images", above),
+                   b = times.rounds("distribution", engine, "images", below);
+        std::vector<double> out;
+        for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) out.push_back(only(a[i]) / only(b[i]));
+        return out;
+    };
+    std::vector<std::string> found;
+    for (const std::string& engine : {paper, compute_gather, compute_scatter}) {
+        if (!times.has("distribution", engine)) continue;  // rows of a run without compute shaders
+        const Figure figure = median_of_rounds(quotients(engine, iteration, kept));
+        j.measures.push_back({.of = plain_name(engine) + ", time with distribution over time without",
+                              .figure = figure,
+                              .bound = at_most(1.1)});
+        found.push_back(with_interval(figure));
+    }
+    std::vector<double> on_cpu = quotients(cpu, distribution, iteration);
+    for (double& x : on_cpu) x += 1;
+    const Figure beside = median_of_rounds(on_cpu);
     j.beside.push_back(fmt::format(
         "on the CPU, an iteration over samples in memory and one distribution of all images take {} times as long as "
         "the iteration alone",
         with_interval(beside)));
     j.beside.push_back(
-        "without: what every texel takes of each image was kept on the device by an earlier sweep, with images kept "
-        "there in both cases; the rest of the passes is the same, and so are the results, to the bit");
+        "without: of the paper's passes, what every texel takes of each image was kept on the device by an earlier "
+        "sweep, with images kept there in both cases; the rest of the passes is the same, and so are the results, to "
+        "the bit. Compute shaders read a list of samples then, in an order of their own");
+    const std::string in_compute =
+        found.size() == 3
+            ? fmt::format(", and in compute shaders that gather {} and that scatter {}", found[1], found[2])
+            : "";
     j.sentence = fmt::format(
         "In OpenGL, finding again in each sweep which pixel every surface texel takes makes an iteration {} times as "
-        "long as with those samples kept; on the CPU, {:.3g} times.",
-        with_interval(figure), beside.value);
+        "long as with those samples kept{}; on the CPU, {:.3g} times.",
+        found[0], in_compute, beside.value);
     j.demand_graphics_chip();
     return j;
 }
@@ -171,27 +193,38 @@ Judgement memory_linear(const FinishedRun& run) {
 Judgement gather_and_scatter(const FinishedRun& run) {
     const Times times(run);
     Judgement j{.renderer = times.renderer};
-    std::vector<std::string> found;
-    for (const std::string& engine : {paper, combined}) {
-        const Figure slope = times.slope("texels", engine, "texels");
-        j.measures.push_back({.of = "gather, " + plain_name(engine), .figure = slope, .bound = at_least(0.5)});
-        found.push_back(fmt::format("{} with {}", with_interval(slope),
-                                    engine == paper ? "the paper's passes" : "combined passes"));
+    std::vector<std::string> swept, whole;
+    for (const std::string& engine : {paper, combined, compute_scatter}) {
+        const bool scatters = engine == compute_scatter;
+        const Figure slope = times.slope("texels", engine, "texels", "sweep_seconds");
+        j.measures.push_back({.of = (scatters ? "scatter, " : "gather, ") + plain_name(engine),
+                              .figure = slope,
+                              .bound = scatters ? at_most(0.2) : at_least(0.5)});
+        swept.push_back(with_interval(slope));
+        whole.push_back(with_interval(times.slope("texels", engine, "texels")));
     }
     const auto rounds = times.rounds("texels", paper, "texels");
     const double factor = rounds.front().rbegin()->first / rounds.front().begin()->first;
-    const Figure on_cpu = times.slope("texels", cpu, "texels");
     j.demand(factor >= 10, "texels over a factor of 10 at least");
     j.beside.push_back(fmt::format(
-        "on the CPU, which walks through samples instead of texels, the power is {}; the number of samples itself "
-        "grows a little with that of texels, for more of the pixels find one",
-        with_interval(on_cpu)));
+        "sweeps over the images are what is timed; of whole iterations, whose optimizer updates every texel once, "
+        "however many images there are, the powers are {} with the paper's passes, {} with combined passes and {} with "
+        "compute shaders that scatter",
+        whole[0], whole[1], whole[2]));
+    j.beside.push_back(fmt::format(
+        "compute shaders that gather, texel by texel, and distribute in every sweep, too: {}; the CPU, which walks "
+        "through samples in memory, whole iterations: {}",
+        with_interval(times.slope("texels", compute_gather, "texels", "sweep_seconds")),
+        with_interval(times.slope("texels", cpu, "texels"))));
+    j.beside.push_back(
+        "the number of samples itself grows with that of texels, for more of the pixels find one, and with it what "
+        "pixels scatter");
     j.sentence = fmt::format(
-        "With gathers alone, an iteration's time grows as the number of surface texels to the power {} ({:.3g} times "
-        "as many texels, the same images); on the CPU, which can scatter, to the power {}. A fragment unit with "
-        "scatter was not measured.",
-        fmt::format("{} and {}", found[0], found[1]), factor, with_interval(on_cpu));
-    j.not_run = "the scatter half needs passes that write where they choose (compute shaders), and there are none";
+        "With gathers alone, the time of sweeps over the same images grows as the number of surface texels to the "
+        "power "
+        "{} with the paper's passes and {} with combined passes ({:.3g} times as many texels); where compute shaders "
+        "scatter, pixel by pixel, to the power {}.",
+        swept[0], swept[1], factor, swept[2]);
     return j;
 }
 

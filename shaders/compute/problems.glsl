@@ -1,5 +1,5 @@
 // What is known of a vertex, and summed over its samples, penalties included.
-#define OF_DENSITY 0  // 1 / S-bar, ring texels
+#define OF_DENSITY 0  // 1 / S-bar, ring texels, samples
 #define OF_LAMBDA_VIEW 1
 #define OF_ERROR 2
 #define OF_LINE 3  // four sums along d

@@ -61,6 +61,7 @@ nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const Fit
         {"sweep_cpu_ms_per_image", run.sweep_cpu_ms_per_image},
         {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
     };
+    if (!run.accumulation.empty()) times["accumulation"] = run.accumulation;
     if (uses_of(request) & use::records)
         times["records"] = {
             {"bytes_written", run.records.bytes_written}, {"waiting_bytes_read", run.records.bytes_read},

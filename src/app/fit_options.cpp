@@ -243,8 +243,7 @@ std::vector<FitOption> make_fit_options() {
          choice<EngineKind>(
              "engine", use::engine, OF(engine),
              {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
-             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders over "
-             "samples that stay on the device"),
+             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders"),
          choice<TargetSpace>("space", use::space, OF(space),
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),
@@ -277,7 +276,8 @@ std::vector<FitOption> make_fit_options() {
          number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
                 "n: n(n+1)/2 texels per surface map, or per triangle"),
          number("texels_per_pixel", use::own_sides, OF(texels_per_pixel), limits::texels_per_pixel,
-                "not in fragment programs; in place of one side: a side from 2 to 64 for each triangle's surface maps, "
+                "not where OpenGL distributes; in place of one side: a side from 2 to 64 for each triangle's surface "
+                "maps, "
                 "with so many "
                 "texels for each pixel of the triangle's largest projection into the photographs"),
          number("view_side", use::maps, OF(model.view_side), limits::map_side, "m: m x m texels per view map"),
@@ -304,8 +304,20 @@ std::vector<FitOption> make_fit_options() {
                          {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}},
                          "of parameters and of all vectors like them"),
          choice<Sums>("sums", use::passes, OF(sums), {{"fp32", Sums::fp32}, {"fp16", Sums::fp16}}, "over samples"),
+         choice<SampleUse>(
+             "samples", use::accumulation, OF(samples),
+             {{"cached", SampleUse::cached}, {"redistributed", SampleUse::redistributed}},
+             "of compute shaders over light field maps: distributed once, and kept on the device; or found "
+             "again in every sweep over the images, as the paper does"),
+         choice<Accumulate>(
+             "accumulate", use::accumulation, OF(accumulate),
+             {{"gather", Accumulate::gather},
+              {"scatter-fixed", Accumulate::scatter_fixed},
+              {"scatter-float", Accumulate::scatter_float}},
+             "how compute shaders sum over samples of light field maps: each sum by its own invocation; or each sample "
+             "adds to its sums, in 64-bit fixed point or in floats; floats alone don't give the same bits twice"),
          choice<ImageSource>(
-             "source", use::passes, OF(source),
+             "source", use::passes | use::images, OF(source),
              {{"disk", ImageSource::disk},
               {"disk-cold", ImageSource::disk_cold},
               {"memory", ImageSource::memory},
@@ -371,7 +383,12 @@ uint32_t uses_of(const FitRequest& request, bool grid) {
     uses = with_optimizer(uses, request);
     const bool compute = uses & use::engine && request.engine == EngineKind::compute;
     if (uses & use::passes || compute) uses &= ~use::normal_equations;
-    if (uses & use::passes) uses &= ~use::own_sides;
+    if (compute) {
+        const bool streamed = uses & use::maps && request.samples == SampleUse::redistributed;
+        uses &= ~(streamed ? use::distribution : use::images);
+        if (!(uses & use::maps)) uses &= ~use::accumulation;
+    }
+    if (uses & (use::passes | use::images)) uses &= ~use::own_sides;
     if (grid)
         uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | (compute ? 0u : uint32_t(use::opengl))));
     return uses;

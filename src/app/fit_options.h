@@ -38,6 +38,8 @@ enum : uint32_t {
     loss = 1u << 22,
     weights = 1u << 23,
     own_sides = 1u << 25,        ///< triangles' surface maps may differ in side
+    accumulation = 1u << 26,     ///< compute shaders over light field maps: where samples and sums come from
+    images = 1u << 27,           ///< of these, distributed in every sweep
     normal_equations = 1u << 24  ///< has them, so that Levenberg-Marquardt may be its optimizer
 };
 }  // namespace use

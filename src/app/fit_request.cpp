@@ -29,10 +29,12 @@ void FitRequest::check() const {
     model_options();
     if (texel_model) texel_options();
     const bool own_sides = texels_per_pixel > 0 || model.sides;
-    if (own_sides && (on_fragment_engine() || (uses & use::distribution && distributor == DistributorKind::gl)))
-        throw UserError(fmt::format("in fragment programs all surface maps have one side; leave out {}, {} or {}",
-                                    option_name("texels-per-pixel"), option_name("engine fragment"),
-                                    option_name("distributor gl")));
+    if (own_sides &&
+        (on_fragment_engine() || redistributes() || (uses & use::distribution && distributor == DistributorKind::gl)))
+        throw UserError(
+            fmt::format("where OpenGL distributes, all surface maps have one side; leave out {}, {}, {} or {}",
+                        option_name("texels-per-pixel"), option_name("engine fragment"),
+                        option_name("samples redistributed"), option_name("distributor gl")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }
@@ -84,12 +86,23 @@ FragmentOptions FitRequest::fragment_options() const {
     options.storage = storage;
     options.sums = sums;
     options.cull = cull;
-    options.keep_on_device = source == ImageSource::device;
-    options.source = source == ImageSource::memory      ? StreamSource::memory
-                     : source == ImageSource::disk_cold ? StreamSource::disk_cold
-                                                        : StreamSource::disk;  // once, where they stay on the device
-    options.space = space;
+    const StreamOptions stream = stream_options();
+    options.keep_on_device = stream.keep_on_device;
+    options.source = stream.source;
+    options.space = stream.space;
     return options;
+}
+
+StreamOptions FitRequest::stream_options() const {
+    return {.source = source == ImageSource::memory      ? StreamSource::memory
+                      : source == ImageSource::disk_cold ? StreamSource::disk_cold
+                                                         : StreamSource::disk,  // once, where they stay on the device
+            .keep_on_device = source == ImageSource::device,
+            .space = space};
+}
+
+bool FitRequest::redistributes() const {
+    return on_engine(EngineKind::compute) && uses_of(*this) & use::accumulation && samples == SampleUse::redistributed;
 }
 
 bool FitRequest::on_engine(EngineKind kind) const { return uses_of(*this) & use::engine && engine == kind; }

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <string>
 
+#include "compute/compute_options.h"
 #include "fragment/fragment_engine.h"
 #include "gl/context.h"
 #include "model/lfm.h"
@@ -14,6 +15,7 @@ namespace radiafit {
 
 enum class EngineKind { cpu, fragment, compute };
 enum class DistributorKind { cpu, gl };
+enum class SampleUse { cached, redistributed };  ///< of compute shaders
 enum class ImageSource { disk, disk_cold, memory, device };
 
 /// What to fit with. Every member but those from `scratch` on is an option of the table in app/fit_options.h, which
@@ -30,6 +32,8 @@ struct FitRequest {
     Passes passes = Passes::combined;
     Storage storage = Storage::fp32;
     Sums sums = Sums::fp32;
+    SampleUse samples = SampleUse::cached;
+    Accumulate accumulate = Accumulate::gather;
     DistributorKind distributor = DistributorKind::cpu;
     ImageSource source = ImageSource::memory;
     TargetSpace space = TargetSpace::stored;
@@ -70,10 +74,12 @@ struct FitRequest {
     LfmOptions model_options() const;    ///< with mode and mu filled in, checked
     TexelOptions texel_options() const;  ///< checked
     FragmentOptions fragment_options() const;
+    StreamOptions stream_options() const;  ///< of images that are distributed in every sweep
     bool levenberg_marquardt() const { return optimizer == nullptr; }
     bool on_engine(EngineKind kind) const;  ///< of solvers that run on an engine
     bool on_fragment_engine() const { return on_engine(EngineKind::fragment); }
-    std::string label() const;  ///< "cg-modern", as the trace's solver column
+    bool redistributes() const;  ///< on compute shaders
+    std::string label() const;   ///< "cg-modern", as the trace's solver column
 };
 
 }  // namespace radiafit

@@ -80,6 +80,7 @@ FinishedFit finished_light_field(LightFieldFit fit, FitRun run, const Resampling
         out.note = fmt::format("{} of {} resampled entries ({:.1f}%) invented, ", r.outside_hull + r.unseen_texels,
                                r.entries, 100 * r.invented_share());
     }
+    if (!run.accumulation.empty()) out.note += run.accumulation + "; ";
     out.fit = std::make_unique<FittedLightField>(std::move(fit), dataset);
     out.run = std::move(run);
     return out;

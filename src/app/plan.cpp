@@ -6,6 +6,7 @@
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "base/parallel.h"
+#include "compute/compute_plan.h"
 #include "cpu/lfm_kernels.h"
 #include "cpu/texel_solver.h"
 #include "fragment/fragment_plan.h"
@@ -77,7 +78,7 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
     return scaled(sum);
 }
 
-/// What a fragment engine's images take of the host.
+/// What images that stream take of the host.
 void add_host_images(const Dataset& dataset, const FitRequest& request, std::vector<PlanRow>& rows) {
     if (request.source != ImageSource::memory) return;
     rows.push_back({"images in host memory", fmt::format("{} views", dataset.views.size()), dataset.views.size(),
@@ -184,24 +185,6 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
                          12 * dataset.mesh.vertex_count() + 13 * dataset.mesh.triangle_count()});
 }
 
-/// What compute shaders hold besides vectors, and what it takes to put it there.
-void add_compute_engine(const TriangleAtlas& atlas, const VertexRings& rings, const LfmLayout& layout, int terms,
-                        uint64_t images, uint64_t samples, uint64_t sample_bytes, std::vector<PlanRow>& rows) {
-    const uint64_t vertices = rings.vertex_count(), views = vertices * images;
-    rows.push_back({"smoothed maps", fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
-                    layout.size() * sizeof(float)});
-    rows.push_back({"cameras' views of vertices, at most", fmt::format("{} vertices x {} images", vertices, images),
-                    views, views * (32 + 64 * uint64_t(terms))});
-    const uint64_t groups = std::min(samples, uint64_t(atlas.tile_count()) * images);
-    rows.push_back({"groups of samples, at most", "those of a triangle and an image", groups,
-                    groups * (16 + 48 * uint64_t(terms))});
-    const uint64_t tables = 4 * (3 * groups + views) + 8 * atlas.used_texels() + layout.size() / uint64_t(terms);
-    rows.push_back({"tables, at most", "of samples, and once more while they are made", tables / 2, 2 * tables});
-    rows.push_back({"samples, about", "8 bytes, and in two orders for the device and on it", 5 * samples,
-                    (8 + 4 * sample_bytes) * samples});
-    rows.push_back({"samples by image, until they are sorted", "once more", samples, 8 * samples});
-}
-
 }  // namespace
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t most_views) {
@@ -246,9 +229,15 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         return plan;
     }
     if (request.on_engine(EngineKind::compute)) {
-        add_compute_engine(atlas, rings, layout, options.terms, views.size(),
-                           estimate_samples(dataset, atlas, request, most_views),
-                           ImageStream(dataset, StreamSource::disk, request.space).bits() == 8 ? 4 : 8, plan.memory);
+        const auto arrays =
+            request.redistributes()
+                ? plan_redistribution(dataset, atlas, rings, layout, request.accumulate, views,
+                                      request.stream_options())
+                : plan_cached_samples(atlas, rings, layout, request.accumulate, views.size(),
+                                      estimate_samples(dataset, atlas, request, most_views),
+                                      ImageStream(dataset, StreamSource::disk, request.space).bits() == 8 ? 4 : 8);
+        for (const PlanRow& row : rows_of(arrays)) plan.memory.push_back(row);
+        if (request.redistributes()) add_host_images(dataset, request, plan.memory);
         return plan;
     }
     const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);

@@ -32,9 +32,10 @@ struct FitRun {
     Trace trace;
     FitTimes times;
     std::string gl_vendor, gl_renderer, gl_version;
-    double sweep_cpu_ms_per_image = 0;  ///< process CPU time of the fragment engine's sweeps over images
-    FragmentTimes sweeps;               ///< of the fragment engine
-    double images_cached_share = 0;     ///< of images.bin's pages, when the fragment engine was done
+    double sweep_cpu_ms_per_image = 0;  ///< process CPU time of sweeps over images that stream
+    FragmentTimes sweeps;               ///< of these
+    double images_cached_share = 0;     ///< of images.bin's pages, when they were done
+    std::string accumulation;           ///< how the compute engine summed over samples, for people; else empty
     uint64_t engine_bytes = 0;          ///< device memory (or vectors) of the engine
     // Of the two-step solver.
     RecordStatistics records;

@@ -52,14 +52,23 @@ void with_cpu_engine(FitTask& task) {
 
 void with_compute_engine(FitTask& task) {
     static_assert(Engine<ComputeEngine>);
+    const FitRequest& request = task.request;
     FitOutcome& out = task.out;
-    const SampleList& samples = task.samples();
-    const auto context = open_context(task.request, out);
+    const SampleList* samples = request.redistributes() ? nullptr : &task.samples();
+    const auto context = open_context(request, out);
     Stopwatch clock;
-    ComputeEngine engine(task.dataset, task.atlas, task.rings, samples, task.options);
-    run_engine(engine, engine.layout(), task);
-    out.engine_bytes = engine.bytes();
-    out.times.optimization = clock.wall_s();
+    const auto engine =
+        samples ? std::make_unique<ComputeEngine>(task.dataset, task.atlas, task.rings, *samples, task.options,
+                                                  request.accumulate)
+                : std::make_unique<ComputeEngine>(task.dataset, task.atlas, task.rings, task.views, task.options,
+                                                  request.stream_options(), request.accumulate);
+    out.accumulation = describe(engine->accumulate());
+    run_engine(*engine, engine->layout(), task);
+    out.engine_bytes = engine->bytes();
+    if (samples)
+        out.times.optimization = clock.wall_s();
+    else
+        take_sweeps({engine->times(), {}}, clock.wall_s(), task.dataset, out);
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ void settle_cache(const std::filesystem::path& records, const FitRequest& reques
 
 /// The context that a request names, which the run tells of.
 std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);
-/// What a fragment engine tells of its sweeps after so many seconds.
+/// What an engine tells of its sweeps over images that stream, after so many seconds.
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
 
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.

@@ -176,7 +176,9 @@ const Solver& find_solver(const std::string& name) {
 }
 
 uint32_t engine_uses(EngineKind engine) {
-    return engine == EngineKind::fragment ? use::passes | use::opengl : use::distribution | use::opengl;
+    if (engine == EngineKind::fragment) return use::passes | use::opengl;
+    const uint32_t compute = engine == EngineKind::compute ? use::accumulation | use::images : 0;
+    return use::distribution | use::opengl | compute;
 }
 
 }  // namespace radiafit

@@ -41,15 +41,14 @@ FetchedBuffer::FetchedBuffer(const char* what, GLenum format, size_t bytes, cons
     texture = Texture::of_buffer(format, buffer);
 }
 
-FetchedBuffer FetchedBuffer::written(const char* what, size_t texels) {
-    const uint64_t bytes = uint64_t(texels) * 16;
-    check_size(what, bytes, uint64_t(Context::current().limits().texture_buffer_texels) * 16);
+FetchedBuffer FetchedBuffer::written(const char* what, size_t texels, GLenum format) {
+    const auto each = uint64_t(bytes_per_texel(format));
+    check_size(what, texels * each, uint64_t(Context::current().limits().texture_buffer_texels) * each);
     FetchedBuffer out;
-    out.buffer = storage_buffer(what, bytes);
-    out.texture = Texture::of_buffer(GL_RGBA32F, out.buffer);
+    out.buffer = storage_buffer(what, texels * each);
+    out.texture = Texture::of_buffer(format, out.buffer);
     return out;
 }
-
 Buffer storage_buffer(const char* what, size_t bytes) {
     check_size(what, bytes, uint64_t(Context::current().limits().ssbo_bytes));
     Buffer buffer(bytes, nullptr, true);

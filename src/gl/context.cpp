@@ -147,6 +147,14 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
     }
 }
 
+bool Context::has_extension(std::string_view name) const {
+    GLint count = 0;
+    functions_.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i)
+        if (name == reinterpret_cast<const char*>(functions_.GetStringi(GL_EXTENSIONS, GLuint(i)))) return true;
+    return false;
+}
+
 void Context::count_allocation(int64_t bytes) {
     allocated_bytes_ += bytes;
     peak_bytes_ = std::max(peak_bytes_, allocated_bytes_);

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gl/functions.h"
@@ -58,6 +59,7 @@ public:
     const std::string& version() const { return version_; }
     bool software() const { return software_; }  ///< shaders run on the CPU: clocks differ (timer.h)
     const ContextLimits& limits() const { return limits_; }
+    bool has_extension(std::string_view name) const;  ///< such as "GL_NV_shader_atomic_float"
 
     /// Bytes of the GL objects made by texture.h that are alive, and the most there ever were.
     int64_t allocated_bytes() const { return allocated_bytes_; }

@@ -15,7 +15,7 @@ namespace radiafit {
     /* state */ \
     X(BlendEquation) X(BlendFunc) X(ClipControl) X(DepthFunc) X(DepthMask) X(Disable) \
     X(Enable) X(Enablei) X(Finish) X(FrontFace) X(GetError) X(GetIntegerv) X(GetInteger64v) \
-    X(GetString) X(PixelStorei) X(Scissor) X(TextureBarrier) X(Viewport) \
+    X(GetString) X(GetStringi) X(PixelStorei) X(Scissor) X(TextureBarrier) X(Viewport) \
     /* textures */ \
     X(BindTextureUnit) X(ClearTexImage) X(CreateTextures) X(DeleteTextures) \
     X(GetTextureLevelParameteriv) X(GetTextureParameteriv) X(GetTextureSubImage) X(IsTexture) X(TextureBuffer) X(TextureParameteri) X(TextureStorage2D) \

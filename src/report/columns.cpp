@@ -151,6 +151,14 @@ const std::vector<TableRules>& all_rules() {
          "images.csv",
          {keys("images method part"), exact("pixels"), decibels("held_psnr_db"), errors("held_ape"), told("renderer")}},
 
+        {"passes",
+         "rounds.csv",
+         {keys("step name"), repetition("repetition"), exact("images"), errors("samples"),
+          times("ms_per_image_and_sweep"), told("renderer")}},
+        {"passes",
+         "ladder.csv",
+         {keys("step name"), told("median_ms low_ms high_ms over_previous over_first renderer")}},
+
         {"scaling",
          "memory.csv",
          {keys("engine storage passes side"), exact("triangles vertices parameters"),
@@ -159,7 +167,7 @@ const std::vector<TableRules>& all_rules() {
         {"scaling",
          "time.csv",
          {keys("part engine what side images"), repetition("repetition"), exact("texels parameters"), errors("samples"),
-          times("seconds"), told("renderer")}},
+          times("seconds"), told("sweep_seconds renderer")}},
         {"scaling", "summary.csv", {keys("of engine"), told("median low high")}},  // of those
 
         // Who has spent its seconds takes no further vertex, so a slow machine compares fewer; and the best error is

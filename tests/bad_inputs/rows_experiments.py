@@ -4,7 +4,7 @@ import json
 from bad_inputs.damage import append, folder, remove, replace, write
 
 rows = []
-NAMES = ("table1_datasets", "fig7_convergence", "fig8_time", "fig9_error", "fig10_utilization", "precision", "reflectance", "scaling",
+NAMES = ("table1_datasets", "fig7_convergence", "fig8_time", "fig9_error", "fig10_utilization", "passes", "precision", "reflectance", "scaling",
          "solvers", "stopping", "streaming", "departures", "captures", "claims")  # fmt: skip
 
 
@@ -25,7 +25,7 @@ for name in NAMES:
         (run(name), append(f"experiments/{name}.toml", "\nunheard_of = 1\n"), 2, f"experiments/{name}.toml:", "unknown key 'unheard_of'"),
     ]
 
-maps = ("fig7_convergence", "fig8_time", "fig10_utilization", "precision", "solvers", "stopping", "streaming", "departures")
+maps = ("fig7_convergence", "fig8_time", "fig10_utilization", "passes", "precision", "solvers", "stopping", "streaming", "departures")
 for name in maps:
     refuse(name, "surface_side", [65], "surface_side = ", "choose a whole number from 2 to 64")
     refuse(name, "lambda", [1e38], "lambda = ", "choose a number from 0 to 1e+06")
@@ -33,7 +33,7 @@ refuse("solvers", "surface_side", [1, -8], "surface_side = ", "choose a whole nu
 refuse("solvers", "view_side", [1.5, "eight", "[8]"], "'view_side' must be an integer of 32 bits")
 refuse("solvers", "lambda", ["nan", "inf"], "'lambda' must be a finite number")
 refuse("solvers", "lambda", [-1], "lambda = -1: choose a number from 0 to 1e+06")
-for name in ("fig8_time", "precision", "scaling", "solvers", "stopping", "streaming", "departures"):
+for name in ("fig8_time", "passes", "precision", "scaling", "solvers", "stopping", "streaming", "departures"):
     refuse(name, "dataset", ["ornament"], "ornament has a lamp that moves", "choose star or bust")
 refuse("departures", "reflectance", ["star"], "only the ornament has lights")
 refuse("departures", "cg_iterations", [0], "cg_iterations = 0: choose a whole number from 1 to 1000000")
@@ -84,6 +84,8 @@ refuse("fig8_time", "source", ["disc"], "source 'disc' does not exist; choose on
 refuse("fig10_utilization", "source", ["disc"], "source 'disc' does not exist")
 refuse("fig10_utilization", "passes", [[]], "passes = []: give one or more")
 refuse("fig10_utilization", "passes", [["paper", "papr"]], "passes 'papr' does not exist; choose one of paper, combined")
+for key in ("images", "rounds", "cached_iterations"):
+    refuse("passes", key, [0], f"{key} = 0: choose a whole number from 1")
 refuse("fig10_utilization", "repetitions", [0], "repetitions = 0: choose a whole number from 1")
 for name in ("fig10_utilization", "streaming"):
     refuse(name, "reflectance", ["star"], "star has no lamp that moves; choose ornament")
@@ -106,6 +108,7 @@ refuse("reflectance", "within", [1, 0], "within = ", "a multiple of the best err
 
 refuse("scaling", "sides", [[], [8, 12, 99], [8, 1, 12]], "sides = ")
 refuse("scaling", "sides", [[8, 12]], "'sides' a slope needs at least 3")
+refuse("scaling", "texel_sides", [[8, 12]], "'texel_sides' a slope needs at least 3")
 refuse("scaling", "images", [[5, 10, 0], [-1, 5, 10]], "images = ", "choose a whole number from 1")
 refuse("scaling", "images", [[5, 10]], "'images' a slope needs at least 3")
 for key in ("rounds", "cpu_iterations", "texel_images", "distribution_images"):

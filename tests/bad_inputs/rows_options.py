@@ -66,7 +66,8 @@ for option, names, answer in (
     ("--optimizer", "gc ''", "choose one of cg, sd, lbfgs, adam, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
     ("--passes", "combine", "choose one of paper, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
     ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
-    ("--source", "disc", "choose one of disk, disk-cold, memory, device"), ("--view", "linear", "choose one of bilinear, nearest"),
+    ("--source", "disc", "choose one of disk, disk-cold, memory, device"), ("--samples", "kept", "choose one of cached, redistributed"),
+    ("--accumulate", "scatter", "choose one of gather, scatter-fixed, scatter-float"), ("--view", "linear", "choose one of bilinear, nearest"),
     ("--space", "srgb", "choose one of stored, linear"), ("--record", "fat", "choose one of compact, full"),
     ("--model", "lafortun", "choose one of lfm, "), ("--ceres", "dense", "choose one of "),
 ):  # fmt: skip
@@ -88,6 +89,12 @@ for solver, options in (
         rows.append((f"fit tiny --solver {solver} {option} -o new", None, 2, *words))
 rows += [
     ("fit tiny --engine fragment --distributor gl -o new", None, 2, "--distributor means nothing to engine fragment"),
+    ("fit tiny --engine compute --samples redistributed --distributor gl -o new", None, 2, "--distributor means nothing to engine compute"),
+    ("fit tiny --engine compute --source disk -o new", None, 2, "--source means nothing to engine compute"),
+    ("fit tiny --engine fragment --accumulate scatter-fixed -o new", None, 2, "--accumulate means nothing to engine fragment"),
+    ("fit tiny --samples redistributed -o new", None, 2, "--samples means nothing to engine cpu"),
+    ("fit flat --model lambert --engine compute --optimizer cg --samples redistributed -o new", None, 2, "--samples means nothing to model lambert"),
+    ("plan tiny --engine compute --samples redistributed --texels-per-pixel 1", None, 2, "all surface maps have one side", "--samples redistributed"),
     ("plan tiny --engine fragment --distributor gl", None, 2, "--distributor means nothing to engine fragment"),
     ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
     ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),

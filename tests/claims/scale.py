@@ -2,7 +2,7 @@
 from claims.fixture import GPU, LLVMPIPE, ClaimsTest
 
 SIZES = (1e5, 2e5, 4e5, 8e5, 1.6e6)
-ENGINES = ("cpu", "fragment paper", "fragment combined")
+ENGINES = ("cpu", "fragment paper", "fragment combined", "compute gather", "compute scatter")
 
 
 def noise(round_, spread):
@@ -10,26 +10,31 @@ def noise(round_, spread):
     return 1 + spread * ((round_ * 5) % 9 - 4) / 4
 
 
-def rows_of_times(part, size, sizes, power, *, spread=0.0, rounds=9, renderer=GPU):
-    """Seconds = size to the power; power and spread of all engines, or by engine."""
+def rows_of_times(part, size, sizes, power, *, spread=0.0, rounds=9, renderer=GPU, apart=0.0):
+    """Seconds = size to the power; power and spread of all engines, or by engine. Of sweeps alone: to a power less by so much."""
     rows = []
     for engine in ENGINES:
         exponent = power[engine] if isinstance(power, dict) else power
         for r in range(rounds):
             rows += [{"part": part, "engine": engine, "what": "iteration", "side": 8, "images": i + 1, "texels": 1000, "samples": 1000,
                       "parameters": 10, size: n, "repetition": r, "seconds": 1e-9 * n ** (exponent * noise(r, spread)),
+                      "sweep_seconds": "" if engine == "cpu" else 1e-10 * n ** ((exponent - apart) * noise(r, spread)),
                       "renderer": "cpu, 2 threads" if engine == "cpu" else renderer} for i, n in enumerate(sizes)]
     return rows
 
 
-def distribution(ratio=1.05, spread=0.0, rounds=9, renderer=GPU):
+def distribution(ratio=1.05, spread=0.0, rounds=9, renderer=GPU, compute=1.02):
     rows = []
     for r in range(rounds):
         for engine, what, seconds in (("fragment paper", "iteration", ratio * noise(r, spread)),
                                       ("fragment paper", "iteration, samples kept", 1),
+                                      ("compute gather", "iteration", compute * noise(r, spread)),
+                                      ("compute gather", "iteration, samples kept", 1),
+                                      ("compute scatter", "iteration", 1.01),
+                                      ("compute scatter", "iteration, samples kept", 1),
                                       ("cpu", "iteration", 1), ("cpu", "distribution", 2)):
             rows.append({"part": "distribution", "engine": engine, "what": what, "side": 8, "images": 20, "texels": 1000,
-                         "samples": 1000, "parameters": 10, "repetition": r, "seconds": seconds,
+                         "samples": 1000, "parameters": 10, "repetition": r, "seconds": seconds, "sweep_seconds": "",
                          "renderer": "cpu, 2 threads" if engine == "cpu" else renderer})
     return rows
 
@@ -56,7 +61,10 @@ class Scaling(ClaimsTest):
         self.assertAlmostEqual(row["measures"][0]["value"], 1.05)
         self.assertIn("1.05", row["sentence"])
         self.assertIn("on the CPU, 3 times", row["sentence"])
+        self.assertEqual([m["of"].split(",")[1] for m in row["measures"]],
+                         [" the paper's passes", " compute shaders that gather", " compute shaders that scatter"])
         self.assertEqual(finding(ratio=1.2, spread=0.01)["verdict"], "does not hold")
+        self.assertEqual(finding(compute=3)["verdict"], "does not hold")
         self.assertEqual(finding(ratio=1.1, spread=0.1)["verdict"], "undecided")
         self.assertEqual(finding(rounds=8)["verdict"], "undecided")
         self.assertEqual(finding(renderer=LLVMPIPE)["verdict"], "not comparable")
@@ -79,15 +87,32 @@ class Scaling(ClaimsTest):
         self.assertEqual(self.scaling("C14", sides=(12, 16, 24, 32))["verdict"], "not comparable")
         self.assertEqual(self.scaling("C14", sides=(8, 12, 16))["verdict"], "not comparable")
 
-    def test_gather(self):
-        row = self.scaling("C15", rows_of_times("texels", "texels", SIZES, 0.9, spread=0.02))
-        self.assertEqual(row["verdict"], "not run", "the scatter half")
-        self.assertIn("compute shaders", row["reason"])
-        self.assertEqual([m["outcome"] for m in row["measures"]], ["holds", "holds"])
+    def test_gather_and_scatter(self):
+        def finding(gather, scatter, **changed):
+            power = {**dict.fromkeys(ENGINES, gather), "compute scatter": scatter}
+            return self.scaling("C15", rows_of_times("texels", "texels", SIZES, power, **changed))
+
+        row = finding(0.9, 0.1, spread=0.02)
+        self.assertEqual(row["verdict"], "holds")
+        self.assertEqual([m["outcome"] for m in row["measures"]], ["holds"] * 3)
         self.assertAlmostEqual(row["measures"][0]["value"], 0.9)
+        self.assertAlmostEqual(row["measures"][2]["value"], 0.1)
         self.assertIn("0.9 (", row["sentence"])
-        row = self.scaling("C15", rows_of_times("texels", "texels", SIZES, 0.3))
-        self.assertEqual([m["outcome"] for m in row["measures"]], ["does not hold"] * 2)
+        self.assertIn("to the power 0.1 (", row["sentence"])
+        row = finding(0.3, 0.1)
+        self.assertEqual([m["outcome"] for m in row["measures"]], ["does not hold"] * 2 + ["holds"])
+        self.assertEqual(finding(0.9, 0.4)["verdict"], "does not hold")
+        self.assertEqual(finding(0.9, 0.2, spread=0.1)["verdict"], "undecided")
+        self.assertEqual(finding(0.9, 0.1, rounds=8)["verdict"], "undecided")
+        row = finding(1.0, 0.3, apart=0.25)  # sweeps are what is judged; whole iterations stand beside
+        self.assertAlmostEqual(row["measures"][0]["value"], 0.75)
+        self.assertAlmostEqual(row["measures"][2]["value"], 0.05)
+        self.assertIn("are 1 (", row["beside"][0])
+        sizes = [n**0.8 for n in SIZES]
+        power = {**dict.fromkeys(ENGINES, 0.9), "compute scatter": 0.1}
+        self.assertEqual(self.scaling("C15", rows_of_times("texels", "texels", sizes, power))["verdict"], "not comparable")
+        old = [{k: v for k, v in r.items() if k != "sweep_seconds"} for r in rows_of_times("texels", "texels", SIZES, power)]
+        self.assertEqual(self.scaling("C15", old)["verdict"], "not run")
 
     def test_cost(self):
         def finding(sizes=SIZES, power=1.0, spread=0.0, rounds=9, **changed):
