@@ -12,6 +12,7 @@
 #include "fragment/fragment_plan.h"
 #include "fragment/texel_plan.h"
 #include "geometry/atlas.h"
+#include "geometry/mesh_part.h"
 #include "geometry/vertex_rings.h"
 #include "reference/solver_memory.h"
 
@@ -170,6 +171,22 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
                     threads * bytes});
 }
 
+/// What finds the pixels of texels: of each thread an image, what its pixels see, and its texels' pixels.
+void add_distributors(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
+                      std::vector<PlanRow>& rows) {
+    uint64_t pixels = 0;
+    for (const uint32_t view : views)
+        pixels =
+            std::max(pixels, uint64_t(dataset.views[view].camera.width) * uint64_t(dataset.views[view].camera.height));
+    const uint64_t threads = std::min(uint64_t(thread_count()), uint64_t(views.size()));
+    const uint64_t vertices = visible_mesh(dataset.mesh).vertex_count();
+    constexpr uint64_t pixel_bytes = 8 + 12 + 4 + 4, vertex_bytes = 24, texel_bytes = 4, tile_bytes = 1;
+    const uint64_t bytes = pixels * pixel_bytes + vertices * vertex_bytes + atlas.texel_count() * texel_bytes +
+                           atlas.tile_count() * tile_bytes;
+    rows.push_back({"images on their way to texels", fmt::format("{} threads x {} bytes", threads, bytes), threads,
+                    threads * bytes});
+}
+
 void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptions& options, const VertexRings& rings,
               Plan& plan) {
     const uint64_t vertices = rings.vertex_count(), terms = uint64_t(options.terms);
@@ -216,6 +233,8 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         if (stream || name == std::string_view("p"))
             add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
                 layout.size() * sizeof(float));
+    if (stream && !request.on_engine(EngineKind::compute))
+        add("start, then the result", "once more", layout.parameter_count(), layout.size() * sizeof(float));
     const uint64_t own = stream ? uint64_t(room_of(request.optimizer_options()).vectors) : 0;
     if (own > 0)
         add("vectors of the optimizer", fmt::format("{} x {} texels x 4 floats", own, layout.size() / 4),
@@ -243,8 +262,15 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
     const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);
     add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
         rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * footprint);
-    add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
-    add("samples by image, until they are sorted", "once more", pixels, 8 * pixels);
+    if (request.part) {  // of the pixels, a share that is worth counting
+        const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
+        add("samples, about", "8 bytes", samples, 8 * samples);
+        add("samples by image, until they are sorted", "once more", samples, 8 * samples);
+    } else {
+        add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
+        add("samples by image, until they are sorted", "once more", pixels, 8 * pixels);
+    }
+    add_distributors(dataset, atlas, views, plan.memory);
     add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
     return plan;
 }
