@@ -80,6 +80,9 @@ class Parts(PartsTest):
             ("--solver", "pca", "--terms", "2", "--refills", "2"),
             ("--solver", "mean"),
             (*FIT, "--engine", "compute"),
+            (*FIT, "--engine", "compute", "--accumulate", "scatter-fixed"),
+            (*FIT, "--engine", "compute", "--samples", "redistributed"),
+            (*FIT, "--engine", "compute", "--samples", "redistributed", "--accumulate", "scatter-fixed"),
             ("--iterations", "2", "--engine", "fragment", "--passes", "paper"),
         ):
             self.merged_like_whole("star", *options)

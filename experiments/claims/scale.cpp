@@ -39,6 +39,7 @@ public:
             if (t_.text(i, "part") == part && t_.text(i, "engine") == engine) return true;
         return false;
     }
+    bool has_column(const char* name) const { return std::ranges::count(t_.header(), name) > 0; }
     /// [round]: seconds by size, a column of the table.
     std::vector<std::map<double, double>> rounds(const char* part, const std::string& engine, const char* size,
                                                  const char* what = iteration, const char* time = "seconds") const {
@@ -193,6 +194,8 @@ Judgement memory_linear(const FinishedRun& run) {
 Judgement gather_and_scatter(const FinishedRun& run) {
     const Times times(run);
     Judgement j{.renderer = times.renderer};
+    if (!times.has_column("sweep_seconds"))
+        throw UserError("time.csv: the time of sweeps is not told apart; run scaling again");
     std::vector<std::string> swept, whole;
     for (const std::string& engine : {paper, combined, compute_scatter}) {
         const bool scatters = engine == compute_scatter;
