@@ -76,7 +76,8 @@ public:
     int view_side() const { return view_side_; }
     /// N as the paper counts it: scalar parameters without padding.
     uint64_t parameter_count() const { return uint64_t(size()) / 4 * 3; }
-    /// Where the surface map of (triangle, corner) begins; no_map for a degenerate triangle, or a vertex without a ring.
+    /// Where the surface map of (triangle, corner) begins; no_map for a degenerate triangle, or a vertex without a
+    /// ring.
     static constexpr size_t no_map = ~size_t(0);
     size_t map_offset(uint32_t triangle, uint32_t corner) const {
         const size_t i = 3 * size_t(triangle) + corner;

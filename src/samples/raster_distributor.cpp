@@ -83,9 +83,11 @@ void RasterDistributor::fill_items(const TargetImage& image, Distribution& out) 
     };
     const auto fill_of = [&](const auto* rgba, const auto& side_of) {
         if (mesh.surroundings)
-            fill_by(rgba, [&](uint32_t visible) { return fitted_triangle(mesh, visible); }, side_of);
+            fill_by(
+                rgba, [&](uint32_t visible) { return fitted_triangle(mesh, visible); }, side_of);
         else
-            fill_by(rgba, [](uint32_t visible) { return visible; }, side_of);
+            fill_by(
+                rgba, [](uint32_t visible) { return visible; }, side_of);
     };
     const auto fill = [&](const auto* rgba) {
         if (atlas_->one_side())
