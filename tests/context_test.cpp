@@ -5,11 +5,16 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
 
 #include "base/error.h"
+#include "gl/driver_advice.h"
 #include "gl/peaks.h"
 #include "gl/program.h"
 #include "gl/texture.h"
+#include "temporary_folder.h"
 
 namespace radiafit {
 namespace {
@@ -138,6 +143,39 @@ TEST(Context, ListsDevicesThatCanBeOpened) {
     }
 }
 
+using Files = std::map<std::string, std::string>;
+
+/// Where a file system's root holds these files, each with its text.
+ChipSigns signs_of(const Files& files) {
+    const TemporaryFolder root;
+    for (const auto& [name, text] : files) {
+        std::filesystem::create_directories((root.path() / name).parent_path());
+        std::ofstream(root.path() / name) << text;
+    }
+    return look_for_chip(root.path());
+}
+
+void expect_words(const ChipSigns& signs, bool nvidia, const std::vector<std::string>& words) {
+    EXPECT_EQ(signs.nvidia, nvidia);
+    EXPECT_EQ(signs.advice.find('\n'), std::string::npos) << signs.advice;
+    for (const std::string& word : words)
+        EXPECT_NE(signs.advice.find(word), std::string::npos) << word << " in: " << signs.advice;
+}
+
+TEST(DriverAdvice, NamesTheCureOfEachWant) {
+    EXPECT_EQ(signs_of({}).advice, "");
+    const std::string proc = "proc/driver/nvidia/version", device = "dev/nvidiactl",
+                      capabilities = "NVIDIA_DRIVER_CAPABILITIES=graphics,compute,utility";
+    const std::string closed =
+        "NVRM version: NVIDIA UNIX x86_64 Kernel Module  535.183.01  Sun May 12 19:39:15 UTC 2024\n";
+    const std::string open = "NVRM version: NVIDIA UNIX Open Kernel Module for x86_64  570.86.15  Release Build\n";
+    expect_words(signs_of({{proc, closed}, {device, ""}}), true, {capabilities, "libegl1", "libnvidia-gl-535"});
+    expect_words(signs_of({{proc, open}, {device, ""}}), true, {capabilities, "libegl1", "libnvidia-gl-570"});
+    expect_words(signs_of({{proc, closed}}), true, {"535.183.01", "with its GPUs", capabilities});
+    expect_words(signs_of(Files{{device, ""}}), true, {capabilities, "libnvidia-gl-VERSION"});
+    expect_words(signs_of({{"dev/dri/card0", ""}, {"dev/dri/renderD128", ""}}), false, {"renderD128", "libegl-mesa0"});
+}
+
 TEST(Context, NamesAreChecked) {
     EXPECT_EQ(context_kind_from("osmesa"), ContextKind::osmesa);
     EXPECT_THROW(context_kind_from("glx"), UserError);
@@ -194,9 +232,16 @@ TEST(Peaks, AreRatesOfWorkDone) {
             EXPECT_GT(rate, 1e6);
         }
         EXPECT_GT(peaks.operations_s, peaks.reads_s);
+        const ComputePeaks compute = measure_compute_peaks();
+        for (double rate : {compute.operations_s, compute.bytes_s}) {
+            EXPECT_TRUE(std::isfinite(rate));
+            EXPECT_GT(rate, 1e6);
+        }
         EXPECT_EQ(context->allocated_bytes(), 0);
         std::printf("  %s: %.1f G operations/s, %.2f G reads/s, %.1f GB/s\n", to_string(kind).c_str(),
                     1e-9 * peaks.operations_s, 1e-9 * peaks.reads_s, 1e-9 * peaks.bytes_s);
+        std::printf("  compute shaders: %.1f G operations/s, %.1f GB/s\n", 1e-9 * compute.operations_s,
+                    1e-9 * compute.bytes_s);
     }
 }
 

@@ -11,6 +11,10 @@ TEST(Wording, APlainNameUntilAProgramAsksForFlags) {
     name_options_by_flag();
     EXPECT_EQ(option_name("view-side"), "--view-side");
     EXPECT_EQ(at_command_line("see `radiafit devices`", "see list_devices()"), "see `radiafit devices`");
+    name_options_by_flag({{"view-side", "side"}, {"`radiafit devices`", "`program --list`"}});
+    EXPECT_EQ(option_name("view-side"), "--side");
+    EXPECT_EQ(option_name("surface-side"), "--surface-side");
+    EXPECT_EQ(at_command_line("`radiafit devices`", "list_devices()"), "`program --list`");
 }
 
 }  // namespace

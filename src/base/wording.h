@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -6,8 +8,9 @@
 /// a program knows flags and commands, a caller of the library knows neither.
 namespace radiafit {
 
-/// Called once, first thing in a program whose user reads messages at the command line.
-void name_options_by_flag();
+/// Called once, first thing in a program whose user reads messages at the command line. `otherwise`: what this program
+/// calls by another name than messages do, an option or a text that at_command_line() is given.
+void name_options_by_flag(std::map<std::string, std::string, std::less<>> otherwise = {});
 
 /// "'view-side'"; "--view-side" once name_options_by_flag() was called.
 std::string option_name(std::string_view name);

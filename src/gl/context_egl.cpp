@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/wording.h"
 #include "gl/context.h"
+#include "gl/driver_advice.h"
 
 namespace radiafit::detail {
 namespace {
@@ -28,6 +29,7 @@ struct Egl {
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display = nullptr;
     PFNEGLQUERYDEVICESEXTPROC query_devices = nullptr;             // may be missing
     PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string = nullptr;  // may be missing
+    PFNEGLQUERYDEVICEATTRIBEXTPROC query_device_attrib = nullptr;  // may be missing
     std::string client_extensions;
 
     // Loaded once, never closed: displays, contexts and their functions live in it.
@@ -57,6 +59,7 @@ private:
         };
         extension(l.query_devices, "eglQueryDevicesEXT");
         extension(l.query_device_string, "eglQueryDeviceStringEXT");
+        extension(l.query_device_attrib, "eglQueryDeviceAttribEXT");
         extension(l.get_platform_display, "eglGetPlatformDisplayEXT");
         return l;
     }
@@ -89,6 +92,9 @@ std::vector<EglDevice> egl_devices(const Egl& egl) {
         EglDevice device{handles[i], has_extension(extensions, "EGL_MESA_device_software"),
                          has_extension(extensions, "EGL_NV_device_cuda"), ""};
         device.description = device.software ? "software rasterizer" : device.cuda ? "NVIDIA GPU" : "GPU";
+        EGLAttrib number = 0;
+        if (device.cuda && egl.query_device_attrib && egl.query_device_attrib(handles[i], EGL_CUDA_DEVICE_NV, &number))
+            device.description += fmt::format(", CUDA device {}", number);
         if (has_extension(extensions, "EGL_EXT_device_drm"))
             if (const char* file = egl.query_device_string(handles[i], EGL_DRM_DEVICE_FILE_EXT))
                 device.description += fmt::format(" at {}", file);
@@ -97,20 +103,27 @@ std::vector<EglDevice> egl_devices(const Egl& egl) {
     return result;
 }
 
+/// To end a message with: what may keep OpenGL from a graphics chip that is there.
+std::string chip_advice() {
+    const std::string advice = look_for_chip().advice;
+    return advice.empty() ? "" : "; " + advice;
+}
+
 class EglContext final : public Context {
 public:
     explicit EglContext(const ContextOptions& options) : Context(options) {
         const Egl* egl = Egl::get();
         if (!egl)
-            throw UserError(
-                fmt::format("{0} egl needs libEGL.so.1: install libegl1, or use {0} osmesa", option_name("context")));
+            throw UserError(fmt::format("{0} egl needs libEGL.so.1: install libegl1, or use {0} osmesa{1}",
+                                        option_name("context"), chip_advice()));
         const std::vector<EglDevice> devices = egl_devices(*egl);
         if (options.device >= static_cast<int>(devices.size())) {
             std::string list;
             for (size_t i = 0; i < devices.size(); ++i) list += fmt::format(" {} ({})", i, devices[i].description);
-            throw UserError(fmt::format("{} {} is out of range: EGL has{} (see {})", option_name("device"),
+            throw UserError(fmt::format("{} {} is out of range: EGL has{} (see {}){}", option_name("device"),
                                         options.device, list.empty() ? " no devices" : list,
-                                        at_command_line("`radiafit devices`", "list_devices()")));
+                                        at_command_line("`radiafit devices`", "list_devices()"),
+                                        list.empty() ? chip_advice() : ""));
         }
         if (options.device >= 0) {
             if (!open(*egl, EGL_PLATFORM_DEVICE_EXT, devices[options.device].handle))
@@ -139,8 +152,8 @@ private:
         for (const EglDevice& device : devices)
             if (device.software && open(egl, EGL_PLATFORM_DEVICE_EXT, device.handle)) return;
         throw UserError(
-            fmt::format("EGL gives no OpenGL core context without a window system: install Mesa, or use {} osmesa",
-                        option_name("context")));
+            fmt::format("EGL gives no OpenGL core context without a window system: install Mesa, or use {} osmesa{}",
+                        option_name("context"), chip_advice()));
     }
 
     bool open(const Egl& egl, EGLenum platform, void* native) {

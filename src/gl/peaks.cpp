@@ -29,12 +29,22 @@ Texture ones(int side) {
     return texture;
 }
 
-void expect_result(const Texture& texture, float expected, const std::string& what) {
-    std::vector<float> values(size_t(4) * texture.width() * texture.height());
-    texture.download(GL_RGBA, GL_FLOAT, values.data(), values.size() * sizeof(float));
+void expect_values(const std::vector<float>& values, float expected, const std::string& what) {
     for (float value : {values.front(), values.back()})
         if (value != expected)
             throw SystemError(fmt::format("{} gives {} instead of {}: no peak can be told", what, value, expected));
+}
+
+void expect_result(const Texture& texture, float expected, const std::string& what) {
+    std::vector<float> values(size_t(4) * texture.width() * texture.height());
+    texture.download(GL_RGBA, GL_FLOAT, values.data(), values.size() * sizeof(float));
+    expect_values(values, expected, what);
+}
+
+void expect_result(const Buffer& buffer, float expected, const std::string& what) {
+    std::vector<float> values(buffer.bytes() / sizeof(float));
+    buffer.read(0, buffer.bytes(), values.data());
+    expect_values(values, expected, what);
 }
 
 /// Seconds of body(n), the least of some repetitions, with n doubled from 1 until that takes long enough; and n.
@@ -104,7 +114,42 @@ double bytes_per_second(bool blend) {
     return texels * double(program.cost()->fragment.read_bytes + (blend ? 2 : 1) * 16) / seconds;
 }
 
+// Of shaders/peaks/*.comp.
+constexpr size_t lanes = 128;
+constexpr double fused_operations = 2 * 4 * 3 * 16;  // of an invocation's turn
+
+double compute_operations() {
+    const size_t invocations = size_t(512) * 512;
+    const Buffer results(std::vector<float>(4 * invocations), true);
+    const Program program = Program::compute("peaks/fused.comp");
+    program.bind("Results", results);
+    program.set("factor", 1.0f);
+    program.set("term", 1.0f);
+    const auto [seconds, turns] = time_enough([&](int n) {
+        program.set("turns", n);
+        program.dispatch(invocations / lanes);
+    });
+    expect_result(results, 48 * float(turns), "peaks/fused.comp");
+    return fused_operations * double(invocations) * turns / seconds;
+}
+
+double compute_bytes() {
+    const size_t texels = size_t(4) << 20;
+    const Buffer source(std::vector<float>(4 * texels, 1.0f)), results(std::vector<float>(4 * texels), true);
+    const Texture fetched = Texture::of_buffer(GL_RGBA32F, source);
+    const Program program = Program::compute("peaks/copy.comp");
+    program.bind("source", fetched);
+    program.bind("Results", results);
+    const auto [seconds, times] = time_enough([&](int n) {
+        for (int i = 0; i < n; ++i) program.dispatch(texels / lanes);
+    });
+    expect_result(results, 1, "peaks/copy.comp");
+    return 32.0 * double(texels) * times / seconds;
+}
+
 }  // namespace
+
+ComputePeaks measure_compute_peaks() { return {compute_operations(), compute_bytes()}; }
 
 GlPeaks measure_gl_peaks() {
     return {double(rate_of_loop("peaks/fused.frag", 48).operations), double(rate_of_loop("peaks/fetch.frag", 16).reads),

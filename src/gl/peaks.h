@@ -13,4 +13,12 @@ struct GlPeaks {
 /// results show that the device did not do the work.
 GlPeaks measure_gl_peaks();
 
+/// The same of compute shaders, which more of a chip may run.
+struct ComputePeaks {
+    double operations_s = 0;  ///< per second: multiply-adds in registers, two each
+    double bytes_s = 0;       ///< main memory: 64 MB copied from a buffer texture into a storage buffer
+};
+/// As measure_gl_peaks().
+ComputePeaks measure_compute_peaks();
+
 }  // namespace radiafit
