@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference;
-gl on base, fragment on it, and compute on fragment; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; app on all, and
-below nothing but experiments.
+gl on base, fragment on it, and compute on fragment; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; bench on
+what reads no foreign file; app on all, and below nothing but experiments.
 
 Also: which folder may include which foreign library, that heavy headers stay out of our headers, and that no message below
 app names options and commands as the command line has them, which mean nothing to a caller of the library.
@@ -30,6 +30,7 @@ ALLOWED.update(
     fit=up_to("dataset"),
     eval=up_to("dataset") | {"fit"},
     report={"base"},
+    bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
 )
 ALLOWED["app"] = set(ALLOWED)
 
@@ -43,10 +44,12 @@ LIBRARIES = [
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
     (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),
-    (r"CLI/", {"app"}),
+    (r"CLI/", {"app", "bench"}),
 ]
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
+
+PROGRAMS = {"app", "bench"}  # whose messages nobody reads but at the command line
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.
 TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|fit|generate|import|info|judge|options|plan|render)\b")
@@ -142,7 +145,7 @@ def check_sources(root):
                 if wrong:
                     errors.append(f"{path.relative_to(root)}:{number}: {own or foreign}: {wrong}")
                 count += own is not None
-            if layer != "app":
+            if layer not in PROGRAMS:
                 errors += check_words(root, path)
     # Experiments stand above app and may include all of src, but bring in none of the libraries that have a place.
     for path in sources(root / "experiments") if (root / "experiments").is_dir() else []:

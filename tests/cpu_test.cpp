@@ -2,17 +2,14 @@
 #include <gtest/gtest.h>
 
 #include "base/parallel.h"
+#include "bench/lfm_oracle.h"
 #include "cpu/lfm_engine.h"
-#include "lfm_oracle.h"
 #include "model/lfm_start.h"
 #include "optim/optimizer.h"
 #include "scenes.h"
 
 namespace radiafit {
 namespace {
-
-using testing::lfm_oracle;
-using testing::Sum;
 
 struct Scene : testing::SampledScene {
     explicit Scene(const LfmOptions& o, uint64_t seed = 1)
@@ -55,8 +52,8 @@ void against_oracle(const LfmOptions& options, double tolerance) {
     const LfmLayout& layout = problem.layout();
     const auto p = random_lanes<real>(layout.size() / 4, -0.5f, 1.5f, 5);
     const auto d = random_lanes<real>(layout.size() / 4, -1.0f, 1.0f, 6);
-    const auto truth =
-        lfm_oracle(scene.dataset, scene.atlas, layout, options, scene.samples, flat<real>(p), flat<real>(d));
+    const auto truth = lfm_oracle(scene.dataset, scene.atlas, scene.rings, layout, options, scene.samples,
+                                  flat<real>(p), flat<real>(d));
     ASSERT_EQ(statistics.samples, truth.samples);
     size_t checked = 0;
     for (size_t v = 0; v < layout.problem_count(); ++v) {
@@ -67,7 +64,7 @@ void against_oracle(const LfmOptions& options, double tolerance) {
         LineLanes line;
         problem.line(v, &p[begin], &d[begin], line);
         const double density = truth.samples[v] ? double(truth.samples[v]) / double(problem.texels(v)) : 1;
-        const auto expect = [&](const Sum& sum, double value, const char* what) {
+        const auto expect = [&](const ExactSum& sum, double value, const char* what) {
             ASSERT_TRUE(std::isfinite(value)) << what;
             ASSERT_NEAR(value * density, sum.value, tolerance * sum.magnitude + 1e-30) << what << " of vertex " << v;
             ++checked;

@@ -1,11 +1,11 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include "bench/lfm_oracle.h"
 #include "cpu/lfm_engine.h"
 #include "fragment/fragment_engine.h"
 #include "fragment/gl_distributor.h"
 #include "gl_scene.h"
-#include "lfm_oracle.h"
 #include "model/lfm_start.h"
 #include "optim/optimizer.h"
 #include "temporary_folder.h"
@@ -114,7 +114,7 @@ void agree_with_the_oracle(const Case& c, const Make& make) {
 
     const std::vector<float> p = random_vector(layout, -0.5f, 1.5f, 1), d = random_vector(layout, -1, 1, 2);
     const auto oracle =
-        testing::lfm_oracle(dataset, atlas, layout, options, list, {p.begin(), p.end()}, {d.begin(), d.end()});
+        lfm_oracle(dataset, atlas, rings, layout, options, list, {p.begin(), p.end()}, {d.begin(), d.end()});
     const ProblemStatistics statistics = engine.count();
     EXPECT_EQ(statistics.samples, oracle.samples);
 
@@ -145,7 +145,7 @@ void agree_with_the_oracle(const Case& c, const Make& make) {
         for (size_t i = 3 * v; i < 3 * v + 3; ++i) {
             error.compare(evaluation.error[i], scale * oracle.error[i].value, scale * oracle.error[i].magnitude,
                           vertex + " error");
-            const auto compare = [&](float value, const testing::Sum& sum, const char* name) {
+            const auto compare = [&](float value, const ExactSum& sum, const char* name) {
                 sums.compare(value, scale * sum.value, scale * sum.magnitude, vertex + name);
             };
             compare(line.gauss_newton[i], oracle.gauss_newton[i], " gauss-newton");

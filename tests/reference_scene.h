@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/lfm_oracle.h"
 #include "cpu/lfm_problem.h"
-#include "lfm_oracle.h"
 #include "model/lfm_start.h"
 #include "reference/vertex_runs.h"
 #include "scenes.h"
@@ -92,7 +92,8 @@ inline Truth truth_of(const Scene& scene, size_t v, const std::vector<V>& p) {
     std::vector<double> all(layout.size());
     for (size_t i = 0; i < p.size(); ++i)
         for (int c = 0; c < 4; ++c) all[layout.offset(v) + 4 * i + size_t(c)] = p[i][c];
-    const auto oracle = lfm_oracle(scene.dataset, scene.atlas, layout, scene.options, scene.samples, all, {});
+    const auto oracle =
+        lfm_oracle(scene.dataset, scene.atlas, scene.rings, layout, scene.options, scene.samples, all, {});
     const double density = double(oracle.samples[v]) / double(problem.texels(v));
     for (size_t i = 0; i < p.size(); ++i)
         for (int c = 0; c < 3; ++c)  // 64: the sum of magnitudes of a row of L'L; 1.6: the largest |p|

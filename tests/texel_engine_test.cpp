@@ -9,10 +9,10 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "bench/loss_oracle.h"
 #include "cpu/texel_models.h"
 #include "cpu/texel_solver.h"
 #include "dataset/truth.h"
-#include "loss_oracle.h"
 #include "samples/block_file.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
@@ -98,7 +98,7 @@ void check_engine(Mode mode, uint64_t seed, const Loss& loss = {}) {
                 squared_size += std::pow(std::abs(value[c]) + std::abs(double(s.target[c])), 2);
             }
             const auto weight = double(s.weight);
-            const testing::LossOracle cost(loss, std::sqrt(weight * squared), std::sqrt(weight * squared_size));
+            const LossOracle cost(loss, std::sqrt(weight * squared), std::sqrt(weight * squared_size));
             error += cost.value / count, error_size += weight * squared_size / 2 / count;
             const double scale = weight * cost.weight / count, sure = 1 + cost.sensitivity;
             for (size_t c = 0; c < 3; ++c) {

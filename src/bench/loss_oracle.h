@@ -5,7 +5,7 @@
 #include "model/loss.h"
 
 /// The losses written down naively in double, with no code in common with shaders/model/loss.glsl.
-namespace radiafit::testing {
+namespace radiafit {
 
 struct LossOracle {
     double value = 0;   ///< of 1/2 r^2, as the loss has it
@@ -27,4 +27,4 @@ struct LossOracle {
     }
 };
 
-}  // namespace radiafit::testing
+}  // namespace radiafit
