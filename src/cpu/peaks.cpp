@@ -62,25 +62,35 @@ double l2_reads() {
            1e-9;
 }
 
+constexpr int chains = 16;
+
+void multiply_and_add(int rounds) {
+    Wide sum[chains];
+    Wide factor, term;
+    for (int i = 0; i < 16; ++i) factor[i] = 0.999f, term[i] = 1e-3f;
+    keep(factor);
+    keep(term);
+    for (Wide& s : sum) s = factor;
+    for (int r = 0; r < rounds; ++r)
+        for (Wide& s : sum) s = s * factor + term;
+    for (Wide& s : sum) keep(s);
+}
+
 double fused() {
-    const int rounds = 200'000, chains = 16;
-    return best_rate(2.0 * 16 * chains * rounds,
-                     [&] {
-                         Wide sum[chains];
-                         Wide factor, term;
-                         for (int i = 0; i < 16; ++i) factor[i] = 0.999f, term[i] = 1e-3f;
-                         keep(factor);
-                         keep(term);
-                         for (Wide& s : sum) s = factor;
-                         for (int r = 0; r < rounds; ++r)
-                             for (Wide& s : sum) s = s * factor + term;
-                         for (Wide& s : sum) keep(s);
-                     }) *
+    const int rounds = 200'000;
+    return best_rate(2.0 * 16 * chains * rounds, [&] { multiply_and_add(rounds); }) * 1e-9;
+}
+
+double fused_by_all() {
+    const int rounds = 1'000'000;  // longer: threads begin one after another
+    const auto threads = size_t(thread_count());
+    return best_rate(2.0 * 16 * chains * rounds * double(threads),
+                     [&] { parallel_for(threads, 1, [&](size_t, int) { multiply_and_add(rounds); }); }) *
            1e-9;
 }
 
 }  // namespace
 
-CpuPeaks measure_cpu_peaks() { return {triad(), l2_reads(), fused()}; }
+CpuPeaks measure_cpu_peaks() { return {triad(), l2_reads(), fused(), fused_by_all()}; }
 
 }  // namespace radiafit

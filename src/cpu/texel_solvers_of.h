@@ -1,9 +1,9 @@
 #pragma once
 #include <algorithm>
 
-#include "base/clock.h"
 #include "base/parallel.h"
 #include "cpu/lane_engine_impl.h"
+#include "cpu/texel_batch_loader.h"
 #include "cpu/texel_batches_impl.h"
 #include "cpu/texel_fit_impl.h"
 #include "cpu/texel_solver.h"
@@ -20,50 +20,7 @@ class TexelSolversOf final : public TexelSolvers {
     static_assert(radiafit::Engine<Engine>);
     static constexpr size_t N = Texels::N, lanes = Pack::size;
 
-    static void push(Batch& batch, int lane, std::span<const ShadedSample> samples) {
-        for (const ShadedSample& s : samples) {
-            const auto terms = terms_of(s);
-            TexelSample<Text::term_count> sample;
-            std::copy_n(terms.x, Text::term_count, sample.term.begin());
-            std::copy_n(s.target, 3, sample.target.begin());
-            sample.weight = s.weight;
-            batch.push(lane, sample);
-        }
-    }
-    static auto terms_of(const ShadedSample& s) {
-        return Plain::sample_terms({s.u.x(), s.u.y(), s.u.z()}, {s.v.x(), s.v.y(), s.v.z()});
-    }
-
-    /// One thread's: a block of texels and its batches.
-    struct Worker {
-        TexelSamples block;
-        std::vector<std::vector<ShadedSample>> shaded{TexelSource::block};
-        std::vector<Batch> batches{TexelSource::block / lanes};
-        /// Texels of the block in the order in which they fill batches: by their number of samples, since the longest
-        /// of eight decides what a batch costs.
-        std::vector<uint32_t> order;
-        double load_s = 0;
-
-        /// Batches of the block that begins at `begin`; how many there are.
-        size_t load(const TexelProblem& problem, uint32_t begin) {
-            const Stopwatch clock;
-            problem.source.read(begin, block);
-            order.resize(block.first.size() - 1);
-            for (uint32_t t = 0; t < order.size(); ++t) {
-                order[t] = t;
-                problem.loader.load(begin + t, block.of(t), shaded[t]);
-            }
-            std::stable_sort(order.begin(), order.end(),
-                             [&](uint32_t a, uint32_t b) { return shaded[a].size() > shaded[b].size(); });
-            for (size_t i = 0; i < order.size(); ++i) {
-                Batch& batch = batches[i / lanes];
-                if (i % lanes == 0) batch.clear();
-                push(batch, int(i % lanes), shaded[order[i]]);
-            }
-            load_s += clock.wall_s();
-            return (order.size() + lanes - 1) / lanes;
-        }
-    };
+    using Worker = TexelBatchLoader<Text>;  ///< one thread's
 
     static TexelResult empty_result(size_t texels) {
         TexelResult out;
@@ -118,7 +75,7 @@ class TexelSolversOf final : public TexelSolvers {
             if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>();
             Worker& w = *workers[size_t(worker)];
             const uint32_t begin = uint32_t(block) * TexelSource::block;
-            const size_t batches = w.load(problem, begin);
+            const size_t batches = w.load(problem.source, problem.loader, begin);
             work(w, begin, batches, traces[block], out);
             if (progress) progress();
         });
@@ -136,7 +93,7 @@ class TexelSolversOf final : public TexelSolvers {
 public:
     TexelResult stream(const TexelProblem& problem, const OptimizerOptions& optimizer,
                        const TexelHook& each_iteration) const override {
-        const size_t texels = problem.source.texel_count(), per_block = TexelSource::block / lanes;
+        const size_t texels = problem.source.texel_count(), per_block = Worker::batches_per_block;
         std::vector<Batch> batches((texels + lanes - 1) / lanes);
         std::vector<float> start(texels * N);
         std::vector<uint32_t> texel_of(texels);
@@ -145,7 +102,7 @@ public:
             if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>();
             Worker& w = *workers[size_t(worker)];
             const uint32_t begin = uint32_t(block) * TexelSource::block;
-            const size_t count = w.load(problem, begin);
+            const size_t count = w.load(problem.source, problem.loader, begin);
             for (size_t i = 0; i < w.order.size(); ++i) texel_of[begin + i] = begin + w.order[i];
             for (size_t b = 0; b < count; ++b) {
                 batches[block * per_block + b] = w.batches[b];  // a copy is no larger than it must be
@@ -222,7 +179,7 @@ public:
     std::vector<float> start(const std::vector<std::vector<ShadedSample>>& texels) const override {
         Batch batch;
         batch.clear();
-        for (size_t t = 0; t < texels.size(); ++t) push(batch, int(t), texels[t]);
+        for (size_t t = 0; t < texels.size(); ++t) Worker::push(batch, int(t), texels[t]);
         std::vector<float> out(lanes * N);
         put_start(batch, out, 0);
         return out;
@@ -249,7 +206,6 @@ public:
     }
 
 private:
-    using Plain = typename Text::template with<float>;
     /// Starts of a batch to `start` from texel `first` on, as many as fit.
     static void put_start(const Batch& batch, std::span<float> start, size_t first) {
         const auto of = Fit::start(batch);

@@ -102,7 +102,10 @@ View synthetic_view(size_t i, const Camera& camera) {
     return view;
 }
 
-SyntheticSize synthetic_size(const SyntheticOptions& options) {
+namespace {
+
+/// By the scale.
+SyntheticSize usual_size(const SyntheticOptions& options) {
     const bool star = options.shape == "star", ornament = options.shape == "ornament";
     if (!star && !ornament && options.shape != "bust")
         throw UserError(fmt::format("unknown shape \"{}\"; there are star, bust and ornament", options.shape));
@@ -122,6 +125,14 @@ SyntheticSize synthetic_size(const SyntheticOptions& options) {
     if (options.scale == "standard") return {1280, 100, 256};
     if (options.scale == "paper") return star ? SyntheticSize{6094, 331, 400} : SyntheticSize{7228, 336, 400};
     throw UserError(fmt::format("unknown scale \"{}\"; there are smoke, standard and paper", options.scale));
+}
+
+}  // namespace
+
+SyntheticSize synthetic_size(const SyntheticOptions& options) {
+    SyntheticSize size = usual_size(options);
+    if (options.views > 0) size.views = options.views;
+    return size;
 }
 
 Needs synthetic_needs(const SyntheticOptions& options) {
@@ -165,8 +176,9 @@ std::string synthetic_source(const SyntheticOptions& options) {
     if (o.sensor.shot_noise > 0) own += fmt::format(" --shot-noise {}", o.sensor.shot_noise);
     if (o.shading != usual.shading) own += " --shading pixel";
     if (o.light != usual.light) own += " --light near";
-    return fmt::format("radiafit generate {} --scale {} --seed {}{} (recipe {})", options.shape, options.scale,
-                       options.seed, own, recipe);
+    const std::string views = options.views > 0 ? fmt::format(", of {} images", options.views) : "";
+    return fmt::format("radiafit generate {} --scale {} --seed {}{} (recipe {}){}", options.shape, options.scale,
+                       options.seed, own, recipe, views);
 }
 
 }  // namespace radiafit

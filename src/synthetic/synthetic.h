@@ -18,6 +18,7 @@ struct SyntheticOptions {
     uint64_t seed = 1;
     OrnamentOptions ornament = {};  ///< refused for another shape
     int subdivide = 1;              ///< each triangle in n x n equal ones: the same surface; refused for the ornament
+    int views = 0;                  ///< so many images in place of the scale's; 0: these
 };
 
 /// What a shape has at a scale.
