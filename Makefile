@@ -17,8 +17,8 @@ BENCH_FLAGS ?=
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check clang fuzz faults sanitized experiments compare bench smoke configure packages format \
-    format-check archive clean
+.PHONY: build test check clang fuzz faults sanitized experiments compare bench radiafit-bench smoke configure packages \
+    format format-check archive clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -78,6 +78,13 @@ bench: configure
 	@$(BUILD)/experiments/bench/bench_kernels $(BENCH_DATASET) $(BENCH_FLAGS)
 	@$(BUILD)/experiments/bench/bench_texels $(BENCH_FLAGS)
 	@$(BUILD)/experiments/bench/bench_texel_passes $(BENCH_FLAGS)
+
+# One file that needs no other, to be copied to a machine with a graphics chip; docs/gpu.md.
+radiafit-bench:
+	@scripts/install-packages.sh bench
+	@cmake --preset bench --log-level=WARNING
+	@cmake --build build/bench --parallel $(JOBS)
+	@echo "the program: build/bench/src/bench/radiafit-bench"
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke

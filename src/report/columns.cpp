@@ -209,6 +209,24 @@ const std::vector<TableRules>& all_rules() {
          "times.csv",
          {keys("problem passes optimizer source"), told("seconds_per_iteration low_s high_s streaming_s"),
           told("streaming_share over_disk_cold repetitions renderer")}},
+
+        // Of the devices that were asked for and are there; OpenGL's samples differ from the CPU's in some pixels.
+        {"bench", "scenes.csv", {keys("problem"), exact("images sites parameters"), errors("samples")}},
+        {"bench",
+         "agreement.csv",
+         {keys("problem device quantity"), exact("agrees"), told("difference tolerance")},
+         partial},
+        {"bench",
+         "rows.csv",
+         {keys("problem device pass"), repetition("repetition"), times("seconds"), told("streaming_s")},
+         partial},
+        {"bench", "peaks.csv", {keys("device peak"), repetition("repetition"), told("per_second")}, partial},
+        // Medians of those.
+        {"bench",
+         "summary.csv",
+         {keys("problem device pass"), told("seconds low_s high_s ms_per_image ns_per_sample"),
+          told("operations reads bytes operations_share reads_share bytes_share repetitions renderer")},
+         partial},
     };
     return rules;
 }
