@@ -14,7 +14,7 @@ packages="
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
     gnuplot-nox fonts-dejavu-core strace
     libopenmpi-dev openmpi-bin
-    clang-format glslang-tools spirv-tools python3
+    clang-format glslang-tools spirv-tools python3 python3-numpy
 "
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"
 [ "${1:-}" != check ] || packages="$packages clang clang-tidy"
