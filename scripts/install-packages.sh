@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs every Debian package that the build, the tests and the figures need: the only list of them.
-# `install-packages.sh fuzz` or `check`: what `make fuzz` or `make check` needs, too; `bare-root`: only what
-# scripts/bare-root.sh needs.
+# `install-packages.sh fuzz`, `check` or `peers`: what `make fuzz`, `make check` or `make peers` needs, too; `bare-root`: only
+# what scripts/bare-root.sh needs.
 # Says nothing and changes nothing where all are there. RADIAFIT_SKIP_PACKAGES=1 leaves the system alone.
 set -eu
 
@@ -18,6 +18,7 @@ packages="
 "
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"
 [ "${1:-}" != check ] || packages="$packages clang clang-tidy"
+[ "${1:-}" != peers ] || packages="$packages python3-torch"
 [ "${1:-}" != bare-root ] || packages="git mmdebstrap uidmap"  # the rest is for the root
 
 [ "${RADIAFIT_SKIP_PACKAGES:-0}" = 1 ] && exit 0
