@@ -5,6 +5,7 @@
 #   PRESET=release|asan|tsan       see CMakePresets.json
 #   BUILD=FOLDER                   where to build
 #   COUNT=3, SEED=1                how much `make check` disturbs each command, and when
+#   PYTHON=/usr/bin/python3        of `make peers`: the one that has PyTorch
 #   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
 PROFILE ?= standard
 ONLY ?=
@@ -14,10 +15,11 @@ BUILD ?= build/$(PRESET)
 JOBS ?= $(shell nproc)
 BENCH_DATASET ?= datasets/packed/star-standard
 BENCH_FLAGS ?=
+PYTHON ?= /usr/bin/python3
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check clang fuzz faults sanitized experiments compare bench radiafit-bench smoke configure packages \
+.PHONY: build test check clang fuzz faults sanitized experiments compare bench radiafit-bench peers smoke configure packages \
     format format-check archive clean
 
 build: configure
@@ -85,6 +87,12 @@ radiafit-bench:
 	@cmake --preset bench --log-level=WARNING
 	@cmake --build build/bench --parallel $(JOBS)
 	@echo "the program: build/bench/src/bench/radiafit-bench"
+
+# PyTorch on the CPU against our own fits, on exported problems; docs/results.md, peers.
+peers: configure
+	@scripts/install-packages.sh peers
+	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit
+	@$(PYTHON) -B experiments/peers/torch_peers.py --radiafit $(BUILD)/src/app/radiafit --profile $(PROFILE)
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke

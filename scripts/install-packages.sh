@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs every Debian package that the build, the tests and the figures need: the only list of them.
-# `install-packages.sh fuzz` or `check`: what `make fuzz` or `make check` needs, too; `bench` or `bare-root`: only what
-# `make radiafit-bench` or scripts/bare-root.sh needs.
+# `install-packages.sh fuzz`, `check` or `peers`: what `make fuzz`, `make check` or `make peers` needs, too; `bench` or
+# `bare-root`: only what `make radiafit-bench` or scripts/bare-root.sh needs.
 # Says nothing and changes nothing where all are there. RADIAFIT_SKIP_PACKAGES=1 leaves the system alone.
 set -eu
 
@@ -14,7 +14,7 @@ packages="
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
     gnuplot-nox fonts-dejavu-core strace
     libopenmpi-dev openmpi-bin
-    clang-format glslang-tools spirv-tools python3
+    clang-format glslang-tools spirv-tools python3 python3-numpy
 "
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"
 [ "${1:-}" != check ] || packages="$packages clang clang-tidy"
@@ -23,6 +23,7 @@ packages="
     libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libeigen3-dev zlib1g-dev
     libegl-dev libgl-dev libosmesa6-dev
 "
+[ "${1:-}" != peers ] || packages="$packages python3-torch"
 [ "${1:-}" != bare-root ] || packages="git mmdebstrap uidmap"  # the rest is for the root
 
 [ "${RADIAFIT_SKIP_PACKAGES:-0}" = 1 ] && exit 0

@@ -36,6 +36,14 @@ def complaints(stderr):
     return [line for line in stderr.splitlines() if not re.match("(fit|import|generate) needs about ", line)]
 
 
+def python_with(module):
+    """An interpreter that has the module: this one, or the system's, for which Debian packages modules; None: neither."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        if shutil.which(python) and subprocess.run([python, "-c", f"import {module}"], stderr=subprocess.DEVNULL).returncode == 0:
+            return python
+    return None
+
+
 class ProgramTest(unittest.TestCase):
     """Programs run in `root`, a temporary folder that the tests of a class share."""
 

@@ -82,13 +82,15 @@ def limit_files(bytes_):
 
 
 class FullDisk(Writing):
-    def room_for_a_part(self, *command):
+    def room_for_a_part(self, *command, elsewhere=None):
         """`command`, which writes below new/, with less room than each of its files takes: status 2, one line that names
-        a file there, and all that stood there before. With room for all of them: what it makes always."""
+        a file there, and all that stood there before. With room for all of them: what it makes always. `elsewhere`: its
+        output's name the second time, where it replaces nothing."""
         place = self.folder("new")
         self.good(*command)
         largest = max(p.stat().st_size for p in place.rglob("*") if p.is_file())
         before = snapshot(place)
+        command = (*command[:-1], elsewhere or command[-1])
         for room in (0, largest // 3, largest - 1):
             result = self.started(*command, prepare=lambda room=room: limit_files(room), capture_output=True)
             with self.subTest(command=command, room=room):
@@ -110,6 +112,10 @@ class FullDisk(Writing):
         for solver in (["--solver", "mean"], ["--iterations", "1"]):
             self.room_for_a_part("fit", "star", *solver, "-o", "new/fit")
         self.room_for_a_part("fit", "ornament", "--model", "lambert", "-o", "new/fit")
+
+    def test_exports(self):
+        for what in (["problems", "star"], ["problems", "ornament", "--model", "lambert"], ["parameters", "fit"]):
+            self.room_for_a_part("export", *what, "-o", "new/first", elsewhere="new/second")
 
     def test_records(self):
         place = self.folder("new")

@@ -20,16 +20,19 @@
 
 namespace radiafit {
 
+void add_fit_option(CommandLine& c, FitRequest& r, const std::string& name) {
+    const FitOption& o = find_fit_option(name);
+    const std::string help = o.type == "NAME" ? o.values + ": " + o.help : o.help;
+    if (o.flag_value)
+        c.add_flag(o.flag, r.*o.flag_value, help).group(o.group);
+    else
+        c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help, [&r, &o](const std::string& text) {
+             o.read(r, text);
+         }).group(o.group);
+}
+
 void add_fit_options(CommandLine& c, FitRequest& r) {
-    for (const FitOption& o : fit_options()) {
-        const std::string help = o.type == "NAME" ? o.values + ": " + o.help : o.help;
-        if (o.flag_value)
-            c.add_flag(o.flag, r.*o.flag_value, help).group(o.group);
-        else
-            c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help, [&r, &o](const std::string& text) {
-                 o.read(r, text);
-             }).group(o.group);
-    }
+    for (const FitOption& o : fit_options()) add_fit_option(c, r, o.name);
 }
 
 namespace {

@@ -17,6 +17,7 @@ void add_info(CommandLine& program);
 void add_plan(CommandLine& program);
 void add_fit(CommandLine& program, const Invocation& invocation);
 void add_merge(CommandLine& program, const Invocation& invocation);
+void add_export(CommandLine& program, const Invocation& invocation);
 void add_judge(CommandLine& program);
 void add_render(CommandLine& program);
 void add_devices(CommandLine& program);
@@ -30,7 +31,8 @@ void add_force(CommandLine& command, bool& force);
 /// What a dataset is, on standard output.
 void print_dataset(const Dataset& dataset, bool json);
 
-/// The options of FitRequest, for every command that fits or plans a fit.
+/// The options of FitRequest, for every command that fits or plans a fit; or one of them, by its name in the table.
 void add_fit_options(CommandLine& command, FitRequest& request);
+void add_fit_option(CommandLine& command, FitRequest& request, const std::string& name);
 
 }  // namespace radiafit

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "app/problem_folder.h"
 #include "app/solver.h"
 #include "eval/judge.h"
 #include "report/problem_picture.h"
@@ -31,6 +32,8 @@ public:
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;
+    /// Its parameters, laid out as export_problems() lays out where fits begin.
+    virtual void export_parameters(ProblemFolder& out) = 0;
 };
 
 struct FinishedFit {
@@ -54,6 +57,8 @@ struct Family {
     FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
     /// For a fit in parts (app/parts.h).
     std::unique_ptr<Divided> (*divide)(const Dataset& dataset, const FitRequest& request);
+    /// The problems that the request's fit solves, and what its solution is judged by (docs/problems.md).
+    void (*export_problems)(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
     /// moved_to: where the dataset is now; empty: where the fit says. Throws UserError.
     std::unique_ptr<Fitted> (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
 };
@@ -62,6 +67,11 @@ extern const Family light_field_maps, texel_local_models;
 const Family& family_of(const FitRequest& request);
 /// Throws UserError likewise.
 std::unique_ptr<Fitted> open_fit(const std::filesystem::path& folder, const std::filesystem::path& moved_to = {});
+
+void export_light_field_problems(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
+void export_texel_problems(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
+void export_parameters(const LightFieldFit& fit, const Mesh& mesh, ProblemFolder& out);
+void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);

@@ -49,6 +49,7 @@ public:
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, dataset().mesh, add_files);
     }
+    void export_parameters(ProblemFolder& out) override { radiafit::export_parameters(fit_, dataset().mesh, out); }
 
 private:
     LightFieldFit fit_;
@@ -99,6 +100,7 @@ const Family light_field_maps = {
     .plan = plan_light_field,
     .fit = fit_light_field,
     .divide = divide_light_field,
+    .export_problems = export_light_field_problems,
     .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {
         return std::make_unique<FittedLightField>(folder, moved_to);
     },

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     add_plan(program);
     add_fit(program, invocation);
     add_merge(program, invocation);
+    add_export(program, invocation);
     add_judge(program);
     add_render(program);
     add_devices(program);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 
 #include "app/fit_options.h"
@@ -68,6 +70,14 @@ std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& req
     std::vector<uint32_t> out;
     for (size_t k = 0; k < training.size(); ++k)
         if (!validates(k, request.validation)) out.push_back(training[k]);
+    return out;
+}
+
+std::vector<uint32_t> judged_views(const Dataset& dataset, const FitRequest& request) {
+    if (request.validation == 0) return dataset.split(true);
+    const std::vector<uint32_t> training = dataset.split(false), fitted = fitted_views(dataset, request);
+    std::vector<uint32_t> out;
+    std::ranges::set_difference(training, fitted, std::back_inserter(out));
     return out;
 }
 

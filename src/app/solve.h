@@ -56,6 +56,8 @@ using IterationHook = std::function<void(int iteration, const std::function<void
 
 /// The training views that a request fits.
 std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& request);
+/// The views that its fit is judged by: those held out, or with `validation` the training views that it leaves out.
+std::vector<uint32_t> judged_views(const Dataset& dataset, const FitRequest& request);
 /// What options are chosen by: the training views alone, those that a fit with this `validation` left out held out.
 Dataset for_validation(Dataset dataset, int validation);
 

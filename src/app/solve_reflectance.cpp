@@ -144,16 +144,6 @@ double for_eights(const TexelProblem& problem, const std::function<void()>& bloc
     return sum;
 }
 
-/// Parameters [texels][parameters]: for every texel the best of the model's starts.
-std::vector<float> starts_of(const TexelProblem& problem, const TexelTask& task) {
-    const size_t n = size_t(task.options.model->parameters);
-    std::vector<float> out(problem.source.texel_count() * n);
-    for_eights(problem, {}, [&](size_t first, size_t count, const auto& shaded) {
-        std::copy_n(task.solvers().start(shaded).begin(), count * n, &out[first * n]);
-    });
-    return out;
-}
-
 void solve_compute(TexelTask& task) {
     with_samples(task, [&](const TexelSource& source) {
         require_seen(source.sample_count() > 0, task.dataset, task.request);
@@ -162,7 +152,7 @@ void solve_compute(TexelTask& task) {
         const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
         TexelComputeEngine engine(task.dataset, *task.out.atlas, task.views, task.options, source);
         const ProblemStatistics statistics = engine.count();
-        engine.reset(starts_of({source, loader, task.options}, task));
+        engine.reset(starts_of({source, loader, task.options}));
         optimize_engine(engine, task);
         take_fit(engine, statistics, task);
         task.out.times.optimization = clock.wall_s();
@@ -170,6 +160,16 @@ void solve_compute(TexelTask& task) {
 }
 
 }  // namespace
+
+std::vector<float> starts_of(const TexelProblem& problem) {
+    const TexelSolvers& solvers = texel_solvers(*problem.options.model);
+    const size_t n = size_t(problem.options.model->parameters);
+    std::vector<float> out(problem.source.texel_count() * n);
+    for_eights(problem, {}, [&](size_t first, size_t count, const auto& shaded) {
+        std::copy_n(solvers.start(shaded).begin(), count * n, &out[first * n]);
+    });
+    return out;
+}
 
 void solve_texel_stream(TexelTask& task) {
     if (task.request.on_engine(EngineKind::fragment)) return solve_fragment(task);

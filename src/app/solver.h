@@ -94,6 +94,9 @@ void solve_texel_ceres(TexelTask& task);
 void solve_texel_ceres_varpro(TexelTask& task);
 void solve_texel_tiny(TexelTask& task);
 
+/// Where optimizers begin [texels][parameters]: for every texel the best of the model's starts.
+std::vector<float> starts_of(const TexelProblem& problem);
+
 /// What the fit tells of its request.
 void describe_request(const FitRequest& request, FitRecord& fit);
 

@@ -83,6 +83,7 @@ public:
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }
+    void export_parameters(ProblemFolder& out) override { radiafit::export_parameters(fit_, out); }
 
 private:
     ReflectanceFit fit_;
@@ -129,6 +130,7 @@ const Family texel_local_models = {
     .plan = plan_texels,
     .fit = fit_reflectance,
     .divide = divide_texels,
+    .export_problems = export_texel_problems,
     .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {
         return std::make_unique<FittedReflectance>(read_reflectance(folder, moved_to));
     },

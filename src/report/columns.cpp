@@ -14,6 +14,8 @@ Columns work(const char* names) { return {{ColumnKind::work}, names}; }
 Columns exact(const char* names) { return {{ColumnKind::exact}, names}; }
 /// PSNR is written with four digits: its last one may round the other way.
 Columns decibels(const char* names) { return {{ColumnKind::absolute, 1e-4, "dB"}, names}; }
+/// Of what stops on its way.
+Columns rough_decibels(const char* names) { return {{ColumnKind::absolute, 0.01, "dB"}, names}; }
 /// Shares of problems, texels or vertices: one in a thousand may fall on the other side of a threshold.
 Columns shares(const char* names) { return {{ColumnKind::absolute, 1e-3}, names}; }
 /// Errors are sums of squares in 32 bits, written with four to eight digits.
@@ -128,6 +130,22 @@ const std::vector<TableRules>& all_rules() {
          {keys("problem optimizer passes"), told("computation_share computation_low computation_high"),
           told("bandwidth_share bandwidth_low bandwidth_high reads_share reads_low reads_high"),
           told("seconds_per_iteration repetitions source renderer")}},
+
+        // PyTorch's sums differ with its version and its threads; the iteration at which it arrives may, too.
+        {"peers",
+         "curves.csv",
+         {keys("setting library solver iteration"), rough_decibels("psnr_db"), errors("error", 0.01), told("seconds")},
+         partial},
+        {"peers",
+         "times.csv",
+         {keys("setting library solver"), repetition("repetition"), work("iterations"), times("seconds setup_s"),
+          rough_decibels("psnr_db")}},
+        // Medians of those.
+        {"peers",
+         "peers.csv",
+         {keys("setting library solver"), exact("reached"), work("iterations"),
+          rough_decibels("psnr_db target_db converged_db"), told("seconds seconds_least seconds_most"),
+          told("times_ours times_ours_least times_ours_most setup_s setup_s_least setup_s_most repetitions renderer")}},
 
         {"precision",
          "curves.csv",

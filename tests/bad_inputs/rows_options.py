@@ -249,3 +249,31 @@ rows += [
     ("--help", None, 0, "generate"),
     ("fit --help", None, 0, "--lambda-surface"),
 ]
+
+# export
+problems = "export problems tiny"
+for option, words in (
+    ("--solver als", "option '--solver' does not exist"), ("--loss huber", "option '--loss' does not exist"),
+    ("--iterations 3", "option '--iterations' does not exist"), ("--clip-above 0.5", "--clip-above means nothing to"),
+    ("--model lambert --terms 2", "--terms means nothing to model lambert"), ("--model lambert", "tiny: "),
+    ("--surface-side 1", "surface-side = 1: choose"), ("--validation 1000", "validation = 1000: tiny has"),
+    ("--texels-per-pixel 1 --surface-side 4", "leave out --surface-side"), ("--texels-per-pixel 1 --distributor gl", "all surface maps have one side"),
+):  # fmt: skip
+    rows.append((f"{problems} {option} -o new", None, 2, words))
+rows += [
+    ("export", None, 2, "subcommand is required"),
+    ("export problems", None, 2, "required"),
+    (problems, None, 2, "--output is required"),
+    ("export problems flat -o new", None, 2, "flat: "),
+    ("export problems nowhere -o new", None, 2, "nowhere: "),
+    ("export problems tiny -o tiny", None, 2, "tiny exists already; remove it or choose another name"),
+    ("export problems tiny -o ''", None, 2, "output = '': give a name"),
+    ("export parameters tiny -o new", None, 2, "tiny/fit.json: no such file"),
+    ("export parameters nowhere -o new", None, 2, "nowhere: no such folder"),
+    ("export parameters fit -o fit", None, 2, "fit exists already; remove it or choose another name"),
+    ("export parameters fit --dataset flat -o new", None, 2, "flat: differs from the dataset that was fitted"),
+    (f"{problems} -o new", None, 0, "problems of lfm: new"),
+    ("export problems flat --model lafortune -o new", None, 0, "problems of lafortune: new"),
+    ("export parameters fit -o new", None, 0, "parameters of fit: new"),
+    ("export parameters flatfit -o new", None, 0, "parameters of flatfit: new"),
+]
