@@ -223,7 +223,7 @@ TEST_P(FloatScatter, SpreadsLittle) {
     const LfmLayout& layout = engine->layout();
     const std::vector<float> p = random_vector(layout, -0.5f, 1.5f, 1), d = random_vector(layout, -1, 1, 2);
     const auto oracle =
-        testing::lfm_oracle(scene.dataset, scene.atlas, layout, options, list, {p.begin(), p.end()}, {});
+        lfm_oracle(scene.dataset, scene.atlas, scene.rings, layout, options, list, {p.begin(), p.end()}, {});
     std::vector<float> low, high;
     for (int turn = 0; turn < 8; ++turn) {
         const std::vector<float> gradient = sums_of(*engine, p, d).evaluation.gradient;
