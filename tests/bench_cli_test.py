@@ -126,22 +126,26 @@ class Bench(ProgramTest):
             self.assertEqual(row["renderer"], record["gl"]["renderer"] if row["device"] in OPENGL
                              else f"cpu, {record['threads']} threads")
 
-    def test_a_device_that_is_wrong_is_not_timed(self):
+    def test_devices_that_are_wrong_or_do_not_run_are_not_timed(self):
+        """Of a device's passes one is off by a ten thousandth, of another one does not compile."""
         shaders, folder = self.root / "shaders", self.root / "wrong"
         shutil.copytree(CHECKOUT / "shaders", shaders)
-        broken = shaders / "compute" / "tile_texels.comp"
-        right = broken.read_text()
-        wrong = right.replace("+= lfm_gradient_surface(", "+= 1.0001 * lfm_gradient_surface(")
-        self.assertNotEqual(right, wrong)
-        broken.write_text(wrong)
+        for name, factor in (("tile_texels.comp", "1.0001"), ("tile_pixels.comp", "none")):
+            text = (shaders / "compute" / name).read_text()
+            wrong = text.replace("+= lfm_gradient_surface(", f"+= {factor} * lfm_gradient_surface(")
+            self.assertNotEqual(text, wrong)
+            (shaders / "compute" / name).write_text(wrong)
         result = self.run_program("--scale", "smoke", "--device", "compute", "--repetitions", 1, "-o", folder,
                                   environment={"RADIAFIT_SHADERS": str(shaders)})
         self.assertEqual(result.returncode, 1, result.stderr)
         for problem in ("star", "bust"):
             self.assertRegex(result.stderr, f"compute on {problem} disagrees .* not timed: gradient off by [0-9.]+e-0[45] ")
+            self.assertRegex(result.stderr, f"redistributing on {problem} does not run and is not timed: .*tile_pixels.comp")
         (run,) = folder.glob("bench/*/*")
-        refused = {(row["problem"], row["device"]) for row in read_rows(run / "agreement.csv") if row["agrees"] == "0"}
-        self.assertEqual(refused, {("star", "compute"), ("bust", "compute")})
+        rows = [row for row in read_rows(run / "agreement.csv") if row["agrees"] == "0"]
+        refused = {(problem, device) for problem in ("star", "bust") for device in ("compute", STREAMED[0])}
+        self.assertEqual({(row["problem"], row["device"]) for row in rows}, refused)
+        self.assertEqual({row["device"] for row in rows if row["quantity"] == "run"}, {STREAMED[0]})
         timed = {(row["problem"], row["device"]) for row in read_rows(run / "rows.csv")}
         self.assertEqual(timed, set(pairs(["compute", *STREAMED])) - refused)
 

@@ -117,10 +117,12 @@ TEST(Agreement, FitsAreComparedErrorByError) {
     EXPECT_EQ(fit_difference({4, 2}, {4, 2, 1}), HUGE_VAL);
     EXPECT_EQ(fit_difference({4, NAN, 1}, {4, 2, 1}), HUGE_VAL);
     EXPECT_EQ(fit_difference({NAN, 2, 1}, {4, 2, 1}), HUGE_VAL);
-    Checked checked{"star", Device::compute, {}, 1e-3, 1e-4};
+    Checked checked{.scene = "star", .device = Device::compute, .fit_difference = 1e-3, .fit_tolerance = 1e-4};
     EXPECT_EQ(checked.disagreement(), "errors of 3 iterations off by 1.0e-03");
     checked.fit_difference = 1e-5;
     EXPECT_EQ(checked.disagreement(), "");
+    checked.failure = "no memory";
+    EXPECT_EQ(checked.disagreement(), "no memory");
 }
 
 /// A scene on the CPU, its sums right and then wrong.

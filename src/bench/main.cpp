@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "base/error.h"
 #include "base/failure.h"
@@ -67,6 +68,24 @@ std::vector<NamedScene> make_scenes(const std::vector<Dataset>& datasets, bool b
     return scenes;
 }
 
+/// Null where the device does not agree, or does not run.
+std::unique_ptr<Contestant> check(Scene& scene, const ExactSums& exact, const std::vector<double>& reference,
+                                  Checked& checked) {
+    try {
+        checked.sums = compare(scene.sums(checked.device), exact);
+        auto contestant = scene.contestant(checked.device);
+        checked.fit_difference = fit_difference(contestant->fit(Scene::fit_iterations), reference);
+        checked.fit_tolerance = scene.fit_tolerance();
+        if (checked.disagreement().empty()) return contestant;
+    } catch (const std::exception& e) {
+        checked.failure = describe(e).line;
+    }
+    log_warning(fmt::format("{} on {} {} and is not timed: {}", name_of(checked.device), checked.scene,
+                            checked.failure.empty() ? "disagrees with the CPU in double" : "does not run",
+                            checked.disagreement()));
+    return nullptr;
+}
+
 /// Checks each device on each scene; those that agree are ready to be timed.
 void check_all(std::vector<NamedScene>& scenes, const std::vector<Device>& devices, BenchResults& results) {
     for (auto& [name, scene] : scenes) {
@@ -75,17 +94,9 @@ void check_all(std::vector<NamedScene>& scenes, const std::vector<Device>& devic
         const std::vector<double> reference = scene->reference_fit();
         for (const Device device : devices) {
             if (!scene->has(device)) continue;
-            Checked checked{name, device, compare(scene->sums(device), exact)};
-            auto contestant = scene->contestant(device);
-            checked.fit_difference = fit_difference(contestant->fit(Scene::fit_iterations), reference);
-            checked.fit_tolerance = scene->fit_tolerance();
-            const std::string disagreement = checked.disagreement();
-            if (disagreement.empty())
+            Checked& checked = results.checked.emplace_back(Checked{.scene = name, .device = device});
+            if (auto contestant = check(*scene, exact, reference, checked))
                 results.timed.push_back({name, device, std::move(contestant)});
-            else
-                log_warning(fmt::format("{} on {} disagrees with the CPU in double and is not timed: {}",
-                                        name_of(device), name, disagreement));
-            results.checked.push_back(std::move(checked));
         }
     }
 }
@@ -139,7 +150,7 @@ std::string folder_of(const Context* context, const Record& record) {
 /// Throws UserError for a folder that can't be written, before any work is done.
 void require_writable(const std::filesystem::path& folder) { const AtomicFolder probe(folder / "probe"); }
 
-/// Exit status: 1 if some device disagrees.
+/// Exit status: 1 if some device disagrees or does not run.
 int bench(const BenchOptions& options, const Record& started) {
     require_writable(options.output / experiment);
     const auto context = open_context(options);
@@ -151,6 +162,7 @@ int bench(const BenchOptions& options, const Record& started) {
     for (const auto& [name, scene] : scenes) results.scenes.emplace_back(name, scene->facts());
     check_all(scenes, options.devices, results);
     fmt::print("{}\n", agreement_table(results.checked));
+    std::fflush(stdout);  // what follows may take long
     time_all(options, results);
     fmt::print("{}\n", time_table(results));
     write_rows(results, folder);

@@ -30,6 +30,10 @@ void write_agreement(const BenchResults& results, const ResultFolder& folder) {
             rows.row({c.scene, name_of(c.device), quantity, fmt::format("{:.2g}", difference), number(tolerance),
                       std::to_string(int(difference <= tolerance))});
         };
+        if (!c.failure.empty()) {
+            rows.row({c.scene, name_of(c.device), "run", "", "", "0"});
+            continue;
+        }
         row("samples", c.sums.other_share(), Agreement::most_other_sites);
         for (size_t q = 0; q < quantity_names.size(); ++q)
             row(quantity_names[q], c.sums.worst[q], Agreement::tolerance);
@@ -110,6 +114,7 @@ void write_summary(const BenchResults& results, const ResultFolder& folder) {
 }  // namespace
 
 std::string Checked::disagreement() const {
+    if (!failure.empty()) return failure;
     std::string text = sums.disagreement();
     if (!(fit_difference <= fit_tolerance))
         text += fmt::format("{}errors of {} iterations off by {:.1e}", text.empty() ? "" : ", ", Scene::fit_iterations,
@@ -128,6 +133,10 @@ void write_rows(const BenchResults& results, const ResultFolder& folder) {
 std::string agreement_table(const std::vector<Checked>& checked) {
     Table table({"problem", "device", "sums, of their terms", "other samples", "fit", "verdict"});
     for (const Checked& c : checked) {
+        if (!c.failure.empty()) {
+            table.add({c.scene, name_of(c.device), "", "", "", "DOES NOT RUN"});
+            continue;
+        }
         const double worst = *std::ranges::max_element(c.sums.worst);
         table.add({c.scene, name_of(c.device), fmt::format("{:.1e}", worst), fmt::format("{}", c.sums.other_sites),
                    fmt::format("{:.1e}", c.fit_difference), c.disagreement().empty() ? "agrees" : "DISAGREES"});

@@ -15,8 +15,9 @@ namespace radiafit {
 struct Checked {
     std::string scene;
     Device device;
-    Agreement sums;
+    Agreement sums = {};
     double fit_difference = 0, fit_tolerance = 0;
+    std::string failure = {};  ///< why it could not run at all
 
     /// Where it does not agree, in words; empty where it does.
     std::string disagreement() const;
