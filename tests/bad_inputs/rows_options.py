@@ -56,8 +56,12 @@ for options in ("cg --history 4", "sd --learning-rate 1", "adam --history 4", "l
 for option in ("--clip-above", "--shadow-below"):
     refuse(f"fit flat --model lafortune {option} {{}} -o new", "-0.1 1.01 nan ''", f"{option[2:]} = ", "choose a number from 0 to 1 (0 is off)")
 refuse("fit tiny --solver pca --refills {} -o new", "-1 1000001 x ''", "refills = ", "choose a whole number from 0 to 1000000")
-refuse("fit tiny --solver two-step --memory {} -o new", "0 64X M '' 1e30 nan 64MB", "memory '{}': give bytes, such as 64M or 2G")
-accept("fit tiny --solver two-step --memory 1 --iterations 1 -o new")
+refuse("fit tiny --solver two-step --sort-memory {} -o new", "0 64X M '' 1e30 nan 64MB", "sort-memory '{}': give bytes, such as 64M or 2G")
+accept("fit tiny --solver two-step --sort-memory 1 --iterations 1 -o new")
+refuse("fit tiny --memory {} -o new", "0 64X M '' 1e30 nan 64MB", "memory '{}': give bytes, such as 64M or 2G")
+refuse("fit tiny --memory {} -o new", "1 64M", "are too little to put the fit together", "give --memory more")
+refuse("fit tiny --shard {} -o new", "0/2 3/2 -1/2 1 1/ /2 1/2x 1/0 x", "shard '{}': give which and of how many, such as 2/7")
+refuse("merge {} -o new", "tiny nowhere", "{}")
 refuse("plan tiny --engine {}", "foo", "engine '{}' does not exist; choose one of cpu, fragment")
 
 # Names, with those that there are.
@@ -79,10 +83,10 @@ for solver, options in (
     ("two-step", ("--engine fragment", "--source disk", "--refills 2", "--ceres cgnr")),
     ("pca", ("--deflate", "--optimizer sd", "--mu 2", "--records r", "--seed 2")),
     ("mean", ("--terms 3", "--view-side 9", "--lambda-surface 1")),
-    ("als", ("--optimizer sd", "--deflate", "--stop-change 1", "--ceres cgnr", "--memory 64M")),
+    ("als", ("--optimizer sd", "--deflate", "--stop-change 1", "--ceres cgnr", "--sort-memory 64M")),
     ("varpro", ("--deflate", "--optimizer sd", "--record full", "--refills 1")),
     ("ceres", ("--record full", "--optimizer sd", "--stop-change 1", "--engine fragment")),
-    ("stream", ("--memory 64M", "--ceres cgnr", "--passes paper", "--storage fp16", "--sums fp16", "--clip-above 0.9")),
+    ("stream", ("--sort-memory 64M", "--ceres cgnr", "--passes paper", "--storage fp16", "--sums fp16", "--clip-above 0.9")),
 ):  # fmt: skip
     for option in options:
         words = (f"{option.split()[0]} means nothing to ", "leave it out")
