@@ -104,6 +104,9 @@ void check_shard_folder(const fs::path& folder, const std::string& key, const Sh
     }
 }
 
+/// What is planned, with the program and a tenth that plans may be short of.
+uint64_t with_program(uint64_t planned) { return program_bytes + planned + planned / 10; }
+
 /// Part by part; those that are there already are left as they are. Returns the files' names.
 std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std::vector<uint32_t>>& parts,
                                      const std::string& key, const fs::path& folder) {
@@ -184,7 +187,7 @@ std::vector<std::vector<uint32_t>> parts_of(const Divided& whole, const Shard& s
 
 size_t count_parts(const Divided& whole, const Shard& shard, const FitRequest& request, Needs& needs) {
     constexpr size_t looked_at = 6;
-    const uint64_t merging = shard.count == 1 ? whole.merge_bytes(size_t(-1)) + program_bytes : 0;
+    const uint64_t merging = shard.count == 1 ? with_program(whole.merge_bytes(size_t(-1))) : 0;
     if (request.memory > 0 && merging > request.memory)
         throw UserError(fmt::format("{} are too little to put the fit together, which takes {}; give {} more",
                                     readable_bytes(request.memory), readable_bytes(merging), option_name("memory")));
@@ -194,10 +197,10 @@ size_t count_parts(const Divided& whole, const Shard& shard, const FitRequest& r
         for (size_t k = 0; k < parts.size(); k += std::max<size_t>(1, parts.size() / looked_at)) {
             const Part part = whole.cut(parts[k]);
             const Plan planned = plan(part.dataset, part.request, views_to_count_samples_on);
-            most = std::max(most, total_bytes(planned.memory) + program_bytes + whole.held_bytes());
+            most = std::max(most, with_program(total_bytes(planned.memory) + whole.held_bytes()));
             needs.disk = std::max(needs.disk, 2 * count * total_bytes(planned.disk));
         }
-        if (shard.count == 1) most = std::max(most, whole.merge_bytes(count) + program_bytes);
+        if (shard.count == 1) most = std::max(most, with_program(whole.merge_bytes(count)));
         needs.memory = most;
         if (request.memory == 0 || most <= request.memory) return count;
         if (parts.size() < count || 16 * count > whole.places().size())
