@@ -12,6 +12,7 @@ from bad_inputs.fixtures import write_tiny
 from cli_fixture import ProgramTest, take_arguments
 
 PROGRAM = 150e6  # part of what is announced: the program itself, with the largest of its libraries
+SHADERS = 20e6  # what a driver in software may take for the shaders that one optimizer has more than another
 UNITS = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
 # Solver and sizes at which one vertex takes much more than the program.
 SOLVERS = [
@@ -39,7 +40,9 @@ class Needs(ProgramTest):
         """Bytes: the largest resident set, and what stderr says."""
         command = [self.program, "--threads", "1", "fit", "tiny", *options, "-o", "new"]
         with open(self.root / "stderr", "w+") as stderr:
-            process = subprocess.Popen(command, cwd=self.root, stdin=subprocess.DEVNULL, stderr=stderr)
+            # Each run compiles its shaders, so that all take the driver's memory for it.
+            environment = os.environ | {"MESA_SHADER_CACHE_DISABLE": "true"}
+            process = subprocess.Popen(command, cwd=self.root, env=environment, stdin=subprocess.DEVNULL, stderr=stderr)
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             stderr.seek(0)
@@ -60,15 +63,12 @@ class Needs(ProgramTest):
 
     def test_vectors_of_the_optimizer(self):
         for engine in ("cpu", "fragment", "compute"):
-            large = ("--engine", engine, "--surface-side", "32", "--view-side", "64", "--terms", "12", "--iterations", "0")
-            # the least of some runs: now and then a driver compiles shaders, which takes memory
-            runs = 1 if engine == "cpu" else 4
+            large = ("--engine", engine, "--surface-side", "64", "--view-side", "64", "--terms", "16", "--iterations", "0")
             (plain, plain_announced), (measured, announced) = (
-                min(self.measured_and_announced(*large, *more) for _ in range(runs))
-                for more in ((), ("--optimizer", "lbfgs", "--history", "8")))
+                self.measured_and_announced(*large, *more) for more in ((), ("--optimizer", "lbfgs", "--history", "8")))
             with self.subTest(engine):
-                self.assertGreater(measured - plain, 20e6)
-                self.assertGreater(announced - plain_announced, 0.9 * (measured - plain))
+                self.assertGreater(measured - plain, 80e6)
+                self.assertGreater(announced - plain_announced, 0.9 * (measured - plain - SHADERS))
                 self.assertLess(announced - plain_announced, 1.3 * (measured - plain))
 
 
