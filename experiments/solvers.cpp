@@ -87,12 +87,12 @@ class TwoStep {
 public:
     TwoStep(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const DiskRecords& records,
             const LfmOptions& options, std::span<const uint32_t> chosen)
-        : fresh_(dataset, atlas, rings, records, options) {
+        : fresh_(dataset, atlas, rings, records.views(), options) {
         std::vector<uint8_t> block;
         for (uint32_t v : chosen) {
             problems_.push_back(std::make_unique<VertexProblem>(fresh_));
             records.read(v, v + 1, block);
-            problems_.back()->load(v, block.data());
+            problems_.back()->load(v, records, block.data());
             engines_.emplace_back(*problems_.back());
             engines_.back().count();
         }

@@ -44,11 +44,12 @@ std::vector<int> sparse_iterations(int last) {
     return out;
 }
 
-void BenchVertex::load(uint32_t vertex, const uint8_t* block, std::span<const float> start) {
+void BenchVertex::load(uint32_t vertex, const DiskRecords& records, const uint8_t* block,
+                       std::span<const float> start) {
     id_ = vertex;
     start_ = start;
     is_gathered_ = false;
-    problem_.load(vertex, block);
+    problem_.load(vertex, records, block);
     engine_.count();
 }
 
@@ -160,7 +161,7 @@ void VertexBench::for_each(double lambda, const std::string& task,
     const LfmOptions model = request.model_options();
     const LfmVertices gatherer(*dataset_, atlas_, rings_, samples_.list, modern(model));
     const std::vector<float> start = lfm_start(gatherer.layout(), gatherer.statistics().mean, request.seed);
-    const VertexProblem fresh(*dataset_, atlas_, rings_, *records_, model);
+    const VertexProblem fresh(*dataset_, atlas_, rings_, records_->views(), model);
     std::vector<std::unique_ptr<BenchVertex>> workers{size_t(thread_count())};
     Progress progress(task, seen_.size());
     parallel_for(seen_.size(), 1, [&](size_t i, int worker) {
@@ -169,7 +170,8 @@ void VertexBench::for_each(double lambda, const std::string& task,
         std::vector<uint8_t> block;
         records_->read(seen_[i], seen_[i] + 1, block);
         const LfmLayout& layout = gatherer.layout();
-        vertex->load(seen_[i], block.data(), {start.data() + layout.offset(seen_[i]), layout.block_size(seen_[i])});
+        vertex->load(seen_[i], *records_, block.data(),
+                     {start.data() + layout.offset(seen_[i]), layout.block_size(seen_[i])});
         body(i, *vertex);
         progress.advance();
     });

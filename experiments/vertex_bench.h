@@ -51,7 +51,7 @@ public:
     BenchVertex& operator=(const BenchVertex&) = delete;
 
     /// block: its record; start: its part of lfm_start.
-    void load(uint32_t vertex, const uint8_t* block, std::span<const float> start);
+    void load(uint32_t vertex, const DiskRecords& records, const uint8_t* block, std::span<const float> start);
     uint32_t id() const { return id_; }
     /// Ends when all three problems have come to rest or have been stopped, or after options.iterations.
     Course optimize(const OptimizerOptions& options) { return optimize(options, start_); }

@@ -78,7 +78,7 @@ class Files(CommandLine):
             self.assertRegex(self.good(*command, "-o", "new").stderr, told)
             shutil.rmtree(self.root / "new")
         huge = ["fit", "star", "--terms", "16", "--surface-side", "64", "--view-side", "64"]
-        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 32, 1 << 32))}
+        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 29, 1 << 29))}
         self.refused(*huge, "-o", "new", says=["fit needs about ", "choose smaller sizes", "--force"], **limit)
         forced = self.run_program(*huge, "--iterations", "0", "--force", "-o", "new", **limit)
         self.assertIn("warning: fit needs about ", forced.stderr)

@@ -40,8 +40,9 @@ class Needs(ProgramTest):
         """Bytes: the largest resident set, and what stderr says."""
         command = [self.program, "--threads", "1", "fit", "tiny", *options, "-o", "new"]
         with open(self.root / "stderr", "w+") as stderr:
-            # Each run compiles its shaders, so that all take the driver's memory for it.
-            environment = os.environ | {"MESA_SHADER_CACHE_DISABLE": "true"}
+            # Each run compiles its shaders, so that all take the driver's memory for it; large blocks of memory go back
+            # when they are let go.
+            environment = os.environ | {"MESA_SHADER_CACHE_DISABLE": "true", "MALLOC_MMAP_THRESHOLD_": "65536"}
             process = subprocess.Popen(command, cwd=self.root, env=environment, stdin=subprocess.DEVNULL, stderr=stderr)
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -62,13 +63,13 @@ class Needs(ProgramTest):
                 self.assertLess(announced, most * measured)
 
     def test_vectors_of_the_optimizer(self):
-        for engine in ("cpu", "fragment", "compute"):
+        for engine, least, shaders in (("cpu", 10e6, 0), ("fragment", 80e6, SHADERS), ("compute", 80e6, SHADERS)):
             large = ("--engine", engine, "--surface-side", "64", "--view-side", "64", "--terms", "16", "--iterations", "0")
             (plain, plain_announced), (measured, announced) = (
                 self.measured_and_announced(*large, *more) for more in ((), ("--optimizer", "lbfgs", "--history", "8")))
             with self.subTest(engine):
-                self.assertGreater(measured - plain, 80e6)
-                self.assertGreater(announced - plain_announced, 0.9 * (measured - plain - SHADERS))
+                self.assertGreater(measured - plain, least)
+                self.assertGreater(announced - plain_announced, 0.9 * (measured - plain - shaders))
                 self.assertLess(announced - plain_announced, 1.3 * (measured - plain))
 
 

@@ -2,6 +2,7 @@
 // once.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -96,7 +97,7 @@ void against_list(const RecordOptions& records, const LfmOptions& options) {
     const DiskRecords on_disk = written.records();
     const SampleList list = list_of(atlas, records.space);
     LfmProblem<double> oracle(star().dataset, atlas, star().rings, list, options);
-    VertexProblem problem(star().dataset, atlas, star().rings, on_disk, options);
+    VertexProblem problem(star().dataset, atlas, star().rings, on_disk.views(), options);
     const ProblemStatistics expected = oracle.count();
     const LfmLayout& layout = oracle.layout();
     Rng rng(3);
@@ -104,7 +105,7 @@ void against_list(const RecordOptions& records, const LfmOptions& options) {
     size_t checked = 0;
     for (size_t v = 0; v < layout.problem_count(); ++v) {
         on_disk.read(v, v + 1, block);
-        problem.load(v, block.data());
+        problem.load(v, on_disk, block.data());
         const size_t size = layout.block_size(v) / 4;
         ASSERT_EQ(4 * problem.begin(1), layout.block_size(v));
         ASSERT_EQ(problem.count().samples[0], expected.samples[v]);
@@ -172,7 +173,7 @@ TEST(TwoStep, EndsWhereTheStreamEngineDoes) {
         LfmOptions options = model();
         options.mode = paper ? Mode::paper : Mode::modern;
         options.mu = paper ? 1e-4f : 1.0f;
-        const TwoStepOptions two_step{.optimizer = {.rule = rule, .iterations = 25}};
+        const VertexSolverOptions two_step{.optimizer = {.rule = rule, .iterations = 25}};
         const TwoStepResult result = solve_two_step(star().dataset, atlas, star().rings, on_disk, options, two_step);
         LfmProblem<float> problem(star().dataset, atlas, star().rings, list, options);
         StreamEngine<float> engine(problem);
@@ -204,11 +205,60 @@ TEST(TwoStep, EndsWhereTheStreamEngineDoes) {
     }
 }
 
+TEST(VertexProblem, SameBitsFromTheListAsFromItsRecord) {
+    for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear}) {
+        const TriangleAtlas atlas(star().dataset.mesh, 8);
+        const Written written(atlas, {.space = space});
+        const DiskRecords on_disk = written.records();
+        const SampleList list = list_of(atlas, space);
+        VertexProblem from_list(star().dataset, atlas, star().rings, list.views, model(2)), from_record = from_list;
+        std::vector<uint8_t> block;
+        for (size_t v = 0; v < on_disk.vertex_count(); ++v) {
+            on_disk.read(v, v + 1, block);
+            from_record.load(v, on_disk, block.data());
+            from_list.load(v, list, on_disk.vertex(v).mean);
+            const size_t size = from_record.begin(1);
+            ASSERT_EQ(from_list.begin(1), size);
+            ASSERT_EQ(from_list.count().samples, from_record.count().samples);
+            std::vector<Lanes<float>> p(size, broadcast3(0.6f)), g(size), g2(size), diagonal(size), diagonal2(size);
+            double error[3], error2[3];
+            from_record.direction(0, p.data(), g.data(), diagonal.data(), error);
+            from_list.direction(0, p.data(), g2.data(), diagonal2.data(), error2);
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(error[c], error2[c]);
+            EXPECT_EQ(std::memcmp(g.data(), g2.data(), size * sizeof g[0]), 0);
+            EXPECT_EQ(std::memcmp(diagonal.data(), diagonal2.data(), size * sizeof g[0]), 0);
+        }
+    }
+}
+
+TEST(VertexSolver, EndsWhereTwoStepDoesForAnyThreads) {
+    const TriangleAtlas atlas(star().dataset.mesh, 8);
+    const Written written(atlas, {});
+    const DiskRecords on_disk = written.records();
+    const SampleList list = list_of(atlas);
+    for (const bool deflate : {false, true}) {
+        const VertexSolverOptions options{.optimizer = {.iterations = 6}, .deflate = deflate, .seed = 4};
+        const TwoStepResult two_step = solve_two_step(star().dataset, atlas, star().rings, on_disk, model(2), options);
+        std::vector<VertexSolution> solutions;
+        for (const int threads : {1, 3}) {
+            set_thread_count(threads);
+            solutions.push_back(solve_vertices(star().dataset, atlas, star().rings, list, model(2), options));
+        }
+        set_thread_count(0);
+        EXPECT_EQ(solutions[0].parameters, solutions[1].parameters);
+        EXPECT_EQ(solutions[0].sample_iterations, two_step.sample_iterations);
+        ASSERT_EQ(solutions[0].trace.rows.size(), two_step.trace.rows.size());
+        for (size_t k = 0; k < two_step.trace.rows.size(); ++k)
+            EXPECT_NEAR(solutions[0].trace.rows[k].error, two_step.trace.rows[k].error,
+                        1e-5 * two_step.trace.rows[k].error);
+    }
+}
+
 TEST(TwoStep, DoesNotDependOnThreads) {
     const TriangleAtlas atlas(star().dataset.mesh, 8);
     const Written written(atlas, {});
     const DiskRecords on_disk = written.records();
-    const TwoStepOptions options{.optimizer = {.iterations = 6}, .deflate = true, .seed = 4};
+    const VertexSolverOptions options{.optimizer = {.iterations = 6}, .deflate = true, .seed = 4};
     set_thread_count(1);
     const TwoStepResult one = solve_two_step(star().dataset, atlas, star().rings, on_disk, model(2), options);
     set_thread_count(3);

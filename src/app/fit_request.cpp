@@ -59,6 +59,10 @@ OptimizerOptions FitRequest::optimizer_options() const {
             .first_step = first_step};
 }
 
+VertexSolverOptions FitRequest::vertex_solver_options() const {
+    return {.optimizer = optimizer_options(), .deflate = deflate, .seed = seed};
+}
+
 LfmOptions FitRequest::model_options() const {
     LfmOptions options = model;
     options.mode = mode;

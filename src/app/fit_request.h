@@ -3,6 +3,7 @@
 #include <string>
 
 #include "compute/compute_options.h"
+#include "cpu/vertex_solver.h"
 #include "fragment/fragment_engine.h"
 #include "gl/context.h"
 #include "model/lfm.h"
@@ -76,6 +77,7 @@ struct FitRequest {
     FragmentOptions fragment_options() const;
     StreamOptions stream_options() const;  ///< of images that are distributed in every sweep
     bool levenberg_marquardt() const { return optimizer == nullptr; }
+    VertexSolverOptions vertex_solver_options() const;
     bool on_engine(EngineKind kind) const;  ///< of solvers that run on an engine
     bool on_fragment_engine() const { return on_engine(EngineKind::fragment); }
     bool redistributes() const;  ///< on compute shaders

@@ -59,9 +59,7 @@ private:
 };
 
 FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
-    Progress progress("fit", size_t(request.iterations) + 1);
-    FitOutcome outcome = solve(dataset, request, nullptr, [&](int, const auto&) { progress.advance(); });
-    progress.finish();
+    FitOutcome outcome = solve(dataset, request);
     const ResamplingCounts resampling = outcome.resampling;
     FitRun run = outcome;
     return finished_light_field(std::move(outcome.fit), std::move(run), resampling, dataset);

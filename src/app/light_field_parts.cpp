@@ -138,10 +138,7 @@ private:
 };
 
 PartResult DividedLightField::solve(const Part& part) const {
-    Progress progress("part", size_t(part.request.iterations) + 1);
-    const FitOutcome outcome =
-        radiafit::solve(part.dataset, part.request, nullptr, [&](int, const auto&) { progress.advance(); });
-    progress.finish();
+    const FitOutcome outcome = radiafit::solve(part.dataset, part.request);
     const LightFieldFit& fit = outcome.fit;
     const Mesh& mesh = part.dataset.mesh;
     const LfmLayout layout(VertexRings(mesh), surface_atlas(mesh, part.request.model), fit.options.view_side,

@@ -228,13 +228,11 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         plan.memory.push_back({std::move(name), std::move(shape), count, bytes});
     };
     const LfmLayout layout(rings, atlas, options.view_side, options.terms);
-    const bool stream = uses & use::engine;
+    const bool stream = uses & use::engine && !request.on_engine(EngineKind::cpu);
     for (const char* name : {"p", "trial", "d", "g", "trial g", "P", "fresh P"})
         if (stream || name == std::string_view("p"))
             add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
                 layout.size() * sizeof(float));
-    if (stream && !request.on_engine(EngineKind::compute))
-        add("start, then the result", "once more", layout.parameter_count(), layout.size() * sizeof(float));
     const uint64_t own = stream ? uint64_t(room_of(request.optimizer_options()).vectors) : 0;
     if (own > 0)
         add("vectors of the optimizer", fmt::format("{} x {} texels x 4 floats", own, layout.size() / 4),
@@ -245,6 +243,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,
                              samples * record_bytes(request)});
+        add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
         return plan;
     }
     if (request.on_engine(EngineKind::compute)) {
@@ -259,9 +258,11 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         if (request.redistributes()) add_host_images(dataset, request, plan.memory);
         return plan;
     }
-    const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);
-    add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
-        rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * footprint);
+    if (!request.on_engine(EngineKind::cpu)) {
+        const uint64_t footprint = sizeof(Footprint<float>) + (options.loss.weighted() ? sizeof(float) : 0);
+        add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
+            rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * footprint);
+    }
     if (request.part) {  // of the pixels, a share that is worth counting
         const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
         add("samples, about", "8 bytes", samples, 8 * samples);

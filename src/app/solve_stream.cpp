@@ -1,8 +1,11 @@
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/log.h"
+#include "base/parallel.h"
 #include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
+#include "cpu/vertex_solver.h"
 #include "dataset/dataset_json.h"
 #include "fragment/fragment_engine.h"
 #include "model/lfm_start.h"
@@ -16,13 +19,16 @@ void run_engine(E& engine, const LfmLayout& layout, FitTask& task) {
     const FitRequest& request = task.request;
     const ProblemStatistics statistics = engine.count();
     require_seen(statistics.any(), task.dataset, request);
+    Progress progress("iterations", size_t(request.iterations) + 1);
     const auto hook = [&](int iteration) {
+        progress.advance();
         if (task.each_iteration)
             task.each_iteration(iteration, [&](std::span<float> errors) { engine.read_errors(errors); });
     };
     std::vector<float> parameters = lfm_start(layout, statistics.mean, request.seed);
     task.out.trace =
         optimize_terms(engine, request.optimizer_options(), task.options.terms, request.deflate, parameters, hook);
+    progress.finish();
     std::vector<ProblemOutcome> outcomes(engine.problem_count());
     engine.outcomes(outcomes);
     fill_outcomes(task, layout, statistics, outcomes, std::move(parameters));
@@ -41,13 +47,23 @@ void with_fragment_engine(FitTask& task) {
 }
 
 void with_cpu_engine(FitTask& task) {
+    FitOutcome& out = task.out;
     const SampleList& samples = task.samples();
     Stopwatch clock;
-    LfmProblem<float> problem(task.dataset, task.atlas, task.rings, samples, task.options);
-    StreamEngine<float> engine(problem);
-    run_engine(engine, problem.layout(), task);
-    task.out.engine_bytes = engine.bytes();
-    task.out.times.optimization = clock.wall_s();
+    if (task.each_iteration) {  // wants all problems after each iteration
+        LfmProblem<float> problem(task.dataset, task.atlas, task.rings, samples, task.options);
+        StreamEngine<float> engine(problem);
+        run_engine(engine, problem.layout(), task);
+        out.engine_bytes = engine.bytes();
+    } else {
+        Progress progress("vertices", task.rings.vertex_count());
+        VertexSolution solution = solve_vertices(task.dataset, task.atlas, task.rings, samples, task.options,
+                                                 task.request.vertex_solver_options(), [&] { progress.advance(); });
+        progress.finish();
+        take_solution(task, std::move(solution));
+        out.engine_bytes = uint64_t(thread_count()) * out.working_set_bytes;
+    }
+    out.times.optimization = clock.wall_s();
 }
 
 void with_compute_engine(FitTask& task) {

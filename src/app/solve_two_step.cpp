@@ -41,19 +41,13 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
     settle_cache(BlockFile::file(folder), task.request, out);
     Stopwatch clock;
     Progress progress("vertices", records.vertex_count());
-    TwoStepResult result = solve_two_step(
-        task.dataset, task.atlas, task.rings, records, task.options,
-        {.optimizer = task.request.optimizer_options(), .deflate = task.request.deflate, .seed = task.request.seed},
-        [&] { progress.advance(); });
+    TwoStepResult result = solve_two_step(task.dataset, task.atlas, task.rings, records, task.options,
+                                          task.request.vertex_solver_options(), [&] { progress.advance(); });
     progress.finish();
-    require_seen(result.statistics.any(), task.dataset, task.request);
     out.times.streaming = result.read_s;
     out.times.optimization = clock.wall_s() - result.read_s;
-    out.trace = std::move(result.trace);
     out.record_bytes_read = result.bytes_read;
-    out.sample_iterations = result.sample_iterations;
-    out.working_set_bytes = result.largest_working_set;
-    fill_outcomes(task, task.layout(), result.statistics, result.outcomes, std::move(result.parameters));
+    take_solution(task, std::move(result));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "app/solve.h"
 #include "cpu/texel_solver.h"
+#include "cpu/vertex_solver.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/context.h"
@@ -120,6 +121,9 @@ void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& data
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.
 void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
                    std::span<const ProblemOutcome> outcomes, std::vector<float> parameters);
+
+/// The same of a solution vertex by vertex, with its trace.
+void take_solution(FitTask& task, VertexSolution&& solution);
 
 /// For solvers that return parameters only: fills the fit's problems (raw E, samples, the given status and iterations)
 /// by evaluating the model once over the samples. Problems without samples say so whatever `status` is.

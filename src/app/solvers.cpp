@@ -60,6 +60,14 @@ void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatisti
     }
 }
 
+void take_solution(FitTask& task, VertexSolution&& solution) {
+    require_seen(solution.statistics.any(), task.dataset, task.request);
+    task.out.trace = std::move(solution.trace);
+    task.out.sample_iterations = solution.sample_iterations;
+    task.out.working_set_bytes = solution.largest_working_set;
+    fill_outcomes(task, task.layout(), solution.statistics, solution.outcomes, std::move(solution.parameters));
+}
+
 void fill_problems(FitTask& task, std::vector<float> parameters, Status status, uint32_t iterations) {
     LfmOptions data_only = task.options;
     data_only.lambda_surface = data_only.lambda_view = data_only.mu = 0;
@@ -102,6 +110,13 @@ void solve_mean(FitTask& task) {
     fill_problems(task, std::move(parameters), Status::stationary, 0);
 }
 
+/// Of an optimizer over one vertex: vectors and states; its samples are few beside them.
+static uint64_t vertex_work(const FitRequest& request, const VertexShape& vertex) {
+    const LfmOptions& m = request.model;
+    const size_t texels = vertex.maps * TriangleTile::texels_of(m.surface_side) + size_t(m.view_side * m.view_side);
+    return vertex_solver_bytes(texels, vertex.samples, m.terms, room_of(request.optimizer_options()));
+}
+
 std::span<const Solver> solvers() {
     using namespace use;
     constexpr uint32_t maps_of = sides | space | maps, objective = smoothness | bounds, samples = distribution | opengl;
@@ -117,13 +132,15 @@ std::span<const Solver> solvers() {
          .solve = solve_stream,
          .uses = maps_of | own_sides | objective | of_optimizer | engine,
          .solve_texels = solve_texel_stream,
-         .texel_uses = texels_of_optimizer | engine},
+         .texel_uses = texels_of_optimizer | engine,
+         .vertex_bytes = vertex_work},
         {.name = "two-step",
          .help = "distributed to disk first, then vertex by vertex (Section 4.3)",
          .solve = solve_two_step,
          .uses = maps_of | own_sides | objective | of_optimizer | samples | record_kind | records,
          .solve_texels = solve_texel_two_step,
-         .texel_uses = texels_of_optimizer | samples | records},
+         .texel_uses = texels_of_optimizer | samples | records,
+         .vertex_bytes = vertex_work},
         {.name = "pca",
          .help = "factorization of the resampled light field, Chen et al. 2002",
          .solve = solve_pca,

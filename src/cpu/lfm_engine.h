@@ -5,7 +5,8 @@
 
 namespace radiafit {
 
-/// Light field maps over all samples in memory; LaneEngine<VertexProblem> solves one vertex from its record.
+/// Light field maps over all samples in memory, all vertices in every sweep; LaneEngine<VertexProblem> solves one
+/// vertex to its end.
 template <class real>
 using StreamEngine = LaneEngine<LfmProblem<real>>;
 

@@ -10,8 +10,8 @@
 /// the samples of one (vertex, image) between begin() and end(). Two samples share a register of twice four lanes; they
 /// are of different texels, as every two samples of one image are.
 ///
-/// Samples: size(); target(i), a lane per channel, the vertex's weight included; texel(i), a place in the surface maps
-/// that surface() and surface_gradient() address.
+/// Samples: size(); target(i), a lane per channel, the vertex's weight included; targets(i), those of i and i + 1;
+/// texel(i), a place in the surface maps.
 namespace radiafit {
 
 /// Lower-left texel of a view look-up and the weights of (x0, y0), (x0+1, y0), (x0, y0+1), (x0+1, y0+1).
@@ -50,8 +50,8 @@ protected:
         const size_t count = samples.size();
         size_t i = 0;
         for (; i + 2 <= count; i += 2)
-            body(size_t(samples.texel(i)) * terms, size_t(samples.texel(i + 1)) * terms,
-                 join<real>(samples.target(i), samples.target(i + 1)), std::true_type{});
+            body(size_t(samples.texel(i)) * terms, size_t(samples.texel(i + 1)) * terms, samples.targets(i),
+                 std::true_type{});
         if (i < count) {
             const size_t at = size_t(samples.texel(i)) * terms;
             body(at, at, join<real>(samples.target(i), V{}), std::false_type{});

@@ -4,17 +4,10 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "cpu/ring_samples.h"
 
 namespace radiafit {
 namespace {
-
-template <class real>
-inline Lanes<real> load_sample(const Sample& s) {
-    using Shorts = uint16_t __attribute__((vector_size(8)));
-    Shorts packed;
-    __builtin_memcpy(&packed, &s, sizeof packed);
-    return __builtin_convertvector(packed, Lanes<real>);  // the fourth lane holds the texel; a zero weight removes it
-}
 
 /// A group of the list as the kernels read it.
 template <class real>
@@ -23,7 +16,10 @@ struct GroupSamples {
     const Lanes<real>* weight;  ///< [tile texels]
     size_t size() const { return samples.size(); }
     uint32_t texel(size_t i) const { return samples[i].local; }
-    Lanes<real> target(size_t i) const { return weight[samples[i].local] * load_sample<real>(samples[i]); }
+    Lanes<real> target(size_t i) const { return weight[texel(i)] * load_sample<real>(&samples[i]); }
+    PairLanes<real> targets(size_t i) const {
+        return join<real>(weight[texel(i)], weight[texel(i + 1)]) * load_two_samples<real>(&samples[i]);
+    }
 };
 
 }  // namespace
@@ -35,16 +31,8 @@ LfmProblem<real>::LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas,
       samples_(&samples),
       options_((check_options(options), options)),
       layout_(rings, atlas, options.view_side, options.terms),
-      objective_(options) {
-    for (uint32_t triangle = 0; triangle < atlas.tile_count(); ++triangle) {
-        const TriangleTile& tile = atlas.tile(triangle);
-        auto& weights = target_weight_[size_t(tile.side())];
-        if (!weights[0].empty()) continue;
-        for (uint32_t local = 0; local < tile.texels(); ++local)
-            for (size_t corner = 0; corner < 3; ++corner)
-                weights[corner].push_back(
-                    broadcast3<real>(real(tile.barycentric(local)[corner]) * real(samples.scale)));
-    }
+      objective_(options),
+      target_weights_(atlas, samples.scale) {
     const auto frames = vertex_frames(atlas.mesh());
     const size_t images = samples.image_count();
     std::vector<Vec3d> centers;
@@ -65,29 +53,10 @@ LfmProblem<real>::LfmProblem(const Dataset& dataset, const TriangleAtlas& atlas,
 
 template <class real>
 ProblemStatistics LfmProblem<real>::count() {
-    ProblemStatistics statistics;
-    statistics.samples.assign(vertex_count(), 0);
-    statistics.mean.assign(3 * vertex_count(), 0.0f);
-    scales_.assign(vertex_count(), {});
-    parallel_for(vertex_count(), 64, [&](size_t v, int) {
-        Lanes<double> sum{};
-        uint32_t count = 0;
-        const auto ring = rings_->ring(v);
-        for (size_t map = 0; map < ring.size(); ++map) {
-            const Corner& c = ring[map];
-            const uint64_t first = samples_->groups[samples_->tile_groups[c.triangle]].first;
-            const uint64_t last = samples_->groups[samples_->tile_groups[c.triangle + 1]].first;
-            const V* weight = target_weight(c, layout_.sides(v)[map]);
-            V part{};
-            for (uint64_t s = first; s < last; ++s)
-                part += weight[samples_->samples[s].local] * load_sample<real>(samples_->samples[s]);
-            sum += widen<real>(part);
-            count += uint32_t(last - first);
-        }
-        statistics.samples[v] = count;
-        for (int c = 0; c < 3 && count; ++c) statistics.mean[3 * v + size_t(c)] = float(sum[c] / count);
-        scales_[v] = objective_.scale(texels(v), count, &statistics.mean[3 * v]);
-    });
+    const ProblemStatistics statistics = count_rings(*rings_, *samples_, target_weights_);
+    scales_.resize(vertex_count());
+    for (size_t v = 0; v < vertex_count(); ++v)
+        scales_[v] = objective_.scale(texels(v), statistics.samples[v], &statistics.mean[3 * v]);
     counts_ = statistics.samples;
     return statistics;
 }
@@ -108,7 +77,8 @@ void LfmProblem<real>::direction(size_t v, const V* x, V* gradient, V* diagonal,
                  group < samples_->tile_groups[corner.triangle + 1]; ++group) {
                 const uint32_t image = samples_->groups[group].image;
                 const Footprint<real>& f = footprint(v, image);
-                const GroupSamples<real> samples{samples_->of_group(group), target_weight(corner, sides[position])};
+                const GroupSamples<real> samples{samples_->of_group(group),
+                                                 target_weights_.of(corner, sides[position])};
                 kernel.begin(f, x + view, weight(v, image));
                 kernel.add(samples, x + map, gradient + map, diagonal ? diagonal + map : nullptr);
                 kernel.end(f, gradient + view, diagonal ? diagonal + view : nullptr, data);
@@ -141,7 +111,8 @@ void LfmProblem<real>::line(size_t v, const V* x, const V* d, LineLanes& sums) c
                  group < samples_->tile_groups[corner.triangle + 1]; ++group) {
                 const uint32_t image = samples_->groups[group].image;
                 const Footprint<real>& f = footprint(v, image);
-                const GroupSamples<real> samples{samples_->of_group(group), target_weight(corner, sides[position])};
+                const GroupSamples<real> samples{samples_->of_group(group),
+                                                 target_weights_.of(corner, sides[position])};
                 kernel.begin(f, x + view, d + view, weight(v, image));
                 kernel.add(samples, x + map, d + map);
                 kernel.end(sums);

@@ -1,10 +1,10 @@
 #pragma once
-#include <array>
 #include <span>
 #include <vector>
 
 #include "cpu/lfm_kernels.h"
 #include "cpu/lfm_objective.h"
+#include "cpu/ring_samples.h"
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
 #include "optim/engine.h"
@@ -58,18 +58,12 @@ private:
         return weights_.empty() ? real(1) : weights_[v * samples_->image_count() + image];
     }
 
-    /// Targets' weights of a tile's texels as one of its corners sees them: Lambda at the centre, times the scale.
-    const V* target_weight(const Corner& corner, int side) const {
-        return target_weight_[size_t(side)][corner.corner].data();
-    }
-
     const VertexRings* rings_;
     const SampleList* samples_;
     LfmOptions options_;
     LfmLayout layout_;
     LfmObjective<real> objective_;
-    /// [side][corner][tile texels]; empty for sides that no map has.
-    std::array<std::array<std::vector<V>, 3>, largest_side + 1> target_weight_;
+    TargetWeights<real> target_weights_;
     std::vector<Footprint<real>> footprints_;                 ///< [vertices][images]
     std::vector<real> weights_;                               ///< [vertices][images] of samples; empty: equal
     std::vector<uint32_t> counts_;                            ///< [vertices] samples

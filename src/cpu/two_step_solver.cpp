@@ -1,78 +1,61 @@
 #include "cpu/two_step_solver.h"
 
-#include <memory>
+#include <mutex>
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "cpu/lfm_engine.h"
-#include "model/lfm_start.h"
 
 namespace radiafit {
 namespace {
 
-constexpr size_t chunk = 16;  ///< vertices read in one piece
+/// What the threads read, together.
+struct Readings {
+    std::mutex mutex;
+    double seconds = 0;
+    uint64_t bytes = 0;
+};
 
-struct Worker {
-    VertexProblem problem;
-    LaneEngine<VertexProblem> engine{problem};
-    std::vector<uint8_t> blocks;
-    double read_s = 0;
-    uint64_t bytes_read = 0, sample_iterations = 0, largest_working_set = 0;
-    explicit Worker(VertexProblem p) : problem(std::move(p)) {}
+class RecordSource final : public VertexSource {
+public:
+    RecordSource(const DiskRecords& records, Readings& readings) : records_(&records), readings_(&readings) {}
+    void begin(size_t begin, size_t end) override {
+        const Stopwatch clock;
+        records_->read(begin, end, blocks_);
+        next_ = blocks_.data();
+        const std::lock_guard lock(readings_->mutex);
+        readings_->seconds += clock.wall_s();
+        readings_->bytes += blocks_.size();
+    }
+    void load(size_t v, VertexProblem& problem) override {
+        problem.load(v, *records_, next_);
+        next_ += records_->block_bytes(v);
+    }
+
+private:
+    const DiskRecords* records_;
+    Readings* readings_;
+    std::vector<uint8_t> blocks_;
+    const uint8_t* next_ = nullptr;
 };
 
 }  // namespace
 
 TwoStepResult solve_two_step(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-                             const DiskRecords& records, const LfmOptions& options, const TwoStepOptions& two_step,
+                             const DiskRecords& records, const LfmOptions& model, const VertexSolverOptions& options,
                              const std::function<void()>& progress) {
-    const LfmLayout layout(rings, atlas, options.view_side, options.terms);
-    const size_t vertices = layout.problem_count();
-    TwoStepResult out;
-    for (size_t v = 0; v < vertices; ++v) {
-        out.statistics.samples.push_back(records.vertex(v).samples);
-        out.statistics.mean.insert(out.statistics.mean.end(), records.vertex(v).mean, records.vertex(v).mean + 3);
+    const LfmLayout layout(rings, atlas, model.view_side, model.terms);
+    ProblemStatistics statistics;
+    for (size_t v = 0; v < layout.problem_count(); ++v) {
+        const VertexRecord& record = records.vertex(v);
+        statistics.samples.push_back(record.samples);
+        statistics.mean.insert(statistics.mean.end(), record.mean, record.mean + 3);
     }
-    out.parameters = lfm_start(layout, out.statistics.mean, two_step.seed);
-    out.outcomes.resize(3 * vertices);
-
-    const VertexProblem fresh(dataset, atlas, rings, records, options);
-    std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
-    std::vector<TraceSum> traces((vertices + chunk - 1) / chunk);
-    parallel_for(traces.size(), 1, [&](size_t c, int worker) {
-        if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>(fresh);
-        Worker& w = *workers[size_t(worker)];
-        const size_t begin = c * chunk, end = std::min(begin + chunk, vertices);
-        Stopwatch reading;
-        records.read(begin, end, w.blocks);
-        w.read_s += reading.wall_s();
-        w.bytes_read += w.blocks.size();
-        const uint8_t* block = w.blocks.data();
-        for (size_t v = begin; v < end; block += records.block_bytes(v), ++v) {
-            w.problem.load(v, block);
-            w.engine.count();
-            const Trace trace = optimize_terms(w.engine, two_step.optimizer, options.terms, two_step.deflate,
-                                               {out.parameters.data() + layout.offset(v), layout.block_size(v)});
-            w.engine.outcomes({out.outcomes.data() + 3 * v, 3});
-            traces[c].add(trace.rows);
-            w.sample_iterations += uint64_t(records.vertex(v).samples) * uint64_t(trace.rows.back().iteration);
-            w.largest_working_set = std::max(w.largest_working_set, w.problem.working_set_bytes());
-            if (progress) progress();
-        }
-    });
-
-    TraceSum sum;
-    for (const TraceSum& trace : traces) sum.add(trace.rows());  // in the order of chunks, whoever solved them
-    out.trace.rows = sum.rows();
-    const double threads = thread_count();
-    for (TraceRow& row : out.trace.rows) row.time_s /= threads;
-    for (const auto& w : workers) {
-        if (!w) continue;
-        out.read_s += w->read_s / threads;
-        out.bytes_read += w->bytes_read;
-        out.sample_iterations += w->sample_iterations;
-        out.largest_working_set = std::max(out.largest_working_set, w->largest_working_set);
-    }
+    Readings readings;
+    TwoStepResult out{solve_vertices(
+        layout, std::move(statistics), VertexProblem(dataset, atlas, rings, records.views(), model), options,
+        [&] { return std::make_unique<RecordSource>(records, readings); }, progress)};
+    out.read_s = readings.seconds / thread_count();
+    out.bytes_read = readings.bytes;
     return out;
 }
 

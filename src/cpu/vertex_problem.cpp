@@ -3,22 +3,23 @@
 #include <algorithm>
 #include <cstring>
 
+#include "cpu/ring_samples.h"
+
 namespace radiafit {
 
 VertexProblem::VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-                             const DiskRecords& records, const LfmOptions& options)
+                             const std::vector<uint32_t>& views, const LfmOptions& options)
     : atlas_(&atlas),
       rings_(&rings),
-      records_(&records),
       options_((check_options(options), options)),
       objective_(options),
-      frames_(vertex_frames(atlas.mesh())) {
-    for (uint32_t view : records.views()) centers_.push_back(dataset.views[view].camera.center());
+      frames_(std::make_shared<const std::vector<Frame>>(vertex_frames(atlas.mesh()))) {
+    for (uint32_t view : views) centers_.push_back(dataset.views[view].camera.center());
 }
 
-void VertexProblem::load(size_t v, const uint8_t* block) {
-    const VertexRecord& record = records_->vertex(v);
-    samples_ = record.samples;
+/// All but the samples and their groups.
+void VertexProblem::take_maps(size_t v, uint32_t samples, const float* mean) {
+    samples_ = samples;
     sides_.clear();
     tiles_.clear();
     first_texels_.clear();
@@ -32,29 +33,67 @@ void VertexProblem::load(size_t v, const uint8_t* block) {
             weights_.push_back(broadcast3(tile.barycentric(local)[corner.corner]));
     }
     size_ = size_t(options_.terms) * (texels(0) + size_t(options_.view_side) * size_t(options_.view_side));
-    std::copy_n(record.mean, 3, mean_);
+    std::copy_n(mean, 3, mean_);
     scale_ = objective_.scale(texels(0), samples_, mean_);
-    groups_.resize(record.images + 1);
-    uint32_t first = 0;
-    for (uint32_t g = 0; g < record.images; ++g) {
-        RecordGroup group;
-        std::memcpy(&group, block + g * sizeof group, sizeof group);
-        groups_[g].first = first;
-        first += group.samples;
-        const ViewFootprint f = view_footprint(frames_[v], atlas_->mesh().positions[v], centers_[group.image],
-                                               options_.view_side, options_.lookup);
-        groups_[g].footprint = {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}};
-        groups_[g].weight =
-            float(view_weight(frames_[v], atlas_->mesh().positions[v], centers_[group.image], options_.loss.weights));
-    }
-    groups_[record.images].first = first;
     targets_.resize(samples_);
     texels_.resize(samples_);
-    const uint8_t* samples = block + record.images * sizeof(RecordGroup);
-    records_->kind() == RecordKind::full ? take_full(samples) : take_compact(record, samples);
 }
 
-void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from) {
+VertexProblem::Group VertexProblem::group(size_t v, uint32_t image, uint32_t first) const {
+    const Vec3f& position = atlas_->mesh().positions[v];
+    const Frame& frame = (*frames_)[v];
+    const ViewFootprint f = view_footprint(frame, position, centers_[image], options_.view_side, options_.lookup);
+    return {first,
+            {f.texel, {f.weight[0], f.weight[1], f.weight[2], f.weight[3]}},
+            float(view_weight(frame, position, centers_[image], options_.loss.weights))};
+}
+
+void VertexProblem::load(size_t v, const DiskRecords& records, const uint8_t* block) {
+    const VertexRecord& record = records.vertex(v);
+    take_maps(v, record.samples, record.mean);
+    groups_.clear();
+    uint32_t first = 0;
+    for (uint32_t g = 0; g < record.images; ++g) {
+        RecordGroup on_disk;
+        std::memcpy(&on_disk, block + g * sizeof on_disk, sizeof on_disk);
+        groups_.push_back(group(v, on_disk.image, first));
+        first += on_disk.samples;
+    }
+    groups_.push_back({first, {}, 0});
+    const uint8_t* samples = block + record.images * sizeof(RecordGroup);
+    records.kind() == RecordKind::full ? take_full(samples) : take_compact(records, record, samples);
+}
+
+void VertexProblem::load(size_t v, const SampleList& list, const float* mean) {
+    const auto ring = rings_->ring(v);
+    std::vector<uint32_t> next, end;  // groups of the ring's triangles that are still to come
+    uint64_t samples = 0;
+    for (const Corner& corner : ring) {
+        next.push_back(list.tile_groups[corner.triangle]);
+        end.push_back(list.tile_groups[corner.triangle + 1]);
+        samples += list.groups[end.back()].first - list.groups[next.back()].first;
+    }
+    take_maps(v, uint32_t(samples), mean);
+    groups_.clear();
+    uint32_t at = 0;
+    for (;;) {
+        uint32_t image = ~0u;
+        for (size_t p = 0; p < ring.size(); ++p)
+            if (next[p] < end[p]) image = std::min(image, list.groups[next[p]].image);
+        if (image == ~0u) break;
+        groups_.push_back(group(v, image, at));
+        for (size_t p = 0; p < ring.size(); ++p) {
+            if (next[p] == end[p] || list.groups[next[p]].image != image) continue;
+            for (const Sample& sample : list.of_group(next[p]++)) {
+                const uint32_t place = texels_[at] = first_texels_[p] + sample.local;
+                targets_[at++] = weights_[place] * (list.scale * load_sample<float>(&sample));
+            }
+        }
+    }
+    groups_.push_back({at, {}, 0});
+}
+
+void VertexProblem::take_compact(const DiskRecords& records, const VertexRecord& record, const uint8_t* from) {
     const auto take = [&](auto channel) {
         using Channel = decltype(channel);
         constexpr int unit = sizeof(Channel) == 1 ? 257 : 1;  // in 16 bits, as every engine's targets are
@@ -66,10 +105,10 @@ void VertexProblem::take_compact(const VertexRecord& record, const uint8_t* from
             from += sizeof rgb + record.texel_bytes;
             texels_[i] = place;
             targets_[i] = weights_[place] *
-                          (records_->scale() * V{float(unit * rgb[0]), float(unit * rgb[1]), float(unit * rgb[2]), 0});
+                          (records.scale() * V{float(unit * rgb[0]), float(unit * rgb[1]), float(unit * rgb[2]), 0});
         }
     };
-    records_->bits() == 8 ? take(uint8_t{}) : take(uint16_t{});
+    records.bits() == 8 ? take(uint8_t{}) : take(uint16_t{});
 }
 
 // Everything comes from the record itself, as in the paper: also where a sample falls in the vertex's view map.

@@ -1,27 +1,33 @@
 #pragma once
+#include <memory>
+
 #include "cpu/lfm_kernels.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "optim/engine.h"
 #include "samples/disk_records.h"
+#include "samples/sample_list.h"
 
 namespace radiafit {
 
-/// One vertex's problem, loaded from its record: what stays in the L2 cache while LaneEngine solves it. Samples stand
-/// by (image, ring position, texel), targets weighted and widened once, so a view look-up serves all of an image's
-/// samples. As LaneEngine's Problem it has one block, number 0.
+/// One vertex's problem, loaded from its record or from a list of all samples: what stays in the L2 cache while
+/// LaneEngine solves it. Samples stand by (image, ring position, texel), targets weighted and widened once, so a view
+/// look-up serves all of an image's samples. As LaneEngine's Problem it has one block, number 0.
 class VertexProblem {
 public:
     using Real = float;
     using V = Lanes<float>;
     using Sums = LineLanes;
     static constexpr int lanes = 3;
-    /// All arguments but options must outlive the problem.
+    /// `views`: the dataset's views that samples name by their position. All arguments but views and options must
+    /// outlive the problem.
     VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-                  const DiskRecords& records, const LfmOptions& options);
+                  const std::vector<uint32_t>& views, const LfmOptions& options);
 
     /// Takes vertex v from its block. Keeps storage.
-    void load(size_t v, const uint8_t* block);
+    void load(size_t v, const DiskRecords& records, const uint8_t* block);
+    /// From a list; mean [3] of the targets L t.
+    void load(size_t v, const SampleList& list, const float* mean);
 
     // What LaneEngine asks for.
     size_t problem_count() const { return 3; }
@@ -32,6 +38,7 @@ public:
     void get(const V* vector, std::span<float> values) const { get_lanes<float>(vector, values); }
     void fit_terms(int first, int last) { objective_.fit_terms(first, last); }
     size_t texels(size_t) const { return weights_.size(); }
+    const LfmOptions& options() const { return options_; }
     ProblemStatistics count() const { return {{samples_}, {mean_[0], mean_[1], mean_[2]}}; }
     void direction(size_t, const V* x, V* gradient, V* fresh_p, double error[3]) const;
     void line(size_t, const V* x, const V* d, LineLanes& sums) const;
@@ -45,27 +52,29 @@ private:
         float weight;  ///< of its samples
     };
     struct Samples {
-        const V* targets;
+        const V* weighted;
         const uint32_t* texels;
         size_t count;
         size_t size() const { return count; }
         uint32_t texel(size_t i) const { return texels[i]; }
-        V target(size_t i) const { return targets[i]; }
+        V target(size_t i) const { return weighted[i]; }
+        PairLanes<float> targets(size_t i) const { return join<float>(weighted[i], weighted[i + 1]); }
     };
     Samples of_group(size_t g) const {
         const uint32_t first = groups_[g].first;
         return {targets_.data() + first, texels_.data() + first, groups_[g + 1].first - first};
     }
-    void take_compact(const VertexRecord& record, const uint8_t* from);
+    void take_maps(size_t v, uint32_t samples, const float* mean);
+    Group group(size_t v, uint32_t image, uint32_t first) const;
+    void take_compact(const DiskRecords& records, const VertexRecord& record, const uint8_t* from);
     void take_full(const uint8_t* from);
 
     const TriangleAtlas* atlas_;
     const VertexRings* rings_;
-    const DiskRecords* records_;
     LfmOptions options_;
     LfmObjective<float> objective_;
-    std::vector<Frame> frames_;
-    std::vector<Vec3d> centers_;  ///< of the images' cameras
+    std::shared_ptr<const std::vector<Frame>> frames_;  ///< [vertices]; of copies, too
+    std::vector<Vec3d> centers_;                        ///< of the images' cameras
 
     size_t size_ = 0;                         ///< of the vertex's block, in V
     std::vector<uint8_t> sides_;              ///< of its surface maps

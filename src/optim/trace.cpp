@@ -34,6 +34,14 @@ void TraceSum::add(const std::vector<TraceRow>& rows) {
     }
 }
 
+Trace sum_over_threads(const std::vector<TraceSum>& parts, int threads) {
+    TraceSum sum;
+    for (const TraceSum& part : parts) sum.add(part.rows());
+    Trace trace{sum.rows()};
+    for (TraceRow& row : trace.rows) row.time_s /= threads;
+    return trace;
+}
+
 std::string trace_csv(const Trace& trace, const std::string& solver, const std::string& engine) {
     std::string csv = "solver,engine,iteration,time_s,error,accepted,active\n";
     for (const TraceRow& r : trace.rows)

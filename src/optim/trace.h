@@ -32,6 +32,10 @@ private:
     std::vector<TraceRow> rows_;
 };
 
+/// The trace of problems that several threads solved one after another: sums in the order of `parts`, whichever thread
+/// made them; time_s is what all took, over the threads.
+Trace sum_over_threads(const std::vector<TraceSum>& parts, int threads);
+
 /// CSV with columns solver,engine,iteration,time_s,error,accepted,active.
 std::string trace_csv(const Trace& trace, const std::string& solver, const std::string& engine);
 
