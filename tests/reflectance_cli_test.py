@@ -38,6 +38,15 @@ class Reflectance(ProgramTest):
                              {f"rho_{k}.{c}" for k in "ds" for c in "RGB"} | {"Cx", "Cz", "n"})
             self.assertLess(truth[name]["rmse"], truth["white"]["rmse"])
 
+    def test_both_instruction_sets_find_the_same(self):
+        base = dict(os.environ, RADIAFIT_INSTRUCTIONS="base")
+        for optimizer in ("lm", "cg"):
+            widest = self.good("fit", "ornament", "--model", "lafortune", "--optimizer", optimizer, "-o", "widest")
+            self.good("fit", "ornament", "--model", "lafortune", "--optimizer", optimizer, "-o", "narrow", environment=base)
+            self.assertFalse(json.loads((self.root / "narrow/fit.json").read_text())["provenance"]["march"]["avx512"])
+            a, b = self.judged("widest"), self.judged("narrow")
+            self.assertAlmostEqual(a["psnr"], b["psnr"], delta=1e-3)
+
     def test_every_solver_finds_it(self):
         for options in (("--optimizer", "cg", "--iterations", "40"),
                         ("--solver", "two-step"),

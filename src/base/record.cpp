@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/instructions.h"
 #include "base/libraries.h"  // made by CMake
 #include "base/parallel.h"
 #include "base/revision.h"  // made by CMake
@@ -130,7 +131,11 @@ std::string record_json(const Record& record) {
         {"version", record.version},
         {"git_revision", record.git_revision},
         {"compiler", record.compiler},
-        {"march", {{"asked", RADIAFIT_MARCH_ASKED}, {"resolved", RADIAFIT_MARCH}, {"instructions", instructions()}}},
+        {"march",
+         {{"asked", RADIAFIT_MARCH_ASKED},
+          {"resolved", RADIAFIT_MARCH},
+          {"instructions", instructions()},
+          {"avx512", run_avx512()}}},
         {"libraries", {{"built", built_json()}, {"loaded", loaded_libraries()}}},
         {"cpu", record.cpu},
         {"cores", record.cores},

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/flush_subnormals.h"
+#include "base/instructions.h"
 #include "base/parallel.h"
 #include "cpu/texel_batches.h"
 #include "cpu/texel_sums.h"
@@ -55,7 +56,10 @@ void TexelBatches<Text>::direction(size_t block, const Pack* x, Pack* g, Pack* d
     const FlushSubnormals flush;
     constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape);
     const auto p = parameters(x);
-    const auto sums = with_loss(loss_, [&](auto loss) { return texel_sums<Text>(batches_[block].rows(), p, loss); });
+    TexelSums<Text> sums;
+    with_loss(loss_, [&](auto loss) {
+        with_widest_vectors([&] { sums = texel_sums<Text>(batches_[block].rows(), p, loss); });
+    });
     const Pack scale = inverse_samples_[block];
     const WidePack wide_scale = widen(scale);
     WidePack error = wide_scale * sums.error;
@@ -91,23 +95,25 @@ void TexelBatches<Text>::line(size_t block, const Pack* x, const Pack* along, Su
     const auto p = parameters(x), d = parameters(along);
     WidePack gauss_newton{}, curvature{};
     with_loss(loss_, [&](auto loss) {
-        detail::for_runs(batches_[block].rows(), [&](auto run) {
-            Pack squares{}, bends{};
-            for (const auto& row : run) {
-                const auto terms = detail::terms_of<Text>(row);
-                auto r = Model::value(p, terms);
-                const auto bend = Model::bend(p, d, terms);
-                for (size_t c = 0; c < 3; ++c) r[c] = r[c] - row.target[c];
-                Pack weight = row.weight;
-                if constexpr (decltype(loss)::reweighs)
-                    weight *= loss.weight(weight * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
-                for (size_t c = 0; c < 3; ++c) {
-                    squares += weight * bend.first[c] * bend.first[c];
-                    bends += weight * r[c] * bend.second[c];
+        with_widest_vectors([&] {
+            detail::for_runs(batches_[block].rows(), [&](auto run) {
+                Pack squares{}, bends{};
+                for (const auto& row : run) {
+                    const auto terms = detail::terms_of<Text>(row);
+                    auto r = Model::value(p, terms);
+                    const auto bend = Model::bend(p, d, terms);
+                    for (size_t c = 0; c < 3; ++c) r[c] = r[c] - row.target[c];
+                    Pack weight = row.weight;
+                    if constexpr (decltype(loss)::reweighs)
+                        weight *= loss.weight(weight * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
+                    for (size_t c = 0; c < 3; ++c) {
+                        squares += weight * bend.first[c] * bend.first[c];
+                        bends += weight * r[c] * bend.second[c];
+                    }
                 }
-            }
-            gauss_newton += widen(squares);
-            curvature += widen(squares) + widen(bends);
+                gauss_newton += widen(squares);
+                curvature += widen(squares) + widen(bends);
+            });
         });
     });
     const WidePack scale = widen(inverse_samples_[block]);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/flush_subnormals.h"
+#include "base/instructions.h"
 #include "cpu/texel_fit.h"
 
 /// The definitions of TexelFit: for the file that instantiates it for the models that there are, and for tests of
@@ -214,7 +215,9 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace) c
             const Step step = propose(now, damping);
             Mask tiny = all;
             for (size_t i = 0; i < size_t(Q); ++i) tiny = tiny & (max(step.by[i], -step.by[i]) <= WidePack(6e-8));
-            end(tiny | (step.promised <= WidePack(options_.tolerance) * now.sums.error + exact), Status::stationary);
+            end(tiny | (now.sums.error <= exact) |
+                    (step.promised <= WidePack(options_.tolerance) * now.sums.error + exact),
+                Status::stationary);
             if (!detail::any(active)) break;
 
             Point trial = moved(now, step);
@@ -278,7 +281,8 @@ auto TexelFit<Text>::best_start(const Batch& batch) -> Point {
                 error += fit.change;
             }
             for (size_t j = 0; j < size_t(Q); ++j) p.s[j] = WidePack(Text::starts[i][j]);
-            const Mask better = error < lowest;
+            // among equals the first: rounding alone would take a lobe that no sample meets
+            const Mask better = error < lowest * WidePack(1 + 1e-9);
             best.take(better, p);
             lowest = WidePack::select(better, error, lowest);
         }
@@ -288,7 +292,9 @@ auto TexelFit<Text>::best_start(const Batch& batch) -> Point {
 
 template <class Text>
 auto TexelFit<Text>::solve(const Batch& batch, Trace* trace) const -> Outcomes {
-    return run(batch, best_start(batch), trace);
+    Outcomes out;
+    with_widest_vectors([&] { out = run(batch, best_start(batch), trace); });
+    return out;
 }
 
 template <class Text>
@@ -304,15 +310,19 @@ auto TexelFit<Text>::solve(const Batch& batch, const std::array<Parameters, Pack
         for (size_t i = 0; i < size_t(Q); ++i) p.s[i].set(lane, at(size_t(3 * B) + i));
     }
     if constexpr (Q > 0) p = moved(p, Step{});
-    return run(batch, p, nullptr);
+    Outcomes out;
+    with_widest_vectors([&] { out = run(batch, p, nullptr); });
+    return out;
 }
 
 template <class Text>
 auto TexelFit<Text>::start(const Batch& batch) -> std::array<Parameters, Pack::size> {
-    Point p = best_start(batch);
-    if constexpr (Q == 0) evaluate(batch, p);
     std::array<Parameters, Pack::size> out;
-    for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)] = parameters_of(p, lane, batch.count(lane) > 0);
+    with_widest_vectors([&] {
+        Point p = best_start(batch);
+        if constexpr (Q == 0) evaluate(batch, p);
+        for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)] = parameters_of(p, lane, batch.count(lane) > 0);
+    });
     return out;
 }
 

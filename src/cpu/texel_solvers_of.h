@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 
+#include "base/instructions.h"
 #include "base/parallel.h"
 #include "cpu/lane_engine_impl.h"
 #include "cpu/texel_batch_loader.h"
@@ -60,7 +61,9 @@ class TexelSolversOf final : public TexelSolvers {
         packed.fill(Pack{});
         for (size_t t = 0; t < count; ++t)
             for (size_t i = 0; i < N; ++i) packed[i].set(int(t), p[(first + t) * N + i]);
-        const WidePack error = with_loss(loss, [&](auto of) { return texel_error<Text>(batch.rows(), packed, of); });
+        WidePack error;
+        with_loss(loss,
+                  [&](auto of) { with_widest_vectors([&] { error = texel_error<Text>(batch.rows(), packed, of); }); });
         for (size_t t = 0; t < count; ++t) errors[first + t] = batch.count(int(t)) ? float(error[int(t)]) : 0.0f;
     }
 

@@ -160,7 +160,7 @@ StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>
         return s;
     };
     std::array<std::array<Pack, last + 3>, detail::run_length> weighted;  // w b_i, w target_c
-    std::array<std::array<Pack, group>, detail::run_length> lobes;
+    Pack lobes[detail::run_length][group];
     detail::for_runs(rows, [&](auto run) {
         Pack plain[B][B] = {}, target[B][3] = {};
         const typename Text::Shape any = shape_at(0);
@@ -185,10 +185,14 @@ StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>
             for (size_t g = 0; g < group; ++g) varied[g] = shape_at(first + g).x[Text::shape_count - 1];
             for (size_t n = 0; n < run.size(); ++n) {
                 const auto t = detail::terms_of<Text>(run[n]);
+                if constexpr (requires { Text::last_basis_at_starts(shape, t, lobes[n]); }) {
+                    Text::last_basis_at_starts(shape, t, lobes[n]);
+                } else {
 #pragma GCC unroll 8
-                for (size_t g = 0; g < group; ++g) {
-                    shape.x[Text::shape_count - 1] = varied[g];
-                    lobes[n][g] = Text::basis(shape, t).x[last];
+                    for (size_t g = 0; g < group; ++g) {
+                        shape.x[Text::shape_count - 1] = varied[g];
+                        lobes[n][g] = Text::basis(shape, t).x[last];
+                    }
                 }
             }
             Pack lobe[group][B] = {}, with_target[group][3] = {};

@@ -94,7 +94,9 @@ BoundedStep<real, N> bounded_step(const SmallMatrix<real, N>& a, const SmallFact
     };
     BoundedStep<real, N> out{factor.solve(g)};
     bool bounded = false;
+    SmallVector<real, N> inverse_diagonal;
     for (size_t i = 0; i < size_t(N); ++i) {
+        inverse_diagonal[i] = real(1.0) / (a[i][i] + real(1e-30));
         out.step[i] = within(i, -out.step[i]);
         bounded = bounded || bounds[i][1] - bounds[i][0] < 1e30;
     }
@@ -102,7 +104,7 @@ BoundedStep<real, N> bounded_step(const SmallMatrix<real, N>& a, const SmallFact
     // ones are those that belong at their bounds.
     for (int round = 0; bounded && round < 4; ++round)
         for (size_t i = 0; i < size_t(N); ++i)
-            out.step[i] = within(i, out.step[i] - slope(i, out.step) / (a[i][i] + real(1e-30)));
+            out.step[i] = within(i, out.step[i] - slope(i, out.step) * inverse_diagonal[i]);
     for (size_t i = 0; i < size_t(N); ++i) out.change += real(0.5) * out.step[i] * (g[i] + slope(i, out.step));
     const auto falls = out.change < real(0.0);
     for (size_t i = 0; i < size_t(N); ++i) out.step[i] = select<real>(falls, out.step[i], real(0.0));

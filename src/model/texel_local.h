@@ -112,7 +112,7 @@ struct TexelLocal : CompleteText<Text> {
     /// a[basis - 1][c] times column basis + i.
     static std::array<real, size_t(shared)> columns(const typename Text::Shape& s, const Terms& t) {
         const auto b = Text::basis(s, t);
-        std::array<real, size_t(shared)> q{};
+        std::array<real, size_t(shared)> q;
         for (int k = 0; k < basis; ++k) q[size_t(k)] = b.x[k];
         if constexpr (shape > 0) {
             const auto slope = Text::shape_slope(s, t);
