@@ -105,18 +105,6 @@ double write_images(const Dataset& dataset, const std::vector<uint32_t>& views, 
     return median(ratios);
 }
 
-/// Over usable texels: [samples] how many texels have so many.
-std::vector<uint64_t> samples_histogram(const Atlas& atlas, const DistributionStatistics& statistics) {
-    std::vector<uint64_t> counts;
-    for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel) {
-        if (!atlas.usable(texel)) continue;
-        const uint32_t samples = statistics.samples_per_texel[texel];
-        counts.resize(std::max<size_t>(counts.size(), samples + 1));
-        ++counts[samples];
-    }
-    return counts;
-}
-
 /// The share of texels with fewer samples than that.
 double share_below(size_t samples, const std::vector<uint64_t>& histogram) {
     uint64_t below = 0, all = 0;
@@ -205,7 +193,7 @@ void table1(Experiment& experiment) {
         const TriangleAtlas atlas = surface_atlas(dataset.mesh, here.model);
         const SharedSamples samples = distribute(dataset, atlas, here);
         const DistributionStatistics& s = samples.statistics;
-        const std::vector<uint64_t> histogram = samples_histogram(atlas, s);
+        const std::vector<uint64_t>& histogram = s.texels_taking;
         const std::vector<uint32_t> views = dataset.split(false);
         const double texels_per_pixel = write_images(dataset, views, count_images(dataset, atlas, here, views),
                                                      results.path() / (name + "_images.csv"));

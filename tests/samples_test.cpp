@@ -295,12 +295,14 @@ TEST_F(SampleListTest, EqualsANaiveConstruction) {
         EXPECT_EQ(statistics.covered_pixels, covered);
         EXPECT_EQ(statistics.kept_pixels, expected.size());
         EXPECT_EQ(statistics.samples, expected.size());
-        EXPECT_EQ(statistics.samples_per_texel, per_texel);
         std::vector<uint32_t> usable;
         for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel)
             if (atlas.usable(texel)) usable.push_back(per_texel[texel]);
         EXPECT_EQ(statistics.texels, usable.size());
         std::sort(usable.begin(), usable.end());
+        std::vector<uint64_t> taking(usable.back() + 1);
+        for (const uint32_t samples : usable) ++taking[samples];
+        EXPECT_EQ(statistics.texels_taking, taking);
         EXPECT_EQ(statistics.median_samples_per_texel,
                   0.5 * (usable[(usable.size() - 1) / 2] + usable[usable.size() / 2]));
         EXPECT_GT(statistics.kept_share(), 0.1);
@@ -321,7 +323,7 @@ TEST_F(SampleListTest, IsTheSameForAnyNumberOfThreads) {
     for (const int threads : {2, 5}) {
         set_thread_count(threads);
         expect_equal(build_sample_list(dataset, atlas, views, workers, TargetSpace::stored, &many), reference);
-        EXPECT_EQ(many.samples_per_texel, one.samples_per_texel);
+        EXPECT_EQ(many.texels_taking, one.texels_taking);
         EXPECT_EQ(many.covered_pixels, one.covered_pixels);
         expect_equal(build_sample_list(dataset, atlas, views, {workers[0]}, TargetSpace::stored, nullptr), reference);
     }

@@ -23,6 +23,17 @@
 namespace radiafit {
 namespace {
 
+/// "solving, writing"; "" of what is held all along.
+std::string stages_of(const PlanRow& row) {
+    if (row.stages == PlanRow::while_all) return "";
+    std::string names;
+    for (const auto& [stage, name] : {std::pair{PlanRow::while_distributing, "distributing"},
+                                      {PlanRow::while_solving, "solving"},
+                                      {PlanRow::while_writing, "writing"}})
+        if (row.stages & stage) names += names.empty() ? name : std::string(", ") + name;
+    return names;
+}
+
 using Json = nlohmann::ordered_json;
 
 void print_fit(Fitted& fit, bool json) {
@@ -177,14 +188,26 @@ void add_plan(CommandLine& program) {
         family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
-            Table table({"array", "shape", "count", "MB"});
+            const bool staged =
+                std::ranges::any_of(rows, [](const PlanRow& r) { return r.stages != PlanRow::while_all; });
+            Table table(staged ? std::vector<std::string>{"array", "shape", "count", "MB", "while"}
+                               : std::vector<std::string>{"array", "shape", "count", "MB"});
+            const auto add = [&](std::vector<std::string> cells, const std::string& stages) {
+                if (staged) cells.push_back(stages);
+                table.add(cells);
+            };
             for (const PlanRow& r : rows)
-                table.add({r.array, r.shape, std::to_string(r.count), fmt::format("{:.2f}", double(r.bytes) / 1e6)});
-            table.add({"total", "", "", fmt::format("{:.2f}", double(total_bytes(rows)) / 1e6)});
+                add({r.array, r.shape, std::to_string(r.count), fmt::format("{:.2f}", double(r.bytes) / 1e6)},
+                    stages_of(r));
+            add({staged ? "most at a time" : "total", "", "", fmt::format("{:.2f}", double(total_bytes(rows)) / 1e6)},
+                "");
             fmt::print("{}\n{}\n", title, table.text());
         };
         const Plan planned = plan(dataset, *request);
         show("this program", planned.memory);
+        if (const auto seconds = plan_seconds(dataset, *request))
+            fmt::print("seconds on this machine, by a few images and vertices: distributing {:.3g}, solving {:.3g}\n\n",
+                       seconds->distributing, seconds->solving);
         show("on disk", planned.disk);
         if (needs_parts(dataset, *request)) {
             Needs needs;

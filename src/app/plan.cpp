@@ -9,6 +9,7 @@
 #include "compute/compute_plan.h"
 #include "cpu/lfm_kernels.h"
 #include "cpu/texel_solver.h"
+#include "fit/fit_maps.h"
 #include "fragment/fragment_plan.h"
 #include "fragment/texel_plan.h"
 #include "geometry/atlas.h"
@@ -19,9 +20,13 @@
 namespace radiafit {
 
 uint64_t total_bytes(const std::vector<PlanRow>& rows) {
-    uint64_t sum = 0;
-    for (const PlanRow& row : rows) sum += row.bytes;
-    return sum;
+    uint64_t most = 0;
+    for (const unsigned stage : {PlanRow::while_distributing, PlanRow::while_solving, PlanRow::while_writing}) {
+        uint64_t sum = 0;
+        for (const PlanRow& row : rows) sum += row.stages & stage ? row.bytes : 0;
+        most = std::max(most, sum);
+    }
+    return most;
 }
 
 namespace {
@@ -40,10 +45,16 @@ uint64_t pixels_of(const Dataset& dataset, const std::vector<uint32_t>& views) {
     return pixels;
 }
 
-/// Pixels in texels over all fitted views, from every eighth of them but eight at least, or from `most_views`. `tiles`,
-/// if given, takes them apart: counts of `tiles->size()` equal parts of the atlas's texels.
-uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request, size_t most_views,
-                          std::vector<uint64_t>* tiles = nullptr) {
+/// What fitted views leave.
+struct SampleEstimate {
+    uint64_t samples = 0;  ///< pixels in texels
+    uint64_t groups = 0;   ///< pairs of a tile and an image of which it takes samples
+};
+
+/// From every eighth of the fitted views but eight at least, or from `most_views`. `tiles`, if given, takes the samples
+/// apart: counts of `tiles->size()` equal parts of the atlas's texels.
+SampleEstimate estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request,
+                                size_t most_views, std::vector<uint64_t>* tiles = nullptr) {
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     FitRequest on_cpu = request;
     on_cpu.distributor = DistributorKind::cpu;
@@ -52,8 +63,8 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
     const size_t step =
         std::max({size_t(1), std::min<size_t>(8, views.size() / 8), (views.size() + most_views - 1) / most_views});
     const size_t looked_at = (views.size() + step - 1) / step;
-    const auto scaled = [&](uint64_t seen) { return looked_at ? seen * views.size() / looked_at : 0; };
-    std::vector<uint64_t> kept(looked_at, 0);
+    const auto scaled = [&](uint64_t count) { return looked_at ? count * views.size() / looked_at : 0; };
+    std::vector<SampleEstimate> seen(looked_at);
     std::vector<std::vector<uint64_t>> parts(size_t(thread_count()), std::vector<uint64_t>(tiles ? tiles->size() : 0));
     std::vector<std::unique_ptr<ImageStream>> streams{size_t(thread_count())};
     parallel_for(looked_at, 1, [&](size_t i, int worker) {
@@ -64,19 +75,23 @@ uint64_t estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitR
         const uint32_t view = views[i * step];
         stream->load_mask(view, image);
         distributors.owned[size_t(worker)]->distribute(dataset.views[view].camera, image, distribution);
-        kept[i] = distribution.kept_pixels;
+        seen[i].samples = distribution.kept_pixels;
+        const auto taken = [](uint32_t pixel) { return pixel != no_pixel; };
+        for (auto tile = distribution.texel_pixel.begin(); tile != distribution.texel_pixel.end();
+             tile += atlas.texels_per_tile())
+            seen[i].groups += std::any_of(tile, tile + atlas.texels_per_tile(), taken);
         for (size_t t = 0; tiles && t < distribution.texel_pixel.size(); ++t)
             parts[size_t(worker)][t * tiles->size() / distribution.texel_pixel.size()] +=
                 distribution.texel_pixel[t] != no_pixel;
     });
     for (size_t t = 0; tiles && t < tiles->size(); ++t) {
-        uint64_t seen = 0;
-        for (const auto& part : parts) seen += part[t];
-        (*tiles)[t] = scaled(seen);
+        uint64_t taken = 0;
+        for (const auto& part : parts) taken += part[t];
+        (*tiles)[t] = scaled(taken);
     }
-    uint64_t sum = 0;
-    for (const uint64_t k : kept) sum += k;
-    return scaled(sum);
+    SampleEstimate sum;
+    for (const SampleEstimate& of_view : seen) sum.samples += of_view.samples, sum.groups += of_view.groups;
+    return {scaled(sum.samples), scaled(sum.groups)};
 }
 
 /// What images that stream take of the host.
@@ -115,7 +130,7 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
         add_host_images(dataset, request, rows);
         return plan;
     }
-    const uint64_t samples = estimate_samples(dataset, *atlas, request, most_views);
+    const uint64_t samples = estimate_samples(dataset, *atlas, request, most_views).samples;
     rows.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
                     texels * 4 * (n + 4) - 3 * texels});
     if (uses & use::records) {
@@ -168,7 +183,7 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
     const auto threads = std::min(uint64_t(thread_count()), uint64_t(rings.vertex_count()));
     rows.push_back({"largest vertex, per thread",
                     fmt::format("{} surface maps, {} threads x {} bytes", largest.maps, threads, bytes), threads,
-                    threads * bytes});
+                    threads * bytes, PlanRow::while_solving});
 }
 
 /// What finds the pixels of texels: of each thread an image, what its pixels see, and its texels' pixels.
@@ -184,7 +199,37 @@ void add_distributors(const Dataset& dataset, const TriangleAtlas& atlas, const 
     const uint64_t bytes = pixels * pixel_bytes + vertices * vertex_bytes + atlas.texel_count() * texel_bytes +
                            atlas.tile_count() * tile_bytes;
     rows.push_back({"images on their way to texels", fmt::format("{} threads x {} bytes", threads, bytes), threads,
-                    threads * bytes});
+                    threads * bytes, PlanRow::while_distributing});
+}
+
+/// What a fit on the processor holds beside its parameters: the list of samples, which are brought into their tiles'
+/// order once, tables of the mesh, and a map on its way to disk.
+void add_lists(const Dataset& dataset, const TriangleAtlas& atlas, const LfmLayout& layout, const SampleEstimate& seen,
+               const FitRequest& request, std::vector<PlanRow>& rows) {
+    const uint64_t triangles = dataset.mesh.triangle_count(), vertices = dataset.mesh.vertex_count();
+    const auto add = [&](const char* name, std::string shape, uint64_t count, uint64_t bytes, unsigned stages) {
+        rows.push_back({name, std::move(shape), count, bytes, stages});
+    };
+    const uint64_t list = seen.samples * sizeof(Sample) + seen.groups * sizeof(SampleGroup) + 4 * triangles;
+    const auto shape = [&](size_t group) {
+        return fmt::format("pixels x {} bytes, {} groups x {} bytes", sizeof(Sample), seen.groups, group);
+    };
+    add("samples, about", shape(sizeof(SampleGroup)), seen.samples, list,
+        PlanRow::while_distributing | PlanRow::while_solving);
+    add("samples by image, about", shape(8), seen.samples, seen.samples * sizeof(Sample) + seen.groups * 8,
+        PlanRow::while_distributing);
+    constexpr uint64_t of_triangle = 12 + 24 + 2, of_vertex = 12 + 12 + 4;  // mesh, rings, atlas
+    add("mesh and its rings", fmt::format("{} triangles, {} vertices", triangles, vertices), triangles,
+        of_triangle * triangles + of_vertex * vertices, PlanRow::while_all);
+    constexpr uint64_t places = 24 + 3 + 1, frame = sizeof(Frame), outcome = 3 * 12 + 16 + 12;
+    const uint64_t trace = vertices / 16 * uint64_t(request.iterations + 1) * sizeof(TraceRow);
+    add("where maps begin, frames, outcomes", "", vertices,
+        places * triangles + (12 + frame + outcome) * vertices + trace,
+        PlanRow::while_solving | PlanRow::while_writing);
+    const uint64_t maps = written_side_by_side(atlas, layout) ? uint64_t(thread_count()) : 1;
+    const uint64_t image = largest_image_bytes(atlas, layout);
+    add("maps on their way to disk", fmt::format("{} x an image and its file of {} bytes each", maps, image), maps,
+        2 * maps * image, PlanRow::while_writing);
 }
 
 void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptions& options, const VertexRings& rings,
@@ -240,7 +285,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
     const uint64_t pixels = pixels_of(dataset, views);
     if (uses & use::records) {
         plan.memory.push_back(held_samples(request, pixels * record_bytes(request)));
-        const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
+        const uint64_t samples = estimate_samples(dataset, atlas, request, most_views).samples;
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,
                              samples * record_bytes(request)});
         add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
@@ -252,7 +297,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
                 ? plan_redistribution(dataset, atlas, rings, layout, request.accumulate, views,
                                       request.stream_options())
                 : plan_cached_samples(atlas, rings, layout, request.accumulate, views.size(),
-                                      estimate_samples(dataset, atlas, request, most_views),
+                                      estimate_samples(dataset, atlas, request, most_views).samples,
                                       ImageStream(dataset, StreamSource::disk, request.space).bits() == 8 ? 4 : 8);
         for (const PlanRow& row : rows_of(arrays)) plan.memory.push_back(row);
         if (request.redistributes()) add_host_images(dataset, request, plan.memory);
@@ -263,14 +308,8 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         add("view footprints", fmt::format("{} vertices x {} images", rings.vertex_count(), views.size()),
             rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * footprint);
     }
-    if (request.part) {  // of the pixels, a share that is worth counting
-        const uint64_t samples = estimate_samples(dataset, atlas, request, most_views);
-        add("samples, about", "8 bytes", samples, 8 * samples);
-        add("samples by image, until they are sorted", "once more", samples, 8 * samples);
-    } else {
-        add("samples, at most", "pixels x 8 bytes", pixels, 8 * pixels);
-        add("samples by image, until they are sorted", "once more", pixels, 8 * pixels);
-    }
+    for (PlanRow& row : plan.memory) row.stages = PlanRow::while_solving | PlanRow::while_writing;
+    add_lists(dataset, atlas, layout, estimate_samples(dataset, atlas, request, most_views), request, plan.memory);
     add_distributors(dataset, atlas, views, plan.memory);
     add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
     return plan;

@@ -102,7 +102,11 @@ ReflectanceOutcome solve_reflectance(const Dataset& dataset, const FitRequest& r
 struct PlanRow {
     std::string array, shape;
     uint64_t count, bytes;
+    unsigned stages = while_all;  ///< sum of those that hold it
+    /// A fit finds its samples, solves, and writes maps.
+    enum Stages : unsigned { while_distributing = 1, while_solving = 2, while_writing = 4, while_all = 7 };
 };
+/// Of the stage that holds most.
 uint64_t total_bytes(const std::vector<PlanRow>& rows);
 struct Plan {
     std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
@@ -112,6 +116,12 @@ struct Plan {
 inline constexpr uint64_t program_bytes = 150'000'000;
 /// Samples are counted on every eighth fitted view but eight at least, or on `most_views`.
 Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);
+/// How long a fit takes on this machine, writing it left out.
+struct PlannedSeconds {
+    double distributing = 0, solving = 0;
+};
+/// By doing both for a few images and some of the vertices. Of light field maps by `stream` on the CPU, else none.
+std::optional<PlannedSeconds> plan_seconds(const Dataset& dataset, const FitRequest& request);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);
 

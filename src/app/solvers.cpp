@@ -7,6 +7,7 @@
 #include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "cpu/lfm_problem.h"
 #include "model/penalty.h"
 #include "reference/mean_solver.h"
@@ -45,19 +46,23 @@ void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatisti
     for (auto* list : {&fit.iterations, &fit.samples}) list->assign(outcomes.size(), 0);
     fit.status.assign(outcomes.size(), Status::no_samples);
     fit.error.assign(outcomes.size(), 0.0f);
-    for (size_t i = 0; i < outcomes.size(); ++i) {
-        const size_t v = i / 3;
-        fit.status[i] = outcomes[i].status;
-        fit.iterations[i] = outcomes[i].iterations;
-        fit.samples[i] = statistics.samples[v];
-        if (!statistics.samples[v]) continue;
-        // the engine's error is E / S-bar plus the penalties; problems.exr wants E itself
-        const double penalty =
-            penalty_error(layout, task.options, v, fit.parameters, {&statistics.mean[3 * v], 3})[i % 3];
-        const double ring_texels = double(layout.surface_texels(v));
-        const double data = std::max(0.0, outcomes[i].error - penalty);
-        fit.error[i] = float(task.options.mends.normalized ? data * statistics.samples[v] / ring_texels : data);
-    }
+    const MapNeighbours view = MapNeighbours::square(task.options.view_side);
+    parallel_for(layout.problem_count(), 64, [&](size_t v, int) {
+        std::array<double, 3> penalty{};
+        if (statistics.samples[v])
+            penalty = penalty_error(layout, task.options, view, v, fit.parameters, {&statistics.mean[3 * v], 3});
+        for (size_t c = 0; c < 3; ++c) {
+            const size_t i = 3 * v + c;
+            fit.status[i] = outcomes[i].status;
+            fit.iterations[i] = outcomes[i].iterations;
+            fit.samples[i] = statistics.samples[v];
+            if (!statistics.samples[v]) continue;
+            // the engine's error is E / S-bar plus the penalties; problems.exr wants E itself
+            const double data = std::max(0.0, outcomes[i].error - penalty[c]);
+            const double ring_texels = double(layout.surface_texels(v));
+            fit.error[i] = float(task.options.mends.normalized ? data * statistics.samples[v] / ring_texels : data);
+        }
+    });
 }
 
 void take_solution(FitTask& task, VertexSolution&& solution) {

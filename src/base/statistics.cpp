@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <numeric>
 
 #include "base/rng.h"
 
@@ -17,6 +18,17 @@ double quantile(std::vector<double> values, double q) {
     if (below + 1 == values.end()) return *below;
     const double above = *std::min_element(below + 1, values.end());
     return *below + (at - std::floor(at)) * (above - *below);
+}
+
+double median_of_counts(const std::vector<uint64_t>& counts) {
+    const uint64_t all = std::accumulate(counts.begin(), counts.end(), uint64_t(0));
+    if (all == 0) return std::nan("");
+    const auto of_rank = [&](uint64_t rank) {  // from 0
+        size_t number = 0;
+        for (uint64_t below = counts[0]; below <= rank; below += counts[number]) ++number;
+        return double(number);
+    };
+    return 0.5 * (of_rank((all - 1) / 2) + of_rank(all / 2));
 }
 
 Interval ratio_of_medians(const std::vector<double>& above, const std::vector<double>& below, double confidence) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,6 +12,9 @@ namespace radiafit {
 double quantile(std::vector<double> values, double q);
 
 inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+/// Of the whole numbers of which each is there counts[number] times; not a number if there are none.
+double median_of_counts(const std::vector<uint64_t>& counts);
 
 struct Interval {
     double low, high;

@@ -7,6 +7,19 @@
 /// The definitions of LaneEngine: for the files that instantiate it.
 namespace radiafit {
 
+namespace detail {
+/// term(begin) + ... + term(end - 1), by four sums that don't wait for one another.
+template <class V, class Term>
+V sum_of(size_t begin, size_t end, const Term& term) {
+    V sum[4] = {};
+    size_t i = begin;
+    for (; i + 4 <= end; i += 4)
+        for (size_t k = 0; k < 4; ++k) sum[k] += term(i + k);
+    for (; i < end; ++i) sum[0] += term(i);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+}  // namespace detail
+
 template <class Problem>
 template <class Body>
 void LaneEngine<Problem>::for_blocks(Life least, const Body& body) {
@@ -103,15 +116,14 @@ void LaneEngine<Problem>::dot(std::initializer_list<DotProduct> products) {
     for_blocks(Life::active, [&](size_t b) {
         for (const DotProduct& product : products) {
             const V *x = vectors_[size_t(product.a)].data(), *y = vectors_[size_t(product.b)].data();
-            V sum{};
             const size_t begin = problem_->begin(b), end = problem_->begin(b + 1);
+            V& into = products_[b * size_t(room_.product_count()) + size_t(product.into)];
             if (product.weight == vector::none) {
-                for (size_t i = begin; i < end; ++i) sum += x[i] * y[i];
+                into = detail::sum_of<V>(begin, end, [&](size_t i) { return x[i] * y[i]; });
             } else {
                 const V* weight = vectors_[size_t(product.weight)].data();
-                for (size_t i = begin; i < end; ++i) sum += x[i] / weight[i] * y[i];
+                into = detail::sum_of<V>(begin, end, [&](size_t i) { return x[i] / weight[i] * y[i]; });
             }
-            products_[b * size_t(room_.product_count()) + size_t(product.into)] = sum;
         }
     });
 }

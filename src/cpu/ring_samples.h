@@ -13,21 +13,20 @@
 namespace radiafit {
 
 namespace detail {
+using OneSample = uint16_t __attribute__((vector_size(8)));
+using OneWidened = int32_t __attribute__((vector_size(16)));
 using TwoSamples = uint16_t __attribute__((vector_size(16)));
 using TwoWidened = int32_t __attribute__((vector_size(32)));
-/// In two steps, each of which is one instruction.
-template <class real>
-PairLanes<real> convert(const TwoSamples& two) {
-    return __builtin_convertvector(__builtin_convertvector(two, TwoWidened), PairLanes<real>);
-}
 }  // namespace detail
 
 /// The channels of a sample and, in the fourth lane, its texel, which a weight of zero there removes.
 template <class real>
 Lanes<real> load_sample(const Sample* s) {
-    detail::TwoSamples two{};
-    std::memcpy(&two, s, sizeof *s);
-    return lower<real>(detail::convert<real>(two));
+    detail::OneSample one;
+    static_assert(sizeof one == sizeof *s);
+    std::memcpy(&one, s, sizeof one);
+    // in two steps, each of which is one instruction
+    return __builtin_convertvector(__builtin_convertvector(one, detail::OneWidened), Lanes<real>);
 }
 /// Those of s[0] and s[1].
 template <class real>
@@ -35,7 +34,7 @@ PairLanes<real> load_two_samples(const Sample* s) {
     detail::TwoSamples two;
     static_assert(sizeof two == 2 * sizeof *s);
     std::memcpy(&two, s, sizeof two);
-    return detail::convert<real>(two);
+    return __builtin_convertvector(__builtin_convertvector(two, detail::TwoWidened), PairLanes<real>);
 }
 
 /// What turns a sample into the target L t of one of its triangle's corners: Lambda at the texel's centre times the

@@ -1,7 +1,9 @@
 #include "cpu/vertex_problem.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
+#include <type_traits>
 
 #include "cpu/ring_samples.h"
 
@@ -93,22 +95,49 @@ void VertexProblem::load(size_t v, const SampleList& list, const float* mean) {
     groups_.push_back({at, {}, 0});
 }
 
+namespace {
+
+using Colour8 = uint8_t __attribute__((vector_size(4)));
+using Colour16 = uint16_t __attribute__((vector_size(8)));
+using Widened = int32_t __attribute__((vector_size(16)));
+
+/// Three channels in 16 bits, as every engine's targets are, and in the fourth lane anything. Four bytes are read.
+Lanes<float> colour(const uint8_t* from, uint8_t) {
+    Colour8 rgb;
+    std::memcpy(&rgb, from, sizeof rgb);
+    return 257.0f * __builtin_convertvector(__builtin_convertvector(rgb, Widened), Lanes<float>);
+}
+Lanes<float> colour(const uint8_t* from, uint16_t) {
+    uint32_t rg;
+    uint16_t b;
+    std::memcpy(&rg, from, sizeof rg);
+    std::memcpy(&b, from + sizeof rg, sizeof b);
+    const auto rgb = std::bit_cast<Colour16>(uint64_t(rg) | uint64_t(b) << 32);
+    return __builtin_convertvector(__builtin_convertvector(rgb, Widened), Lanes<float>);
+}
+
+}  // namespace
+
 void VertexProblem::take_compact(const DiskRecords& records, const VertexRecord& record, const uint8_t* from) {
-    const auto take = [&](auto channel) {
-        using Channel = decltype(channel);
-        constexpr int unit = sizeof(Channel) == 1 ? 257 : 1;  // in 16 bits, as every engine's targets are
-        for (uint32_t i = 0; i < samples_; ++i) {
-            Channel rgb[3];
+    const auto take = [&]<class Channel, int texel_bytes>(Channel channel, std::integral_constant<int, texel_bytes>) {
+        constexpr size_t rgb_bytes = 3 * sizeof channel;
+        static_assert(rgb_bytes + texel_bytes >= 4);
+        for (uint32_t i = 0; i < samples_; ++i, from += rgb_bytes + texel_bytes) {
             uint32_t place = 0;
-            std::memcpy(rgb, from, sizeof rgb);
-            std::memcpy(&place, from + sizeof rgb, record.texel_bytes);
-            from += sizeof rgb + record.texel_bytes;
+            std::memcpy(&place, from + rgb_bytes, texel_bytes);
             texels_[i] = place;
-            targets_[i] = weights_[place] *
-                          (records.scale() * V{float(unit * rgb[0]), float(unit * rgb[1]), float(unit * rgb[2]), 0});
+            targets_[i] = weights_[place] * (records.scale() * colour(from, channel));
         }
     };
-    records.bits() == 8 ? take(uint8_t{}) : take(uint16_t{});
+    const auto by_bits = [&](auto bytes) { records.bits() == 8 ? take(uint8_t{}, bytes) : take(uint16_t{}, bytes); };
+    switch (record.texel_bytes) {
+        case 1:
+            return by_bits(std::integral_constant<int, 1>{});
+        case 2:
+            return by_bits(std::integral_constant<int, 2>{});
+        default:
+            return by_bits(std::integral_constant<int, 4>{});
+    }
 }
 
 // Everything comes from the record itself, as in the paper: also where a sample falls in the vertex's view map.

@@ -2,20 +2,21 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "base/rng.h"
 
 namespace radiafit {
 std::vector<float> lfm_start(const LfmLayout& layout, std::span<const float> mean, uint64_t seed) {
     std::vector<float> p(layout.size(), 0.0f);
     const size_t stride = layout.stride();
-    for (size_t v = 0; v < layout.problem_count(); ++v) {
+    parallel_for(layout.problem_count(), 64, [&](size_t v, int) {
         for (size_t at = layout.offset(v); at < layout.view_offset(v); at += stride)
             for (int c = 0; c < 3; ++c) p[at + c] = mean[3 * v + c];
         const uint64_t to_whole = layout.whole_offset(v) - layout.offset(v);
         for (size_t at = layout.view_offset(v); at < layout.offset(v + 1); at += stride)
             for (size_t i = 0; i < stride; ++i)
                 if (i % 4 < 3) p[at + i] = i < 4 ? 1.0f : 0.6f * random_uniform(seed, to_whole + at + i) - 0.3f;
-    }
+    });
     return p;
 }
 

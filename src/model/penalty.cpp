@@ -9,15 +9,17 @@ namespace radiafit {
 template <class Inside>
 MapNeighbours MapNeighbours::make(int side, const Inside& local_of) {
     MapNeighbours map;
-    map.first_.push_back(0);
     for (int j = 0; j < side; ++j)
         for (int i = 0; i < side; ++i) {
-            if (local_of(i, j) < 0) continue;
+            const int texel = local_of(i, j);
+            if (texel < 0) continue;
+            auto& around = map.neighbours_.emplace_back();
+            around.fill(uint16_t(texel));
+            uint8_t& count = map.count_.emplace_back();
             for (const auto& [x, y] : {std::array{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
                 const int neighbour = x < 0 || y < 0 || x >= side || y >= side ? -1 : local_of(x, y);
-                if (neighbour >= 0) map.neighbour_.push_back(static_cast<uint16_t>(neighbour));
+                if (neighbour >= 0) around[count++] = uint16_t(neighbour);
             }
-            map.first_.push_back(static_cast<uint32_t>(map.neighbour_.size()));
         }
     return map;
 }
@@ -39,10 +41,9 @@ MapNeighbours MapNeighbours::square(int side) {
     return make(side, [side](int i, int j) { return j * side + i; });
 }
 
-std::array<double, 3> penalty_error(const LfmLayout& layout, const LfmOptions& options, size_t v,
-                                    std::span<const float> p, std::span<const float> mean) {
+std::array<double, 3> penalty_error(const LfmLayout& layout, const LfmOptions& options, const MapNeighbours& view,
+                                    size_t v, std::span<const float> p, std::span<const float> mean) {
     using V = Lanes<double>;
-    const MapNeighbours view = MapNeighbours::square(options.view_side);
     const size_t size = layout.block_size(v) / 4, ring_texels = layout.surface_texels(v);
     const size_t view_begin = ring_texels * size_t(layout.terms());
     std::vector<V> x(size), unused(size), scratch(2 * size);

@@ -38,26 +38,24 @@ public:
     /// A TriangleTile's. Throws UserError for a side that it doesn't have. It lives as long as the program.
     static const MapNeighbours& triangle(int side);
     static MapNeighbours square(int side);  ///< m x m, row by row
-    size_t texel_count() const { return first_.size() - 1; }
-    std::span<const uint16_t> of(size_t texel) const {
-        return {neighbour_.data() + first_[texel], neighbour_.data() + first_[texel + 1]};
-    }
+    size_t texel_count() const { return count_.size(); }
+    std::span<const uint16_t> of(size_t texel) const { return {neighbours_[texel].data(), count_[texel]}; }
 
     /// y = L x for term k of a map of `terms` terms. x [texel][term], y [texel].
     template <class real>
     void apply(const Lanes<real>* x, int terms, int k, Lanes<real>* y) const {
+        const auto at = [&](size_t texel) { return x[texel * size_t(terms) + size_t(k)]; };
         for (size_t i = 0; i < texel_count(); ++i) {
-            Lanes<real> sum = x[i * terms + k] * real(first_[i + 1] - first_[i]);
-            for (uint32_t e = first_[i]; e < first_[i + 1]; ++e) sum -= x[size_t(neighbour_[e]) * terms + k];
-            y[i] = sum;
+            const auto& [a, b, c, d] = neighbours_[i];
+            y[i] = ((at(i) - at(a)) + (at(i) - at(b))) + ((at(i) - at(c)) + (at(i) - at(d)));
         }
     }
 
 private:
     template <class Inside>
     static MapNeighbours make(int side, const Inside& local_of);
-    std::vector<uint32_t> first_;  ///< [texels + 1]
-    std::vector<uint16_t> neighbour_;
+    std::vector<std::array<uint16_t, 4>> neighbours_;  ///< [texels] its neighbours, then itself
+    std::vector<uint8_t> count_;                       ///< [texels] neighbours
 };
 
 /// lambda E_r: adds lambda/2 |L x|^2 to error and lambda L'L x to g. scratch [2 * texels].
@@ -91,35 +89,44 @@ Lanes<real> smoothness_curvature(const MapNeighbours& map, int terms, Lanes<real
     return lambda * sum;
 }
 
+/// body(texel, channel, value) for what is out of bounds, or not a number, in the first term.
+template <class real, class Body>
+void for_beyond_bounds(const LfmOptions& o, size_t texels, const Lanes<real>* x, const Body& body) {
+    const real a = o.lower, b = o.upper;
+    const auto within = [&](real value) { return value >= a && value <= b; };
+    for (size_t i = 0; i < texels; ++i) {
+        const Lanes<real>& values = x[i * size_t(o.terms)];
+        if (within(values[0]) & within(values[1]) & within(values[2])) continue;
+        for (int c = 0; c < 3; ++c)
+            if (!within(values[c])) body(i, c, values[c]);
+    }
+}
+
 /// mu E_b on the first term.
 template <class real>
 void add_bounds(const LfmOptions& o, size_t texels, const Lanes<real>* x, Lanes<real>* g, Lanes<double>& error) {
     const real a = o.lower, b = o.upper, mu = o.mu;
-    for (size_t i = 0; i < texels; ++i)
-        for (int c = 0; c < 3; ++c) {
-            const real value = x[i * o.terms][c];
-            if (value >= a && value <= b) continue;
-            error[c] += ObjectiveText<real>::bound_error(value, a, b, mu, o.mode == Mode::paper);
-            g[i * o.terms][c] += ObjectiveText<real>::bound_slope(value, a, b, mu, o.mode == Mode::paper);
-        }
+    for_beyond_bounds<real>(o, texels, x, [&](size_t i, int c, real value) {
+        error[c] += ObjectiveText<real>::bound_error(value, a, b, mu, o.mode == Mode::paper);
+        g[i * size_t(o.terms)][c] += ObjectiveText<real>::bound_slope(value, a, b, mu, o.mode == Mode::paper);
+    });
 }
 
 /// The second derivative of mu E_b along d, at x.
 template <class real>
 Lanes<real> bounds_curvature(const LfmOptions& o, size_t texels, const Lanes<real>* x, const Lanes<real>* d) {
     Lanes<real> sum{};
-    for (size_t i = 0; i < texels; ++i)
-        for (int c = 0; c < 3; ++c) {
-            const real value = x[i * o.terms][c], along = d[i * o.terms][c];
-            if (value >= o.lower && value <= o.upper) continue;
-            sum[c] += ObjectiveText<real>::bound_curvature(value, along, o.lower, o.upper, o.mu, o.mode == Mode::paper);
-        }
+    for_beyond_bounds<real>(o, texels, x, [&](size_t i, int c, real value) {
+        const real along = d[i * size_t(o.terms)][c];
+        sum[c] += ObjectiveText<real>::bound_curvature(value, along, o.lower, o.upper, o.mu, o.mode == Mode::paper);
+    });
     return sum;
 }
 
 /// lambda E_r + mu E_b of the problems of vertex v [3], for parameters p in the layout's order. mean [3]: of L t, which
 /// scales the view map's weight.
-std::array<double, 3> penalty_error(const LfmLayout& layout, const LfmOptions& options, size_t v,
-                                    std::span<const float> p, std::span<const float> mean);
+/// view: neighbours in it.
+std::array<double, 3> penalty_error(const LfmLayout& layout, const LfmOptions& options, const MapNeighbours& view,
+                                    size_t v, std::span<const float> p, std::span<const float> mean);
 
 }  // namespace radiafit

@@ -138,7 +138,6 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
     SampleCollector collector(dataset, atlas.texels_per_tile(), std::move(workers), options.space);
     WaitingItems<Sample> tiles(atlas.tile_count(), options.memory / 2, folder);
     collect_by_block(collector, views, tiles, [&](uint32_t image, size_t tile, std::span<const Sample> samples) {
-        if (samples.empty()) return;
         const auto group = std::bit_cast<Sample>(RecordGroup{image, uint32_t(samples.size())});
         tiles.add(tile, {&group, 1});
         tiles.add(tile, samples);

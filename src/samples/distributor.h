@@ -32,8 +32,8 @@ public:
 /// Statistics behind claim C17.
 struct DistributionStatistics {
     uint64_t covered_pixels = 0, kept_pixels = 0, samples = 0;
-    uint64_t texels = 0;                      ///< usable texels
-    std::vector<uint32_t> samples_per_texel;  ///< [texels of the atlas]
+    uint64_t texels = 0;                  ///< usable texels
+    std::vector<uint64_t> texels_taking;  ///< [samples] how many usable texels take so many; up to the most
     double kept_share() const { return covered_pixels ? double(kept_pixels) / double(covered_pixels) : 0; }
     double median_samples_per_texel = 0;  ///< over usable texels
 };

@@ -23,20 +23,23 @@ void SampleCollector::distribute(uint32_t view, int worker, ImageBlocks& out) {
     auto& [stream, image, distribution, locals, pixels, values] = state_[size_t(worker)];
     workers_[size_t(worker)]->distribute(dataset_->views[view].camera, image, distribution);
     out.covered_pixels = distribution.covered_pixels;
+    out.blocks.clear();
     out.first.clear();
     const auto texels = uint32_t(distribution.texel_pixel.size());
     locals.resize(texels);
     pixels.resize(texels);
     uint32_t count = 0;
     for (uint32_t begin = 0; begin < texels; begin += texels_per_block_) {
-        out.first.push_back(count);
-        const uint32_t size = std::min(texels_per_block_, texels - begin);
+        const uint32_t before = count, size = std::min(texels_per_block_, texels - begin);
         for (uint32_t local = 0; local < size; ++local) {
             const uint32_t pixel = distribution.texel_pixel[begin + local];
             locals[count] = local;
             pixels[count] = pixel;
             count += pixel != no_pixel;  // no branch: which do is hard to foresee
         }
+        if (count == before) continue;
+        out.blocks.push_back(begin / texels_per_block_);
+        out.first.push_back(before);
     }
     out.first.push_back(count);
 }

@@ -18,14 +18,19 @@ struct LinearSample {
 
 /// What one image leaves, in ascending texel order, so block by block of neighbours.
 struct ImageBlocks {
-    uint32_t covered_pixels = 0;  ///< Distribution::covered_pixels
-    std::vector<uint32_t> first;  ///< [blocks + 1] into samples
+    uint32_t covered_pixels = 0;   ///< Distribution::covered_pixels
+    std::vector<uint32_t> blocks;  ///< those that take samples, ascending
+    std::vector<uint32_t> first;   ///< where their samples begin, and where the last one's end
 };
 template <class T>
 struct ImageSamples : ImageBlocks {
     std::vector<T> samples;
-    std::span<const T> of(size_t block) const {
-        return {samples.data() + first[block], samples.data() + first[block + 1]};
+    /// body(block, its samples) for those of [begin, end) that have some, ascending.
+    template <class Body>
+    void for_blocks(size_t begin, size_t end, const Body& body) const {
+        auto i = size_t(std::ranges::lower_bound(blocks, begin) - blocks.begin());
+        for (; i < blocks.size() && blocks[i] < end; ++i)
+            body(blocks[i], std::span(samples.data() + first[i], samples.data() + first[i + 1]));
     }
 };
 
@@ -65,7 +70,7 @@ private:
 };
 
 /// Collects all views, a few at a time, into `waiting`: add(image, block, samples) puts there what a block takes of an
-/// image, in the images' order and for several blocks at a time.
+/// image, if that is anything, in the images' order and for several blocks at a time.
 template <class T, class Add>
 void collect_by_block(SampleCollector& collector, std::span<const uint32_t> views, WaitingItems<T>& waiting,
                       const Add& add) {
@@ -73,8 +78,10 @@ void collect_by_block(SampleCollector& collector, std::span<const uint32_t> view
     for (size_t first = 0; first < views.size(); first += images.size()) {
         const size_t count = std::min(images.size(), views.size() - first);
         collector.collect(views, first, std::span(images).first(count));
-        parallel_for(waiting.keys(), 8, [&](size_t block, int) {
-            for (size_t k = 0; k < count; ++k) add(uint32_t(first + k), block, images[k].of(block));
+        parallel_chunks(waiting.keys(), 8, [&](size_t begin, size_t end, int) {
+            for (size_t k = 0; k < count; ++k)
+                images[k].for_blocks(begin, end,
+                                     [&](size_t block, auto samples) { add(uint32_t(first + k), block, samples); });
         });
         waiting.settle();
     }

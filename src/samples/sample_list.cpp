@@ -15,21 +15,20 @@ void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vect
     statistics = {};
     for (const ImageBlocks& image : images) statistics.covered_pixels += image.covered_pixels;
     statistics.samples = statistics.kept_pixels = list.samples.size();
-    statistics.samples_per_texel.assign(atlas.texel_count(), 0);
-    for (size_t tile = 0; tile < list.tile_count(); ++tile) {
+    std::vector<uint32_t> taken(atlas.texels_per_tile());
+    for (uint32_t tile = 0; tile < list.tile_count(); ++tile) {
         const uint64_t begin = list.groups[list.tile_groups[tile]].first;
         const uint64_t end = list.groups[list.tile_groups[tile + 1]].first;
-        uint32_t* counts = statistics.samples_per_texel.data() + tile * atlas.texels_per_tile();
-        for (uint64_t s = begin; s < end; ++s) ++counts[list.samples[s].local];
+        std::ranges::fill(taken, 0);
+        for (uint64_t s = begin; s < end; ++s) ++taken[list.samples[s].local];
+        for (uint32_t local = 0; local < taken.size(); ++local) {
+            if (!atlas.usable(tile * atlas.texels_per_tile() + local)) continue;
+            if (taken[local] >= statistics.texels_taking.size()) statistics.texels_taking.resize(taken[local] + 1);
+            ++statistics.texels_taking[taken[local]];
+            ++statistics.texels;
+        }
     }
-
-    std::vector<double> usable;
-    usable.reserve(atlas.texel_count());
-    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
-        if (atlas.usable(t)) usable.push_back(statistics.samples_per_texel[t]);
-    statistics.texels = usable.size();
-    if (usable.empty()) return;
-    statistics.median_samples_per_texel = median(std::move(usable));
+    if (statistics.texels) statistics.median_samples_per_texel = median_of_counts(statistics.texels_taking);
 }
 
 }  // namespace
@@ -48,10 +47,10 @@ SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const s
     list.tile_groups.assign(tiles + 1, 0);
     std::vector<uint64_t> tile_samples(tiles + 1, 0);  // where a tile's samples begin
     for (const ImageSamples<Sample>& image : images)
-        for (uint32_t tile = 0; tile < tiles; ++tile) {
-            list.tile_groups[tile + 1] += !image.of(tile).empty();
-            tile_samples[tile + 1] += image.of(tile).size();
-        }
+        image.for_blocks(0, tiles, [&](size_t tile, auto samples) {
+            ++list.tile_groups[tile + 1];
+            tile_samples[tile + 1] += samples.size();
+        });
     for (uint32_t tile = 0; tile < tiles; ++tile) {
         list.tile_groups[tile + 1] += list.tile_groups[tile];
         tile_samples[tile + 1] += tile_samples[tile];
@@ -65,14 +64,12 @@ SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const s
         std::vector<uint32_t> next_group(list.tile_groups.begin() + begin, list.tile_groups.begin() + end);
         std::vector<uint64_t> next_sample(tile_samples.begin() + begin, tile_samples.begin() + end);
         for (uint32_t k = 0; k < images.size(); ++k)
-            for (size_t tile = begin; tile < end; ++tile) {
-                const std::span<const Sample> samples = images[k].of(tile);
-                if (samples.empty()) continue;
+            images[k].for_blocks(begin, end, [&](size_t tile, auto samples) {
                 uint64_t& first = next_sample[tile - begin];
                 list.groups[next_group[tile - begin]++] = {k, first};
                 std::copy(samples.begin(), samples.end(), list.samples.begin() + ptrdiff_t(first));
                 first += samples.size();
-            }
+            });
     });
 
     if (statistics) fill_statistics(list, atlas, images, *statistics);
