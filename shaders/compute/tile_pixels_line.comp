@@ -45,5 +45,5 @@ void main() {
         }
     }
     share(sums);
-    if (lane() < uint(ALL)) tile_sums[tile * 3u * uint(TILE_SUMS) + lane()].xyz += shared_sum(lane());
+    for (uint i = lane(); i < uint(ALL); i += uint(LANES)) tile_sums[tile * 3u * uint(TILE_SUMS) + i].xyz += shared_sum(i);
 }

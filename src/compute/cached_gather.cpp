@@ -30,7 +30,8 @@ private:
 CachedGather::CachedGather(const SweepResources& resources, const Dataset& dataset, const TriangleAtlas& atlas,
                            const VertexRings& rings, const SampleList& samples)
     : r_(resources),
-      samples_(dataset, atlas, rings, samples, r_.options, SampleStore::Order::gathered, lanes, r_.tables) {
+      samples_(dataset, atlas, rings, samples, r_.options, SampleStore::Order::gathered, uint32_t(r_.problems.lanes()),
+               r_.tables) {
     const auto terms = size_t(r_.options.terms);
     for (FetchedBuffer* of_pairs : {&pair_values_, &pair_slopes_, &pair_sums_, &pair_squares_})
         *of_pairs = FetchedBuffer::written("cameras' views of vertices", samples_.pair_count() * terms);

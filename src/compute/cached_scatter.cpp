@@ -33,7 +33,8 @@ private:
 CachedScatter::CachedScatter(const SweepResources& resources, const Dataset& dataset, const TriangleAtlas& atlas,
                              const VertexRings& rings, const SampleList& samples, Accumulate accumulate)
     : r_(resources),
-      samples_(dataset, atlas, rings, samples, r_.options, SampleStore::Order::listed, lanes, r_.tables),
+      samples_(dataset, atlas, rings, samples, r_.options, SampleStore::Order::listed, uint32_t(r_.problems.lanes()),
+               r_.tables),
       sums_(r_, accumulate, samples_.pair_count(), samples.scale),
       target_scale_(samples.scale) {
     for (FetchedBuffer* of_pairs : {&pair_values_, &pair_slopes_})

@@ -12,7 +12,7 @@ ComputeEngine::ComputeEngine(const TriangleAtlas& atlas, const VertexRings& ring
       accumulate_(accumulate_here(accumulate)),
       layout_(rings, atlas, options.view_side, options.terms),
       tables_(atlas, rings, layout_, target_scale),
-      problems_(3 * layout_.problem_count(), "vertices_given", lanes),
+      problems_(3 * layout_.problem_count(), "vertices_given"),
       rings_(&rings),
       resources_{options_, layout_, tables_, problems_, vectors_} {
     problems_.make_given(layout_.problem_count() * of_vertex::count * 16);

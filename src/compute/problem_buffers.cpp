@@ -56,9 +56,9 @@ Buffer storage_buffer(const char* what, size_t bytes) {
     return buffer;
 }
 
-ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given, size_t lanes)
+ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given)
     : count_(on_this_device(problems)),
-      lanes_(lanes),
+      lanes_(Context::current().software() ? 8 : 32),
       given_text_(given),
       numbers_(storage_buffer("numbers of problems", problems * number_count * sizeof(float))),
       summaries_(storage_buffer("summaries", (problems + block - 1) / block * 16)),

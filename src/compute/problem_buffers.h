@@ -33,7 +33,10 @@ public:
     static constexpr size_t number_count = number::first_own + 8;
 
     /// given: the text in shaders/compute that says what passes before a step leave of a problem.
-    ProblemBuffers(size_t problems, const std::string& given, size_t lanes);
+    ProblemBuffers(size_t problems, const std::string& given);
+    /// Invocations of a work group of every pass: 32, which no chip runs as less than one step; of a rasterizer in
+    /// software 8, the floats of one of its vectors, which at a barrier waits for nothing.
+    size_t lanes() const { return lanes_; }
     /// What passes leave: the blocks "Problems" and "Products" of that text, so large.
     void make_given(size_t bytes) { given_ = storage_buffer("sums of problems", bytes); }
     void make_products(int count, size_t bytes_each);

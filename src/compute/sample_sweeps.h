@@ -17,7 +17,6 @@ namespace of_vertex {
 enum { density, lambda_view, error, line, count = line + 4 };
 }
 inline constexpr size_t tile_sums = 4;
-inline constexpr size_t lanes = 32;  ///< of a work group
 
 /// What sweeps over samples work on, and what they leave their sums in. All outlives them.
 struct SweepResources {

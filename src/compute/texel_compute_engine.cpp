@@ -14,17 +14,12 @@
 #include "fragment/texel_passes.h"
 
 namespace radiafit {
-namespace {
-
-constexpr size_t lanes = 32;  // of a work group
-
-}  // namespace
 
 TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                                        const TexelOptions& options, const TexelSource& source)
     : options_((require_lights(dataset), check_options(options), options)),
       shape_(atlas, *options.model, options.loss),
-      problems_(shape_.texels(), "texels_given", lanes),
+      problems_(shape_.texels(), "texels_given"),
       wide_(!has_largest_value(dataset.encoding)),
       unit_(wide_ ? 1 : ImageStream(dataset, StreamSource::disk, TargetSpace::linear).scale16()),
       surface_(GL_RGBA32F, shape_.width(), shape_.height(), 2) {
@@ -85,7 +80,7 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
     });
     std::vector<std::array<uint32_t, 4>> rows(texels);
     std::vector<uint32_t> words;
-    const size_t each = wide_ ? 4 : 2;
+    const size_t each = wide_ ? 4 : 2, lanes = problems_.lanes();
     for (size_t begin = 0; begin < texels; begin += lanes) {
         const size_t width = std::min(lanes, texels - begin), first = words.size() / each;
         size_t most = 0;
