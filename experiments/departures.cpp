@@ -201,10 +201,10 @@ Row Departures::row_of(const FitOutcome& out, const FitRequest& r, const Departu
     row.stalled = double(counts[size_t(Status::stationary)]) / double(row.problems);
     row.error = sum(out.fit.error);
     const Contestant contestant = contestant_of(out.fit, dataset_.mesh);
-    const JudgeResult train = judge(contestant, dataset_, Split::train);
+    const JudgeResult train = judge(contestant, dataset_, Split::train, at_pixel_centres);
     row.psnr = train.psnr();
     row.ape = train.ape();
-    row.held_psnr = judge(contestant, dataset_, Split::test).psnr();
+    row.held_psnr = judge(contestant, dataset_, Split::test, at_pixel_centres).psnr();
     return row;
 }
 

@@ -9,12 +9,16 @@
 #include "app/solve.h"
 #include "base/config.h"
 #include "base/record.h"
+#include "eval/judge.h"
 #include "report/result_folder.h"
 #include "synthetic/synthetic.h"
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
 namespace radiafit {
 class Context;
+
+/// The paper's claims are judged on pictures as graphics hardware draws them: a pixel is what its centre sees.
+inline constexpr JudgeOptions at_pixel_centres{.pixel_points = 1};
 
 class Experiment {
 public:

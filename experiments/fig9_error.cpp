@@ -182,7 +182,8 @@ private:
                                .seed = seed,
                                .method = method,
                                .request = request,
-                               .judged = judge(contestant_of(out.fit, dataset.mesh), validated, Split::validation)});
+                               .judged = judge(contestant_of(out.fit, dataset.mesh), validated, Split::validation,
+                                               at_pixel_centres)});
             log_info(fmt::format("{}, {}, weights {:g} and {:g}, {} refills: {:.2f} dB on validation views",
                                  dataset.name, method, request.model.lambda_surface, request.model.lambda_view,
                                  request.refills, trials_.back().judged.psnr()));
@@ -206,8 +207,8 @@ private:
                 .weights = weights,
                 .renderer = out.gl_renderer.empty() ? experiment_.cpu_name() : out.gl_renderer,
                 .request = request,
-                .train = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train),
-                .held = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::test),
+                .train = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train, at_pixel_centres),
+                .held = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::test, at_pixel_centres),
                 .surface_side = out.fit.options.surface_side,
                 .surface_texels = double(surface_atlas(dataset.mesh, out.fit.options).used_texels()) /
                                   double(dataset.mesh.triangle_count()),

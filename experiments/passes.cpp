@@ -8,11 +8,14 @@
 #include <memory>
 
 #include "app/limits.h"
+#include "base/clock.h"
+#include "base/energy.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
+#include "cpu/vertex_solver.h"
 #include "experiment.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
@@ -26,7 +29,7 @@ namespace {
 
 struct Options {
     std::string dataset = "star";
-    int images = 20, rounds = 9, cached_iterations = 10;
+    int images = 20, rounds = 9, cached_iterations = 10, solved_iterations = 25;
     FitRequest request;
 
     explicit Options(Config& c) {
@@ -36,6 +39,7 @@ struct Options {
         c.read("images", images, limits::repetitions);
         c.read("rounds", rounds, limits::repetitions);
         c.read("cached_iterations", cached_iterations, limits::some_iterations);
+        c.read("solved_iterations", solved_iterations, limits::some_iterations);
         c.finish();
     }
 };
@@ -49,6 +53,7 @@ struct Step {
     std::function<double()> iterate;  ///< seconds of an iteration, which has two sweeps over the images
     double error = 0;                 ///< sum of E_t at the start
     std::vector<double> seconds = {};
+    std::vector<double> joules = {};  ///< of an iteration, at the power that the step took; NaN where none can be read
 };
 
 class Ladder {
@@ -95,6 +100,23 @@ public:
         };
     }
 
+    /// As `fit` does on the CPU: one vertex after another to its end, the loading of its samples included.
+    void add_solver() {
+        FitRequest request = o_.request;
+        request.iterations = o_.solved_iterations;
+        const auto solve = [this, options = request.vertex_solver_options()] {
+            return solve_vertices(dataset_, atlas_, rings_, samples_.list, model_, options);
+        };
+        const double error = solve().trace.rows.front().error;
+        steps_.push_back({"CPU, cached samples, vertex by vertex", true,
+                          [this, solve] {
+                              const Stopwatch clock;
+                              solve();
+                              return clock.wall_s() / o_.solved_iterations;
+                          },
+                          error});
+    }
+
     /// Agree before you time: throws SystemError unless all begin with the same error. The rasterizers differ in some
     /// pixels at edges.
     void check() const {
@@ -107,7 +129,13 @@ public:
     void run() {
         Progress progress("rounds", size_t(o_.rounds));
         for (int round = 0; round < o_.rounds; ++round, progress.advance())
-            for (Step& step : steps_) step.seconds.push_back(step.iterate());
+            for (Step& step : steps_) {
+                EnergyMeter energy;
+                const Stopwatch clock;
+                step.seconds.push_back(step.iterate());
+                const double watts = energy.joules().value_or(NAN) / clock.wall_s();
+                step.joules.push_back(watts * step.seconds.back());
+            }
     }
     const std::vector<Step>& steps() const { return steps_; }
     size_t images() const { return views_.size(); }
@@ -138,14 +166,17 @@ private:
     std::vector<Step> steps_;
 };
 
-/// Milliseconds of an image and a sweep.
+/// Of an image and a sweep, in thousandths, what an iteration over so many images took.
+double of_image_and_sweep(double of_iteration, size_t images) {
+    return 1e3 * of_iteration / (sweeps_per_iteration * double(images));
+}
 double milliseconds(const Step& step, size_t round, size_t images) {
-    return 1e3 * step.seconds[round] / (sweeps_per_iteration * double(images));
+    return of_image_and_sweep(step.seconds[round], images);
 }
 
 void write_rows(const ResultFolder& results, const Ladder& ladder, const std::string& gl, const std::string& cpu) {
-    CsvWriter rounds(results.path() / "rounds.csv",
-                     {"step", "name", "repetition", "images", "samples", "ms_per_image_and_sweep", "renderer"});
+    CsvWriter rounds(results.path() / "rounds.csv", {"step", "name", "repetition", "images", "samples",
+                                                     "ms_per_image_and_sweep", "mj_per_image_and_sweep", "renderer"});
     CsvWriter ladder_rows(results.path() / "ladder.csv", {"step", "name", "median_ms", "low_ms", "high_ms",
                                                           "over_previous", "over_first", "renderer"});
     Table table({"step", "ms per image and sweep", "95 % interval", "over the step before", "over the first"});
@@ -157,8 +188,10 @@ void write_rows(const ResultFolder& results, const Ladder& ladder, const std::st
             ms.push_back(milliseconds(step, round, ladder.images()));
             over_previous.push_back(ms.back() / milliseconds(ladder.steps()[i ? i - 1 : 0], round, ladder.images()));
             over_first.push_back(ms.back() / milliseconds(ladder.steps().front(), round, ladder.images()));
+            const double mj = of_image_and_sweep(step.joules[round], ladder.images());
             rounds.row({std::to_string(i), step.name, std::to_string(round), std::to_string(ladder.images()),
-                        std::to_string(ladder.samples()), fmt::format("{:.6g}", ms.back()), renderer});
+                        std::to_string(ladder.samples()), fmt::format("{:.6g}", ms.back()),
+                        std::isnan(mj) ? "" : fmt::format("{:.6g}", mj), renderer});
         }
         const auto interval = median_interval(ms, ms.size());
         const auto number = [](double x) { return fmt::format("{:.4g}", x); };
@@ -188,6 +221,7 @@ void passes(Experiment& experiment) {
     ladder.add_cached("compute, cached samples, gather", Accumulate::gather);
     ladder.add_cpu(true);
     ladder.add_cpu(false);
+    ladder.add_solver();
     ladder.check();
     ladder.run();
     ResultFolder results = experiment.open_results(context->renderer());

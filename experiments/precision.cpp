@@ -59,14 +59,15 @@ void precision(Experiment& experiment) {
                 request.set("sums", sums);
                 FitOutcome out = solve(dataset, request, nullptr, {}, &views);
                 note_gl(out, experiment.record());
-                runs.push_back({.optimizer = optimizer,
-                                .storage = storage,
-                                .sums = sums,
-                                .renderer = out.gl_renderer,
-                                .trace = out.trace,
-                                .judged = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train),
-                                .not_finite = out.fit.status_counts()[size_t(Status::not_finite)],
-                                .seconds = out.times.total});
+                runs.push_back(
+                    {.optimizer = optimizer,
+                     .storage = storage,
+                     .sums = sums,
+                     .renderer = out.gl_renderer,
+                     .trace = out.trace,
+                     .judged = judge(contestant_of(out.fit, dataset.mesh), dataset, Split::train, at_pixel_centres),
+                     .not_finite = out.fit.status_counts()[size_t(Status::not_finite)],
+                     .seconds = out.times.total});
                 log_info(fmt::format("{}, parameters {}, sums {}: {:.2f} dB", optimizer, storage, sums,
                                      runs.back().judged.psnr()));
             }

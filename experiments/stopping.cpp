@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/limits.h"
 #include "base/log.h"
@@ -75,6 +76,12 @@ struct Vertex {
     std::vector<Stopped> settings;  ///< in the order of settings()
 };
 
+/// A problem that some solver solved to the last digit has a best error of 0.
+double over(double error, double best) {
+    if (error == best) return 1;
+    return best > 0 ? error / best : std::numeric_limits<double>::infinity();
+}
+
 Vertex solve(const Options& o, const std::vector<Setting>& all, BenchVertex& vertex) {
     Vertex out{vertex.id(), vertex.rms_weight(), {}};
     std::vector<Course> courses;
@@ -97,8 +104,8 @@ Vertex solve(const Options& o, const std::vector<Setting>& all, BenchVertex& ver
         stopped.stopped_at = course.stopped_at;
         for (size_t c = 0; c < 3; ++c) {
             stopped.arrived_at[c] = course.first_below(o.tolerance * best[c], c, course.iterations());
-            stopped.final[c] = course.end[c] / best[c];
-            for (const auto& errors : course.errors) stopped.ratios[c].push_back(float(errors[c] / best[c]));
+            stopped.final[c] = over(course.end[c], best[c]);
+            for (const auto& errors : course.errors) stopped.ratios[c].push_back(float(over(errors[c], best[c])));
         }
     }
     return out;

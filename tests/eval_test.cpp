@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "eval/exposure.h"
@@ -459,22 +462,98 @@ TEST(FindExposure, IsTheLeastOfAll) {
     EXPECT_EQ(find_exposure(Encoding::u8_srgb, nan, gray, 1.5), 1.5);
 }
 
+// ---- pixels' areas ----
+
+TEST(PixelAreas, PointsLieEvenlyInEachPixel) {
+    const Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 1), 1, 48, 2);
+    const View& view = dataset.views[0];
+    std::vector<std::array<double, 2>> points;  // of pixel (0, 0): the camera moves, so that pixels' centres lie there
+    const Contestant watcher{[&](const View& moved, const auto& pixels, std::vector<float>& rgb, int) {
+        points.push_back({0.5 + view.camera.cx - moved.camera.cx, 0.5 + view.camera.cy - moved.camera.cy});
+        rgb.assign(3 * pixels.size(), 0.25f);
+    }};
+    PixelAreas areas(dataset, 3);
+    areas.shade(watcher, view, 0);
+    ASSERT_EQ(points.size(), 9u);
+    for (size_t i = 0; i < 9; ++i) {
+        EXPECT_NEAR(points[i][0], (double(i % 3) + 0.5) / 3, 1e-12);
+        EXPECT_NEAR(points[i][1], double(i / 3) / 3 + 0.5 / 3, 1e-12);
+    }
+    points.clear();
+    PixelAreas centres(dataset, 1);
+    centres.shade(watcher, view, 0);
+    EXPECT_EQ(points, (std::vector<std::array<double, 2>>{{0.5, 0.5}}));
+    for (size_t i = 0; i < centres.centres().size(); ++i) {
+        EXPECT_EQ(centres.coverage(i), float(centres.centres()[i].triangle != no_triangle));
+        EXPECT_EQ(areas.centres()[i].triangle, centres.centres()[i].triangle);
+        if (areas.coverage(i) > 0)
+            EXPECT_NEAR(areas.rgb()[3 * i], 0.25f, 1e-6f);
+        else
+            EXPECT_EQ(areas.rgb()[3 * i], 0.0f);
+    }
+}
+
+// The nine points of a pixel see black or white; the eye, and the camera, see the mean of their light.
+TEST(PixelAreas, MeansAreOfLight) {
+    const TemporaryFolder folder;
+    const Dataset dataset = gray_dataset(folder.path() / "data", 128);
+    for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear}) {
+        int call = 0;
+        const Contestant blinking{[&](const View&, const auto& pixels, std::vector<float>& rgb, int) {
+                                      rgb.assign(3 * pixels.size(), float(call++ % 3 == 0));
+                                  },
+                                  space};
+        PixelAreas areas(dataset, 3);
+        areas.shade(blinking, dataset.views[0], 0);
+        const double expected = space == TargetSpace::stored ? srgb_encode(1.0 / 3) : 1.0 / 3;
+        int whole = 0;
+        for (size_t i = 0; i < areas.centres().size(); ++i) {
+            if (areas.coverage(i) < 1) continue;
+            ++whole;
+            ASSERT_NEAR(areas.rgb()[3 * i + 1], expected, 1e-5);
+        }
+        EXPECT_GT(whole, 100);
+    }
+}
+
+// The sheet's outline: shares of pixels add up to nearly the same area, however many points they are of.
+TEST(PixelAreas, CoverageAddsUpToTheOutlinesArea) {
+    Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 1), 1, 48, 2);
+    const Contestant white{
+        [](const View&, const auto& pixels, std::vector<float>& rgb, int) { rgb.assign(3 * pixels.size(), 1.0f); }};
+    const auto area = [&](int points) {
+        const LightImage image = render(white, dataset, dataset.views[0], points);
+        for (size_t i = 0; i < image.coverage.size(); ++i) EXPECT_NEAR(image.rgb[3 * i], image.coverage[i], 1e-5);
+        return std::accumulate(image.coverage.begin(), image.coverage.end(), 0.0);
+    };
+    const double fine = area(9);
+    EXPECT_LT(std::abs(area(3) / fine - 1), 0.01);
+    EXPECT_GT(fine, 200);
+    const LightImage image = render(white, dataset, dataset.views[0], 3);
+    EXPECT_TRUE(std::ranges::any_of(image.coverage, [](float c) { return c > 0 && c < 1; }));
+}
+
+TEST(PixelAreas, RefusesAnEvenNumber) {
+    EXPECT_NE(user_error([] { check_pixel_points(2); }).find("odd"), std::string::npos);
+    EXPECT_NE(user_error([] { check_pixel_points(11); }).find("9"), std::string::npos);
+}
+
 // ---- pictures ----
 
 TEST(Render, ExrIsLinearLight) {
     const TemporaryFolder folder;
     const Dataset dataset = noise_dataset(folder.path() / "data");
     LightFieldFit fit = random_fit(dataset, 1, ViewLookup::bilinear, 3);
-    const LightImage stored = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0]);
+    const LightImage stored = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0], 1);
     fit.space = TargetSpace::linear;
-    const LightImage linear = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0]);
+    const LightImage linear = render(contestant_of(fit, dataset.mesh), dataset, dataset.views[0], 1);
     for (size_t i = 0; i < linear.rgb.size(); ++i)
         ASSERT_FLOAT_EQ(stored.rgb[i], float(srgb_decode(double(linear.rgb[i]))));
     write_light_exr(folder.path() / "a.exr", linear);
     const ExrImage back = read_exr(folder.path() / "a.exr", {"G", "A"});
     for (size_t i = 0; i < linear.coverage.size(); ++i) {
         ASSERT_EQ(back.values[2 * i], linear.rgb[3 * i + 1]);
-        ASSERT_EQ(back.values[2 * i + 1], float(linear.coverage[i]));
+        ASSERT_EQ(back.values[2 * i + 1], linear.coverage[i]);
     }
 }
 

@@ -472,7 +472,8 @@ class Smoke(ProgramTest):
     def check_passes(self, tables):
         steps = ["the paper's passes", "combined passes, image by image", "combined passes, several images",
                  "compute, redistributing, gather", "compute, redistributing, scatter", "compute, cached samples, scatter",
-                 "compute, cached samples, gather", "CPU, redistributing", "CPU, cached samples"]  # fmt: skip
+                 "compute, cached samples, gather", "CPU, redistributing", "CPU, cached samples",
+                 "CPU, cached samples, vertex by vertex"]  # fmt: skip
         self.assertEqual([(r["step"], r["name"]) for r in tables["ladder"]], [(str(i), n) for i, n in enumerate(steps)])
         rounds = {name: {r["repetition"]: float(r["ms_per_image_and_sweep"]) for r in tables["rounds"] if r["name"] == name}
                   for name in steps}  # fmt: skip

@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/family.h"
+#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 
@@ -26,13 +27,14 @@ Dataset judged_dataset(Fitted& fit, Split split) {
     return split == Split::test || validation == 0 ? fit.dataset() : for_validation(fit.dataset(), validation);
 }
 
-Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split) {
+Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, int pixel_points) {
     const auto fit = open_fit(folder, moved_to);
     const Dataset judged = judged_dataset(*fit, split);
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
-    return {judge(fit->contestant(), judged, split, &parts), judge(baseline->contestant(), judged, split, &parts),
+    const JudgeOptions options{&parts, pixel_points};
+    return {judge(fit->contestant(), judged, split, options), judge(baseline->contestant(), judged, split, options),
             fit->baseline_name(), std::move(errors)};
 }
 
@@ -75,9 +77,15 @@ Split choose_split(const std::string& name) {
 
 }  // namespace
 
+void add_pixel_points(CommandLine& command, int& points) {
+    command.add_number("--pixel-points", points, limits::pixel_points,
+                       "a pixel shows the mean over this many points, squared, of its area; 1: what its centre sees");
+}
+
 void add_judge(CommandLine& program) {
     struct Options {
         std::string fit, split = "test", dataset;
+        int pixel_points = area_points;
         bool json = false;
     };
     auto o = std::make_shared<Options>();
@@ -85,11 +93,13 @@ void add_judge(CommandLine& program) {
     command.add_text("fit", o->fit, "folder of the fit").required();
     command.add_word("--split", o->split, "train, test or validation");
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
+    add_pixel_points(command, o->pixel_points);
     command.add_flag("--json", o->json, "one JSON object on standard output");
     command.on_run([=] {
         const Split split = choose_split(o->split);
+        check_pixel_points(o->pixel_points);
         if (o->json) set_quiet(true);
-        const Judgement j = judge_fit(o->fit, o->dataset, split);
+        const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points);
         if (o->json)
             fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth));
         else

@@ -27,6 +27,7 @@ struct RenderOptions {
     std::optional<int> view;
     int turntable = 0;
     std::vector<double> light;  ///< direction, or empty
+    int pixel_points = area_points;
     bool problems = false;
 };
 
@@ -154,7 +155,7 @@ void render_turntable(const RenderOptions& o, const Dataset& dataset, const Cont
     for (int i = 0; i < o.turntable; ++i) pictures.check(turn_name(i), {".png", ".exr"});
     for (int i = 0; i < o.turntable; ++i) {
         shown.camera = turntable_camera(dataset, i, o.turntable);
-        pictures.add(turn_name(i), render(fit, dataset, shown));
+        pictures.add(turn_name(i), render(fit, dataset, shown, o.pixel_points));
     }
     pictures.commit();
 }
@@ -167,12 +168,12 @@ void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const Vi
     const std::string name = stem.filename().string();
     Pictures pictures(stem.parent_path());
     pictures.check(name, {".png", ".exr", "_sheet.png"});
-    pictures.add(name, render(fit, dataset, shown));
+    pictures.add(name, render(fit, dataset, shown, o.pixel_points));
     if (o.light.empty()) {
         const auto trivial = fitted.baseline();
-        const JudgedView baseline = judged_view(trivial->contestant(), dataset, view);
+        const JudgedView baseline = judged_view(trivial->contestant(), dataset, view, o.pixel_points);
         pictures.add_sheet(
-            name, comparison_sheet(judged_view(fit, dataset, view), &baseline, dataset.encoding),
+            name, comparison_sheet(judged_view(fit, dataset, view, o.pixel_points), &baseline, dataset.encoding),
             fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, fitted.baseline_name()));
     }
     pictures.commit();
@@ -198,6 +199,7 @@ void check_output(const RenderOptions& o) {
 
 void render_fit(const RenderOptions& o) {
     check_output(o);
+    check_pixel_points(o.pixel_points);
     const auto fit = open_fit(o.fit, o.dataset);
     if (!o.light.empty() && !fit->takes_light())
         throw UserError("--light: a light field map keeps the light it was photographed under");
@@ -229,6 +231,7 @@ void add_render(CommandLine& program) {
         .excludes("--light")
         .excludes("--turntable");
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
+    add_pixel_points(command, o->pixel_points);
     command.add_text("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
         .required();
     command.on_run([=] { render_fit(*o); });

@@ -28,6 +28,9 @@ void add_compare(CommandLine& program, int& status);
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);
 
+/// --pixel-points, of the commands that show fits.
+void add_pixel_points(CommandLine& command, int& points);
+
 /// What a dataset is, on standard output.
 void print_dataset(const Dataset& dataset, bool json);
 

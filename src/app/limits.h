@@ -30,5 +30,6 @@ constexpr Range<int> max_size{0, 65536, "0 keeps the size"};
 constexpr Range<double> sample_width{1e-9, 1e9};
 constexpr Range<int> view{0, 1'000'000};
 constexpr Range<int> turntable{1, 10000};
+constexpr Range<int> pixel_points{1, 9, "an odd number: 1 is a pixel's centre alone"};
 
 }  // namespace radiafit::limits

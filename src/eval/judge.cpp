@@ -11,8 +11,6 @@
 #include "base/wording.h"
 #include "dataset/view_directions.h"
 #include "eval/exposure.h"
-#include "eval/lfm_renderer.h"
-#include "eval/reflectance_renderer.h"
 
 namespace radiafit {
 namespace {
@@ -32,28 +30,31 @@ bool has_gains(const Dataset& dataset) {
 // One thread's tools.
 class Bench {
 public:
-    Bench(const Dataset& dataset, ImageStream stream)
-        : dataset_(&dataset), has_gains_(has_gains(dataset)), stream_(std::move(stream)) {}
+    Bench(const Dataset& dataset, ImageStream stream, int pixel_points)
+        : dataset_(&dataset),
+          has_gains_(has_gains(dataset)),
+          stream_(std::move(stream)),
+          areas_(dataset, pixel_points) {}
 
     JudgedView compare(const Contestant& contestant, uint32_t index, int worker) {
         const View& view = dataset_->views.at(index);
-        seen_ = seen_pixels(*dataset_, view, rasterizer_);
         stream_.load(index, image_);
-        contestant.shade(view, seen_, rgb_, worker);
+        areas_.shade(contestant, view, worker);
+        const std::vector<RasterPixel>& seen = areas_.centres();
+        const std::vector<float>& rgb = areas_.rgb();
 
         JudgedView out;
         out.width = view.camera.width;
         out.height = view.camera.height;
         out.gain = view.gain;
-        const size_t pixels = seen_.size();
-        if (rgb_.size() != 3 * pixels) throw std::invalid_argument("judge: a contestant left pixels out");
+        const size_t pixels = seen.size();
         out.photograph.resize(3 * pixels);
         out.foreground.resize(pixels);
         const float scale = image_.scale16();
         for (size_t i = 0; i < pixels; ++i) {
             const auto channels = image_.channel16(i);
             for (size_t c = 0; c < 3; ++c) out.photograph[3 * i + c] = clamped(float(channels[c]) * scale);
-            out.foreground[i] = seen_[i].triangle != no_triangle && image_.masked_in(i);
+            out.foreground[i] = seen[i].triangle != no_triangle && image_.masked_in(i);
         }
         if (has_gains_ && view.held_out) out.gain = 1 / best_exposure(contestant.space, out);
         out.render.assign(3 * pixels, 0.0f);
@@ -62,12 +63,12 @@ public:
         for (size_t i = 0; i < pixels; ++i)
             for (size_t c = 3 * i; c < 3 * i + 3 && out.foreground[i]; ++c)
                 out.render[c] = as_they_are
-                                    ? clamped(rgb_[c])
-                                    : exposed(dataset_->encoding, 1 / out.gain, light(contestant.space, rgb_[c]));
+                                    ? clamped(rgb[c])
+                                    : exposed(dataset_->encoding, 1 / out.gain, light(contestant.space, rgb[c]));
         return out;
     }
 
-    const std::vector<RasterPixel>& seen() const { return seen_; }  ///< of the view compared last
+    const std::vector<RasterPixel>& seen() const { return areas_.centres(); }  ///< of the view compared last
 
 private:
     double light(TargetSpace space, float value) const {
@@ -78,7 +79,7 @@ private:
         std::vector<float> values, photograph;
         for (size_t i = 0; i < view.foreground.size(); ++i)
             for (size_t c = 3 * i; c < 3 * i + 3 && view.foreground[i]; ++c) {
-                values.push_back(float(light(space, rgb_[c])));
+                values.push_back(float(light(space, areas_.rgb()[c])));
                 photograph.push_back(view.photograph[c]);
             }
         return find_exposure(dataset_->encoding, values, photograph, 1 / view.gain);
@@ -87,10 +88,8 @@ private:
     const Dataset* dataset_;
     bool has_gains_;
     ImageStream stream_;
-    Rasterizer rasterizer_;
-    std::vector<RasterPixel> seen_;
+    PixelAreas areas_;
     TargetImage image_;
-    std::vector<float> rgb_;
 };
 
 /// `parts`, if given, takes the errors of each part of the surface as well.
@@ -115,42 +114,15 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
 
 }  // namespace
 
-Contestant contestant_of(const LightFieldFit& fit, const Mesh& mesh) {
-    const auto renderer = std::make_shared<LfmRenderer>(mesh, fit);
-    return {[renderer](const View& view, const auto& pixels, std::vector<float>& rgb, int worker) {
-                renderer->shade(view.camera, pixels, rgb, worker);
-            },
-            fit.space};
-}
-
-Contestant contestant_of(const ReflectanceFit& fit, const Atlas& atlas) {
-    const auto renderer = std::make_shared<ReflectanceRenderer>(atlas, fit);
-    return {[renderer](const View& view, const auto& pixels, std::vector<float>& rgb, int) {
-                renderer->shade(view, pixels, rgb);
-            },
-            TargetSpace::linear};
-}
-
 std::string to_string(Split split) {
     return split == Split::train ? "train" : split == Split::test ? "test" : "validation";
 }
 
-std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer) {
-    if (!dataset.has_grid()) {
-        rasterizer.draw(dataset.mesh, view.camera);
-        return rasterizer.pixels();
-    }
-    std::vector<RasterPixel> out(dataset.grid.texel_count());
-    const std::vector<Vec3f>& normals = dataset.grid.texel_normals;
-    for (uint32_t t = 0; t < out.size(); ++t)
-        if (normals.empty() || normals[t] != Vec3f::Zero()) out[t].triangle = t;
-    return out;
-}
-
-JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const SurfaceParts* parts) {
+JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const JudgeOptions& options) {
     JudgeResult result;
     result.split = split;
-    if (parts && !parts->of) parts = nullptr;
+    result.pixel_points = options.pixel_points;
+    const SurfaceParts* parts = options.parts && options.parts->of ? options.parts : nullptr;
     const std::vector<uint32_t> views = dataset.split(split != Split::train);
     if (views.empty())
         throw UserError(fmt::format(
@@ -168,7 +140,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     std::vector<std::vector<PartFigures>> image_parts(views.size(), result.parts);
     parallel_for(views.size(), 1, [&](size_t i, int worker) {
         auto& bench = benches.at(size_t(worker));
-        if (!bench) bench = std::make_unique<Bench>(dataset, stream.another());
+        if (!bench) bench = std::make_unique<Bench>(dataset, stream.another(), options.pixel_points);
         const JudgedView judged = bench->compare(contestant, views[i], worker);
         result.images[i] =
             figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(), image_parts[i]);
@@ -193,12 +165,12 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     return result;
 }
 
-JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view) {
+JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view, int pixel_points) {
     if (view >= dataset.views.size())
         throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
                                     dataset.views.size() - 1));
     const Dataset as_stored = without_gains(dataset);
-    return Bench(dataset, ImageStream(as_stored, StreamSource::disk)).compare(contestant, view, 0);
+    return Bench(dataset, ImageStream(as_stored, StreamSource::disk), pixel_points).compare(contestant, view, 0);
 }
 
 }  // namespace radiafit

@@ -4,17 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "dataset/dataset.h"
-#include "dataset/image_stream.h"
 #include "eval/metrics.h"
+#include "eval/pixel_areas.h"
 #include "eval/truth_errors.h"
-#include "fit/fit_folder.h"
-#include "geometry/raster.h"
 
 /// The judge: compares renders with photographs, and knows neither optimizer nor engine.
 ///
 /// Foreground: pixels whose centre sees the mesh (geometry's rasterizer), or a usable texel of the grid, inside the
-/// image's mask. The judge finds them; a contestant only says what colour they have.
+/// image's mask. The judge finds them; a contestant only says what colour they have, at several points of each
+/// (eval/pixel_areas.h).
 ///
 /// Exposure: a contestant's values have the exposure that the dataset's gains bring all photographs to. They are
 /// compared in the photograph's own exposure and encoding:
@@ -27,19 +25,6 @@ namespace radiafit {
 
 enum class Split { train, test, validation };
 std::string to_string(Split split);
-
-/// Anything that can colour the pixels of a view: rgb [height][width][3] out, at `pixels` that see the mesh (others
-/// don't matter; over a grid, `triangle` is the texel). `worker` is parallel_for's: calls with different workers may
-/// run at once.
-struct Contestant {
-    std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker)>
-        shade;
-    TargetSpace space = TargetSpace::stored;  ///< of the values it hands out
-};
-/// The fit must be of this mesh (open_fitted_dataset() makes sure), of texels in this atlas; both outlive the
-/// contestant.
-Contestant contestant_of(const LightFieldFit& fit, const Mesh& mesh);
-Contestant contestant_of(const ReflectanceFit& fit, const Atlas& atlas);
 
 /// A photograph and its render, ready to be compared or shown. [height][width][3], stored encoding, in [0, 1].
 struct JudgedView {
@@ -68,8 +53,14 @@ struct PartFigures {
     ErrorSums stored;
 };
 
+struct JudgeOptions {
+    const SurfaceParts* parts = nullptr;
+    int pixel_points = area_points;  ///< PixelAreas'
+};
+
 struct JudgeResult {
     Split split = Split::test;
+    int pixel_points = area_points;
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
     std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
@@ -83,19 +74,16 @@ struct JudgeResult {
 
 /// Validation: the views held out of a dataset that app's for_validation() made. Throws UserError if the split has no
 /// view, or no view of it has a foreground pixel.
-JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split,
-                  const SurfaceParts* parts = nullptr);
+JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const JudgeOptions& options = {});
 
 /// One view, as judge() compares it.
-JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view);
+JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view,
+                       int pixel_points = area_points);
 
-/// What the pixels of a view see: of the mesh, by `rasterizer`; or of the grid, where `triangle` is the texel.
-std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer);
-
-/// One JSON object: psnr, ape, psnr_linear, ape_linear, split, images, pixels, not_finite, per_image [{name, psnr, ape,
-/// psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape}, parts [{name,
-/// psnr, ape, pixels}] if any, and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts}. A figure that is
-/// not finite is null. truth, if any:
+/// One JSON object: psnr, ape, psnr_linear, ape_linear, split, pixel_points, images, pixels, not_finite, per_image
+/// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},
+/// parts [{name, psnr, ape, pixels}] if any, and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts}. A
+/// figure that is not finite is null. truth, if any:
 /// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}}], the latter three where comparable.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
                        std::span<const MaterialErrors> truth = {});

@@ -39,6 +39,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
     Json json;
     add_figures(json, result.stored, result.linear);
     json["split"] = to_string(result.split);
+    json["pixel_points"] = result.pixel_points;
     json["images"] = result.images.size();
     json["pixels"] = result.stored.values / 3;
     json["not_finite"] = result.stored.not_finite;

@@ -58,18 +58,21 @@ private:
 
 }  // namespace
 
-LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view) {
-    Rasterizer rasterizer;
-    const std::vector<RasterPixel> seen = seen_pixels(dataset, view, rasterizer);
+LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view, int pixel_points) {
+    PixelAreas areas(dataset, pixel_points);
+    areas.shade(contestant, view, 0);
     LightImage image;
     image.width = view.camera.width;
     image.height = view.camera.height;
-    contestant.shade(view, seen, image.rgb, 0);
-    if (contestant.space == TargetSpace::stored)
-        for (float& value : image.rgb) value = float(decode(dataset.encoding, value));
-    image.coverage.resize(seen.size());
-    std::transform(seen.begin(), seen.end(), image.coverage.begin(),
-                   [](const RasterPixel& pixel) { return pixel.triangle != no_triangle; });
+    image.rgb = areas.rgb();
+    for (size_t i = 0; i < areas.centres().size(); ++i) {
+        image.coverage.push_back(areas.coverage(i));
+        for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
+            float& value = image.rgb[c];
+            if (contestant.space == TargetSpace::stored) value = float(decode(dataset.encoding, value));
+            value *= image.coverage[i];
+        }
+    }
     return image;
 }
 
@@ -78,7 +81,7 @@ void write_light_exr(const std::filesystem::path& path, const LightImage& image)
     exr.values.reserve(4 * image.coverage.size());
     for (size_t i = 0; i < image.coverage.size(); ++i)
         exr.values.insert(exr.values.end(),
-                          {image.rgb[3 * i], image.rgb[3 * i + 1], image.rgb[3 * i + 2], float(image.coverage[i])});
+                          {image.rgb[3 * i], image.rgb[3 * i + 1], image.rgb[3 * i + 2], image.coverage[i]});
     write_exr(path, exr);
 }
 

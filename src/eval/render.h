@@ -8,15 +8,18 @@
 /// Pictures of a fit: for viewers (linear light, EXR) and for the eye (bytes; the program writes them as PNG).
 namespace radiafit {
 
-/// [height][width], row 0 on top. rgb: linear light, unclamped, 0 where the mesh is not seen.
+/// [height][width], row 0 on top. rgb: linear light, unclamped, times the coverage, as image files have it
+/// (premultiplied).
 struct LightImage {
     int width = 0, height = 0;
-    std::vector<float> rgb;         ///< [height][width][3]
-    std::vector<uint8_t> coverage;  ///< [height][width], 1 where the mesh is seen
+    std::vector<float> rgb;       ///< [height][width][3]
+    std::vector<float> coverage;  ///< [height][width]: share of the pixel that sees the mesh
 };
 
 /// What `view` (any, not only the dataset's) sees, in the exposure that the dataset's gains bring all photographs to.
-LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view);
+/// pixel_points: PixelAreas'.
+LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view,
+                  int pixel_points = area_points);
 
 /// Stands in render's EXR and SVG files: by it the next run tells its pictures from those of others.
 inline constexpr const char* picture_mark = "radiafit_render";

@@ -172,7 +172,7 @@ const std::vector<TableRules>& all_rules() {
         {"passes",
          "rounds.csv",
          {keys("step name"), repetition("repetition"), exact("images"), errors("samples"),
-          times("ms_per_image_and_sweep"), told("renderer")}},
+          times("ms_per_image_and_sweep"), told("mj_per_image_and_sweep renderer")}},
         {"passes",
          "ladder.csv",
          {keys("step name"), told("median_ms low_ms high_ms over_previous over_first renderer")}},

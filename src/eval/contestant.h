@@ -1,0 +1,26 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "dataset/image_stream.h"
+#include "fit/fit_folder.h"
+#include "geometry/atlas.h"
+#include "geometry/raster.h"
+
+namespace radiafit {
+
+/// Anything that can colour the pixels of a view: rgb [height][width][3] out, at `pixels` that see the mesh (others
+/// don't matter; over a grid, `triangle` is the texel). `worker` is parallel_for's: calls with different workers may
+/// run at once.
+struct Contestant {
+    std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker)>
+        shade;
+    TargetSpace space = TargetSpace::stored;  ///< of the values it hands out
+};
+/// The fit must be of this mesh (open_fitted_dataset() makes sure), of texels in this atlas; both outlive the
+/// contestant.
+Contestant contestant_of(const LightFieldFit& fit, const Mesh& mesh);
+Contestant contestant_of(const ReflectanceFit& fit, const Atlas& atlas);
+
+}  // namespace radiafit

@@ -1,0 +1,84 @@
+#include "eval/pixel_areas.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "base/error.h"
+
+namespace radiafit {
+namespace {
+
+constexpr int most_points = 9;  // 81 in all: their numbers fit bytes
+
+// As srgb_decode() and srgb_encode(), in floats: of nine points a pixel, powers of doubles would take most of the time.
+float light_of(float stored) {
+    const float x = std::abs(stored);
+    return std::copysign(x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f), stored);
+}
+float stored_of(float light) {
+    const float x = std::abs(light);
+    return std::copysign(x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f, light);
+}
+
+}  // namespace
+
+void check_pixel_points(int n) {
+    if (n < 1 || n > most_points || n % 2 == 0)
+        throw UserError(fmt::format("pixel points {}: choose an odd number from 1 to {}", n, most_points));
+}
+
+PixelAreas::PixelAreas(const Dataset& dataset, int points)
+    : dataset_(&dataset), points_((check_pixel_points(points), dataset.has_grid() ? 1 : points)) {}
+
+void PixelAreas::shade(const Contestant& contestant, const View& view, int worker) {
+    centres_ = seen_pixels(*dataset_, view, rasterizer_);
+    if (points_ > 1) return shade_points(contestant, view, worker);
+    contestant.shade(view, centres_, rgb_, worker);
+    if (rgb_.size() != 3 * centres_.size()) throw std::invalid_argument("a contestant left pixels out");
+    seen_.resize(centres_.size());
+    for (size_t i = 0; i < seen_.size(); ++i) seen_[i] = centres_[i].triangle != no_triangle;
+}
+
+void PixelAreas::shade_points(const Contestant& contestant, const View& view, int worker) {
+    const bool curved = contestant.space == TargetSpace::stored && dataset_->encoding == Encoding::u8_srgb;
+    const size_t pixels = centres_.size();
+    rgb_.assign(3 * pixels, 0.0f);
+    seen_.assign(pixels, 0);
+    for (int row = 0; row < points_; ++row)
+        for (int column = 0; column < points_; ++column) {
+            View moved = view;
+            moved.camera.cx -= (column + 0.5) / points_ - 0.5;
+            moved.camera.cy -= (row + 0.5) / points_ - 0.5;
+            const std::vector<RasterPixel> points = seen_pixels(*dataset_, moved, rasterizer_);
+            contestant.shade(moved, points, at_point_, worker);
+            if (at_point_.size() != 3 * pixels) throw std::invalid_argument("a contestant left pixels out");
+            for (size_t i = 0; i < pixels; ++i) {
+                if (points[i].triangle == no_triangle) continue;
+                ++seen_[i];
+                for (size_t c = 3 * i; c < 3 * i + 3; ++c) rgb_[c] += curved ? light_of(at_point_[c]) : at_point_[c];
+            }
+        }
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 3 * i; c < 3 * i + 3 && seen_[i] > 0; ++c) {
+            rgb_[c] /= float(seen_[i]);
+            if (curved) rgb_[c] = stored_of(rgb_[c]);
+        }
+}
+
+float PixelAreas::coverage(size_t pixel) const { return float(seen_[pixel]) / float(points_ * points_); }
+
+std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer) {
+    if (!dataset.has_grid()) {
+        rasterizer.draw(dataset.mesh, view.camera);
+        return rasterizer.pixels();
+    }
+    std::vector<RasterPixel> out(dataset.grid.texel_count());
+    const std::vector<Vec3f>& normals = dataset.grid.texel_normals;
+    for (uint32_t t = 0; t < out.size(); ++t)
+        if (normals.empty() || normals[t] != Vec3f::Zero()) out[t].triangle = t;
+    return out;
+}
+
+}  // namespace radiafit

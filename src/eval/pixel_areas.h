@@ -1,0 +1,46 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "eval/contestant.h"
+
+namespace radiafit {
+
+/// A camera's pixel holds the mean of the light that meets its area, not what its centre sees: a contestant is asked
+/// at n x n points of each pixel, evenly spaced, and the mean is taken in linear light over the points that see the
+/// surface. Over a grid, whose pixels are its texels, at one.
+inline constexpr int area_points = 3;
+
+/// Throws UserError unless n is odd (so that one of the points is the centre) and at most 9.
+void check_pixel_points(int n);
+
+class PixelAreas {
+public:
+    /// points: n. 1: as the centre sees it, which is what a graphics chip draws. The dataset must outlive it.
+    explicit PixelAreas(const Dataset& dataset, int points = area_points);
+
+    /// `view` may be any, not only the dataset's. worker: as Contestant's.
+    void shade(const Contestant& contestant, const View& view, int worker);
+
+    /// Of the view shaded last, [height][width]: what pixels' centres see.
+    const std::vector<RasterPixel>& centres() const { return centres_; }
+    const std::vector<float>& rgb() const {
+        return rgb_;
+    }                                    ///< [...][3] in the contestant's space; 0 where none is seen
+    float coverage(size_t pixel) const;  ///< share of its points that see the surface
+
+private:
+    void shade_points(const Contestant& contestant, const View& view, int worker);
+
+    const Dataset* dataset_;
+    int points_;
+    Rasterizer rasterizer_;
+    std::vector<RasterPixel> centres_;
+    std::vector<float> rgb_, at_point_;
+    std::vector<uint8_t> seen_;  ///< points of a pixel
+};
+
+/// What the pixels of a view see: of the mesh, by `rasterizer`; or of the grid, where `triangle` is the texel.
+std::vector<RasterPixel> seen_pixels(const Dataset& dataset, const View& view, Rasterizer& rasterizer);
+
+}  // namespace radiafit
