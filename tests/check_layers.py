@@ -29,6 +29,7 @@ ALLOWED.update(
     capture=up_to("dataset"),
     fit=up_to("dataset"),
     eval=up_to("dataset") | {"fit"},
+    viewbasis=up_to("samples") | {"fit", "eval"},
     report={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
 )

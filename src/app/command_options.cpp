@@ -12,6 +12,11 @@
 namespace radiafit {
 namespace {
 
+/// Whether a fit of any family by this solver does.
+bool any_takes(const Solver& solver, const FitOption& option) {
+    return std::ranges::any_of(families(), [&](const Family* family) { return family->uses(solver) & option.uses; });
+}
+
 /// "two-step, ceres; engine fragment", or "every fit".
 std::string takers(const FitOption& option) {
     if (option.uses == 0) return "every fit";
@@ -24,13 +29,14 @@ std::string takers(const FitOption& option) {
         }
     std::vector<std::string> of_all, of_one;
     bool alike = true;  // each solver takes it of every family that it fits
-    for (const Family* family : {&light_field_maps, &texel_local_models}) {
+    for (const Family* family : families()) {
         std::vector<std::string> names;
         for (const Solver& solver : solvers()) {
-            const bool takes = solver.*family->uses & option.uses;
+            const uint32_t uses = family->uses(solver);
+            const bool takes = uses & option.uses;
             if (takes) names.emplace_back(solver.name);
             if (takes && std::ranges::find(of_all, solver.name) == of_all.end()) of_all.emplace_back(solver.name);
-            alike = alike && (takes || !(solver.*family->uses) || !((solver.uses | solver.texel_uses) & option.uses));
+            alike = alike && (takes || !uses || !any_takes(solver, option));
         }
         if (!names.empty()) of_one.push_back(fmt::format("{}: {}", family->name, fmt::join(names, ", ")));
     }

@@ -10,12 +10,14 @@
 namespace radiafit {
 
 namespace {
-constexpr const Family* families[] = {&light_field_maps, &texel_local_models};
+constexpr const Family* all[] = {&light_field_maps, &view_bases, &texel_local_models};
 
 const Family& family_of(const std::string& model) {
-    return **std::ranges::find_if(families, [&](const Family* family) { return family->owns(model); });
+    return **std::ranges::find_if(all, [&](const Family* family) { return family->owns(model); });
 }
 }  // namespace
+
+std::span<const Family* const> families() { return all; }
 
 const Family& family_of(const FitRequest& request) { return family_of(request.text("model")); }
 

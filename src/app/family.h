@@ -9,8 +9,8 @@
 #include "eval/judge.h"
 #include "report/problem_picture.h"
 
-/// The families of models: light field maps and texel-local models. What commands ask of one is said here, once; they
-/// themselves never ask which it is.
+/// The families of models: light field maps, texel-local models, view bases. What commands ask of one is said here,
+/// once; they themselves never ask which it is.
 namespace radiafit {
 
 /// A fit of any family, with the dataset that was fitted.
@@ -48,7 +48,9 @@ class Divided;
 struct Family {
     const char* name;                        ///< in messages
     bool (*owns)(const std::string& model);  ///< by its name in requests and in fit.json
-    uint32_t Solver::*uses;                  ///< what a solver does with this family; 0: it fits no such
+    std::vector<std::string> (*models)();    ///< their names
+    const char* help;                        ///< of the models, after "--model"
+    uint32_t (*uses)(const Solver& solver);  ///< what a solver does with this family; 0: it fits no such
     /// The space of images that are streamed with 16 bits; none where a fit reads the values themselves.
     std::optional<TargetSpace> (*streamed)(const FitRequest& request);
     /// What the user left open and the dataset decides. given: whether the user gave an option, such as "--optimizer".
@@ -62,11 +64,16 @@ struct Family {
     /// moved_to: where the dataset is now; empty: where the fit says. Throws UserError.
     std::unique_ptr<Fitted> (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
 };
-extern const Family light_field_maps, texel_local_models;
+extern const Family light_field_maps, texel_local_models, view_bases;
+std::span<const Family* const> families();
 
 const Family& family_of(const FitRequest& request);
 /// Throws UserError likewise.
 std::unique_ptr<Fitted> open_fit(const std::filesystem::path& folder, const std::filesystem::path& moved_to = {});
+
+/// The trivial baseline of what light does not change: a mean colour per texel, of the views that `like` fitted, in its
+/// space. `dataset` must outlive it.
+std::unique_ptr<Fitted> mean_colours(const Dataset& dataset, const FitRecord& like, const LfmOptions& sides);
 
 void export_light_field_problems(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
 void export_texel_problems(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
@@ -75,6 +82,7 @@ void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
+Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t most_views);
 
 std::unique_ptr<Divided> divide_light_field(const Dataset& dataset, const FitRequest& request);
 std::unique_ptr<Divided> divide_texels(const Dataset& dataset, const FitRequest& request);

@@ -176,11 +176,15 @@ FitOption mu_option() {
 }
 
 FitOption model_option() {
-    std::vector<std::pair<std::string, const TexelModel*>> choices = {{lfm_name, nullptr}};
-    for (const TexelModel* model : texel_models()) choices.emplace_back(model->name, model);
-    return choice<const TexelModel*>(
-        "model", 0, [](auto& r) -> auto& { return r.texel_model; }, choices,
-        "lfm is a light field map; the others are texel-local models, of datasets with lamps");
+    std::vector<std::pair<std::string, std::string>> choices;
+    std::vector<std::string> help;
+    for (const Family* family : families()) {
+        for (const std::string& name : family->models()) choices.emplace_back(name, name);
+        help.emplace_back(family->help);
+    }
+    return choice<std::string>(
+        "model", 0, [](auto& r) -> auto& { return r.model_name; }, choices,
+        fmt::format("{}", fmt::join(help, "; ")).c_str());
 }
 
 FitOption loss_option() {
@@ -288,6 +292,13 @@ std::vector<FitOption> make_fit_options() {
                 "smoothness of surface maps"),
          number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight, "smoothness of view maps"),
          mu_option()});
+    add("View bases",
+        {number("rank", use::view_basis, OF(view_basis.rank), limits::rank,
+                "functions of the view direction: three times as many numbers per texel"),
+         number("noise", use::view_basis, OF(view_basis.noise), limits::noise_variance,
+                "variance of a residual, white being 1: how far samples count against what is learned of the surface"),
+         number("blocks", use::view_basis, OF(view_basis.blocks), limits::blocks,
+                "about so many parts of the surface have a basis of their own")});
     add("Samples",
         {number(
              "clip_above", use::selection, OF(clip_above), limits::share,
@@ -371,11 +382,11 @@ uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
 
 uint32_t uses_of(const FitRequest& request, bool grid) {
     const Family& family = family_of(request);
-    uint32_t uses = find_solver(request.solver).*family.uses;
+    uint32_t uses = family.uses(find_solver(request.solver));
     if (uses == 0) {
         std::vector<std::string> others;
         for (const Solver& other : solvers())
-            if (other.*family.uses) others.emplace_back(other.name);
+            if (family.uses(other)) others.emplace_back(other.name);
         throw UserError(fmt::format("solver {} does not fit {}; choose one of {} for --model {}", request.solver,
                                     family.name, fmt::join(others, ", "), request.text("model")));
     }
@@ -404,7 +415,7 @@ void reject_idle_options(const FitRequest& request, bool grid) {
         std::string what = "solver " + request.solver;
         if (uses & use::optimizer && request.optimizer && o.uses & (use::history | use::learning_rate | use::change))
             what = "optimizer " + request.text("optimizer");
-        else if (request.texel_model)
+        else if (request.texel_model())
             what = "model " + request.text("model") + " with " +
                    (request.levenberg_marquardt() ? "optimizer lm" : what) + (grid ? " over a grid" : "");
         else if (uses & use::engine)

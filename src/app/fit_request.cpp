@@ -27,7 +27,7 @@ void FitRequest::check() const {
         if (o.check) o.check(*this);
     const uint32_t uses = uses_of(*this);
     model_options();
-    if (texel_model) texel_options();
+    if (texel_model()) texel_options();
     const bool own_sides = texels_per_pixel > 0 || model.sides;
     if (own_sides &&
         (on_fragment_engine() || redistributes() || (uses & use::distribution && distributor == DistributorKind::gl)))
@@ -73,7 +73,7 @@ LfmOptions FitRequest::model_options() const {
 
 TexelOptions FitRequest::texel_options() const {
     TexelOptions options;
-    options.model = texel_model;
+    options.model = texel_model();
     options.surface_side = model.surface_side;
     options.mode = mode;
     options.mu = bounds_weight();

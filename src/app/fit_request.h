@@ -11,6 +11,7 @@
 #include "optim/optimizer.h"
 #include "reference/ceres_solver.h"
 #include "samples/disk_records.h"
+#include "viewbasis/learn_view_basis.h"
 
 namespace radiafit {
 
@@ -22,7 +23,7 @@ enum class ImageSource { disk, disk_cold, memory, device };
 /// What to fit with. Every member but those from `scratch` on is an option of the table in app/fit_options.h, which
 /// says what it means, what values it takes and which fits it means something to.
 struct FitRequest {
-    const TexelModel* texel_model = nullptr;     ///< null: a light field map
+    std::string model_name = lfm_name;           ///< of a family's models (app/family.h)
     std::string solver = "stream";               ///< a name in solvers()
     std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
     EngineKind engine = EngineKind::cpu;
@@ -39,7 +40,8 @@ struct FitRequest {
     ImageSource source = ImageSource::memory;
     TargetSpace space = TargetSpace::stored;
     ContextOptions context;
-    LfmOptions model;                        ///< its surface_side is any model's; its mode and mu are those below
+    LfmOptions model;  ///< its surface_side is any model's; its mode and mu are those below
+    ViewBasisOptions view_basis;
     double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
     double mu = -1;                          ///< weight of the bounds; below 0: the mode's default
@@ -69,6 +71,7 @@ struct FitRequest {
     void check() const;
     std::string json() const;  ///< every option, as one JSON object
 
+    const TexelModel* texel_model() const { return find_texel_model(model_name); }  ///< null: none of them
     Rule rule() const;
     float bounds_weight() const;  ///< mu, or the mode's default
     OptimizerOptions optimizer_options() const;

@@ -37,14 +37,7 @@ public:
         return fmt::format("{} terms, surface maps of {}, view maps of side {}", o.terms, side, o.view_side);
     }
     Contestant contestant() override { return contestant_of(fit_, dataset().mesh); }
-    std::unique_ptr<Fitted> baseline() override {
-        FitRequest mean;
-        mean.set("solver", "mean");
-        mean.space = fit_.space;
-        mean.model = fit_.options;
-        mean.validation = validation_of(fit_);
-        return std::make_unique<FittedLightField>(solve(dataset(), mean).fit, dataset());
-    }
+    std::unique_ptr<Fitted> baseline() override { return mean_colours(dataset(), fit_, fit_.options); }
     const char* baseline_name() const override { return "mean colour per texel"; }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, dataset().mesh, add_files);
@@ -85,10 +78,21 @@ FinishedFit finished_light_field(LightFieldFit fit, FitRun run, const Resampling
     return out;
 }
 
+std::unique_ptr<Fitted> mean_colours(const Dataset& dataset, const FitRecord& like, const LfmOptions& sides) {
+    FitRequest mean;
+    mean.set("solver", "mean");
+    mean.space = like.space;
+    mean.model = sides;
+    mean.validation = validation_of(like);
+    return std::make_unique<FittedLightField>(solve(dataset, mean).fit, dataset);
+}
+
 const Family light_field_maps = {
     .name = "light field maps",
     .owns = [](const std::string& model) { return model == lfm_name; },
-    .uses = &Solver::uses,
+    .models = [] { return std::vector<std::string>{lfm_name}; },
+    .help = "lfm is a light field map",
+    .uses = [](const Solver& solver) { return solver.uses; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .settle =
         [](const auto& given, const Dataset&, FitRequest& request) {

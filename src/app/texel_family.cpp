@@ -121,7 +121,14 @@ FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& data
 const Family texel_local_models = {
     .name = "texel-local models",
     .owns = [](const std::string& model) { return model != lfm_name; },  // those that are none are told by their reader
-    .uses = &Solver::texel_uses,
+    .models =
+        [] {
+            std::vector<std::string> names;
+            for (const TexelModel* model : texel_models()) names.push_back(model->name);
+            return names;
+        },
+    .help = "the others are texel-local models, of datasets with lamps",
+    .uses = [](const Solver& solver) { return solver.texel_uses; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> {
         if (request.on_fragment_engine()) return TargetSpace::linear;
         return std::nullopt;

@@ -25,7 +25,7 @@ public:
             places_.push_back(dataset.has_grid() ? dataset.grid.position(0, int(place)).cast<float>() : middle(place));
             weights_.push_back(per_place_);
         }
-        out_.fit.parameters.resize(size_t(texels) * size_t(request.texel_model->parameters));
+        out_.fit.parameters.resize(size_t(texels) * size_t(request.texel_model()->parameters));
         out_.fit.status.resize(texels);
         out_.fit.iterations.resize(texels);
         out_.fit.samples.resize(texels);
@@ -53,7 +53,7 @@ public:
     PartResult solve(const Part& part) const override {
         const ReflectanceOutcome outcome = solve_reflectance(part.dataset, part.request);
         const ReflectanceFit& fit = outcome.fit;
-        const size_t n = size_t(request_.texel_model->parameters);
+        const size_t n = size_t(request_.texel_model()->parameters);
         PartResult out;
         out.units = part.units;
         out.run_json = run_to_json(outcome, {}, outcome.samples);
@@ -81,7 +81,7 @@ public:
     }
 
     void add(const PartResult& result, const std::string& name) override {
-        const size_t n = size_t(request_.texel_model->parameters), count = result.units.size();
+        const size_t n = size_t(request_.texel_model()->parameters), count = result.units.size();
         if (result.status.size() != count || result.parameters.size() != count * n ||
             (count > 0 && result.units.back() >= done_.size()))
             throw UserError(name + ": of another fit; leave it out, or make it anew");

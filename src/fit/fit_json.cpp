@@ -155,15 +155,36 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
     return to_text(json);
 }
 
-std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std::string& dataset_path,
-                        const std::vector<std::string>& files) {
+TexelFitNotes notes_of(const ReflectanceFit& fit) {
     const TexelOptions& o = fit.options;
-    Json json = head(fit, o.model->name);
     std::vector<std::string> parameters;
     for (int i = 0; i < o.model->parameters; ++i) parameters.push_back(o.model->parameter_name(i));
-    json["reflectance"] = {{"parameters", parameters},          {"surface_side", o.surface_side},
-                           {"mode", to_string(o.mode)},         {"mu", plain(o.mu)},
-                           {"clip_above", plain(o.clip_above)}, {"shadow_below", plain(o.shadow_below)}};
+    const Json own = {{"parameters", parameters},          {"surface_side", o.surface_side},
+                      {"mode", to_string(o.mode)},         {"mu", plain(o.mu)},
+                      {"clip_above", plain(o.clip_above)}, {"shadow_below", plain(o.shadow_below)}};
+    return {o.model->name, reflectance_key, own.dump()};
+}
+
+void take_notes(const std::string& model, const std::string& own_json, ReflectanceFit& fit) {
+    TexelOptions& o = fit.options;
+    o.model = find_texel_model(model);
+    if (!o.model) throw std::runtime_error("its model \"" + model + "\" is unknown here");
+    const Json r = Json::parse(own_json);
+    for (int i = 0; i < o.model->parameters; ++i)
+        if (r.at("parameters").at(size_t(i)) != o.model->parameter_name(i))
+            throw std::runtime_error("its parameters are those of another version of model " + model);
+    o.surface_side = whole(r, "surface_side");
+    o.mode = one_of(r.at("mode"), {Mode::paper, Mode::modern}, "mode");
+    o.mu = number(r, "mu");
+    o.clip_above = number(r, "clip_above");
+    o.shadow_below = number(r, "shadow_below");
+    check_options(o);
+}
+
+std::string fit_to_json(const FitRecord& fit, const TexelFitNotes& notes, const Atlas& atlas,
+                        const std::string& dataset_path, const std::vector<std::string>& files) {
+    Json json = head(fit, notes.model);
+    json[notes.key] = object_of(notes.own_json, "model's entries");
     json["maps"] = {{"width", atlas.width()}, {"height", atlas.height()}};
     add_tail(json, fit, dataset_path, files);
     return to_text(json);
@@ -216,22 +237,10 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
         own_sides_version);
 }
 
-FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, ReflectanceFit& fit) {
+FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, const std::string& key,
+                          const TakeNotes& take, FitRecord& fit) {
     return reading(path, text, [&](const Json& json) {
-        const auto model = json.at("model").get<std::string>();
-        TexelOptions& o = fit.options;
-        o.model = find_texel_model(model);
-        if (!o.model) throw std::runtime_error("its model \"" + model + "\" is unknown here");
-        const Json& r = json.at("reflectance");
-        for (int i = 0; i < o.model->parameters; ++i)
-            if (r.at("parameters").at(size_t(i)) != o.model->parameter_name(i))
-                throw std::runtime_error("its parameters are those of another version of model " + model);
-        o.surface_side = whole(r, "surface_side");
-        o.mode = one_of(r.at("mode"), {Mode::paper, Mode::modern}, "mode");
-        o.mu = number(r, "mu");
-        o.clip_above = number(r, "clip_above");
-        o.shadow_below = number(r, "shadow_below");
-        check_options(o);
+        take(json.at("model").get<std::string>(), json.contains(key) ? json.at(key).dump() : "{}");
         return take_record(json, fit);
     });
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fit/fit_folder.h"
+#include "fit/texel_fit.h"
 #include "geometry/atlas.h"
 
 /// fit.json as text: everything of a fit that is no map.
@@ -20,9 +21,14 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
 /// What a fit.json lists as the folder's own; empty if it is no such file.
 std::vector<std::string> files_in_json(const std::string& text);
 
-/// The same for reflectance.
-std::string fit_to_json(const ReflectanceFit& fit, const Atlas& atlas, const std::string& dataset_path,
-                        const std::vector<std::string>& files);
+/// Of a reflectance fit, and back; throws what the file's reader tells.
+inline constexpr const char* reflectance_key = "reflectance";
+TexelFitNotes notes_of(const ReflectanceFit& fit);
+void take_notes(const std::string& model, const std::string& own_json, ReflectanceFit& fit);
+
+/// The same for a model in texels.
+std::string fit_to_json(const FitRecord& fit, const TexelFitNotes& notes, const Atlas& atlas,
+                        const std::string& dataset_path, const std::vector<std::string>& files);
 /// Of surface maps' sides, as fit.json has it.
 std::string checksum_of(const std::vector<uint8_t>& sides);
 /// "lfm" or a texel-local model's name. Throws UserError.
@@ -37,6 +43,8 @@ struct FitPromises {
 
 /// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit);
-FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, ReflectanceFit& fit);
+/// take(model, own_json): TexelFitNotes of this key. What it throws is told as a fault of the file.
+FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, const std::string& key,
+                          const TakeNotes& take, FitRecord& fit);
 
 }  // namespace radiafit

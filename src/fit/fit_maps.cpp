@@ -69,9 +69,6 @@ void for_each_texel(const Atlas& atlas, const Body& body) {
     }
 }
 
-/// Where map k of a texel-local model begins in a texel's parameters.
-size_t first_parameter(const TexelModel& model, int k) { return size_t(k < 0 ? 3 * model.basis : 3 * k); }
-
 }  // namespace
 
 const std::vector<std::string>& map_channels() {
@@ -187,36 +184,33 @@ const std::vector<std::string>& texel_problem_channels() {
     return names;
 }
 
-std::string parameter_map_name(const TexelModel& model, int k) {
-    return (k < 0 ? "shape" : model.coefficient_names[size_t(k)]) + ".exr";
+std::vector<TexelMap> maps_of(const TexelModel& model) {
+    std::vector<TexelMap> maps;
+    for (size_t k = 0; k < size_t(model.basis); ++k)
+        maps.push_back({model.coefficient_names[k] + ".exr", map_channels(), 3 * k});
+    if (model.shape > 0) maps.push_back({"shape.exr", model.shape_names, 3 * size_t(model.basis)});
+    return maps;
 }
 
-std::vector<std::string> parameter_map_channels(const TexelModel& model, int k) {
-    return k < 0 ? model.shape_names : map_channels();
-}
-
-ExrImage parameter_image(const Atlas& atlas, const ReflectanceFit& fit, int k) {
-    const TexelModel& model = *fit.options.model;
-    ExrImage image = blank(atlas.width(), atlas.height(), parameter_map_channels(model, k));
-    const size_t channels = image.channels.size(), first = first_parameter(model, k);
+ExrImage parameter_image(const Atlas& atlas, std::span<const float> parameters, const TexelMap& map) {
+    ExrImage image = blank(atlas.width(), atlas.height(), map.channels);
+    const size_t channels = map.channels.size(), each = parameters.size() / atlas.texel_count();
     for_each_texel(atlas, [&](size_t pixel, size_t texel) {
-        std::copy_n(&fit.parameters[texel * size_t(model.parameters) + first], channels,
-                    &image.values[pixel * channels]);
+        std::copy_n(&parameters[texel * each + map.first], channels, &image.values[pixel * channels]);
     });
     return image;
 }
 
-void take_parameter_image(const std::filesystem::path& path, const Atlas& atlas, int k, ReflectanceFit& fit) {
-    const TexelModel& model = *fit.options.model;
-    const ExrImage image = read_exr(path, parameter_map_channels(model, k), {{atlas.width(), atlas.height()}});
-    const size_t channels = image.channels.size(), first = first_parameter(model, k);
+void take_parameter_image(const std::filesystem::path& folder, const Atlas& atlas, const TexelMap& map,
+                          std::span<float> parameters) {
+    const ExrImage image = read_exr(folder / map.file, map.channels, {{atlas.width(), atlas.height()}});
+    const size_t channels = map.channels.size(), each = parameters.size() / atlas.texel_count();
     for_each_texel(atlas, [&](size_t pixel, size_t texel) {
-        std::copy_n(&image.values[pixel * channels], channels,
-                    &fit.parameters[texel * size_t(model.parameters) + first]);
+        std::copy_n(&image.values[pixel * channels], channels, &parameters[texel * each + map.first]);
     });
 }
 
-ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit) {
+ExrImage problem_image(const Atlas& atlas, const FitRecord& fit) {
     ExrImage image = blank(atlas.width(), atlas.height(), texel_problem_channels());
     for_each_texel(atlas, [&](size_t pixel, size_t t) {
         const float values[quantities] = {float(fit.status[t]), float(fit.iterations[t]), float(fit.samples[t]),
@@ -226,7 +220,7 @@ ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit) {
     return image;
 }
 
-void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, ReflectanceFit& fit) {
+void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, FitRecord& fit) {
     const ExrImage image = read_exr(path, texel_problem_channels(), {{atlas.width(), atlas.height()}});
     resize_problems(fit, atlas.texel_count());
     for_each_texel(atlas, [&](size_t pixel, size_t t) {

@@ -3,6 +3,7 @@
 
 #include "fit/exr.h"
 #include "fit/fit_folder.h"
+#include "fit/texel_fit.h"
 #include "geometry/atlas.h"
 #include "model/lfm.h"
 
@@ -28,13 +29,12 @@ ExrImage side_image(const std::vector<uint8_t>& sides);
 /// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
 ExrImage problem_image(const LightFieldFit& fit);
 
-/// A map of a texel-local model in the atlas's 2-D layout, 0 where no texel is: coefficient k as R, G, B; or, with
-/// k = -1, the shape's parameters by their names.
-ExrImage parameter_image(const Atlas& atlas, const ReflectanceFit& fit, int k);
+/// Of a model in texels: parameters [texels][numbers].
+ExrImage parameter_image(const Atlas& atlas, std::span<const float> parameters, const TexelMap& map);
 /// status, iterations, samples and error, a pixel per texel.
-ExrImage problem_image(const Atlas& atlas, const ReflectanceFit& fit);
-std::string parameter_map_name(const TexelModel& model, int k);  ///< "rho_d.exr", "shape.exr"
-std::vector<std::string> parameter_map_channels(const TexelModel& model, int k);
+ExrImage problem_image(const Atlas& atlas, const FitRecord& fit);
+/// A texel-local model's: each coefficient as R, G, B ("rho_d.exr"), and "shape.exr", its parameters by their names.
+std::vector<TexelMap> maps_of(const TexelModel& model);
 
 // The way back: reads the image at `path`. Throws UserError on a size or value that cannot be.
 void take_surface_image(const std::filesystem::path& path, const TriangleAtlas& atlas, const LfmLayout& layout,
@@ -43,8 +43,9 @@ TileSides read_sides(const std::filesystem::path& path, size_t triangles, int mo
 void take_view_image(const std::filesystem::path& path, const LfmLayout& layout, int term, LightFieldFit& fit);
 void take_problem_image(const std::filesystem::path& path, size_t vertices, LightFieldFit& fit);
 
-void take_parameter_image(const std::filesystem::path& path, const Atlas& atlas, int k, ReflectanceFit& fit);
-void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, ReflectanceFit& fit);
+void take_parameter_image(const std::filesystem::path& folder, const Atlas& atlas, const TexelMap& map,
+                          std::span<float> parameters);
+void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, FitRecord& fit);
 
 const std::vector<std::string>& map_channels();      ///< R, G, B
 const std::vector<std::string>& problem_channels();  ///< in the order problem_image() stores them

@@ -69,6 +69,10 @@ private:
     std::vector<Worker> state_;
 };
 
+/// Images' samples, whose blocks are tiles, brought into the order of tiles.
+SampleList list_by_tile(uint32_t tiles, const std::vector<uint32_t>& views, float scale,
+                        const std::vector<ImageSamples<Sample>>& images);
+
 /// Collects all views, a few at a time, into `waiting`: add(image, block, samples) puts there what a block takes of an
 /// image, if that is anything, in the images' order and for several blocks at a time.
 template <class T, class Add>

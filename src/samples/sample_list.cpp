@@ -33,17 +33,12 @@ void fill_statistics(const SampleList& list, const Atlas& atlas, const std::vect
 
 }  // namespace
 
-SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
-                             std::vector<Distributor*> workers, TargetSpace space, DistributionStatistics* statistics) {
-    SampleCollector collector(dataset, atlas.texels_per_tile(), std::move(workers), space);
+SampleList list_by_tile(uint32_t tiles, const std::vector<uint32_t>& views, float scale,
+                        const std::vector<ImageSamples<Sample>>& images) {
     SampleList list;
     list.views = views;
-    list.scale = collector.scale();
-    std::vector<ImageSamples<Sample>> images(views.size());
-    collector.collect(views, 0, images);
-
+    list.scale = scale;
     // Counting sort by tile, stable in the image: count, sum, place.
-    const uint32_t tiles = atlas.tile_count();
     list.tile_groups.assign(tiles + 1, 0);
     std::vector<uint64_t> tile_samples(tiles + 1, 0);  // where a tile's samples begin
     for (const ImageSamples<Sample>& image : images)
@@ -71,7 +66,16 @@ SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const s
                 first += samples.size();
             });
     });
+    return list;
+}
 
+SampleList build_sample_list(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
+                             std::vector<Distributor*> workers, TargetSpace space, DistributionStatistics* statistics) {
+    SampleCollector collector(dataset, atlas.texels_per_tile(), std::move(workers), space);
+    std::vector<ImageSamples<Sample>> images(views.size());
+    collector.collect(views, 0, images);
+
+    SampleList list = list_by_tile(atlas.tile_count(), views, collector.scale(), images);
     if (statistics) fill_statistics(list, atlas, images, *statistics);
     return list;
 }

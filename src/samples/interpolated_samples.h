@@ -1,0 +1,21 @@
+#pragma once
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "dataset/image_stream.h"
+#include "geometry/atlas.h"
+#include "samples/sample_list.h"
+
+namespace radiafit {
+
+/// Every texel that an image shows, with the image's colour at the texel's centre: other than by Distributor's rule,
+/// several texels may look at one pixel, so that fine texels get a sample of every image that shows them.
+///
+/// A texel is shown if its triangle faces the camera and the pixel that its centre projects to lies within the mask and
+/// sees the mesh no nearer than the centre, within half a percent of the distance. The colour is interpolated
+/// bilinearly between the centres of the four pixels around, those left out that lie outside the mask or see something
+/// nearer or farther.
+SampleList interpolated_samples(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
+                                TargetSpace space = TargetSpace::stored);
+
+}  // namespace radiafit

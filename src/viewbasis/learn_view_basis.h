@@ -1,0 +1,30 @@
+#pragma once
+#include "base/range.h"
+#include "geometry/atlas.h"
+#include "viewbasis/texel_views.h"
+
+namespace radiafit {
+
+namespace limits {
+constexpr Range<int> rank{1, most_rank};
+constexpr Range<double> noise_variance{1e-9, 1};
+constexpr Range<int> blocks{1, 100000, "1 is one basis for all"};
+}  // namespace limits
+
+struct ViewBasisOptions {
+    int rank = 10;        ///< of the basis, in [1, 28]: 3 x rank numbers per texel
+    double noise = 6e-4;  ///< variance of a residual, in units of white
+    int blocks = 400;     ///< of the surface with a basis of its own each, about so many; 1: one for all
+    int rounds = 8;       ///< of expectation and maximization
+    int texels = 10000;    ///< that the common basis is learned from; each block's, from 200
+};
+/// Throws UserError for a value out of range.
+void check_options(const ViewBasisOptions& options);
+
+/// By expectation and maximization over texels drawn evenly from the surface: first means and covariance of all
+/// polynomial coefficients, for the whole surface, then block by block from there; the basis is what the covariance
+/// has of the most variance. The same for any number of threads.
+ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
+                           const ViewBasisOptions& options);
+
+}  // namespace radiafit

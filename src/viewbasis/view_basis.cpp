@@ -1,0 +1,41 @@
+#include "viewbasis/view_basis.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace radiafit {
+
+Frame view_frame(const Vec3f& normal, const Vec3f& up) {
+    const Vec3f across = up.cross(normal);
+    const float length = across.norm();
+    if (!(length > 1e-6f)) return make_frame(normal);
+    return {across / length, normal.cross(across / length), normal};
+}
+
+ViewTerms view_polynomials(const Vec3f& direction) {
+    float x[view_degree + 1] = {1, direction.x()}, y[view_degree + 1] = {1, direction.y()};
+    for (int i = 2; i <= view_degree; ++i) {
+        x[i] = 2 * direction.x() * x[i - 1] - x[i - 2];
+        y[i] = 2 * direction.y() * y[i - 1] - y[i - 2];
+    }
+    ViewTerms b;
+    int at = 0;
+    for (int degree = 0; degree <= view_degree; ++degree)
+        for (int j = 0; j <= degree; ++j) b[at++] = x[degree - j] * y[j];
+    return b;
+}
+
+std::array<int32_t, 3> cube_at(const Vec3f& position, const Vec3f& origin, float side) {
+    std::array<int32_t, 3> cube{};
+    for (int k = 0; k < 3 && side > 0; ++k) cube[size_t(k)] = int32_t(std::floor((position[k] - origin[k]) / side));
+    return cube;
+}
+
+size_t ViewBasis::block_at(const Vec3f& position) const {
+    const auto cube = cube_at(position, origin, this->cube);
+    const auto found = std::ranges::lower_bound(cubes, cube);
+    return found != cubes.end() && *found == cube ? size_t(found - cubes.begin()) : 0;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,51 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+
+/// Colours of a texel as its cameras see them, without a lamp: functions of the view direction in the texel's frame,
+///     y_c(v) = m_c . b(v) + sum over k < rank of z_kc (u_k . b(v)),
+/// where b are polynomials, and the means m_c and the basis u_k are learned over the surface, block by block, so that
+/// z ~ N(0, I) (empirical Bayes): a texel that few cameras see falls back to what its neighbourhood does.
+namespace radiafit {
+
+inline constexpr int view_degree = 6;
+inline constexpr int view_terms = (view_degree + 1) * (view_degree + 2) / 2;  ///< 28
+inline constexpr int most_rank = view_terms;
+
+using ViewTerms = Eigen::Matrix<float, view_terms, 1>;
+
+/// The normal, and the two directions across it, one as near to `up` as can be. All unit vectors.
+Frame view_frame(const Vec3f& normal, const Vec3f& up);
+
+/// b: products T_i(x) T_j(y) of Chebyshev polynomials, i + j <= 6, of a unit direction in a view_frame().
+ViewTerms view_polynomials(const Vec3f& direction);
+
+/// What a block of the surface has in common.
+struct BlockBasis {
+    Eigen::Matrix<float, view_terms, 3> mean;                             ///< m_c
+    Eigen::Matrix<float, view_terms, Eigen::Dynamic, Eigen::RowMajor> u;  ///< [28][rank]
+};
+
+/// Cubes of space, each with the basis of the surface in it.
+struct ViewBasis {
+    int rank = 10;
+    float noise = 0;  ///< variance of a residual of weight 1
+    Vec3f up = Vec3f::UnitY();
+    Vec3f origin = Vec3f::Zero();
+    float cube = 0;                             ///< side of the cubes, in the mesh's unit; 0: one basis for all
+    std::vector<std::array<int32_t, 3>> cubes;  ///< ascending; those that hold a surface
+    std::vector<BlockBasis> blocks;             ///< as cubes, one at least
+
+    /// Of a place on the surface; the first where it lies in none.
+    size_t block_at(const Vec3f& position) const;
+};
+
+/// The cube that a place is in.
+std::array<int32_t, 3> cube_at(const Vec3f& position, const Vec3f& origin, float side);
+
+}  // namespace radiafit

@@ -1,0 +1,241 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <filesystem>
+
+#include "base/parallel.h"
+#include "eval/pixel_areas.h"
+#include "fit_scene.h"
+#include "viewbasis/learn_view_basis.h"
+#include "viewbasis/solve_view_basis.h"
+#include "viewbasis/view_basis_fit.h"
+
+namespace radiafit::testing {
+namespace {
+
+TEST(ViewPolynomials, AreChebyshevProducts) {
+    Rng rng(1);
+    for (int trial = 0; trial < 50; ++trial) {
+        const double s = rng.uniform(0, 3.14f), t = rng.uniform(0, 3.14f);
+        const ViewTerms b = view_polynomials({float(std::cos(s)), float(std::cos(t)), 0});
+        int at = 0;
+        for (int degree = 0; degree <= view_degree; ++degree)
+            for (int j = 0; j <= degree; ++j)
+                ASSERT_NEAR(b[at++], std::cos((degree - j) * s) * std::cos(j * t), 1e-4);  // T_n(cos a) = cos(n a)
+        ASSERT_EQ(at, view_terms);
+    }
+}
+
+TEST(ViewFrame, HasItsSecondAxisUp) {
+    Rng rng(2);
+    const Vec3f up = Vec3f::UnitY();
+    for (int trial = 0; trial < 50; ++trial) {
+        const Vec3f n = Vec3f(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)).normalized();
+        const Frame f = view_frame(n, up);
+        EXPECT_NEAR(f.tangent.cross(f.bitangent).dot(f.normal), 1, 1e-5);
+        EXPECT_NEAR(f.tangent.dot(up), 0, 1e-6);
+        EXPECT_GE(f.bitangent.dot(up), 0);
+    }
+    const Frame pole = view_frame(up, up);  // no direction across is nearer to up
+    EXPECT_NEAR(pole.tangent.cross(pole.bitangent).dot(up), 1, 1e-5);
+}
+
+/// A surface whose texels' colours are functions of the view direction, drawn from a few that all have in common.
+class Surface {
+public:
+    static constexpr int rank = 3;
+    explicit Surface(int images)
+        : dataset(sheet_dataset(troubled_mesh(4, 6, 5), images, 32, 3)), atlas(dataset.mesh, 6) {
+        samples = random_samples(atlas, size_t(images), 0.7f, 4);
+        up = mean_up(dataset);
+        Rng rng(5);
+        mean = Eigen::MatrixXf::Zero(view_terms, 3);
+        mean.row(0) << 0.5f, 0.45f, 0.4f;
+        mean.row(2).setConstant(0.05f);
+        u = Eigen::MatrixXf(view_terms, rank);
+        for (float& x : u.reshaped()) x = 0.02f * rng.uniform(-1, 1);
+        u(0, 0) = 0.1f;
+        z = Eigen::MatrixXf(rank, 3 * atlas.texel_count());
+        for (float& x : z.reshaped()) x = rng.uniform(-1.7f, 1.7f);  // variance 1
+        for (uint32_t t = 0; t < samples.tile_count(); ++t)
+            for (uint32_t g = samples.tile_groups[t]; g < samples.tile_groups[t + 1]; ++g) {
+                const Vec3f eye = dataset.views[samples.views[samples.groups[g].image]].camera.center().cast<float>();
+                for (uint64_t i = samples.groups[g].first; i < samples.groups[g + 1].first; ++i) {
+                    Sample& s = samples.samples[i];
+                    const Vec3f colour = at(t * atlas.texels_per_tile() + s.local, eye);
+                    for (int c = 0; c < 3; ++c)
+                        s.rgb[c] = uint16_t(std::clamp(65535 * colour[c] + 0.5f, 0.0f, 65535.0f));
+                }
+            }
+    }
+
+    Vec3f at(uint32_t texel, const Vec3f& eye) const {
+        const ViewTerms b = terms(texel, eye);
+        return mean.transpose() * b + z.middleCols(3 * texel, 3).transpose() * (u.transpose() * b);
+    }
+    ViewTerms terms(uint32_t texel, const Vec3f& eye) const {
+        return view_polynomials(view_direction(view_frame(atlas.normal(texel), up), atlas.position(texel), eye));
+    }
+
+    Dataset dataset;
+    TriangleAtlas atlas;
+    SampleList samples;
+    Vec3f up;
+    Eigen::MatrixXf mean, u, z;
+};
+
+Vec3f predicted(const ViewBasis& basis, const ViewBasisSolution& solution, const Surface& surface, uint32_t texel,
+                const Vec3f& eye) {
+    const BlockBasis& block = basis.blocks[basis.block_at(surface.atlas.position(texel))];
+    const ViewTerms b = surface.terms(texel, eye);
+    Vec3f colour = block.mean.transpose() * b;
+    for (int k = 0; k < basis.rank; ++k)
+        for (int c = 0; c < 3; ++c)
+            colour[c] +=
+                solution.parameters[(texel * size_t(basis.rank) + size_t(k)) * 3 + size_t(c)] * block.u.col(k).dot(b);
+    return colour;
+}
+
+/// Root mean square error from cameras amid those of the samples, over texels with samples.
+double error_from_elsewhere(const ViewBasis& basis, const ViewBasisSolution& solution, const Surface& surface) {
+    double sum = 0;
+    int count = 0;
+    for (uint32_t texel = 0; texel < surface.atlas.texel_count(); ++texel) {
+        if (solution.samples[texel] < 4) continue;
+        for (size_t i = 0; i + 1 < surface.dataset.views.size(); i += 2) {
+            const Vec3f eye =
+                (0.5 * (surface.dataset.views[i].camera.center() + surface.dataset.views[i + 1].camera.center()))
+                    .cast<float>();
+            sum += (predicted(basis, solution, surface, texel, eye) - surface.at(texel, eye)).squaredNorm();
+            count += 3;
+        }
+    }
+    return std::sqrt(sum / count);
+}
+
+// Few samples a texel: the basis that the surface has in common is found, and fills the gaps.
+TEST(ViewBasis, FindsWhatTexelsHaveInCommon) {
+    const Surface surface(14);
+    ViewBasisOptions options;
+    options.rank = Surface::rank;
+    options.noise = 1e-6;
+    options.blocks = 1;
+    options.rounds = 40;
+    const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples, options);
+    const auto solution = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
+    const double learned = error_from_elsewhere(basis, solution, surface);
+    EXPECT_LT(learned, 0.01);  // of colours whose standard deviation is 0.1
+    ViewBasis polynomials = basis;  // as many functions, of the lowest degrees
+    polynomials.blocks[0].u = 0.1f * Eigen::MatrixXf::Identity(view_terms, options.rank);
+    const auto other = solve_view_basis(surface.dataset, surface.atlas, surface.samples, polynomials);
+    EXPECT_GT(error_from_elsewhere(polynomials, other, surface), 3 * learned);
+}
+
+// At the solution the gradient of the objective, formed sample by sample, is zero.
+TEST(ViewBasis, SolvesTheNormalEquations) {
+    const Surface surface(9);
+    for (const int rank : {1, 8, 10, 28}) {
+        ViewBasisOptions options;
+        options.rank = rank;
+        options.noise = 1e-3;
+        options.blocks = 5;
+        const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples, options);
+        ASSERT_GT(basis.blocks.size(), 1u);
+        const auto solution = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
+        const TexelViewReader reader(surface.dataset, surface.atlas, surface.samples, basis.up);
+        TexelViews views;
+        int looked_at = 0;
+        for (uint32_t texel = 0; texel < surface.atlas.texel_count(); texel += 7) {
+            const uint32_t tile = texel / surface.atlas.texels_per_tile(),
+                           local = texel % surface.atlas.texels_per_tile();
+            reader.read(tile, local, views);
+            ASSERT_EQ(views.terms.size(), solution.samples[texel]);
+            if (views.terms.empty()) continue;
+            ++looked_at;
+            const BlockBasis& block = basis.blocks[basis.block_at(surface.atlas.position(texel))];
+            Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(rank, 3), z(rank, 3);
+            for (int k = 0; k < rank; ++k)
+                for (int c = 0; c < 3; ++c)
+                    z(k, c) = double(solution.parameters[(texel * size_t(rank) + size_t(k)) * 3 + size_t(c)]);
+            gradient += options.noise * z;
+            double size = 0, error = 0;
+            for (size_t i = 0; i < views.terms.size(); ++i) {
+                const Eigen::VectorXd b = views.terms[i].cast<double>(), phi = block.u.cast<double>().transpose() * b;
+                const Eigen::Vector3d r =
+                    block.mean.cast<double>().transpose() * b + z.transpose() * phi - views.colours[i].cast<double>();
+                gradient += double(views.weights[i]) * phi * r.transpose();
+                size += double(views.weights[i]) * phi.norm();
+                error += 0.5 * r.squaredNorm();
+            }
+            EXPECT_LT(gradient.norm(), 1e-4 * size);
+            EXPECT_NEAR(solution.error[texel], error, 1e-4 * error + 1e-7);
+        }
+        EXPECT_GT(looked_at, 50);
+    }
+}
+
+TEST(ViewBasis, IsTheSameByAnyNumberOfThreads) {
+    const Surface surface(7);
+    const auto fitted = [&](int threads) {
+        set_thread_count(threads);
+        const ViewBasis basis =
+            learn_view_basis(surface.dataset, surface.atlas, surface.samples, {.rank = 6, .blocks = 7});
+        auto solution = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
+        set_thread_count(0);
+        return solution.parameters;
+    };
+    EXPECT_EQ(fitted(1), fitted(3));
+}
+
+TEST(ViewBasis, TexelsThatNobodySeesHaveTheMean) {
+    Surface surface(5);
+    surface.samples = random_samples(surface.atlas, 5, 0.0f, 4);
+    const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples, {.rank = 4, .blocks = 3});
+    const auto solution = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
+    EXPECT_TRUE(std::ranges::all_of(solution.parameters, [](float z) { return z == 0; }));
+    for (const BlockBasis& block : basis.blocks) EXPECT_TRUE(block.mean.allFinite() && block.u.allFinite());
+}
+
+TEST(ViewBasisFit, ReadsBackAsWritten) {
+    const TemporaryFolder folder;
+    const Dataset dataset = noise_dataset(folder.path() / "data");
+    const TriangleAtlas atlas(dataset.mesh, 5);
+    const SampleList samples = random_samples(atlas, dataset.views.size(), 0.5f, 4);
+    ViewBasisFit fit;
+    fit.surface_side = 5;
+    fit.basis = learn_view_basis(dataset, atlas, samples, {.rank = 3, .blocks = 4});
+    auto solution = solve_view_basis(dataset, atlas, samples, fit.basis);
+    fit.parameters = solution.parameters;
+    fit.samples = solution.samples;
+    fit.error = solution.error;
+    fit.iterations.assign(fit.samples.size(), 0);
+    for (const uint32_t seen : fit.samples) fit.status.push_back(seen ? Status::stationary : Status::no_samples);
+    set_dataset(fit, dataset);
+    const auto place = folder.path() / "fit";
+    write_fit(place, fit, atlas);
+    EXPECT_EQ(fitted_model(place), view_basis_name);
+    const StoredViewBasis back = read_view_basis(place);
+    EXPECT_EQ(back.fit.parameters, fit.parameters);
+    EXPECT_EQ(back.fit.samples, fit.samples);
+    EXPECT_EQ(back.fit.basis.cubes, fit.basis.cubes);
+    EXPECT_EQ(back.fit.basis.cube, fit.basis.cube);
+    EXPECT_EQ(back.fit.basis.origin, fit.basis.origin);
+    EXPECT_EQ(back.fit.basis.noise, fit.basis.noise);
+    for (size_t b = 0; b < fit.basis.blocks.size(); ++b) {
+        EXPECT_EQ(back.fit.basis.blocks[b].mean, fit.basis.blocks[b].mean);
+        EXPECT_EQ(back.fit.basis.blocks[b].u, fit.basis.blocks[b].u);
+    }
+    std::vector<float> one, two;
+    const View& view = dataset.views[0];
+    Rasterizer rasterizer;
+    const auto seen = seen_pixels(dataset, view, rasterizer);
+    contestant_of(fit, atlas).shade(view, seen, one, 0);
+    contestant_of(back.fit, *back.atlas).shade(view, seen, two, 0);
+    EXPECT_EQ(one, two);
+    std::filesystem::remove(place / "basis.exr");
+    EXPECT_NE(user_error([&] { read_view_basis(place); }).find("basis.exr"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace radiafit::testing
