@@ -14,6 +14,7 @@
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
+#include "viewbasis/view_basis_fit.h"
 
 namespace radiafit {
 namespace {
@@ -22,13 +23,14 @@ constexpr Range<int> nth{2, 1000};
 
 struct Options {
     std::vector<std::string> light_fields = {"cape"}, lit = {"reading"}, few = {"cards"}, models = {"lafortune"};
-    std::vector<int> terms = {1, 3};
+    std::vector<int> terms = {1, 3}, ranks = {10};
     double lambda_surface = 1e-3, lambda_view = 0.1, clip_above = 0, shadow_below = 0;
     int every = 8;
 
     explicit Options(Config& c) {
         c.read("light_fields", light_fields);
         c.read("terms", terms, limits::terms);
+        c.read("ranks", ranks, limits::rank);
         c.read("lambda_surface", lambda_surface, limits::weight);
         c.read("lambda_view", lambda_view, limits::weight);
         c.read("lit", lit);
@@ -46,7 +48,7 @@ struct Method {
     FitRequest request;
 };
 
-/// Light field maps by the number of terms.
+/// Light field maps by the number of terms, and view bases by their rank.
 std::vector<Method> light_field_methods(const Options& o) {
     std::vector<Method> methods;
     for (const int k : o.terms) {
@@ -54,6 +56,11 @@ std::vector<Method> light_field_methods(const Options& o) {
         m.request.model.terms = k;
         m.request.model.lambda_surface = float(o.lambda_surface);
         m.request.model.lambda_view = float(o.lambda_view);
+    }
+    for (const int rank : o.ranks) {
+        Method& m = methods.emplace_back(fmt::format("view basis, rank {}", rank));
+        m.request.set("model", view_basis_name);
+        m.request.view_basis.rank = rank;
     }
     return methods;
 }
@@ -179,11 +186,11 @@ private:
             if (&method == &methods.front()) {
                 const auto baseline = fit.fit->baseline();
                 Row& r = row(fit.fit->baseline_name());
-                r.add(judge(baseline->contestant(), dataset, Split::test));
+                r.add(judge(baseline->contestant(), dataset, Split::test, {.pixel_points = baseline->pixel_points()}));
                 r.training = dataset.split(false).size();
             }
             Row& r = row(method.name);
-            r.add(judge(fit.fit->contestant(), dataset, Split::test));
+            r.add(judge(fit.fit->contestant(), dataset, Split::test, {.pixel_points = fit.fit->pixel_points()}));
             r.training = dataset.split(false).size();
             r.seconds += fit.run.times.total;
         }

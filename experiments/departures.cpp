@@ -395,10 +395,10 @@ void Departures::reflectance() {
             fit.status = result.status;
             fit.samples = result.samples;
             const Contestant contestant = contestant_of(fit, *atlas);
-            const JudgeResult train = judge(contestant, dataset, Split::train);
+            const JudgeResult train = judge(contestant, dataset, Split::train, at_pixel_centres);
             row.psnr = train.psnr();
             row.ape = train.ape();
-            row.held_psnr = judge(contestant, dataset, Split::test).psnr();
+            row.held_psnr = judge(contestant, dataset, Split::test, at_pixel_centres).psnr();
             rows_.push_back(row);
             rows_.back().error_ratio = row.error / rows_[first].error;
             say(rows_.back());

@@ -152,7 +152,8 @@ std::vector<PartFigures> image_errors(const ReflectanceOutcome& outcome, const D
     SurfaceParts parts;
     parts.of = [&](const RasterPixel& pixel) { return size_t(truth.material[renderer.texel_of(pixel)]); };
     for (const TruthMaterial& material : truth.materials) parts.names.push_back(material.name);
-    JudgeResult judged = judge(contestant_of(outcome.fit, *outcome.atlas), dataset, Split::test, {.parts = &parts});
+    JudgeResult judged =
+        judge(contestant_of(outcome.fit, *outcome.atlas), dataset, Split::test, {.parts = &parts, .pixel_points = 1});
     judged.parts.insert(judged.parts.begin(), {"all", judged.stored});
     return std::move(judged.parts);
 }

@@ -125,7 +125,7 @@ TEST(ViewBasis, FindsWhatTexelsHaveInCommon) {
     const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples, options);
     const auto solution = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
     const double learned = error_from_elsewhere(basis, solution, surface);
-    EXPECT_LT(learned, 0.01);  // of colours whose standard deviation is 0.1
+    EXPECT_LT(learned, 0.01);       // of colours whose standard deviation is 0.1
     ViewBasis polynomials = basis;  // as many functions, of the lowest degrees
     polynomials.blocks[0].u = 0.1f * Eigen::MatrixXf::Identity(view_terms, options.rank);
     const auto other = solve_view_basis(surface.dataset, surface.atlas, surface.samples, polynomials);

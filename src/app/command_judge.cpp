@@ -27,13 +27,13 @@ Dataset judged_dataset(Fitted& fit, Split split) {
     return split == Split::test || validation == 0 ? fit.dataset() : for_validation(fit.dataset(), validation);
 }
 
-Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, int pixel_points) {
+Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, std::optional<int> points) {
     const auto fit = open_fit(folder, moved_to);
     const Dataset judged = judged_dataset(*fit, split);
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
-    const JudgeOptions options{&parts, pixel_points};
+    const JudgeOptions options{&parts, points.value_or(fit->pixel_points())};
     return {judge(fit->contestant(), judged, split, options), judge(baseline->contestant(), judged, split, options),
             fit->baseline_name(), std::move(errors)};
 }
@@ -77,15 +77,20 @@ Split choose_split(const std::string& name) {
 
 }  // namespace
 
-void add_pixel_points(CommandLine& command, int& points) {
+void add_pixel_points(CommandLine& command, std::optional<int>& points) {
     command.add_number("--pixel-points", points, limits::pixel_points,
-                       "a pixel shows the mean over this many points, squared, of its area; 1: what its centre sees");
+                       "a pixel shows the mean over this many points, squared, of its area; 1: what its centre sees; "
+                       "default: 3, but 1 where synthetic images were shaded at texels' centres");
+}
+
+void check_pixel_points(const std::optional<int>& points) {
+    if (points) check_pixel_points(*points);
 }
 
 void add_judge(CommandLine& program) {
     struct Options {
         std::string fit, split = "test", dataset;
-        int pixel_points = area_points;
+        std::optional<int> pixel_points;
         bool json = false;
     };
     auto o = std::make_shared<Options>();

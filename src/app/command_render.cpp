@@ -27,7 +27,7 @@ struct RenderOptions {
     std::optional<int> view;
     int turntable = 0;
     std::vector<double> light;  ///< direction, or empty
-    int pixel_points = area_points;
+    std::optional<int> pixel_points;
     bool problems = false;
 };
 
@@ -149,13 +149,16 @@ Light lamp_towards(const std::vector<double>& xyz) {
 
 std::string turn_name(int i) { return fmt::format("turn{:03d}", i); }
 
-void render_turntable(const RenderOptions& o, const Dataset& dataset, const Contestant& fit, View shown) {
+void render_turntable(const RenderOptions& o, Fitted& fitted, View shown) {
+    const Dataset& dataset = fitted.dataset();
+    const Contestant fit = fitted.contestant();
+    const int points = o.pixel_points.value_or(fitted.pixel_points());
     if (dataset.has_grid()) throw UserError("--turntable: a grid is seen from where its camera stood");
     Pictures pictures(o.output);
     for (int i = 0; i < o.turntable; ++i) pictures.check(turn_name(i), {".png", ".exr"});
     for (int i = 0; i < o.turntable; ++i) {
         shown.camera = turntable_camera(dataset, i, o.turntable);
-        pictures.add(turn_name(i), render(fit, dataset, shown, o.pixel_points));
+        pictures.add(turn_name(i), render(fit, dataset, shown, points));
     }
     pictures.commit();
 }
@@ -164,16 +167,17 @@ void render_turntable(const RenderOptions& o, const Dataset& dataset, const Cont
 void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const View& shown) {
     const Dataset& dataset = fitted.dataset();
     const Contestant fit = fitted.contestant();
+    const int points = o.pixel_points.value_or(fitted.pixel_points());
     const fs::path stem = stem_of(o.output);
     const std::string name = stem.filename().string();
     Pictures pictures(stem.parent_path());
     pictures.check(name, {".png", ".exr", "_sheet.png"});
-    pictures.add(name, render(fit, dataset, shown, o.pixel_points));
+    pictures.add(name, render(fit, dataset, shown, points));
     if (o.light.empty()) {
         const auto trivial = fitted.baseline();
-        const JudgedView baseline = judged_view(trivial->contestant(), dataset, view, o.pixel_points);
+        const JudgedView baseline = judged_view(trivial->contestant(), dataset, view, points);
         pictures.add_sheet(
-            name, comparison_sheet(judged_view(fit, dataset, view, o.pixel_points), &baseline, dataset.encoding),
+            name, comparison_sheet(judged_view(fit, dataset, view, points), &baseline, dataset.encoding),
             fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, fitted.baseline_name()));
     }
     pictures.commit();
@@ -208,7 +212,7 @@ void render_fit(const RenderOptions& o) {
     const uint32_t view = chosen_view(dataset, o.view);
     View shown = dataset.views[view];
     if (!o.light.empty()) shown.light = lamp_towards(o.light);
-    if (o.turntable > 0) return render_turntable(o, dataset, fit->contestant(), shown);
+    if (o.turntable > 0) return render_turntable(o, *fit, shown);
     render_view(o, *fit, view, shown);
 }
 

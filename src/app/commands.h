@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "app/command_line.h"
 #include "app/solve.h"
 
@@ -28,8 +30,10 @@ void add_compare(CommandLine& program, int& status);
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);
 
-/// --pixel-points, of the commands that show fits.
-void add_pixel_points(CommandLine& command, int& points);
+/// --pixel-points, of the commands that show fits; none: as the fit says.
+void add_pixel_points(CommandLine& command, std::optional<int>& points);
+/// Throws UserError for a number that can't be.
+void check_pixel_points(const std::optional<int>& points);
 
 /// What a dataset is, on standard output.
 void print_dataset(const Dataset& dataset, bool json);

@@ -16,7 +16,7 @@ struct ViewBasisOptions {
     double noise = 6e-4;  ///< variance of a residual, in units of white
     int blocks = 400;     ///< of the surface with a basis of its own each, about so many; 1: one for all
     int rounds = 8;       ///< of expectation and maximization
-    int texels = 10000;    ///< that the common basis is learned from; each block's, from 200
+    int texels = 10000;   ///< that the common basis is learned from; each block's, from 200
 };
 /// Throws UserError for a value out of range.
 void check_options(const ViewBasisOptions& options);
