@@ -186,11 +186,11 @@ private:
             if (&method == &methods.front()) {
                 const auto baseline = fit.fit->baseline();
                 Row& r = row(fit.fit->baseline_name());
-                r.add(judge(baseline->contestant(), dataset, Split::test, {.pixel_points = baseline->pixel_points()}));
+                r.add(judge(baseline->contestant(), dataset, Split::test));
                 r.training = dataset.split(false).size();
             }
             Row& r = row(method.name);
-            r.add(judge(fit.fit->contestant(), dataset, Split::test, {.pixel_points = fit.fit->pixel_points()}));
+            r.add(judge(fit.fit->contestant(), dataset, Split::test));
             r.training = dataset.split(false).size();
             r.seconds += fit.run.times.total;
         }

@@ -33,7 +33,7 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
-    const JudgeOptions options{&parts, points.value_or(fit->pixel_points())};
+    const JudgeOptions options{&parts, points.value_or(as_photographed)};
     return {judge(fit->contestant(), judged, split, options), judge(baseline->contestant(), judged, split, options),
             fit->baseline_name(), std::move(errors)};
 }

@@ -152,7 +152,7 @@ std::string turn_name(int i) { return fmt::format("turn{:03d}", i); }
 void render_turntable(const RenderOptions& o, Fitted& fitted, View shown) {
     const Dataset& dataset = fitted.dataset();
     const Contestant fit = fitted.contestant();
-    const int points = o.pixel_points.value_or(fitted.pixel_points());
+    const int points = o.pixel_points.value_or(as_photographed);
     if (dataset.has_grid()) throw UserError("--turntable: a grid is seen from where its camera stood");
     Pictures pictures(o.output);
     for (int i = 0; i < o.turntable; ++i) pictures.check(turn_name(i), {".png", ".exr"});
@@ -167,7 +167,7 @@ void render_turntable(const RenderOptions& o, Fitted& fitted, View shown) {
 void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const View& shown) {
     const Dataset& dataset = fitted.dataset();
     const Contestant fit = fitted.contestant();
-    const int points = o.pixel_points.value_or(fitted.pixel_points());
+    const int points = o.pixel_points.value_or(as_photographed);
     const fs::path stem = stem_of(o.output);
     const std::string name = stem.filename().string();
     Pictures pictures(stem.parent_path());

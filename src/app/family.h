@@ -27,10 +27,8 @@ public:
     virtual const char* baseline_name() const = 0;
     virtual SurfaceParts parts() { return {}; }                        ///< of a synthetic dataset: its materials
     virtual std::vector<MaterialErrors> truth_errors() { return {}; }  ///< likewise
-    /// How the dataset's images show the surface: PixelAreas' points.
-    virtual int pixel_points() { return area_points; }
-    virtual bool takes_light() const { return false; }               ///< shows the surface under any lamp
-    virtual std::optional<ProblemPicture> problems() { return {}; }  ///< where they have places on a picture
+    virtual bool takes_light() const { return false; }                 ///< shows the surface under any lamp
+    virtual std::optional<ProblemPicture> problems() { return {}; }    ///< where they have places on a picture
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;

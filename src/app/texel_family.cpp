@@ -57,7 +57,6 @@ public:
         if (!has_truth(dataset())) return {};
         return radiafit::truth_errors(fit_, read_truth(dataset().folder));
     }
-    int pixel_points() override { return has_truth(dataset()) ? 1 : area_points; }  // shaded at texels' centres
     bool takes_light() const override { return true; }
     std::optional<ProblemPicture> problems() override {
         ProblemPicture picture;

@@ -121,7 +121,7 @@ std::string to_string(Split split) {
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const JudgeOptions& options) {
     JudgeResult result;
     result.split = split;
-    result.pixel_points = options.pixel_points;
+    result.pixel_points = PixelAreas(dataset, options.pixel_points).points();
     const SurfaceParts* parts = options.parts && options.parts->of ? options.parts : nullptr;
     const std::vector<uint32_t> views = dataset.split(split != Split::train);
     if (views.empty())

@@ -55,12 +55,12 @@ struct PartFigures {
 
 struct JudgeOptions {
     const SurfaceParts* parts = nullptr;
-    int pixel_points = area_points;  ///< PixelAreas'
+    int pixel_points = as_photographed;  ///< PixelAreas'
 };
 
 struct JudgeResult {
     Split split = Split::test;
-    int pixel_points = area_points;
+    int pixel_points = 0;              ///< that it came to: PixelAreas::points()
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
     std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
@@ -78,7 +78,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
 
 /// One view, as judge() compares it.
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view,
-                       int pixel_points = area_points);
+                       int pixel_points = as_photographed);
 
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, split, pixel_points, images, pixels, not_finite, per_image
 /// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},

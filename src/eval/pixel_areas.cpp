@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "dataset/truth.h"
 
 namespace radiafit {
 namespace {
@@ -29,8 +30,11 @@ void check_pixel_points(int n) {
         throw UserError(fmt::format("pixel points {}: choose an odd number from 1 to {}", n, most_points));
 }
 
-PixelAreas::PixelAreas(const Dataset& dataset, int points)
-    : dataset_(&dataset), points_((check_pixel_points(points), dataset.has_grid() ? 1 : points)) {}
+PixelAreas::PixelAreas(const Dataset& dataset, int points) : dataset_(&dataset), points_(points) {
+    if (points != as_photographed) check_pixel_points(points);
+    if (points == as_photographed) points_ = has_truth(dataset) ? 1 : area_points;
+    if (dataset.has_grid()) points_ = 1;
+}
 
 void PixelAreas::shade(const Contestant& contestant, const View& view, int worker) {
     centres_ = seen_pixels(*dataset_, view, rasterizer_);

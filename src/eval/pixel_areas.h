@@ -10,14 +10,16 @@ namespace radiafit {
 /// at n x n points of each pixel, evenly spaced, and the mean is taken in linear light over the points that see the
 /// surface. Over a grid, whose pixels are its texels, at one.
 inline constexpr int area_points = 3;
+inline constexpr int as_photographed = 0;  ///< area_points; or 1, where synthetic images were shaded at texels' centres
 
 /// Throws UserError unless n is odd (so that one of the points is the centre) and at most 9.
 void check_pixel_points(int n);
 
 class PixelAreas {
 public:
-    /// points: n. 1: as the centre sees it, which is what a graphics chip draws. The dataset must outlive it.
-    explicit PixelAreas(const Dataset& dataset, int points = area_points);
+    /// points: n, or as_photographed. 1: as the centre sees it, which is what a graphics chip draws. The dataset must
+    /// outlive it.
+    explicit PixelAreas(const Dataset& dataset, int points = as_photographed);
 
     /// `view` may be any, not only the dataset's. worker: as Contestant's.
     void shade(const Contestant& contestant, const View& view, int worker);
@@ -26,8 +28,9 @@ public:
     const std::vector<RasterPixel>& centres() const { return centres_; }
     const std::vector<float>& rgb() const {
         return rgb_;
-    }                                    ///< [...][3] in the contestant's space; 0 where none is seen
-    float coverage(size_t pixel) const;  ///< share of its points that see the surface
+    }                                       ///< [...][3] in the contestant's space; 0 where none is seen
+    int points() const { return points_; }  ///< n
+    float coverage(size_t pixel) const;     ///< share of its points that see the surface
 
 private:
     void shade_points(const Contestant& contestant, const View& view, int worker);

@@ -19,7 +19,7 @@ struct LightImage {
 /// What `view` (any, not only the dataset's) sees, in the exposure that the dataset's gains bring all photographs to.
 /// pixel_points: PixelAreas'.
 LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view,
-                  int pixel_points = area_points);
+                  int pixel_points = as_photographed);
 
 /// Stands in render's EXR and SVG files: by it the next run tells its pictures from those of others.
 inline constexpr const char* picture_mark = "radiafit_render";
