@@ -7,6 +7,8 @@
 #include "base/parallel.h"
 #include "eval/pixel_areas.h"
 #include "fit_scene.h"
+#include "geometry/ray_cast.h"
+#include "samples/interpolated_samples.h"
 #include "viewbasis/learn_view_basis.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
@@ -195,6 +197,44 @@ TEST(ViewBasis, TexelsThatNobodySeesHaveTheMean) {
     const auto solution = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
     EXPECT_TRUE(std::ranges::all_of(solution.parameters, [](float z) { return z == 0; }));
     for (const BlockBasis& block : basis.blocks) EXPECT_TRUE(block.mean.allFinite() && block.u.allFinite());
+}
+
+// Of images whose colours are linear over the picture, interpolation gives what stands at the texel's projection; and
+// it gives it for every texel in sight, and none that something hides.
+TEST(InterpolatedSamples, AreTheImageAtTexelsCentres) {
+    const TemporaryFolder folder;
+    const Dataset dataset = write_dataset(folder.path() / "data", sheet_dataset(troubled_mesh(3, 7, 1), 5, 48, 2),
+                                          [](size_t, int x, int y, int c) { return uint8_t(5 * (c == 1 ? y : x)); });
+    const TriangleAtlas atlas(dataset.mesh, 6);
+    const std::vector<uint32_t> views = {0, 1, 3};
+    const SampleList list = interpolated_samples(dataset, atlas, views);
+    const RayCaster rays(dataset.mesh);
+    for (uint32_t k = 0; k < views.size(); ++k) {
+        const Camera& camera = dataset.views[views[k]].camera;
+        size_t right = 0, wrong = 0, exact = 0, rim = 0;
+        for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile) {
+            std::vector<const Sample*> of_texel(atlas.texels_per_tile());
+            for (uint32_t g = list.tile_groups[tile]; g < list.tile_groups[tile + 1]; ++g)
+                for (const Sample& sample : list.of_group(g))
+                    if (list.groups[g].image == k) of_texel[sample.local] = &sample;
+            for (uint32_t local = 0; local < atlas.tile(tile).texels() && !atlas.degenerate(tile); ++local) {
+                const Vec3d place = atlas.position(tile, local).cast<double>(), p = camera.project(place);
+                const bool inside = p.z() > 0 && p.x() > 1 && p.x() < 47 && p.y() > 1 && p.y() < 47;
+                if (!inside) continue;
+                const Vec3d eye = camera.center(), ray = place - eye;
+                const bool seen = rays.closest(eye, ray, 2, RayCaster::Faces::front).triangle == tile;
+                ++(seen == (of_texel[local] != nullptr) ? right : wrong);
+                if (!of_texel[local] || !seen) continue;
+                const double off = std::max(std::abs(of_texel[local]->rgb[0] / 257.0 - 5 * (p.x() - 0.5)),
+                                            std::abs(of_texel[local]->rgb[1] / 257.0 - 5 * (p.y() - 0.5)));
+                EXPECT_LT(off, 5) << "within a pixel, where the sheet's edge leaves some of the four out";
+                ++(off < 0.1 ? exact : rim);
+            }
+        }
+        EXPECT_GT(right, 100u);
+        EXPECT_LT(wrong, right / 20);
+        EXPECT_GT(exact, 3 * rim);
+    }
 }
 
 TEST(ViewBasisFit, ReadsBackAsWritten) {

@@ -58,4 +58,18 @@ import "$capture/sparse" "$out/cape"
 "$radiafit" judge "$out/cape-fit1"
 "$radiafit" fit "$out/cape" --terms $terms --lambda-surface $surface --lambda-view $view -o "$out/cape-fit"
 "$radiafit" judge "$out/cape-fit"
-"$radiafit" render "$out/cape-fit" -o "$out/cape-view"
+"$radiafit" fit "$out/cape" --terms 6 --lambda-surface $surface --lambda-view $view -o "$out/cape-fit6"
+"$radiafit" judge "$out/cape-fit6"
+for rank in 10 28; do
+    "$radiafit" fit "$out/cape" --model viewbasis --rank $rank -o "$out/cape-basis$rank"
+    "$radiafit" judge "$out/cape-basis$rank"
+done
+
+psnr() { "$radiafit" judge "$1" --json | python3 -c 'import json, sys; print("%.1f dB" % json.load(sys.stdin)["psnr"])'; }
+"$radiafit" render "$out/cape-fit" -o "$out/cape-map"
+"$radiafit" render "$out/cape-basis10" -o "$out/cape-view"
+set -- $(od -An -tu1 -j16 -N8 "$out/cape-view.png")  # width and height, in the PNG's header
+gnuplot -e "map='$out/cape-map_sheet.png'; basis='$out/cape-view_sheet.png'; width=$(($3 * 256 + $4)); height=$(($7 * 256 + $8))" \
+    -e "map_says='light field map, $terms terms: $(psnr "$out/cape-fit")'; basis_says='view basis, rank 10: $(psnr "$out/cape-basis10")'" \
+    -e "output='$out/cape.png'" "$root/datasets/scripts/gold_cape.gp"
+echo "the README's picture: $out/cape.png"

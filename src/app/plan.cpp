@@ -16,6 +16,7 @@
 #include "geometry/mesh_part.h"
 #include "geometry/vertex_rings.h"
 #include "reference/solver_memory.h"
+#include "samples/interpolated_samples.h"
 
 namespace radiafit {
 
@@ -51,6 +52,11 @@ struct SampleEstimate {
     uint64_t groups = 0;   ///< pairs of a tile and an image of which it takes samples
 };
 
+/// Every eighth view is looked at, but of few more: eight at least.
+size_t step_between(size_t views, size_t most_views) {
+    return std::max({size_t(1), std::min<size_t>(8, views / 8), (views + most_views - 1) / most_views});
+}
+
 /// From every eighth of the fitted views but eight at least, or from `most_views`. `tiles`, if given, takes the samples
 /// apart: counts of `tiles->size()` equal parts of the atlas's texels.
 SampleEstimate estimate_samples(const Dataset& dataset, const Atlas& atlas, const FitRequest& request,
@@ -59,9 +65,7 @@ SampleEstimate estimate_samples(const Dataset& dataset, const Atlas& atlas, cons
     FitRequest on_cpu = request;
     on_cpu.distributor = DistributorKind::cpu;
     const Distributors distributors = make_distributors(atlas, on_cpu);
-    // Every eighth, but of few images more: eight at least.
-    const size_t step =
-        std::max({size_t(1), std::min<size_t>(8, views.size() / 8), (views.size() + most_views - 1) / most_views});
+    const size_t step = step_between(views.size(), most_views);
     const size_t looked_at = (views.size() + step - 1) / step;
     const auto scaled = [&](uint64_t count) { return looked_at ? count * views.size() / looked_at : 0; };
     std::vector<SampleEstimate> seen(looked_at);
@@ -92,6 +96,18 @@ SampleEstimate estimate_samples(const Dataset& dataset, const Atlas& atlas, cons
     SampleEstimate sum;
     for (const SampleEstimate& of_view : seen) sum.samples += of_view.samples, sum.groups += of_view.groups;
     return {scaled(sum.samples), scaled(sum.groups)};
+}
+
+/// The same where every texel that an image shows takes a sample of it.
+SampleEstimate estimate_interpolated(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                                     size_t most_views) {
+    const std::vector<uint32_t> views = fitted_views(dataset, request);
+    const size_t step = step_between(views.size(), most_views);
+    std::vector<uint32_t> some;
+    for (size_t i = 0; i < views.size(); i += step) some.push_back(views[i]);
+    if (some.empty()) return {};
+    const SampleList seen = interpolated_samples(dataset, atlas, some, request.space);
+    return {seen.samples.size() * views.size() / some.size(), (seen.groups.size() - 1) * views.size() / some.size()};
 }
 
 /// What images that stream take of the host.
@@ -331,7 +347,7 @@ Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t m
                          blocks * of_block * sizeof(float)});
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     const VertexRings rings(dataset.mesh);
-    add_lists(dataset, atlas, LfmLayout(rings, atlas, 2, 1), estimate_samples(dataset, atlas, request, most_views),
+    add_lists(dataset, atlas, LfmLayout(rings, atlas, 2, 1), estimate_interpolated(dataset, atlas, request, most_views),
               request, plan.memory);
     add_distributors(dataset, atlas, views, plan.memory);
     plan.memory.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,

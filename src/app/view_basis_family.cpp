@@ -7,7 +7,7 @@
 #include "app/parts.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "base/log.h"
+#include "base/wording.h"
 #include "samples/interpolated_samples.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
@@ -43,7 +43,9 @@ public:
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }
-    void export_parameters(ProblemFolder&) override { throw UserError("a view basis has no exported problems"); }
+    void export_parameters(ProblemFolder&) override {
+        throw UserError("a view basis has no problems to export; choose lfm or a texel-local model");
+    }
 
 private:
     ViewBasisFit fit_;
@@ -100,10 +102,13 @@ const Family view_bases = {
     .plan = plan_view_basis,
     .fit = fit_view_basis,
     .divide = [](const Dataset&, const FitRequest&) -> std::unique_ptr<Divided> {
-        throw UserError("a view basis is fitted in one piece");
+        throw UserError(fmt::format("a view basis is fitted in one piece; leave out {} and {}", option_name("memory"),
+                                    option_name("shard")));
     },
-    .export_problems = [](const Dataset&, const FitRequest&,
-                          ProblemFolder&) { throw UserError("a view basis has no exported problems"); },
+    .export_problems =
+        [](const Dataset&, const FitRequest&, ProblemFolder&) {
+            throw UserError("a view basis has no problems to export; choose lfm or a texel-local model");
+        },
     .open = [](const fs::path& folder, const fs::path& moved_to) -> std::unique_ptr<Fitted> {
         return std::make_unique<FittedViewBasis>(read_view_basis(folder, moved_to));
     },

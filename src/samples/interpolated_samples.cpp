@@ -1,8 +1,10 @@
 #include "samples/interpolated_samples.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "base/parallel.h"
 #include "geometry/mesh_part.h"
@@ -12,7 +14,7 @@
 namespace radiafit {
 namespace {
 
-constexpr double depth_tolerance = 0.005;  // of the distance
+constexpr double least_tolerance = 0.005;  // of the depth
 
 /// One thread's tools.
 class Interpolator {
@@ -22,11 +24,13 @@ public:
     void collect(uint32_t view, const Camera& camera, ImageSamples<Sample>& out) {
         stream_.load(view, image_);
         rasterizer_.draw(visible_mesh(atlas_.mesh()), camera);
-        const Vec3d eye = camera.center();
+        tolerance_ = std::max(least_tolerance, 1 / std::min(camera.fx, camera.fy));
         for (uint32_t tile = 0; tile < atlas_.tile_count(); ++tile) {
-            if (atlas_.degenerate(tile) || !faces(tile, eye)) continue;
+            const auto plane = atlas_.degenerate(tile) ? std::nullopt : plane_of(tile, camera);
+            if (!plane) continue;
             const size_t before = out.samples.size();
-            for (uint32_t local = 0; local < atlas_.tile(tile).texels(); ++local) add(camera, tile, local, out.samples);
+            for (uint32_t local = 0; local < atlas_.tile(tile).texels(); ++local)
+                add(camera, tile, local, *plane, out.samples);
             if (out.samples.size() == before) continue;
             out.blocks.push_back(tile);
             out.first.push_back(uint32_t(before));
@@ -35,33 +39,44 @@ public:
     }
 
 private:
-    bool faces(uint32_t tile, const Vec3d& eye) const {
+    /// 1 / z over the image of a triangle's plane: a x + b y + c at pixel coordinates (x, y).
+    struct InverseDepth {
+        double a, b, c;
+        double at(double x, double y) const { return a * x + b * y + c; }
+    };
+    /// None for a triangle that faces away.
+    std::optional<InverseDepth> plane_of(uint32_t tile, const Camera& camera) const {
         const Mesh& mesh = atlas_.mesh();
-        const auto& [a, b, c] = mesh.triangles[tile];
-        const Vec3d p = mesh.positions[a].cast<double>();
-        const Vec3d normal = (mesh.positions[b].cast<double>() - p).cross(mesh.positions[c].cast<double>() - p);
-        return normal.dot(eye - p) > 0;
+        Vec3d corner[3];
+        for (size_t k = 0; k < 3; ++k)
+            corner[k] = camera.to_camera(mesh.positions[mesh.triangles[tile][k]].cast<double>());
+        const Vec3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+        const double offset = normal.dot(corner[0]);
+        if (!(offset < 0)) return {};
+        const double a = normal.x() / (camera.fx * offset), b = normal.y() / (camera.fy * offset);
+        return InverseDepth{a, b, normal.z() / offset - a * camera.cx - b * camera.cy};
     }
 
-    /// Whether the pixel sees the surface at this depth.
-    bool sees(size_t pixel, double inverse_depth) const {
-        const double seen = double(rasterizer_.inverse_depth()[pixel]);
-        return image_.masked_in(pixel) && std::abs(seen - inverse_depth) <= depth_tolerance * inverse_depth;
+    /// Whether the pixel sees the plane, or what goes on from it.
+    bool sees(int column, int row, const InverseDepth& plane) const {
+        const size_t pixel = size_t(row) * size_t(image_.width) + size_t(column);
+        const double expected = plane.at(column + 0.5, row + 0.5), seen = double(rasterizer_.inverse_depth()[pixel]);
+        return image_.masked_in(pixel) && std::abs(seen - expected) <= tolerance_ * seen;
     }
 
-    void add(const Camera& camera, uint32_t tile, uint32_t local, std::vector<Sample>& out) const {
+    void add(const Camera& camera, uint32_t tile, uint32_t local, const InverseDepth& plane,
+             std::vector<Sample>& out) const {
         const Vec3d p = camera.project(atlas_.position(tile, local).cast<double>());
         if (!(p.z() > 0 && p.x() >= 0 && p.x() < image_.width && p.y() >= 0 && p.y() < image_.height)) return;
-        const double inverse_depth = 1 / p.z();
-        if (!sees(size_t(p.y()) * size_t(image_.width) + size_t(p.x()), inverse_depth)) return;
+        if (!sees(int(p.x()), int(p.y()), plane)) return;
         const double x = p.x() - 0.5, y = p.y() - 0.5;
         const int left = int(std::floor(x)), top = int(std::floor(y));
         double sum[3] = {}, weights = 0;
         for (int corner = 0; corner < 4; ++corner) {
             const int column = left + (corner & 1), row = top + (corner >> 1);
             if (column < 0 || column >= image_.width || row < 0 || row >= image_.height) continue;
+            if (!sees(column, row, plane)) continue;
             const size_t pixel = size_t(row) * size_t(image_.width) + size_t(column);
-            if (!sees(pixel, inverse_depth)) continue;
             const double weight = (1 - std::abs(x - column)) * (1 - std::abs(y - row));
             const auto channels = image_.channel16(pixel);
             for (size_t c = 0; c < 3; ++c) sum[c] += weight * channels[c];
@@ -76,6 +91,7 @@ private:
     ImageStream stream_;
     TargetImage image_;
     Rasterizer rasterizer_;
+    double tolerance_ = 0;  ///< of the depth
 };
 
 }  // namespace

@@ -12,9 +12,9 @@ namespace radiafit {
 /// several texels may look at one pixel, so that fine texels get a sample of every image that shows them.
 ///
 /// A texel is shown if its triangle faces the camera and the pixel that its centre projects to lies within the mask and
-/// sees the mesh no nearer than the centre, within half a percent of the distance. The colour is interpolated
-/// bilinearly between the centres of the four pixels around, those left out that lie outside the mask or see something
-/// nearer or farther.
+/// sees the triangle's plane, within half a percent of the depth or a pixel's width: the triangle itself, or a
+/// neighbour that goes on from it. The colour is interpolated bilinearly between the centres of the four pixels around,
+/// of those that do likewise.
 SampleList interpolated_samples(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
                                 TargetSpace space = TargetSpace::stored);
 
