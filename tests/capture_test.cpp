@@ -1,4 +1,5 @@
 // `import colmap` as a whole: small captures with known pixels, bad ones, and the real one where it is at hand.
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <atomic>
@@ -262,6 +263,111 @@ TEST_F(ImportTest, BadCapturesAreOneLine) {
                   write_bytes(options_.images / "b.png", png(random_pixels(3, 9)));
                   import_colmap(options_, root_ / "file" / "set");
               }));
+}
+
+/// Three cameras that look at a sphere of radius 0.5 in (0, 0, 2), with its masks.
+class CoverageTest : public ImportTest {
+protected:
+    CoverageTest() {
+        options_.masks = root_ / "masks";
+        const double angles[] = {-0.9, -0.4, 0.6};  // none of them at the world's origin
+        std::string lines;
+        for (int i = 0; i < 3; ++i) {
+            const double c = std::cos(angles[i] / 2), s = std::sin(angles[i] / 2);
+            // Turned about y around (0, 0, 2): t = p - R p.
+            const double tx = -2 * std::sin(angles[i]), tz = 2 - 2 * std::cos(angles[i]);
+            const std::string name = std::to_string(i) + ".png";
+            lines += fmt::format("{} {} 0 {} 0 {} 0 {} 1 {}\n\n", i + 1, c, s, tx, tz, name);
+            write_bytes(options_.images / name, png(random_pixels(3, uint32_t(i))));
+            write_bytes(options_.masks / name, disc());
+        }
+        write_bytes(root_ / "sparse/images.txt", lines);
+    }
+    /// The sphere's outline: all cameras see it in their middle, at a distance of 2.
+    static std::string disc() {
+        std::vector<uint16_t> v(size_t(width * height), 0);
+        const double radius = 60 * 0.5 / std::sqrt(4 - 0.25);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                v[size_t(y * width + x)] = std::hypot(x + 0.5 - 32, y + 0.5 - 24) < radius ? 255 : 0;
+        return png(v, 1);
+    }
+    /// scale * sphere + shift.
+    void write_sphere(double scale, const Vec3d& shift) {
+        constexpr int rings = 12, sides = 24;
+        std::string obj;
+        for (int r = 0; r <= rings; ++r)
+            for (int k = 0; k < sides; ++k) {
+                const double polar = M_PI * r / rings, around = 2 * M_PI * k / sides;
+                const Vec3d p = scale * (0.5 * Vec3d(std::sin(polar) * std::cos(around),
+                                                     std::sin(polar) * std::sin(around), std::cos(polar)) +
+                                         Vec3d(0, 0, 2)) +
+                                shift;
+                obj += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+            }
+        for (int r = 0; r < rings; ++r)
+            for (int k = 0; k < sides; ++k) {
+                const int a = r * sides + k + 1, b = r * sides + (k + 1) % sides + 1, c = a + sides, d = b + sides;
+                obj += fmt::format("f {} {} {} {}\n", a, c, d, b);
+            }
+        write_bytes(options_.mesh, obj);
+    }
+    void expect_refused(const std::string& cover, const std::string& why) {
+        const std::string text = import_complaint();
+        expect_in(cover, text);
+        expect_in(why, text);
+        expect_in("'least_coverage'", text);
+    }
+};
+
+TEST_F(CoverageTest, SaysHowMuchOfTheMasksTheMeshCovers) {
+    write_sphere(1, Vec3d::Zero());
+    import();
+    EXPECT_GT(report_.coverage, 0.95);
+    ASSERT_EQ(report_.remarks.size(), 1u);
+    expect_in("% of the masks; of what shows of it, 100 % is inside", report_.remarks[0]);
+    options_.masks.clear();
+    fs::remove_all(root_ / "set");
+    import();
+    expect_in("% of the images", report_.remarks[0]);
+    // the sphere's outline of radius 15.5 in an image of 64 x 48, less what facets cut off
+    EXPECT_NEAR(report_.coverage, M_PI * 15.5 * 15.5 / (64 * 48), 0.015);
+}
+
+TEST_F(CoverageTest, NamesTheFrameOfAMeshThatCoversTooLittle) {
+    write_sphere(100, Vec3d::Zero());
+    expect_refused("scaled by 0.01 it would cover 99 %", "it is in another unit");
+    write_sphere(0.001, Vec3d::Zero());
+    expect_refused("scaled by 1000 it would cover 99 %", "it is in another unit");
+    write_sphere(1, {0.9, 0, 0});
+    expect_refused("shifted by (-0.9", "it has another origin");
+    write_sphere(0.01, {3, -1, 7});
+    expect_refused("scaled by 100, then shifted by (-300, 100, -700), it would cover 99 %",
+                   "another unit and another origin");
+    write_sphere(7.5, {3, -1, 7});
+    expect_refused("it would cover 100 %", "another unit and another origin");
+    options_.masks.clear();
+    write_sphere(1, {50, 0, 0});
+    expect_refused("shifted by (-50", "it has another origin");
+    write_bytes(options_.mesh, "v -0.5 -0.5 2\nv 0.5 -0.5 2\nv 0.5 0.5 2\nv -0.5 0.5 2\nf 1 2 3 4\n");
+    expect_refused("with its faces turned over it would cover", "they face inward");
+}
+
+TEST_F(CoverageTest, TheLeastShareIsTheUsersToChoose) {
+    write_sphere(1, {0.6, 0, 0});  // a part of the masks remains covered
+    options_.least_coverage = 0;
+    import();
+    const double share = report_.coverage;
+    EXPECT_GT(share, 0.02);
+    EXPECT_LT(share, 0.6);
+    fs::remove_all(root_ / "set");
+    options_.least_coverage = share + 0.01;
+    expect_refused("the mesh covers", "it has another origin");
+    options_.least_coverage = share - 0.01;
+    import();
+    fs::remove_all(root_ / "set");
+    options_.least_coverage = 1.5;
+    expect_in("'least_coverage' 1.5: give a share from 0 to 1", import_complaint());
 }
 
 TEST_F(ImportTest, GainsComeFromTheTableOrFromThePixels) {

@@ -24,12 +24,15 @@ void add_colmap(CommandLine& command) {
     colmap.add_text("--holdout,--held-out", options->holdout, holdout_help);
     colmap.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
     colmap.add_text("--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
+    colmap.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
+                      "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
     colmap.add_text("--name", options->name, "of the dataset");
     colmap.add_text("-o,--output", *out, "folder of the packed dataset").required();
     add_force(colmap, options->force);
     colmap.on_run([=] {
         const ImportReport report = import_colmap(*options, *out);
         for (const std::string& note : report.notes) log_warning(note);
+        for (const std::string& remark : report.remarks) log_info(remark);
         print_dataset(open_dataset(*out), false);
     });
 }

@@ -27,6 +27,7 @@ constexpr Range<double> tolerance{1 + 1e-6, 1e6, "a multiple of the best error"}
 constexpr Range<int> subdivide{1, 64};
 constexpr Range<double> noise{0, 1, "white is 1"};
 constexpr Range<int> max_size{0, 65536, "0 keeps the size"};
+constexpr Range<double> least_coverage{0, 1, "0 is off"};
 constexpr Range<double> sample_width{1e-9, 1e9};
 constexpr Range<int> view{0, 1'000'000};
 constexpr Range<int> turntable{1, 10000};

@@ -16,6 +16,7 @@
 #include "base/resources.h"
 #include "base/wording.h"
 #include "capture/colmap.h"
+#include "capture/coverage.h"
 #include "capture/file_names.h"
 #include "capture/gains.h"
 #include "capture/image_file.h"
@@ -44,7 +45,8 @@ struct Source {
     // Found by the survey:
     int bits = 8;
     std::array<int, 4> crop = {0, 0, 0, 0};  ///< x, y, width, height
-    bool sees_mesh = false, seen_in_mask = false;
+    bool has_mask = false, sees_mesh = false, seen_in_mask = false;
+    Coverage coverage;
     std::vector<GainSample> gain_samples;
 };
 
@@ -136,19 +138,68 @@ void survey(Source& source, const Loaded& loaded, const Mesh& mesh, const GainPo
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x) {
             const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
+            const bool object = loaded.mask.empty() || loaded.mask[pixel];
+            source.coverage.object += object;
             if (raster.pixels()[pixel].triangle == no_triangle) continue;
-            source.sees_mesh = true;
-            if (!loaded.mask.empty() && !loaded.mask[pixel]) continue;
+            ++source.coverage.mesh;
+            if (!object) continue;
+            ++source.coverage.both;
             x0 = std::min(x0, x), x1 = std::max(x1, x);
             y0 = std::min(y0, y), y1 = std::max(y1, y);
         }
     source.bits = loaded.image.bits;
+    source.has_mask = !loaded.mask.empty();
+    source.sees_mesh = source.coverage.mesh > 0;
     source.seen_in_mask = x1 >= 0;
     if (!source.seen_in_mask) return;
     x0 = std::max(x0 - crop_margin, 0), x1 = std::min(x1 + crop_margin, camera.width - 1);
     y0 = std::max(y0 - crop_margin, 0), y1 = std::min(y1 + crop_margin, camera.height - 1);
     source.crop = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
     if (points) source.gain_samples = points->observe(camera, raster, loaded.image, loaded.mask);
+}
+
+/// Some of the photographs, spread over the list, small: enough to tell where the mesh would have to be.
+std::vector<Silhouette> small_silhouettes(const std::vector<Source>& sources, const ColmapModel& model) {
+    constexpr size_t most = 16;
+    constexpr int side = 256;  // pixels
+    const size_t count = std::min(most, sources.size());
+    std::vector<Silhouette> views(count);
+    parallel_for(count, 1, [&](size_t i, int) {
+        Source source = sources[i * sources.size() / count];
+        source.camera = scaled_camera(source.calibrated, side);
+        views[i] = {source.camera, load(source, model).mask};
+    });
+    return views;
+}
+
+/// Refuses a mesh that covers too little of the masks, or of the images where there are none, and says what is wrong.
+void check_coverage(const std::vector<Source>& sources, const Mesh& mesh, const ImportOptions& options,
+                    const ColmapModel& model, ImportReport& report) {
+    const bool masked = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.has_mask; });
+    const std::string of_what = masked ? "the masks" : "the images";
+    Coverage coverage;
+    for (const Source& s : sources)
+        if (s.has_mask == masked) coverage += s.coverage;
+    report.coverage = coverage.share();
+    const double least = options.least_coverage.value_or(masked ? 0.2 : 0.01);
+    if (report.coverage >= least) {
+        std::string remark = fmt::format("the mesh covers {:.0f} % of {}", 100 * report.coverage, of_what);
+        if (masked && coverage.mesh)
+            remark += fmt::format("; of what shows of it, {:.0f} % is inside them",
+                                  100.0 * double(coverage.both) / double(coverage.mesh));
+        report.remarks.push_back(std::move(remark));
+        return;
+    }
+    const bool seen = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.sees_mesh; });
+    std::string text = options.mesh.string() + ": ";
+    text += seen ? fmt::format("the mesh covers {:.3g} % of {}", 100 * report.coverage, of_what)
+                 : fmt::format("no camera of {} sees this mesh", options.model.string());
+    const std::string where = describe(find_other_frame(mesh, small_silhouettes(sources, model)), of_what);
+    if (!where.empty()) text += "; " + where;
+    text += seen && masked && where.empty()
+                ? ": bring it into the model's frame (in the masks, white is to mean object)"
+                : ": bring it into the model's frame (and turn its faces outward)";
+    throw UserError(fmt::format("{}, or lower {} ({})", text, option_name("least-coverage"), least));
 }
 
 /// Drops what sees nothing, and says so. Throws when nothing is left to fit.
@@ -275,6 +326,7 @@ std::string provenance(const ImportOptions& options) {
                                    options.images.string(), options.mesh.string());
     if (!options.masks.empty()) text += fmt::format(" --masks {}", options.masks.string());
     text += fmt::format(" --holdout {} --gains {}", options.holdout, options.gains);
+    if (options.least_coverage) text += fmt::format(" --least-coverage {}", *options.least_coverage);
     if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
     return text;
 }
@@ -285,6 +337,9 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     if (options.max_size < 0)
         throw UserError(
             fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), options.max_size));
+    if (options.least_coverage && !(*options.least_coverage >= 0 && *options.least_coverage <= 1))
+        throw UserError(
+            fmt::format("{} {}: give a share from 0 to 1", option_name("least-coverage"), *options.least_coverage));
     const ColmapModel model = read_colmap(options.model);
     std::vector<std::string> names;
     for (const ColmapImage& image : model.images) names.push_back(image.name);
@@ -313,6 +368,7 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
             progress.advance();
         });
     }
+    check_coverage(sources, mesh.mesh, options, model, report);
     drop_blind_views(sources, options, report);
     const std::vector<double> gains = choose_gains(sources, options, report);
 

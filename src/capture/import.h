@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,11 @@ struct ImportOptions {
     std::string holdout = "every:8";  ///< see capture/split.h
     int max_size = 0;                 ///< longest side of a photograph, pixels; 0: as it is
     std::string gains = "none";       ///< none, estimate, or a table (see capture/gains.h)
-    std::string name;                 ///< of the dataset; empty: the output folder's
-    bool force = false;               ///< go on where memory or disk will not suffice
+    /// Share of the masks' pixels that the mesh has to cover, without masks of all pixels; 0: any. Not given: 0.2 of
+    /// the masks, or 0.01 of the pixels.
+    std::optional<double> least_coverage;
+    std::string name;    ///< of the dataset; empty: the output folder's
+    bool force = false;  ///< go on where memory or disk will not suffice
 };
 
 struct ImportReport {
@@ -25,11 +29,14 @@ struct ImportReport {
     size_t vertices = 0, triangles = 0;
     std::vector<std::string> dropped;  ///< images that see nothing of the mesh
     std::vector<std::string> notes;    ///< what the user should know, one line each: defects, drops, guesses
+    std::vector<std::string> remarks;  ///< what a user may want to know, and is no cause to worry
+    double coverage = 0;               ///< see ImportOptions::least_coverage
 };
 
 /// Packs a COLMAP capture. Each photograph is cropped to what it shows of the mesh inside the mask, plus four pixels;
 /// an alpha channel is a mask too. 8-bit photographs are stored as they are (u8-srgb); one 16-bit photograph makes the
-/// whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError.
+/// whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError; for a mesh that
+/// covers too little it names the frame that the mesh seems to be in (capture/coverage.h).
 ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
 
 }  // namespace radiafit

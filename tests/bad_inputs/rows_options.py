@@ -182,6 +182,7 @@ rows += [
 
 # import
 refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --max-size {} -o new", "-1 65537 x", "max-size = ", "choose a whole number from 0 to 65536 (0 keeps the size)")
+refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --least-coverage {} -o new", "-0.1 1.1 nan x", "least-coverage = ", "choose a number from 0 to 1 (0 is off)")
 refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --holdout {} -o new", "every:1 every:x every: every:-2 every:99999999999999999999", "--holdout {}: N is to be a whole number from 2 on")
 refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --holdout {} -o new", "nowhere.txt evry:3", "{}: no such list of held-out images")
 refuse("import colmap --model photos/text --images photos/images --mesh photos/mesh.obj --gains {} -o new", "guess nowhere.txt", "{}: no such gain table")
