@@ -30,6 +30,7 @@ ALLOWED.update(
     fit=up_to("dataset"),
     eval=up_to("dataset") | {"fit"},
     viewbasis=up_to("samples") | {"fit", "eval"},
+    sg=up_to("optim") | {"cpu", "fit", "eval", "viewbasis"},
     report={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
 )

@@ -9,8 +9,8 @@
 #include "eval/judge.h"
 #include "report/problem_picture.h"
 
-/// The families of models: light field maps, texel-local models, view bases. What commands ask of one is said here,
-/// once; they themselves never ask which it is.
+/// The families of models: light field maps, texel-local models, view bases, spherical Gaussians. What commands ask of
+/// one is said here, once; they themselves never ask which it is.
 namespace radiafit {
 
 /// A fit of any family, with the dataset that was fitted.
@@ -64,7 +64,7 @@ struct Family {
     /// moved_to: where the dataset is now; empty: where the fit says. Throws UserError.
     std::unique_ptr<Fitted> (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
 };
-extern const Family light_field_maps, texel_local_models, view_bases;
+extern const Family light_field_maps, texel_local_models, view_bases, spherical_gaussians;
 std::span<const Family* const> families();
 
 const Family& family_of(const FitRequest& request);
@@ -83,6 +83,7 @@ void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t most_views);
+Plan plan_sg(const Dataset& dataset, const FitRequest& request, size_t most_views);
 
 std::unique_ptr<Divided> divide_light_field(const Dataset& dataset, const FitRequest& request);
 std::unique_ptr<Divided> divide_texels(const Dataset& dataset, const FitRequest& request);

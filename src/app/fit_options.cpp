@@ -292,13 +292,15 @@ std::vector<FitOption> make_fit_options() {
                 "smoothness of surface maps"),
          number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight, "smoothness of view maps"),
          mu_option()});
-    add("View bases",
+    add("View bases and spherical Gaussians",
         {number("rank", use::view_basis, OF(view_basis.rank), limits::rank,
                 "functions of the view direction: three times as many numbers per texel"),
-         number("noise", use::view_basis, OF(view_basis.noise), limits::noise_variance,
-                "variance of a residual, white being 1: how far samples count against what is learned of the surface"),
+         number("noise", use::view_basis | use::lobes, OF(view_basis.noise), limits::noise_variance,
+                "variance of a residual, white being 1: how far samples count against what is known of the surface"),
          number("blocks", use::view_basis, OF(view_basis.blocks), limits::blocks,
-                "about so many parts of the surface have a basis of their own")});
+                "about so many parts of the surface have a basis of their own"),
+         number("lobes", use::lobes, OF(lobes), limits::lobes,
+                "spherical Gaussians of a texel: six numbers each, besides three of the diffuse colour")});
     add("Samples",
         {number(
              "clip_above", use::selection, OF(clip_above), limits::share,

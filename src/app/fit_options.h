@@ -38,6 +38,7 @@ enum : uint32_t {
     loss = 1u << 22,
     weights = 1u << 23,
     view_basis = 1u << 28,
+    lobes = 1u << 29,
     own_sides = 1u << 25,        ///< triangles' surface maps may differ in side
     accumulation = 1u << 26,     ///< compute shaders over light field maps: where samples and sums come from
     images = 1u << 27,           ///< of these, distributed in every sweep

@@ -11,6 +11,7 @@
 #include "optim/optimizer.h"
 #include "reference/ceres_solver.h"
 #include "samples/disk_records.h"
+#include "sg/solve_sg.h"
 #include "viewbasis/learn_view_basis.h"
 
 namespace radiafit {
@@ -42,6 +43,7 @@ struct FitRequest {
     ContextOptions context;
     LfmOptions model;  ///< its surface_side is any model's; its mode and mu are those below
     ViewBasisOptions view_basis;
+    int lobes = SgOptions().lobes;
     double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
     double mu = -1;                          ///< weight of the bounds; below 0: the mode's default

@@ -331,20 +331,19 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
     return plan;
 }
 
-Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+namespace {
+/// Of colours by view direction with n numbers per texel.
+Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n) {
     request.check();
     require_light_field(dataset);
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
-    const uint64_t texels = atlas.texel_count(), n = 3 * uint64_t(request.view_basis.rank);
-    const uint64_t blocks = uint64_t(request.view_basis.blocks), of_block = view_terms * (n / 3 + 3);
+    const uint64_t texels = atlas.texel_count();
     const uint64_t image = uint64_t(atlas.width()) * uint64_t(atlas.height()) * sizeof(float);
     Plan plan;
     plan.disk.push_back(
         {"maps",
          fmt::format("{} x {} pixels x {} floats, before they are compressed", atlas.width(), atlas.height(), n + 4),
          n + 4, image * (n + 4)});
-    plan.disk.push_back({"basis, about", fmt::format("{} blocks x {} floats", blocks, of_block), blocks * of_block,
-                         blocks * of_block * sizeof(float)});
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     const VertexRings rings(dataset.mesh);
     add_lists(dataset, atlas, LfmLayout(rings, atlas, 2, 1), estimate_interpolated(dataset, atlas, request, most_views),
@@ -352,8 +351,23 @@ Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t m
     add_distributors(dataset, atlas, views, plan.memory);
     plan.memory.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
                            texels * 4 * (n + 4), PlanRow::while_solving | PlanRow::while_writing});
-    plan.memory.push_back({"texels to learn from", fmt::format("{} texels x 8 bytes", atlas.used_texels()),
-                           atlas.used_texels(), 2 * 8 * atlas.used_texels(), PlanRow::while_solving});
+    return plan;
+}
+}  // namespace
+
+Plan plan_sg(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+    return plan_by_view(dataset, request, most_views, uint64_t(sg_parameters(request.lobes)));
+}
+
+Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+    const uint64_t n = 3 * uint64_t(request.view_basis.rank);
+    Plan plan = plan_by_view(dataset, request, most_views, n);
+    const uint64_t blocks = uint64_t(request.view_basis.blocks), of_block = view_terms * (n / 3 + 3);
+    plan.disk.push_back({"basis, about", fmt::format("{} blocks x {} floats", blocks, of_block), blocks * of_block,
+                         blocks * of_block * sizeof(float)});
+    const uint64_t texels = TriangleAtlas(dataset.mesh, request.model.surface_side).used_texels();
+    plan.memory.push_back({"texels to learn from", fmt::format("{} texels x 8 bytes", texels), texels, 2 * 8 * texels,
+                           PlanRow::while_solving});
     return plan;
 }
 

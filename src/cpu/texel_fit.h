@@ -23,6 +23,18 @@ struct TexelOutcome {
     Status status = Status::active;
 };
 
+/// What is known of texels before they are seen, the same of eight: adds
+///     1/2 sum over the coefficients of weight_k (a_kc - mean_kc)^2 + 1/2 sum over the shape of weight_i (s_i -
+///     mean_i)^2
+/// to E, so that what samples don't tell stays at the means.
+template <class Text>
+struct TexelPrior {
+    static constexpr size_t B = size_t(Text::basis_count), Q = size_t(Text::shape_count);
+    std::array<std::array<double, B>, 3> mean{};  ///< [channel][basis]
+    std::array<double, B> weight{};
+    std::array<double, Q> shape_mean{}, shape_weight{};
+};
+
 /// `Text`: a model's text with real = Pack. Every texel takes its own steps and ends by itself: which others share its
 /// pack does not change a bit of its result.
 ///
@@ -34,6 +46,7 @@ class TexelFit {
 public:
     using Model = TexelLocal<Text>;
     using Batch = TexelBatch<Text::term_count>;
+    using Prior = TexelPrior<Text>;
     using Outcome = TexelOutcome<Model::parameters>;
     using Outcomes = std::array<Outcome, Pack::size>;
     using Parameters = std::array<float, size_t(Model::parameters)>;
@@ -42,7 +55,7 @@ public:
 
     /// From the best of the model's starts. Allocates nothing. `trace`, if given, gets the batch's rows: the sum of
     /// E over a texel's samples, from the start on.
-    Outcomes solve(const Batch& batch, Trace* trace = nullptr) const;
+    Outcomes solve(const Batch& batch, Trace* trace = nullptr, const Prior* prior = nullptr) const;
     /// From given parameters, which are put within bounds.
     Outcomes solve(const Batch& batch, const std::array<Parameters, Pack::size>& start) const;
     /// The best of the model's starts for each texel, its coefficients solved for.
@@ -68,19 +81,20 @@ private:
         WidePack promised;  ///< how much the model says E falls
     };
 
-    static Point best_start(const Batch& batch);
-    Outcomes run(const Batch& batch, const Point& start, Trace* trace) const;
-    static void evaluate(const Batch& batch, Point& p);
+    static Point best_start(const Batch& batch, const Prior* prior);
+    Outcomes run(const Batch& batch, const Point& start, Trace* trace, const Prior* prior) const;
+    static void evaluate(const Batch& batch, Point& p, const Prior* prior);
+    static void add_prior(const Prior& prior, Point& p);
     // Of models with a shape: templates, so that only they have them.
     template <class = Text>
-    static Quadratic along_shape(const Point& p);
+    static Quadratic along_shape(const Point& p, const Prior* prior);
     template <class = Text>
-    static Step propose(const Point& p, const WidePack& damping);
+    static Step propose(const Point& p, const WidePack& damping, const Prior* prior);
     template <class = Text>
     static Point moved(const Point& from, const Step& step);
     template <class = Text>
     static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of);
-    static WidePack least_pivot(const Point& p);
+    static WidePack least_pivot(const Point& p, const Prior* prior);
     static Parameters parameters_of(const Point& p, int lane, bool fitted);
     static typename Text::Shape shape_of(const SmallVector<WidePack, Q>& s) {
         typename Text::Shape out{};

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/flush_subnormals.h"
 #include "base/instructions.h"
+#include "cpu/lobe_starts.h"
 #include "cpu/texel_fit.h"
 
 /// The definitions of TexelFit: for the file that instantiates it for the models that there are, and for tests of
@@ -24,6 +25,14 @@ inline bool any(const WidePack::Mask& m) {
         if (m[lane]) return true;
     return false;
 }
+/// Number i of the shape that stands for a texel which wasn't fitted.
+template <class Text>
+constexpr double first_start(size_t i) {
+    if constexpr (CompleteText<Text>::several_lobes)
+        return Text::lobe_starts()[0][i % size_t(Text::lobe_shape_count)];
+    else
+        return Text::starts[0][i];
+}
 /// Pivots below this part of their diagonal entry are what sums of floats can't tell from zero.
 constexpr double noise = 1e-6;
 }  // namespace detail
@@ -41,9 +50,27 @@ void TexelFit<Text>::Point::take(const Mask& which, const Point& other) {
     mix(sums.error, other.sums.error);
 }
 
+/// The prior's part of the sums at p; the shape's part of their slopes and curvatures is along_shape()'s to add.
+template <class Text>
+void TexelFit<Text>::add_prior(const Prior& prior, Point& p) {
+    for (size_t k = 0; k < size_t(B); ++k) {
+        const WidePack weight(prior.weight[k]);
+        p.sums.shared[k][k] += weight;
+        for (size_t c = 0; c < 3; ++c) {
+            const WidePack off = p.a[c][k] - WidePack(prior.mean[c][k]);
+            p.sums.linear[k][c] += weight * off;
+            p.sums.error += WidePack(0.5) * weight * off * off;
+        }
+    }
+    for (size_t i = 0; i < size_t(Q); ++i) {
+        const WidePack off = p.s[i] - WidePack(prior.shape_mean[i]);
+        p.sums.error += WidePack(0.5 * prior.shape_weight[i]) * off * off;
+    }
+}
+
 /// Sums at p, then the coefficients' optimum for p's shape, and the sums there.
 template <class Text>
-void TexelFit<Text>::evaluate(const Batch& batch, Point& p) {
+void TexelFit<Text>::evaluate(const Batch& batch, Point& p, const Prior* prior) {
     typename Model::Parameters packed;
     for (size_t k = 0; k < size_t(B); ++k)
         for (size_t c = 0; c < 3; ++c) {
@@ -55,6 +82,7 @@ void TexelFit<Text>::evaluate(const Batch& batch, Point& p) {
         p.s[i] = widen(packed[size_t(3 * B) + i]);
     }
     p.sums = texel_sums<Text>(batch.rows(), packed);
+    if (prior) add_prior(*prior, p);
     const SmallMatrix<WidePack, B> a = detail::leading<B, C>(p.sums.shared);
     // a plain linear fit has no bounds that would keep coefficients small where samples don't tell them apart
     const SmallFactor<WidePack, B> factor(a, detail::noise, Q > 0 ? SmallPivots::raised : SmallPivots::left_out);
@@ -76,7 +104,7 @@ void TexelFit<Text>::evaluate(const Batch& batch, Point& p) {
 /// follow, the others stay.
 template <class Text>
 template <class>
-auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic {
+auto TexelFit<Text>::along_shape(const Point& p, const Prior* prior) -> Quadratic {
     Quadratic out{};
     const auto& shared = p.sums.shared;
     for (size_t c = 0; c < 3; ++c) {
@@ -89,16 +117,21 @@ auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic {
         }
         const SmallFactor<WidePack, B> factor(a, detail::noise);
         SmallVector<WidePack, B> follow[size_t(Q)];
-        const WidePack lobe = p.a[c][size_t(B) - 1], squared = lobe * lobe;
+        const auto lobe = [&](size_t i) -> const WidePack& { return p.a[c][size_t(Model::owner(int(i)))]; };
         for (size_t i = 0; i < size_t(Q); ++i) {
             for (size_t k = 0; k < size_t(B); ++k)
                 follow[i][k] = WidePack::select(free[k], shared[size_t(B) + i][k], 0.0);
             follow[i] = factor.forward(follow[i]);
             for (size_t j = 0; j <= i; ++j)
                 out.curvature[i][j] +=
-                    squared * (shared[size_t(B) + i][size_t(B) + j] - factor.product(follow[i], follow[j]));
-            out.gradient[i] += lobe * p.sums.linear[size_t(B) + i][c];
+                    lobe(i) * lobe(j) * (shared[size_t(B) + i][size_t(B) + j] - factor.product(follow[i], follow[j]));
+            out.gradient[i] += lobe(i) * p.sums.linear[size_t(B) + i][c];
         }
+    }
+    for (size_t i = 0; prior && i < size_t(Q); ++i) {
+        const WidePack weight(prior->shape_weight[i]);
+        out.curvature[i][i] += weight;
+        out.gradient[i] += weight * (p.s[i] - WidePack(prior->shape_mean[i]));
     }
     return out;
 }
@@ -106,8 +139,8 @@ auto TexelFit<Text>::along_shape(const Point& p) -> Quadratic {
 /// The directions in which E has a slope or a curvature, the gauge's tangent made stiff: it has neither.
 template <class Text>
 template <class>
-auto TexelFit<Text>::propose(const Point& p, const WidePack& damping) -> Step {
-    const Quadratic model = along_shape(p);
+auto TexelFit<Text>::propose(const Point& p, const WidePack& damping, const Prior* prior) -> Step {
+    const Quadratic model = along_shape(p, prior);
     SmallMatrix<WidePack, Q> full = with_gauge(p.s, model.curvature);
     SmallVector<WidePack, Q> down;
     for (size_t i = 0; i < size_t(Q); ++i) {
@@ -155,10 +188,11 @@ auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point {
     return to;
 }
 
-/// How well the samples tell apart the columns of the Jacobian: the least part of one that no others make up.
+/// How well the samples alone tell apart the columns of the Jacobian: the least part of one that no others make up.
 template <class Text>
-WidePack TexelFit<Text>::least_pivot(const Point& p) {
+WidePack TexelFit<Text>::least_pivot(const Point& p, const Prior* prior) {
     SmallMatrix<WidePack, C> m = p.sums.shared;
+    for (size_t k = 0; prior && k < size_t(B); ++k) m[k][k] -= WidePack(prior->weight[k]);
     if constexpr (Q > 0) {
         SmallMatrix<WidePack, Q> shape;
         for (size_t i = 0; i < size_t(Q); ++i)
@@ -171,10 +205,10 @@ WidePack TexelFit<Text>::least_pivot(const Point& p) {
 }
 
 template <class Text>
-auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace) const -> Outcomes {
+auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace, const Prior* prior) const -> Outcomes {
     const FlushSubnormals flush;  // far from a sharp lobe's peak all products are
     Point now = start;
-    evaluate(batch, now);
+    evaluate(batch, now, prior);
     Outcomes out;
     Mask active{};
     for (int lane = 0; lane < Pack::size; ++lane) {
@@ -206,13 +240,13 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace) c
     note(all);
     if constexpr (Q == 0) {
         // once more from the solution: residuals are small there, so that their sums are accurate
-        evaluate(batch, now);
+        evaluate(batch, now, prior);
         end(all, Status::stationary);
     } else {
         WidePack damping(1e-2), exact;  // `exact`: what rounding alone leaves of E
         for (int lane = 0; lane < Pack::size; ++lane) exact.set(lane, 1e-14 * batch.squares(lane));
         for (int k = 0; k < options_.iterations; ++k) {
-            const Step step = propose(now, damping);
+            const Step step = propose(now, damping, prior);
             Mask tiny = all;
             for (size_t i = 0; i < size_t(Q); ++i) tiny = tiny & (max(step.by[i], -step.by[i]) <= WidePack(6e-8));
             end(tiny | (now.sums.error <= exact) |
@@ -221,7 +255,7 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace) c
             if (!detail::any(active)) break;
 
             Point trial = moved(now, step);
-            evaluate(batch, trial);
+            evaluate(batch, trial, prior);
             const Mask better = active & (trial.sums.error < now.sums.error);
             const WidePack gain = now.sums.error - trial.sums.error;
             const WidePack factor = WidePack::select(gain > WidePack(0.75) * step.promised, 0.3,
@@ -235,7 +269,7 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace) c
         }
         end(all, Status::max_iterations);
     }
-    const Mask told_apart = least_pivot(now) > WidePack(detail::noise);
+    const Mask told_apart = least_pivot(now, prior) > WidePack(detail::noise);
     constexpr uint32_t columns = uint32_t(Model::independent);
     for (int lane = 0; lane < Pack::size; ++lane) {
         Outcome& o = out[size_t(lane)];
@@ -254,14 +288,19 @@ auto TexelFit<Text>::parameters_of(const Point& p, int lane, bool fitted) -> Par
         for (size_t c = 0; c < 3; ++c) out[3 * k + c] = fitted ? float(p.a[c][k][lane]) : 0.0f;
     if constexpr (Q > 0)
         for (size_t i = 0; i < size_t(Q); ++i)
-            out[size_t(3 * B) + i] = fitted ? float(p.s[i][lane]) : float(Text::starts[0][i]);
+            out[size_t(3 * B) + i] = fitted ? float(p.s[i][lane]) : float(detail::first_start<Text>(i));
     return out;
 }
 
 template <class Text>
-auto TexelFit<Text>::best_start(const Batch& batch) -> Point {
+auto TexelFit<Text>::best_start(const Batch& batch, const Prior* prior) -> Point {
     Point best{};
-    if constexpr (Q > 0) {
+    if constexpr (CompleteText<Text>::several_lobes) {
+        const FlushSubnormals flush;
+        const LobeStarts<Text> starts = greedy_starts<Text>(batch.rows(), prior);
+        best.a = starts.a;
+        best.s = starts.s;
+    } else if constexpr (Q > 0) {
         const FlushSubnormals flush;
         const StartSums<Text> sums = start_sums<Text>(batch.rows());
         WidePack lowest(std::numeric_limits<double>::infinity());
@@ -291,9 +330,9 @@ auto TexelFit<Text>::best_start(const Batch& batch) -> Point {
 }
 
 template <class Text>
-auto TexelFit<Text>::solve(const Batch& batch, Trace* trace) const -> Outcomes {
+auto TexelFit<Text>::solve(const Batch& batch, Trace* trace, const Prior* prior) const -> Outcomes {
     Outcomes out;
-    with_widest_vectors([&] { out = run(batch, best_start(batch), trace); });
+    with_widest_vectors([&] { out = run(batch, best_start(batch, prior), trace, prior); });
     return out;
 }
 
@@ -311,7 +350,7 @@ auto TexelFit<Text>::solve(const Batch& batch, const std::array<Parameters, Pack
     }
     if constexpr (Q > 0) p = moved(p, Step{});
     Outcomes out;
-    with_widest_vectors([&] { out = run(batch, p, nullptr); });
+    with_widest_vectors([&] { out = run(batch, p, nullptr, nullptr); });
     return out;
 }
 
@@ -319,8 +358,8 @@ template <class Text>
 auto TexelFit<Text>::start(const Batch& batch) -> std::array<Parameters, Pack::size> {
     std::array<Parameters, Pack::size> out;
     with_widest_vectors([&] {
-        Point p = best_start(batch);
-        if constexpr (Q == 0) evaluate(batch, p);
+        Point p = best_start(batch, nullptr);
+        if constexpr (Q == 0) evaluate(batch, p, nullptr);
         for (int lane = 0; lane < Pack::size; ++lane) out[size_t(lane)] = parameters_of(p, lane, batch.count(lane) > 0);
     });
     return out;

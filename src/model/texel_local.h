@@ -7,7 +7,8 @@
 ///     m_c = sum_k a[k][c] basis_k(terms; shape),
 /// where the last basis function alone depends on the shape, which the channels share. `Text` is a model's shared text
 /// (shaders/model/NAME.glsl); docs/texel-models.md lists what one holds. The texts that there are: model/texel_texts.h,
-/// made from the list in src/model/CMakeLists.txt.
+/// made from the list in src/model/CMakeLists.txt. A text of several lobes says by shape_owner() which basis function
+/// each number of the shape belongs to; Levenberg-Marquardt on the CPU alone fits those (cpu/texel_fit.h).
 ///
 /// Parameters of a texel: a[basis][3], then the shape: Lafortune's rho_d, rho_s, Cx, Cz, log n (Eq. 16).
 namespace radiafit {
@@ -56,8 +57,9 @@ struct CompleteText {
                 { Text::shape_slope(s, t) } -> std::same_as<typename Text::Slope>;
             },
         "a texel model with a shape must define Slope shape_slope(Shape, Terms)");
+    static constexpr bool several_lobes = requires { Text::shape_owner(0); };
     static_assert(
-        no_shape ||
+        no_shape || several_lobes ||
             requires(typename Text::Shape s, typename Text::Terms t) {
                 { Text::shape_bend(s, s, t) } -> std::same_as<typename Text::real2>;
             },
@@ -70,7 +72,7 @@ struct CompleteText {
             },
         "a texel model with a shape must define shape_names[SHAPE_COUNT] and shape_bounds[SHAPE_COUNT][2]");
     static_assert(
-        no_shape || requires { Text::starts[Text::start_count - 1][0]; },
+        no_shape || several_lobes || requires { Text::starts[Text::start_count - 1][0]; },
         "a texel model with a shape must define start_count and starts[start_count][SHAPE_COUNT]");
     static_assert(
         no_shape ||
@@ -96,6 +98,11 @@ struct TexelLocal : CompleteText<Text> {
     }();
     using Parameters = std::array<real, size_t(parameters)>;
 
+    /// The basis function that number i of the shape belongs to.
+    static constexpr int owner(int i) {
+        if constexpr (CompleteText<Text>::several_lobes) return Text::shape_owner(i);
+        return basis - 1;
+    }
     static typename Text::Shape shape_of(const Parameters& p) {
         typename Text::Shape s{};
         for (int i = 0; i < shape; ++i) s.x[i] = p[size_t(3 * basis + i)];
@@ -109,7 +116,7 @@ struct TexelLocal : CompleteText<Text> {
         return m;
     }
     /// Row c of the Jacobian is nonzero at a[k][c], where it is column k, and at shape parameter i, where it is
-    /// a[basis - 1][c] times column basis + i.
+    /// a[owner(i)][c] times column basis + i.
     static std::array<real, size_t(shared)> columns(const typename Text::Shape& s, const Terms& t) {
         const auto b = Text::basis(s, t);
         std::array<real, size_t(shared)> q;
@@ -125,6 +132,7 @@ struct TexelLocal : CompleteText<Text> {
         std::array<real, 3> first, second;
     };
     static Bend bend(const Parameters& p, const Parameters& d, const Terms& t) {
+        static_assert(!CompleteText<Text>::several_lobes);
         const auto s = shape_of(p);
         const auto b = Text::basis(s, t);
         Bend out{};

@@ -1,6 +1,8 @@
 #include "viewbasis/texel_views.h"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 namespace radiafit {
 
@@ -26,6 +28,14 @@ void TexelViewReader::read(uint32_t tile, uint32_t local, TexelViews& out) const
         out.colours.push_back(samples_->scale * Vec3f(found->rgb[0], found->rgb[1], found->rgb[2]));
         out.weights.push_back(view_sample_weight(direction));
     }
+}
+
+std::array<double, 3> numbers_of(const Vec3f& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+
+Vec3f vector_of(const std::vector<float>& v) {
+    if (v.size() != 3 || !std::ranges::all_of(v, [](float x) { return std::isfinite(x); }))
+        throw std::runtime_error("a vector has not three numbers");
+    return {v[0], v[1], v[2]};
 }
 
 Vec3f mean_up(const Dataset& dataset) {

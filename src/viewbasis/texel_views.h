@@ -36,6 +36,10 @@ private:
     std::vector<Vec3f> eyes_;  ///< [images]
 };
 
+/// Three numbers, as JSON takes and gives them. Throws std::runtime_error unless they are three, and finite.
+std::array<double, 3> numbers_of(const Vec3f& v);
+Vec3f vector_of(const std::vector<float>& numbers);
+
 /// Where cameras have their upper edge, on average; a unit vector.
 Vec3f mean_up(const Dataset& dataset);
 

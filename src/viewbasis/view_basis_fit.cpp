@@ -48,15 +48,6 @@ void take_basis_image(const std::filesystem::path& path, ViewBasis& basis) {
     }
 }
 
-Json numbers_of(const Vec3f& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-
-Vec3f vector_in(const Json& json) {
-    const auto v = json.get<std::vector<float>>();
-    if (v.size() != 3 || !std::ranges::all_of(v, [](float x) { return std::isfinite(x); }))
-        throw std::runtime_error("a vector has not three numbers");
-    return {v[0], v[1], v[2]};
-}
-
 TexelFitNotes notes_of(const ViewBasisFit& fit) {
     const ViewBasis& b = fit.basis;
     const Json own = {{"surface_side", fit.surface_side}, {"rank", b.rank},         {"degree", view_degree},
@@ -76,8 +67,8 @@ void take_notes(const std::string& model, const std::string& own_json, ViewBasis
     b.noise = own.at("noise").get<float>();
     options.noise = double(b.noise);
     check_options(options);
-    b.up = vector_in(own.at("up"));
-    b.origin = vector_in(own.at("origin"));
+    b.up = vector_of(own.at("up"));
+    b.origin = vector_of(own.at("origin"));
     b.cube = own.at("cube").get<float>();
     b.cubes = own.at("cubes").get<std::vector<std::array<int32_t, 3>>>();
     if (b.cubes.empty() || b.cubes.size() > 1'000'000 || !std::ranges::is_sorted(b.cubes) || !(b.cube >= 0))

@@ -1,0 +1,44 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "base/range.h"
+#include "dataset/dataset.h"
+#include "geometry/atlas.h"
+#include "model/status.h"
+#include "samples/sample_list.h"
+
+/// Diffuse colours and spherical Gaussians by view direction, texel by texel (shaders/model/sg.glsl).
+namespace radiafit {
+
+namespace limits {
+constexpr Range<int> lobes{1, 4};
+constexpr Range<double> lobe_noise{1e-9, 1};
+}  // namespace limits
+
+struct SgOptions {
+    int lobes = 4;        ///< in [1, 4]: 3 + 6 x lobes numbers per texel
+    double noise = 6e-4;  ///< variance of a residual, in units of white: how far samples count against the prior
+    int iterations = 25;  ///< of Levenberg and Marquardt, at most
+};
+/// Throws UserError for a value out of range.
+void check_options(const SgOptions& options);
+
+constexpr int sg_parameters(int lobes) { return 3 + 6 * lobes; }
+
+struct SgSolution {
+    /// [texels][3 + 6 lobes]: d, then a of every lobe, then (x, y, log lambda) of every lobe. Where nothing was seen,
+    /// d is the mean colour of the triangle, or of the surface, and a is 0.
+    std::vector<float> parameters;
+    std::vector<uint32_t> samples, iterations;  ///< [texels]
+    std::vector<float> error;                   ///< [texels] 1/2 sum w r^2, and what the prior adds
+    std::vector<Status> status;                 ///< [texels]
+};
+
+/// Of every texel the parameters of least 1/2 sum over samples of w |y - m(v)|^2 and prior: d about the triangle's mean
+/// colour, a about 0, lobes about the normal and lambda = 8. From greedy starts by batched Levenberg-Marquardt
+/// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads.
+SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
+                    const SgOptions& options, const std::function<void()>& progress = {});
+
+}  // namespace radiafit
