@@ -42,7 +42,11 @@ const Family spherical_gaussians = {
         return solver.solve == solve_stream ? use::sides | use::space | use::iterations | use::lobes : 0;
     },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
-    .settle = settle_by_view,
+    .settle =
+        [](const auto& given, const Dataset& dataset, FitRequest& request) {
+            settle_by_view(given, dataset, request);
+            if (!given("--iterations")) request.iterations = SgOptions().iterations;  // more gain nothing that is seen
+        },
     .plan = plan_sg,
     .fit = fit_sg,
     .divide = [](const Dataset&, const FitRequest&) -> std::unique_ptr<Divided> {

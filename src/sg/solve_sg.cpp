@@ -9,7 +9,7 @@ namespace radiafit {
 namespace {
 
 // Standard deviations that the prior takes parameters to have.
-constexpr double of_diffuse = 0.15, of_lobe = 0.3, of_axis = 0.7, of_sharpness = 1;
+constexpr double of_diffuse = 0.15, of_lobe = 0.13, of_axis = 1, of_sharpness = 1;
 
 /// One thread's room for a tile.
 template <int lobes>
@@ -23,7 +23,7 @@ public:
         prior_.weight[0] = weight(of_diffuse);
         for (size_t i = 0; i < prior_.shape_weight.size(); ++i) {
             prior_.shape_weight[i] = weight(i % 3 == 2 ? of_sharpness : of_axis);
-            prior_.shape_mean[i] = i % 3 == 2 ? std::log(8.0) : 0;
+            prior_.shape_mean[i] = i % 3 == 2 ? std::log(5.0) : 0;
         }
     }
 

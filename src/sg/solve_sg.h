@@ -19,7 +19,7 @@ constexpr Range<double> lobe_noise{1e-9, 1};
 struct SgOptions {
     int lobes = 4;        ///< in [1, 4]: 3 + 6 x lobes numbers per texel
     double noise = 6e-4;  ///< variance of a residual, in units of white: how far samples count against the prior
-    int iterations = 25;  ///< of Levenberg and Marquardt, at most
+    int iterations = 8;   ///< of Levenberg and Marquardt, at most
 };
 /// Throws UserError for a value out of range.
 void check_options(const SgOptions& options);
@@ -36,7 +36,7 @@ struct SgSolution {
 };
 
 /// Of every texel the parameters of least 1/2 sum over samples of w |y - m(v)|^2 and prior: d about the triangle's mean
-/// colour, a about 0, lobes about the normal and lambda = 8. From greedy starts by batched Levenberg-Marquardt
+/// colour, a about 0, lobes about the normal and lambda = 5. From greedy starts by batched Levenberg-Marquardt
 /// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads.
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
                     const SgOptions& options, const std::function<void()>& progress = {});
