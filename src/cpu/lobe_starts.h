@@ -39,30 +39,38 @@ public:
 
     LobeStarts<Text> run() {
         fit_coefficients(1);
-        for (size_t chosen = 1; chosen < B; ++chosen) {
-            choose(chosen);
-            fit_coefficients(chosen + 1);
+        [this]<size_t... lobe>(std::index_sequence<lobe...>) {
+            ((choose<lobe + 1>(), fit_coefficients(lobe + 2)), ...);
         }
+        (std::make_index_sequence<B - 1>());
         return out_;
     }
 
 private:
     using Coefficients = SmallMatrix<WidePack, Text::basis_count>;
 
-    typename Text::Basis basis_of(const typename Text::Terms& t) const {
+    /// Samples whose sums are taken in floats, and whose residuals are kept while candidates are tried.
+    static constexpr size_t kept = 96;
+    template <class Body>
+    void for_kept(const Body& body) const {
+        for (size_t i = 0; i < rows_.size(); i += kept) body(rows_.subspan(i, std::min(kept, rows_.size() - i)));
+    }
+
+    typename Text::Shape shape() const {
         typename Text::Shape s;
         for (size_t i = 0; i < size_t(Text::shape_count); ++i) s.x[i] = narrow(out_.s[i]);
-        return Text::basis(s, t);
+        return s;
     }
 
     /// The coefficients of the first `count` basis functions for the shapes chosen.
     void fit_coefficients(size_t count) {
         Coefficients a{};
         std::array<SmallVector<WidePack, Text::basis_count>, 3> g{};
-        for_runs(rows_, [&](auto run) {
+        const typename Text::Shape s = shape();
+        for_kept([&](auto run) {
             Pack shared[B][B] = {}, target[B][3] = {};
             for (const auto& row : run) {
-                const auto b = basis_of(terms_of<Text>(row));
+                const auto b = Text::basis(s, terms_of<Text>(row));
                 for (size_t i = 0; i < count; ++i) {
                     const Pack weighted = row.weight * b.x[i];
                     for (size_t j = 0; j <= i; ++j) shared[i][j] += weighted * b.x[j];
@@ -87,15 +95,16 @@ private:
 
     /// The shape of lobe `at` from among the starts. A candidate b lowers the error by sum_c (b . r_c)^2 / 2 over what
     /// of b . b no chosen function makes up.
-    void choose(size_t at) {
+    template <size_t at>  // so that the sums over samples stay in registers
+    void choose() {
         WidePack best(-1.0);
-        std::array<WidePack, per_lobe> shape;
-        shape.fill(WidePack(0.0));
-        std::array<std::array<Pack, B + 3>, run_length> against;  // weight times: chosen functions, residuals
+        std::array<WidePack, per_lobe> chosen;
+        chosen.fill(WidePack(0.0));
+        std::array<std::array<Pack, B + 3>, kept> against;  // weight times: chosen functions, residuals
         for (size_t first = 0; first < Text::lobe_starts().size(); first += group) {
             WidePack with[group][B] = {}, itself[group] = {}, pull[group][3] = {};
-            for_runs(rows_, [&](auto run) {
-                if (first == 0 || rows_.size() > run_length) weigh(run, at, against);
+            for_kept([&](auto run) {
+                if (first == 0 || rows_.size() > kept) weigh(run, at, against);
                 Pack sum_with[group][B] = {}, sum_itself[group] = {}, sum_pull[group][3] = {};
                 for (size_t n = 0; n < run.size(); ++n) {
                     Pack b[group];
@@ -124,20 +133,24 @@ private:
                 const auto better = gain > best;
                 best = WidePack::select(better, gain, best);
                 for (size_t i = 0; i < per_lobe; ++i)
-                    shape[i] = WidePack::select(better, Text::lobe_starts()[first + g][i], shape[i]);
+                    chosen[i] = WidePack::select(better, Text::lobe_starts()[first + g][i], chosen[i]);
             }
         }
-        for (size_t i = 0; i < per_lobe; ++i) out_.s[(at - 1) * per_lobe + i] = shape[i];
+        for (size_t i = 0; i < per_lobe; ++i) out_.s[(at - 1) * per_lobe + i] = chosen[i];
     }
 
     template <class Run, class Against>
     void weigh(const Run& run, size_t count, Against& against) const {
+        const typename Text::Shape s = shape();
+        SmallVector<Pack, Text::basis_count> a[3];
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t i = 0; i < B; ++i) a[c][i] = narrow(out_.a[c][i]);
         for (size_t n = 0; n < run.size(); ++n) {
-            const auto b = basis_of(terms_of<Text>(run[n]));
+            const auto b = Text::basis(s, terms_of<Text>(run[n]));
             for (size_t i = 0; i < count; ++i) against[n][i] = run[n].weight * b.x[i];
             for (size_t c = 0; c < 3; ++c) {
                 Pack r = run[n].target[c];
-                for (size_t i = 0; i < count; ++i) r -= narrow(out_.a[c][i]) * b.x[i];
+                for (size_t i = 0; i < count; ++i) r -= a[c][i] * b.x[i];
                 against[n][B + c] = run[n].weight * r;
             }
         }

@@ -56,15 +56,15 @@ struct SphericalGaussians {
     static real fix_gauge(Shape&) { return real(1.0); }
     static Shape gauge_tangent(const Shape&) { return {}; }
 
-    /// A lobe's starts: 49 axes over the hemisphere, each with lambda = 3, 8, 20 and 50.
+    /// A lobe's starts: 32 axes over the hemisphere, each with lambda = 3, 8, 20 and 50.
     static constexpr int lobe_group = 4;
     static const std::vector<std::array<double, 3>>& lobe_starts() {
         static const auto starts = [] {
             std::vector<std::array<double, 3>> all;
-            constexpr int on_ring[] = {1, 6, 12, 16, 14};  // at 0, 20, 40, 60, 80 degrees
-            for (int ring = 0; ring < 5; ++ring)
+            constexpr int on_ring[] = {1, 6, 11, 14};  // at 0, 21, 42 and 63 degrees
+            for (int ring = 0; ring < 4; ++ring)
                 for (int i = 0; i < on_ring[ring]; ++i) {
-                    const double r = std::tan(ring * 10 * M_PI / 180),
+                    const double r = std::tan(ring * 10.5 * M_PI / 180),
                                  turn = 2 * M_PI * (i + 0.5 * ring) / on_ring[ring];
                     for (const double lambda : {3.0, 8.0, 20.0, 50.0})
                         all.push_back({r * std::cos(turn), r * std::sin(turn), std::log(lambda)});
