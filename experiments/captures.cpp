@@ -14,6 +14,7 @@
 #include "experiment.h"
 #include "report/csv.h"
 #include "report/table.h"
+#include "sg/sg_fit.h"
 #include "viewbasis/view_basis_fit.h"
 
 namespace radiafit {
@@ -23,7 +24,7 @@ constexpr Range<int> nth{2, 1000};
 
 struct Options {
     std::vector<std::string> light_fields = {"cape"}, lit = {"reading"}, few = {"cards"}, models = {"lafortune"};
-    std::vector<int> terms = {1, 3}, ranks = {10};
+    std::vector<int> terms = {1, 3}, ranks = {10}, lobes = {4};
     double lambda_surface = 1e-3, lambda_view = 0.1, clip_above = 0, shadow_below = 0;
     int every = 8;
 
@@ -31,6 +32,7 @@ struct Options {
         c.read("light_fields", light_fields);
         c.read("terms", terms, limits::terms);
         c.read("ranks", ranks, limits::rank);
+        c.read("lobes", lobes, limits::lobes);
         c.read("lambda_surface", lambda_surface, limits::weight);
         c.read("lambda_view", lambda_view, limits::weight);
         c.read("lit", lit);
@@ -48,7 +50,7 @@ struct Method {
     FitRequest request;
 };
 
-/// Light field maps by the number of terms, and view bases by their rank.
+/// Light field maps by the number of terms, view bases by their rank, and spherical Gaussians by their number.
 std::vector<Method> light_field_methods(const Options& o) {
     std::vector<Method> methods;
     for (const int k : o.terms) {
@@ -61,6 +63,11 @@ std::vector<Method> light_field_methods(const Options& o) {
         Method& m = methods.emplace_back(fmt::format("view basis, rank {}", rank));
         m.request.set("model", view_basis_name);
         m.request.view_basis.rank = rank;
+    }
+    for (const int lobes : o.lobes) {
+        Method& m = methods.emplace_back(fmt::format("{} spherical Gaussians", lobes));
+        m.request.set("model", sg_name);
+        m.request.lobes = lobes;
     }
     return methods;
 }

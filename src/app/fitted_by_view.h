@@ -1,8 +1,6 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "app/parts.h"

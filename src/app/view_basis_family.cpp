@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "app/fitted_by_view.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
