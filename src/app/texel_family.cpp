@@ -9,6 +9,7 @@
 #include "dataset/truth.h"
 #include "eval/reflectance_renderer.h"
 #include "eval/render.h"
+#include "eval/safe_relighting.h"
 #include "eval/truth_errors.h"
 
 namespace radiafit {
@@ -33,7 +34,11 @@ public:
         return fmt::format("{}, {} parameters in each of {} texels", model.name, model.parameters,
                            fit_.problem_count());
     }
-    Contestant contestant() override { return contestant_of(fit_, *atlas_); }
+    Contestant contestant() override {
+        const int validation = validation_of(fit_);
+        const auto training = (validation > 0 ? for_validation(dataset(), validation) : dataset()).split(false);
+        return safe_contestant_of(fit_, *atlas_, dataset(), training);
+    }
     std::unique_ptr<Fitted> baseline() override {
         FitRequest diffuse;
         diffuse.set("model", "lambert").set("optimizer", "lm");
