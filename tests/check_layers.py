@@ -54,7 +54,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 PROGRAMS = {"app", "bench"}  # whose messages nobody reads but at the command line
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.
-TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|export|fit|generate|import|info|judge|options|plan|render)\b")
+TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|export|fit|generate|import|info|judge|options|plan|render|tune)\b")
 # No messages: these functions put down, in a dataset, the command that makes it again.
 PROVENANCE = {"src/capture/import.cpp": "provenance", "src/capture/import_lights.cpp": "provenance",
               "src/synthetic/synthetic.cpp": "synthetic_source"}

@@ -1,0 +1,58 @@
+// tune: which model and options suit a dataset.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/tune.h"
+#include "base/log.h"
+
+namespace radiafit {
+namespace {
+
+void print_json(const std::string& dataset, const std::vector<TriedSetting>& all) {
+    auto rows = nlohmann::ordered_json::array();
+    for (const TriedSetting& t : all)
+        rows.push_back(
+            {{"options", command_line_of(t.setting)}, {"psnr", t.psnr}, {"ape", t.ape}, {"seconds", t.seconds}});
+    fmt::print("{}\n", nlohmann::ordered_json{{"dataset", dataset}, {"tried", rows}}.dump(2));
+}
+
+void print_table(const std::string& dataset, const std::vector<TriedSetting>& all, int validation) {
+    fmt::print("PSNR, dB    APE   seconds  options, best first; on every {}th training view, left out\n", validation);
+    for (const TriedSetting& t : all)
+        fmt::print("{:8.2f} {:6.2f} {:9.1f}  {}\n", t.psnr, t.ape, t.seconds, command_line_of(t.setting));
+    fmt::print("\nradiafit fit {} {} -o {}-fit\n", dataset, command_line_of(all.front().setting), dataset);
+}
+
+}  // namespace
+
+void add_tune(CommandLine& program) {
+    struct Options {
+        std::string dataset;
+        TuneOptions tune;
+        bool json = false;
+    };
+    auto o = std::make_shared<Options>();
+    CommandLine& command =
+        program.add_command("tune", "which model and options suit a dataset, on training views that are left out");
+    command.add_text("dataset", o->dataset, "packed dataset").required();
+    command.add_number("--seconds", o->tune.seconds, limits::tune_seconds, "about how long it may take");
+    command.add_number("--validation", o->tune.validation, limits::tune_validation,
+                       "every n-th training view is left out, to judge by");
+    command.add_flag("--json", o->json, "one JSON object on standard output");
+    command.on_run([=] {
+        if (o->json) set_quiet(true);
+        const Dataset dataset = open_dataset(o->dataset);
+        const auto all = tune(dataset, o->tune, [](const TriedSetting& t) {
+            log_info(fmt::format("{:.2f} dB in {:.1f} s: {}", t.psnr, t.seconds, command_line_of(t.setting)));
+        });
+        if (o->json)
+            print_json(o->dataset, all);
+        else
+            print_table(o->dataset, all, o->tune.validation);
+    });
+}
+
+}  // namespace radiafit

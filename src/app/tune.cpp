@@ -1,0 +1,161 @@
+#include "app/tune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "app/family.h"
+#include "app/fit_options.h"
+#include "base/clock.h"
+#include "eval/judge.h"
+
+namespace radiafit {
+namespace {
+
+/// What is tried of an option, in order, besides where a search begins.
+struct Ladder {
+    const char* option;
+    std::vector<const char*> values;
+};
+
+struct Candidate {
+    std::vector<FitSetting> starts;
+    std::vector<Ladder> ladders;
+};
+
+const std::vector<const char*> noises = {"1.5e-4", "3e-4", "6e-4", "1.2e-3", "2.4e-3"}, sides = {"8", "12", "16"};
+
+/// Models of surfaces under light that stays, by what they are told apart by.
+std::vector<Candidate> under_fixed_light() {
+    return {{{{{"model", "viewbasis"}, {"rank", "10"}}, {{"model", "viewbasis"}, {"rank", "28"}}},
+             {{"rank", {"4", "6", "10", "15", "20", "28"}},
+              {"noise", noises},
+              {"surface_side", sides},
+              {"blocks", {"1", "100", "400", "1600"}}}},
+            {{{{"model", "sg"}, {"lobes", "4"}}},
+             {{"lobes", {"1", "2", "3", "4"}}, {"noise", noises}, {"surface_side", sides}}},
+            {{{{"model", "lfm"}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}}},
+             {{"terms", {"1", "2", "3", "4", "6"}},
+              {"lambda_surface", {"1e-4", "3e-4", "1e-3", "3e-3", "1e-2"}},
+              {"lambda_view", {"0.01", "0.03", "0.1", "0.3", "1"}}}}};
+}
+
+std::vector<Candidate> under_lamps() {
+    const std::vector<Ladder> selection = {{"clip_above", {"0", "0.9", "0.98"}},
+                                           {"shadow_below", {"0", "0.05", "0.1", "0.2"}}};
+    std::vector<Candidate> out;
+    for (const char* model : {"lafortune", "ptm", "lambert"})
+        out.push_back(
+            {{{{"model", model}}, {{"model", model}, {"clip_above", "0.98"}, {"shadow_below", "0.1"}}}, selection});
+    return out;
+}
+
+const std::string& value_of(const FitSetting& setting, const std::string& option, const std::string& otherwise) {
+    for (const auto& [name, value] : setting)
+        if (name == option) return value;
+    return otherwise;
+}
+
+FitSetting with(FitSetting setting, const std::string& option, const std::string& value) {
+    for (auto& [name, old] : setting)
+        if (name == option) return old = value, setting;
+    setting.emplace_back(option, value);
+    return setting;
+}
+
+class Search {
+public:
+    Search(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried)
+        : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
+
+    std::vector<TriedSetting> run() {
+        const auto candidates = dataset_.views[0].light ? under_lamps() : under_fixed_light();
+        for (const Candidate& candidate : candidates)
+            for (const FitSetting& start : candidate.starts) attempt(start);
+        while (climb(candidates)) {
+        }
+        std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
+        return all_;
+    }
+
+private:
+    const TriedSetting& best() const { return *std::ranges::max_element(all_, {}, &TriedSetting::psnr); }
+
+    FitRequest request_of(const FitSetting& setting) const {
+        FitRequest request;
+        for (const auto& [option, value] : setting) request.set(option, value);
+        request.validation = options_.validation;
+        const auto given = [&](const char* flag) {
+            return std::ranges::any_of(setting, [&](const auto& o) { return find_fit_option(o.first).flag == flag; });
+        };
+        family_of(request).settle(given, dataset_, request);
+        return request;
+    }
+
+    /// Nothing where it was tried before, or no time is left for it.
+    void attempt(const FitSetting& setting) {
+        const std::string name = command_line_of(setting);
+        if (std::ranges::find(names_, name) != names_.end()) return;
+        double& expected = seconds_[setting.front().second];
+        if (!all_.empty() && clock_.wall_s() + expected > options_.seconds) return;
+        names_.push_back(name);
+        const Stopwatch clock;
+        const FitRequest request = request_of(setting);
+        const FinishedFit done = family_of(request).fit(dataset_, request);
+        const double fitting = clock.wall_s();
+        const JudgeResult judged = judge(done.fit->contestant(), judged_, Split::validation);
+        expected = clock.wall_s();
+        if (!std::isfinite(judged.psnr())) return;
+        all_.push_back({setting, judged.psnr(), judged.ape(), fitting});
+        if (tried_) tried_(all_.back());
+    }
+
+    /// Tries what stands beside the best setting, option by option; whether that led to a better one.
+    bool climb(const std::vector<Candidate>& candidates) {
+        const TriedSetting before = best();
+        const std::string& model = before.setting.front().second;
+        for (const Candidate& candidate : candidates) {
+            if (candidate.starts.front().front().second != model) continue;
+            for (const Ladder& ladder : candidate.ladders) {
+                const FitSetting from = best().setting;
+                const std::string now = value_of(from, ladder.option, request_of(from).text(ladder.option));
+                const auto at = std::ranges::find_if(ladder.values, [&](const char* v) {
+                    return std::abs(std::stod(v) / std::stod(now) - 1) < 1e-3 || v == now;
+                });
+                if (at == ladder.values.end()) continue;
+                if (at != ladder.values.begin()) attempt(with(from, ladder.option, at[-1]));
+                if (at + 1 != ladder.values.end()) attempt(with(from, ladder.option, at[1]));
+            }
+        }
+        return best().psnr > before.psnr + 0.02;
+    }
+
+    const Dataset& dataset_;
+    const Dataset judged_;
+    TuneOptions options_;
+    const std::function<void(const TriedSetting&)>& tried_;
+    Stopwatch clock_;
+    std::vector<TriedSetting> all_;
+    std::vector<std::string> names_;         ///< of all that was tried
+    std::map<std::string, double> seconds_;  ///< that a model's last attempt took
+};
+
+}  // namespace
+
+std::string command_line_of(const FitSetting& setting) {
+    std::string line;
+    for (const auto& [option, value] : setting)
+        line += fmt::format("{}{} {}", line.empty() ? "" : " ", find_fit_option(option).flag, value);
+    return line;
+}
+
+std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
+                               const std::function<void(const TriedSetting&)>& tried) {
+    require("seconds", options.seconds, limits::tune_seconds);
+    require("validation", options.validation, limits::tune_validation);
+    return Search(dataset, options, tried).run();
+}
+
+}  // namespace radiafit

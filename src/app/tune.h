@@ -1,0 +1,41 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/fit_request.h"
+#include "base/range.h"
+#include "dataset/dataset.h"
+
+/// Which model, and which of its options, suit a dataset: judged on training views that the fits leave out.
+namespace radiafit {
+
+/// Options of a fit by their names in the table (app/fit_options.h), with values as FitRequest::set() takes them.
+using FitSetting = std::vector<std::pair<std::string, std::string>>;
+/// As the command line has them: "--model viewbasis --rank 28".
+std::string command_line_of(const FitSetting& setting);
+
+namespace limits {
+constexpr Range<double> tune_seconds{1, 1e6};
+constexpr Range<int> tune_validation{2, 1'000'000};
+}  // namespace limits
+
+struct TuneOptions {
+    double seconds = 300;  ///< about so long; the first fit is always tried
+    int validation = 8;    ///< every so many-th training view is left out to judge by
+};
+
+struct TriedSetting {
+    FitSetting setting;
+    double psnr = 0, ape = 0;  ///< on the views left out
+    double seconds = 0;        ///< of the fit
+};
+
+/// Fits of the models that the dataset's kind of light allows, then of settings beside the best one's, option by
+/// option, as long as one is better by 0.02 dB and time is left. Best first. `tried`: after each. Throws UserError
+/// where nothing can be fitted or judged.
+std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
+                               const std::function<void(const TriedSetting&)>& tried = {});
+
+}  // namespace radiafit
