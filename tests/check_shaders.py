@@ -8,11 +8,12 @@ after the #version line, and where the name of a file is a definition's, that in
   - with each macro that it tests by #ifdef, #if NAME == VALUE or #if NAME > VALUE given one at a time; or, in its place,
   - with every combination on each line of its first ten, "-" being "not defined":
         // variants: TERMS=1,3 STORAGE=0,1,2 ALONG=-,1
-    MODEL=* stands for every texel-local model: those texts in shaders/model that define BASIS_COUNT. STEP=* and UPDATE=*
-    stand for every step and update of an optimizer, with what belongs to it; LOSS=* for none and every one in loss.glsl.
+    MODEL=* stands for every texel-local model of a lamp's and an eye's direction: those texts in shaders/model that define
+    BASIS_COUNT and sample_terms(). STEP=* and UPDATE=* stand for every step and update of an optimizer, with what belongs
+    to it; LOSS=* for none and every one in loss.glsl.
 
-Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, and any
-other .glsl file that no stage reaches is an error: it would be untested.
+Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, with
+LOBE_COUNT 1 and 2 where they ask for it, and any other .glsl file that no stage reaches is an error: it would be untested.
 Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslangValidator."""
 import itertools
 import pathlib
@@ -63,8 +64,8 @@ def expand(shaders, name, defines=(), files=None):
 
 
 def texel_models(shaders):
-    return sorted(path.stem for path in (shaders / "model").glob("*.glsl")
-                  if "#define BASIS_COUNT" in path.read_text(encoding="utf-8"))
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in (shaders / "model").glob("*.glsl")}
+    return sorted(name for name, text in texts.items() if "#define BASIS_COUNT" in text and " sample_terms(" in text)
 
 
 def optimizer_texts(shaders, axis):
@@ -164,14 +165,20 @@ def check_shared_text(shaders, name):
     before = ["model/prelude.glsl"] if name != "model/prelude.glsl" and not name.startswith("model/prelude_") else []
     if name.startswith("optimize/") and name != "optimize/problem_state.glsl":
         before.append("optimize/problem_state.glsl")
-    files, parts = [], ["#version 450 core"]
+    parts = []
     try:
+        files = []
         for include in before + [name]:
             if include not in files:
                 parts.append(expand(shaders, include, (), files)[0])
     except ShaderError as error:
         return [str(error)]
-    return compile_text("\n".join(parts + ["void main() {}"]) + "\n", "frag", files, name + " in an empty stage")
+    errors = []
+    for lobes in ("1", "2") if "LOBE_COUNT" in parts[-1] else ("",):
+        define = [f"#define LOBE_COUNT {lobes}"] if lobes else []
+        text = "\n".join(["#version 450 core"] + define + parts + ["void main() {}"]) + "\n"
+        errors += compile_text(text, "frag", files, " ".join([name, "in an empty stage"] + define))
+    return errors
 
 
 def check(root):
