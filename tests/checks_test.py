@@ -226,10 +226,13 @@ class Shaders(Tree):
         stage = STAGE + '// variants: MODEL=*\n#include "model/MODEL.glsl"\nvoid main() { colour = vec4(one()); }\n'
         self.write("shaders/a/thing.frag", stage)
         self.write("shaders/model/prelude.glsl", "#define real float\n")
-        self.write("shaders/model/a.glsl", "#define BASIS_COUNT 1\nfloat one() { return 1.0; }\n")
+        self.write("shaders/model/a.glsl", "#define BASIS_COUNT 1\nfloat sample_terms() { return 1.0; }\nfloat one() { return sample_terms(); }\n")
         self.assertEqual(self.errors(), [])
-        self.write("shaders/model/b.glsl", "#define BASIS_COUNT 1\nfloat two() { return 1.0; }\n")
+        self.write("shaders/model/b.glsl", "#define BASIS_COUNT 1\nfloat sample_terms() { return 1.0; }\n")
         self.assertIn("[a/thing.frag MODEL=b]", self.errors()[0])
+        # No stage takes a model without sample_terms; its text is compiled on its own, with one and two lobes.
+        self.write("shaders/model/b.glsl", "#define BASIS_COUNT 1\n#if LOBE_COUNT == 2\nfloat two() { return broken; }\n#endif\n")
+        self.assertIn("[model/b.glsl in an empty stage #define LOBE_COUNT 2]", self.errors()[0])
 
     def test_nothing_goes_uncompiled(self):
         self.write("shaders/a/alone.glsl", "float x;\n")
