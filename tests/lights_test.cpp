@@ -1,6 +1,8 @@
 // `import lights` as a whole: a Lambertian sphere and a flat sample rendered here read back.
+#include "base/statistics.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
+#include "capture/photometric_stereo.h"
 #include "dataset/image_stream.h"
 #include "lights_fixture.h"
 
@@ -61,6 +63,7 @@ TEST_F(LightsTest, FloatsAreKeptExactlyAndNotANumberIsMaskedOutOrRefused) {
     for (int i = 0; i < count; ++i)
         write_bytes(options_.images / name(i, ".pfm"), encode_pfm(width, height, linear_image(i)));
     options_.holdout = "none";
+    options_.normals = "flat";
     const Dataset set = import();
     EXPECT_EQ(set.encoding, Encoding::f32_linear);
     EXPECT_TRUE(set.grid.texel_normals.empty());
@@ -158,6 +161,7 @@ TEST_F(LightsTest, SixteenBitSrgbBecomesLinearAndAlphaMasks) {
     for (int i = 0; i < count; ++i) write_bytes(options_.images / name(i), encode_png(width, height, 4, 16, rgba));
     write_text();
     options_.transfer = "srgb";
+    options_.normals = "flat";
     const Dataset set = import();
     EXPECT_EQ(set.encoding, Encoding::u16_linear);
     ImageStream stream(set, StreamSource::disk);
@@ -170,6 +174,113 @@ TEST_F(LightsTest, SixteenBitSrgbBecomesLinearAndAlphaMasks) {
         EXPECT_NEAR(double(values[3 * p]), srgb_decode(32768.0 / 65535), 1.0 / 65535);
     }
     EXPECT_TRUE(set.grid.texel_normals.empty());  // another image may see what this one's alpha leaves out
+}
+
+// ---- Normals from the lights ----
+
+TEST_F(LightsTest, NormalsAreComputedFromTrainingImagesWhereNoneAreGiven) {
+    write_sphere();
+    options_.normals.clear();
+    const auto angles = [&](const Dataset& set) {
+        std::vector<double> degrees;
+        for (size_t p = 0; p < pixels; ++p)
+            if (inside_[p]) {
+                const Vec3f& n = set.grid.texel_normals[p];
+                EXPECT_NEAR(n.norm(), 1, 1e-5);
+                degrees.push_back(180 / M_PI * std::acos(std::min(1.0, double(n.dot(normals_[p])))));
+            } else {
+                EXPECT_EQ(set.grid.texel_normals[p], Vec3f(Vec3f::Zero()));
+            }
+        return degrees;
+    };
+    const std::vector<double> exact = angles(import());
+    EXPECT_TRUE(report_.computed_normals);
+    EXPECT_LT(median(exact), 0.05);  // attached shadows and 16 bits
+    ASSERT_FALSE(report_.remarks.empty());
+    expect_in("computed from 8 training images", report_.remarks.back());
+
+    // Held-out images have no say, whatever they show.
+    for (const int i : {0, 8})
+        write_bytes(options_.images / name(i), encode_png(width, height, 3, 16, std::vector<uint16_t>(3 * pixels, 9)));
+    fs::remove_all(root_ / "set");
+    EXPECT_EQ(angles(import()), exact);
+}
+
+TEST_F(LightsTest, LampsInOnePlaneTellNoNormals) {
+    write_sphere();
+    options_.normals.clear();
+    std::string lines;
+    for (int i = 0; i < count; ++i) lines += fmt::format("{} 0 1\n", i - 4.5);
+    write_bytes(options_.lights, lines);
+    const Dataset set = import();
+    EXPECT_FALSE(report_.computed_normals);
+    for (size_t p = 0; p < pixels; ++p)
+        EXPECT_EQ(set.grid.texel_normals[p], inside_[p] ? Vec3f(Vec3f::UnitZ()) : Vec3f(Vec3f::Zero()));
+    expect_in("tell none", report_.remarks.back());
+}
+
+/// One pixel, many lamps: highlights and cast shadows on a fifth of the samples hardly move the normal.
+TEST(PhotometricStereo, OutliersHaveLittleSay) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    std::vector<Vec3d> lamps;
+    for (int i = 0; i < 60; ++i) lamps.push_back(Vec3d(uniform(random), uniform(random), 1.2).normalized());
+    std::vector<double> errors;
+    for (int trial = 0; trial < 100; ++trial) {
+        const Vec3d normal = Vec3d(0.5 * uniform(random), 0.5 * uniform(random), 1).normalized();
+        std::vector<float> values;
+        for (size_t i = 0; i < lamps.size(); ++i) {
+            const double diffuse = 0.3 * std::max(0.0, normal.dot(lamps[i])) + 0.001 * uniform(random);
+            values.push_back(float(i % 10 == 0 ? 2 * diffuse + 0.1 : i % 10 == 5 ? 0.3 * diffuse : diffuse));
+        }
+        values[7] = nan_value;
+        const Vec3f found = photometric_normal(lamps, values);
+        errors.push_back(180 / M_PI * std::acos(std::min(1.0, found.cast<double>().dot(normal))));
+    }
+    EXPECT_LT(median(errors), 0.2);
+    EXPECT_LT(quantile(errors, 1), 1);
+    EXPECT_EQ(photometric_normal(lamps, std::vector<float>(60, 0)), Vec3f(Vec3f::Zero()));
+    EXPECT_FALSE(lamps_tell_normals(std::vector<Vec3d>{Vec3d::UnitX(), Vec3d::UnitZ()}));
+}
+
+// ---- Size ----
+
+TEST_F(LightsTest, MaxSizeAveragesLightMaskAndNormals) {
+    write_sphere();
+    options_.max_size = width / 2;
+    for (const bool floats : {false, true}) {
+        SCOPED_TRACE(floats);
+        if (floats) {
+            fs::remove_all(options_.images);
+            for (int i = 0; i < count; ++i)
+                write_bytes(options_.images / name(i, ".pfm"), encode_pfm(width, height, linear_image(i)));
+        }
+        const Dataset set = import();
+        ASSERT_EQ(set.grid.width, width / 2);
+        ASSERT_EQ(set.grid.height, height / 2);
+        std::vector<float> values;
+        ImageStream(set, StreamSource::disk).load_values(3, values);
+        const std::vector<float> full = linear_image(3);
+        for (int y = 0; y < height / 2; ++y)
+            for (int x = 0; x < width / 2; ++x) {
+                size_t inside = 0;
+                Vec3f normal = Vec3f::Zero();
+                float red = 0;
+                for (int k = 0; k < 4; ++k) {
+                    const size_t p = size_t((2 * y + k / 2) * width + 2 * x + k % 2);
+                    inside += inside_[p];
+                    normal += normals_[p];
+                    red += full[3 * p] / 4;
+                }
+                const size_t texel = size_t(y * width / 2 + x);
+                EXPECT_NEAR(values[3 * texel], inside >= 2 ? red : values[3 * texel], 2e-5f);
+                const Vec3f expected = inside >= 2 ? Vec3f(normal.normalized()) : Vec3f(Vec3f::Zero());
+                EXPECT_LT((set.grid.texel_normals[texel] - expected).norm(), 1e-5f);
+            }
+        fs::remove_all(root_ / "set");
+    }
+    options_.max_size = -1;
+    expect_in("'max_size' -1", refused());
 }
 
 // ---- Light files ----

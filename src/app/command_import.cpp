@@ -56,7 +56,11 @@ void add_lights(CommandLine& command) {
                     "what an image's width covers, in the unit of the positions")
         .hide_default();
     lights.add_text("--mask", options->mask, "image, white = object");
-    lights.add_text("--normals", options->normals, "picture of normals: x right, y up, z towards the camera");
+    lights.add_text(
+        "--normals", options->normals,
+        "picture of normals: x right, y up, z towards the camera; or flat; default: computed from the images if the "
+        "lamps are distant, else flat");
+    lights.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
     lights.add_word("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear");
     lights.add_choice("--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
                       "bits per channel that the images must have: 8, 16, 32 (floats)");

@@ -63,14 +63,23 @@ std::vector<float> make_linear_table(int bits, bool linear) {
 }  // namespace
 
 const std::vector<float>& linear_table(int bits, bool linear) {
-    static const std::vector<float> srgb8 = make_linear_table(8, false);
+    static const std::vector<float> srgb8 = make_linear_table(8, false), linear8 = make_linear_table(8, true);
     static const std::vector<float> srgb16 = make_linear_table(16, false), linear16 = make_linear_table(16, true);
-    return bits == 8 ? srgb8 : linear ? linear16 : srgb16;
+    if (bits == 8) return linear ? linear8 : srgb8;
+    return linear ? linear16 : srgb16;
+}
+
+std::array<int, 2> size_within(int width, int height, int max_size) {
+    const int longest = std::max(width, height);
+    if (max_size == 0 || longest <= max_size) return {width, height};
+    const double scale = double(max_size) / longest;
+    return {std::max(1, static_cast<int>(std::lround(width * scale))),
+            std::max(1, static_cast<int>(std::lround(height * scale)))};
 }
 
 ImageFile scale_down(const ImageFile& image, int width, int height) {
     ImageFile out{width, height, image.bits, image.linear, {}, {}, {}, {}};
-    const std::vector<float>& light = linear_table(image.bits, image.linear);
+    const std::vector<float>& light = linear_table(image.bits == 8 ? 8 : 16, image.linear);
     const double largest = double(light.size() - 1);
     const auto stored = [&](float mean) {
         return std::clamp(std::round(largest * (image.linear ? double(mean) : srgb_encode(mean))), 0.0, largest);
@@ -81,6 +90,11 @@ ImageFile scale_down(const ImageFile& image, int width, int height) {
         average(
             image.width, image.height, width, height, 3, [&](size_t i) { return light[image.rgb8[i]]; },
             [&](size_t i, float mean) { out.rgb8[i] = static_cast<uint8_t>(stored(mean)); });
+    } else if (image.bits == 32) {
+        out.rgb32.resize(size * 3);
+        average(
+            image.width, image.height, width, height, 3, [&](size_t i) { return image.rgb32[i]; },
+            [&](size_t i, float mean) { out.rgb32[i] = mean; });
     } else {
         out.rgb16.resize(size * 3);
         average(

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,8 +10,11 @@ namespace radiafit {
 /// Linear light of every stored value of an image: [2^bits], in [0, 1]. Made once, then shared.
 const std::vector<float>& linear_table(int bits, bool linear);
 
-/// The image (8 or 16 bits) at width x height, neither larger than before: every new pixel is the mean, in linear
-/// light, of the area it covers, encoded again as the image was. Alpha is averaged as it stands.
+/// Width and height, scaled alike to a longest side of at most `max_size` pixels; as they are if that is 0.
+std::array<int, 2> size_within(int width, int height, int max_size);
+
+/// The image at width x height, neither larger than before: every new pixel is the mean, in linear light, of the area
+/// it covers, encoded again as the image was. Floats are averaged as they stand, and so is alpha.
 ImageFile scale_down(const ImageFile& image, int width, int height);
 
 /// Likewise for a mask of 0 and 255: 255 where at least half of the area is.

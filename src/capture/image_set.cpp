@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -68,7 +69,7 @@ std::vector<uint8_t> pack_pixels(ImageFile& image, const std::vector<uint8_t>& m
 
 }  // namespace
 
-ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth) {
+ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth, int max_size) {
     const ImageFile first = read_image(file, true);
     if (depth != 0 && first.bits != depth)
         throw UserError(
@@ -79,7 +80,8 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
     if (srgb && first.bits == 32)
         throw UserError(fmt::format("{}: holds floats, which are linear: leave {} srgb out", file.string(),
                                     option_name("transfer")));
-    ImageSetFormat format{file, first.width, first.height, first.bits};
+    const std::array<int, 2> size = size_within(first.width, first.height, max_size);
+    ImageSetFormat format{file, size[0], size[1], first.width, first.height, first.bits};
     format.decode_srgb = srgb && first.bits == 16;
     format.encoding = first.bits == 32   ? Encoding::f32_linear
                       : first.bits == 16 ? Encoding::u16_linear
@@ -90,12 +92,16 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
 
 PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask) {
     ImageFile image = read_image(file, true, [&](int width, int height) {
-        if (width != format.width || height != format.height)
-            throw UserError(
-                fmt::format("{}: {} x {} pixels, but {} has {} x {}: all images are to show the same pixels",
-                            file.string(), width, height, format.first.string(), format.width, format.height));
+        if (width != format.file_width || height != format.file_height)
+            throw UserError(fmt::format(
+                "{}: {} x {} pixels, but {} has {} x {}: all images are to show the same pixels", file.string(), width,
+                height, format.first.string(), format.file_width, format.file_height));
     });
     check_depth(image, file, format);
+    if (image.width != format.width || image.height != format.height) {
+        image.linear = format.encoding != Encoding::u8_srgb && !format.decode_srgb;
+        image = scale_down(image, format.width, format.height);
+    }
     PackedImage packed;
     packed.mask = mask_of(image, mask);
     packed.pixels = pack_pixels(image, packed.mask, file, format);

@@ -64,11 +64,7 @@ fs::path find_mask(const fs::path& folder, const std::string& name) {
 }
 
 Camera scaled_camera(Camera camera, int max_size) {
-    const int longest = std::max(camera.width, camera.height);
-    if (max_size == 0 || longest <= max_size) return camera;
-    const double scale = double(max_size) / longest;
-    const int width = std::max(1, static_cast<int>(std::lround(camera.width * scale)));
-    const int height = std::max(1, static_cast<int>(std::lround(camera.height * scale)));
+    const auto [width, height] = size_within(camera.width, camera.height, max_size);
     // Pixel coordinates run from 0 at the image's left or top edge, so they scale by the very ratio of the sizes.
     const double sx = double(width) / camera.width, sy = double(height) / camera.height;
     camera.fx *= sx, camera.cx *= sx, camera.width = width;

@@ -4,20 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <set>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/resources.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
 #include "capture/image_file.h"
+#include "capture/image_scale.h"
 #include "capture/image_set.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
+#include "capture/photometric_stereo.h"
 #include "capture/split.h"
 #include "dataset/checksums.h"
+#include "dataset/encoding.h"
 #include "dataset/stream_views.h"
 #include "dataset/view_directions.h"
 
@@ -49,6 +55,8 @@ void check_options(const LightImportOptions& o) {
             fmt::format("{} says nothing about directions: give places, or leave it out", option_name("sample-width")));
     if (o.transfer != "auto" && o.transfer != "linear" && o.transfer != "srgb")
         throw UserError(fmt::format("{} {}: choose auto, linear or srgb", option_name("transfer"), o.transfer));
+    if (o.max_size < 0)
+        throw UserError(fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), o.max_size));
     if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
         throw UserError(fmt::format("{} {}: choose 8, 16 or 32 (floats)", option_name("depth"), o.depth));
     if (!folder_stands(o.images))
@@ -177,31 +185,146 @@ void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<So
 std::vector<uint8_t> read_common_mask(const LightImportOptions& o, const ImageSetFormat& format) {
     if (o.mask.empty()) return {};
     MaskFile mask = read_mask(o.mask, [&](int width, int height) {
-        if (width != format.width || height != format.height)
+        if (width != format.file_width || height != format.file_height)
             throw UserError(fmt::format("{}: {} x {} pixels, but the images have {} x {}: give the mask at their size",
-                                        o.mask.string(), width, height, format.width, format.height));
+                                        o.mask.string(), width, height, format.file_width, format.file_height));
     });
+    if (mask.width != format.width || mask.height != format.height)
+        mask.values = scale_down_mask(mask.values, mask.width, mask.height, format.width, format.height);
     if (std::count(mask.values.begin(), mask.values.end(), 0) == ptrdiff_t(mask.values.size()))
         throw UserError(fmt::format("{}: the mask is black throughout: white is to mean object", o.mask.string()));
     return std::move(mask.values);
 }
 
-/// The grid's normals: from the file, or the plane's; 0 outside the mask. Empty if there is neither file nor mask.
-std::vector<Vec3f> choose_normals(const LightImportOptions& o, const ImageSetFormat& format,
+bool is_flat(const LightImportOptions& o) { return o.normals == "flat"; }
+
+/// Means of what each texel covers, of length 1 again; 0 where there is none.
+std::vector<Vec3f> scale_normals(const NormalFile& file, const ImageSetFormat& format) {
+    ImageFile image{file.width, file.height, 32, true, {}, {}, {}, {}};
+    image.rgb32.resize(3 * file.normals.size());
+    std::memcpy(image.rgb32.data(), file.normals.data(), file.normals.size() * sizeof(Vec3f));
+    const ImageFile scaled = scale_down(image, format.width, format.height);
+    std::vector<Vec3f> normals(scaled.rgb32.size() / 3);
+    for (size_t i = 0; i < normals.size(); ++i) {
+        const Vec3f mean(scaled.rgb32[3 * i], scaled.rgb32[3 * i + 1], scaled.rgb32[3 * i + 2]);
+        normals[i] = mean.norm() > 1e-3f ? mean.normalized() : Vec3f(Vec3f::Zero());
+    }
+    return normals;
+}
+
+std::vector<Vec3f> read_normals(const LightImportOptions& o, const ImageSetFormat& format) {
+    const auto check_size = [&](int width, int height) {
+        if (width != format.file_width || height != format.file_height)
+            throw UserError(fmt::format(
+                "{}: normals for {} x {} pixels, but the images have {} x {}: give the normals at their size",
+                o.normals.string(), width, height, format.file_width, format.file_height));
+    };
+    NormalFile file = read_normal_file(o.normals, check_size);
+    const bool scaled = file.width != format.width || file.height != format.height;
+    return scaled ? scale_normals(file, format) : std::move(file.normals);
+}
+
+/// What tells normals: images that are fitted, never those held out, under distant lamps.
+std::vector<size_t> images_for_normals(const LightImportOptions& o, const std::vector<Source>& sources,
+                                       LightImportReport& report) {
+    if (!o.normals.empty() || o.lights.empty()) return {};
+    std::vector<size_t> chosen;
+    std::vector<Vec3d> directions;
+    for (size_t i = 0; i < sources.size(); ++i) {
+        if (sources[i].view.held_out) continue;
+        chosen.push_back(i);
+        directions.push_back(sources[i].view.light->place);
+    }
+    if (lamps_tell_normals(directions)) return chosen;
+    report.remarks.push_back(fmt::format(
+        "no normals, and the lamps of {} training images (fewer than three, or all in one plane) tell none: "
+        "the surface is taken to be flat; give {}",
+        chosen.size(), option_name("normals")));
+    return {};
+}
+
+/// Linear light over the lamp's intensity, mean of the channels; not a number where it is left out or clipped.
+std::vector<float> grey_values(const PackedImage& image, const ImageSetFormat& format, const Vec3d& intensity) {
+    const size_t channel = size_t(bytes_per_channel(format.encoding)), pixels = image.pixels.size() / (3 * channel);
+    const double clipped = has_largest_value(format.encoding) ? 0.99 : std::numeric_limits<double>::infinity();
+    const std::vector<float>* table =
+        format.bits == 32 ? nullptr : &linear_table(format.bits, format.encoding != Encoding::u8_srgb);
+    std::vector<float> grey(pixels, std::numeric_limits<float>::quiet_NaN());
+    for (size_t p = 0; p < pixels; ++p) {
+        if (!image.mask.empty() && !image.mask[p]) continue;
+        double sum = 0, largest = 0;
+        int lit = 0;
+        for (size_t c = 0; c < 3; ++c) {
+            const uint8_t* at = image.pixels.data() + (3 * p + c) * channel;
+            double value = 0;
+            if (table) {
+                uint16_t stored = 0;  // little-endian
+                std::memcpy(&stored, at, channel);
+                value = double((*table)[stored]);
+            } else {
+                float stored = 0;
+                std::memcpy(&stored, at, sizeof stored);
+                value = double(stored);
+            }
+            largest = std::max(largest, value);
+            if (intensity[ptrdiff_t(c)] <= 0) continue;
+            sum += value / intensity[ptrdiff_t(c)];
+            ++lit;
+        }
+        if (lit && largest < clipped) grey[p] = static_cast<float>(sum / lit);
+    }
+    return grey;
+}
+
+/// Normals by photometric stereo from these images; towards the camera where it finds none.
+std::vector<Vec3f> compute_normals(const std::vector<Source>& sources, const std::vector<size_t>& chosen,
+                                   const std::vector<uint8_t>& mask, const ImageSetFormat& format,
+                                   LightImportReport& report) {
+    const size_t count = chosen.size(), pixels = size_t(format.width) * size_t(format.height);
+    std::vector<Vec3d> directions(count);
+    std::vector<float> values(count * pixels);  // [pixel][image]
+    Progress progress("normals from the lights", count);
+    parallel_for(count, 1, [&](size_t k, int) {
+        const Source& source = sources[chosen[k]];
+        directions[k] = source.view.light->place;
+        const auto grey = grey_values(read_packed(source.file, format, mask), format, source.view.light->intensity);
+        for (size_t p = 0; p < pixels; ++p) values[p * count + k] = grey[p];
+        progress.advance();
+    });
+    std::vector<Vec3f> normals(pixels);
+    parallel_for(pixels, 256, [&](size_t p, int) {
+        normals[p] = photometric_normal(directions, std::span(values).subspan(p * count, count));
+    });
+    size_t none = 0, object = 0;
+    for (size_t p = 0; p < pixels; ++p) {
+        if (!mask.empty() && !mask[p]) continue;
+        ++object;
+        if (normals[p] != Vec3f::Zero()) continue;
+        normals[p] = Vec3f::UnitZ();
+        ++none;
+    }
+    report.computed_normals = true;
+    std::string remark = fmt::format("no normals given: computed from {} training images by photometric stereo", count);
+    if (none)
+        remark += fmt::format("; {:.1f} % of the pixels, too dark or clipped, are taken to face the camera",
+                              100.0 * double(none) / double(object));
+    report.remarks.push_back(remark + fmt::format("; {} FILE gives better ones, {} flat the plane's",
+                                                  option_name("normals"), option_name("normals")));
+    return normals;
+}
+
+/// The grid's normals: from the file, from the lights, or the plane's; 0 outside the mask. Empty if they are the
+/// plane's and there is no mask.
+std::vector<Vec3f> choose_normals(const LightImportOptions& o, const std::vector<Source>& sources,
+                                  const std::vector<size_t>& for_normals, const ImageSetFormat& format,
                                   const std::vector<uint8_t>& mask, LightImportReport& report) {
     std::vector<Vec3f> normals;
-    if (!o.normals.empty()) {
-        const auto check_size = [&](int width, int height) {
-            if (width != format.width || height != format.height)
-                throw UserError(
-                    fmt::format("{}: normals for {} x {} pixels, but the images have {} x {}: give the "
-                                "normals at their size",
-                                o.normals.string(), width, height, format.width, format.height));
-        };
-        normals = read_normal_file(o.normals, check_size).normals;
-    } else if (!mask.empty()) {
+    if (!o.normals.empty() && !is_flat(o))
+        normals = read_normals(o, format);
+    else if (!for_normals.empty())
+        normals = compute_normals(sources, for_normals, mask, format, report);
+    else if (!mask.empty())
         normals.assign(mask.size(), Vec3f::UnitZ());
-    }
     size_t missing = 0, away = 0, usable = 0;
     for (size_t i = 0; i < normals.size(); ++i) {
         if (!mask.empty() && !mask[i]) {
@@ -223,15 +346,17 @@ std::vector<Vec3f> choose_normals(const LightImportOptions& o, const ImageSetFor
     return normals;
 }
 
-Needs needs_of(size_t images, const ImageSetFormat& format, const Grid& grid) {
+Needs needs_of(size_t images, size_t for_normals, const ImageSetFormat& format) {
     View view;
     view.camera.width = format.width;
     view.camera.height = format.height;
     view.mask_offset = 0;
-    const uint64_t normals = grid.texel_normals.size() * sizeof(Vec3f);
     const uint64_t pixels = uint64_t(format.width) * uint64_t(format.height);
+    const uint64_t file_pixels = uint64_t(format.file_width) * uint64_t(format.file_height);
+    const uint64_t normals = pixels * sizeof(Vec3f);
     constexpr uint64_t pixel_bytes = 40;  // as read, floats perhaps, as spread to RGB, and packed
-    return {.memory = 4 * uint64_t(thread_count()) * pixels * pixel_bytes + 2 * normals,
+    return {.memory = 4 * uint64_t(thread_count()) * file_pixels * pixel_bytes + 2 * normals +
+                      for_normals * pixels * sizeof(float),
             .disk = images * (image_block_bytes(view, format.encoding) + 1000) + normals};
 }
 
@@ -249,6 +374,7 @@ std::string provenance(const LightImportOptions& o) {
     if (o.sample_width > 0) add("--sample-width", fmt::format("{}", o.sample_width));
     add("--mask", o.mask.string());
     add("--normals", o.normals.string());
+    if (o.max_size) add("--max-size", fmt::format("{}", o.max_size));
     add("--transfer", o.transfer);
     if (o.depth) add("--depth", fmt::format("{}", o.depth));
     add("--holdout", o.holdout);
@@ -261,16 +387,17 @@ LightImportReport import_lights(const LightImportOptions& options, const fs::pat
     check_options(options);
     LightImportReport report;
     std::vector<Source> sources = list_sources(options, report);
-    const ImageSetFormat format = learn_format(sources[0].file, options.transfer, options.depth);
+    const ImageSetFormat format = learn_format(sources[0].file, options.transfer, options.depth, options.max_size);
     const std::vector<uint8_t> mask = read_common_mask(options, format);
     Dataset header;
     header.grid =
         Grid::centered(format.width, format.height, options.sample_width > 0 ? options.sample_width / format.width : 1);
-    header.grid.texel_normals = choose_normals(options, format, mask, report);
     place_cameras(options, header.grid, sources, report);
+    const std::vector<size_t> for_normals = images_for_normals(options, sources, report);
 
     DatasetWriter writer(out);
-    announce_needs("import", needs_of(sources.size(), format, header.grid), out, options.force);
+    announce_needs("import", needs_of(sources.size(), for_normals.size(), format), out, options.force);
+    header.grid.texel_normals = choose_normals(options, sources, for_normals, format, mask, report);
     writer.set_encoding(format.encoding);
     pack(sources, mask, format, writer);
     header.name = dataset_name(options.name, out);

@@ -17,9 +17,10 @@ struct LightImportOptions {
     std::filesystem::path intensities;       ///< per image or one for all (see Light::intensity); empty: 1
     std::filesystem::path camera_positions;  ///< per image or one for all; empty: far away along +z. Needs sample_width
     std::filesystem::path mask;              ///< one for all images, white = object
-    std::filesystem::path normals;           ///< see capture/normal_file.h
+    std::filesystem::path normals;           ///< see capture/normal_file.h; "flat": the plane's; empty: from the lights
     double sample_width = 0;                 ///< what an image's width covers, world units; 0: a pixel is one unit
     std::string transfer = "auto";           ///< linear, srgb, or auto: srgb for 8 bits, else linear
+    int max_size = 0;                        ///< longest side of an image, pixels; 0: as it is
     int depth = 0;                           ///< bits per channel that the images must have: 8, 16, 32; 0: any
     std::string holdout = "every:8";         ///< see capture/split.h; in the order of the lights
     std::string name;                        ///< of the dataset; empty: the output folder's
@@ -30,11 +31,14 @@ struct LightImportReport {
     size_t training = 0, held_out = 0;      ///< images written
     std::vector<std::string> notes;         ///< what the user should know, one line each
     std::vector<std::string> remarks = {};  ///< what a user may want to know, and is no cause to worry
+    bool computed_normals = false;          ///< from the training images (capture/photometric_stereo.h)
 };
 
 /// Packs the images into a dataset over a grid (dataset/grid.h), pixels as they are stored but for 16-bit sRGB, which
-/// becomes u16-linear. A pixel is left out of an image by the mask or by the image's alpha; a texel is left out of the
-/// grid by the mask, or for want of a normal. Throws UserError; nothing is left at `out` then.
+/// becomes u16-linear, and scaled to max_size as means of linear light. Without a file of normals, they are computed
+/// from the training images if those have distant lamps, three at least and not in one plane. A pixel is left out of an
+/// image by the mask or by the image's alpha; a texel is left out of the grid by the mask, or for want of a normal.
+/// Throws UserError; nothing is left at `out` then.
 LightImportReport import_lights(const LightImportOptions& options, const std::filesystem::path& out);
 
 }  // namespace radiafit

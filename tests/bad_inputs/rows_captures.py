@@ -279,6 +279,10 @@ for command, damage, *words in (
 ):
     rows.append((command, damage, 2, *words))
 rows.append((lights(more="--mask lit/mask.png --normals lit/normals.pfm --intensities lit/intensities.txt --names lit/names.txt"), None, 0, "6 x 5"))
+rows.append((lights(more="--max-size 3 --mask lit/mask.png --normals lit/normals.pfm"), None, 0, "3 x 3"))
+rows.append((lights(more="--holdout none"), None, 0, "no normals given: computed from 4 training images"))
+rows.append((lights(more="--normals flat"), None, 0, "6 x 5"))
+rows.append((lights(more="--holdout none"), write(vectors, "0 0 1\n1 0 1\n-1 0 1\n2 0 1\n"), 0, "all in one plane", "give --normals"))
 rows.append((places, None, 0, "6 x 5", "lit/eyes.txt: one line, taken for all 4 images"))
 
 # Images under lamps, in every format

@@ -189,6 +189,7 @@ refuse("import colmap --model photos/text --images photos/images --mesh photos/m
 lights = "import lights --images lit/images --lights lit/lights.txt"
 refuse(f"{lights} --depth {{}} -o new", "7 x", "depth '{}' does not exist; choose one of 8, 16, 32")
 refuse(f"{lights} --depth {{}} -o new", "16 32", "lit/images/0.png: ", "--depth {} was declared")
+refuse(f"{lights} --max-size {{}} -o new", "-1 65537 x", "max-size = ", "choose a whole number from 0 to 65536 (0 keeps the size)")
 refuse(f"{lights} --transfer {{}} -o new", "gamma", "--transfer {}: choose auto, linear or srgb")
 refuse(f"{lights} --holdout {{}} -o new", "every:1", "--holdout {}: N is to be a whole number from 2 on")
 refuse("import lights --images lit/images --light-positions lit/places.txt --sample-width {} -o new", "0 nan 1e10", "sample-width = ", "choose a number from 1e-09 to 1e+09")
