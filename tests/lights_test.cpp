@@ -273,7 +273,9 @@ TEST_F(LightsTest, MaxSizeAveragesLightMaskAndNormals) {
                     red += full[3 * p] / 4;
                 }
                 const size_t texel = size_t(y * width / 2 + x);
-                EXPECT_NEAR(values[3 * texel], inside >= 2 ? red : values[3 * texel], 2e-5f);
+                if (inside >= 2) {
+                    EXPECT_NEAR(values[3 * texel], red, 2e-5f);
+                }
                 const Vec3f expected = inside >= 2 ? Vec3f(normal.normalized()) : Vec3f(Vec3f::Zero());
                 EXPECT_LT((set.grid.texel_normals[texel] - expected).norm(), 1e-5f);
             }
@@ -281,6 +283,46 @@ TEST_F(LightsTest, MaxSizeAveragesLightMaskAndNormals) {
     }
     options_.max_size = -1;
     expect_in("'max_size' -1", refused());
+}
+
+TEST_F(LightsTest, WhatIsMaskedOutMayBeNotANumberAtAnySize) {
+    write_sphere();
+    const auto outside = size_t(std::find(inside_.begin(), inside_.end(), false) - inside_.begin());
+    // Of the four pixels that one becomes, one is outside, on the sphere's edge.
+    size_t edge = 0;
+    for (size_t p = 0; p < pixels; ++p) {
+        const size_t first = p / width / 2 * 2 * width + p % width / 2 * 2;
+        const int inside = inside_[first] + inside_[first + 1] + inside_[first + width] + inside_[first + width + 1];
+        if (!inside_[p] && inside == 3) edge = p;
+    }
+    ASSERT_NE(edge, 0u);
+    fs::remove_all(options_.images);
+    for (int i = 0; i < count; ++i) {
+        std::vector<float> values = linear_image(i);
+        values[3 * outside] = values[3 * edge + 1] = nan_value;
+        write_bytes(options_.images / name(i, ".pfm"), encode_pfm(width, height, values));
+    }
+    options_.max_size = width / 2;
+    const Dataset set = import();
+    std::vector<float> values;
+    ImageStream(set, StreamSource::disk).load_values(0, values);
+    for (const float v : values) ASSERT_TRUE(std::isfinite(v));
+    fs::remove_all(root_ / "set");
+    options_.mask.clear();
+    options_.normals = "flat";
+    expect_in(fmt::format("column {}, row {} is not finite", outside % width, outside / width), refused());
+}
+
+TEST_F(LightsTest, AMaskThatVanishesInScalingIsRefused) {
+    write_sphere();
+    std::vector<uint16_t> dot(pixels, 0);
+    dot[pixels / 2] = 255;
+    write_bytes(options_.mask, encode_png(width, height, 1, 8, dot));
+    options_.normals = "flat";
+    import();
+    fs::remove_all(root_ / "set");
+    options_.max_size = 4;
+    expect_in("nothing is left of the mask at 4 x 3 pixels: raise 'max_size'", refused());
 }
 
 // ---- Light files ----

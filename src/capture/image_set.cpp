@@ -53,13 +53,9 @@ std::vector<uint8_t> bytes_of(const std::vector<T>& values) {
     return bytes;
 }
 
-std::vector<uint8_t> pack_pixels(ImageFile& image, const std::vector<uint8_t>& mask, const fs::path& file,
-                                 const ImageSetFormat& format) {
+std::vector<uint8_t> pack_pixels(ImageFile& image, const ImageSetFormat& format) {
     if (format.bits == 8) return std::move(image.rgb8);
-    if (format.bits == 32) {
-        settle_floats(image.rgb32, mask, file, image.width);
-        return bytes_of(image.rgb32);
-    }
+    if (format.bits == 32) return bytes_of(image.rgb32);
     if (format.decode_srgb) {
         const std::vector<float>& light = linear_table(16, false);
         for (uint16_t& v : image.rgb16) v = static_cast<uint16_t>(std::lround(65535.0 * double(light[v])));
@@ -90,6 +86,11 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
     return format;
 }
 
+std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format) {
+    if (mask.empty() || !format.is_scaled()) return mask;
+    return scale_down_mask(mask, format.file_width, format.file_height, format.width, format.height);
+}
+
 PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask) {
     ImageFile image = read_image(file, true, [&](int width, int height) {
         if (width != format.file_width || height != format.file_height)
@@ -98,13 +99,15 @@ PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, cons
                 height, format.first.string(), format.file_width, format.file_height));
     });
     check_depth(image, file, format);
-    if (image.width != format.width || image.height != format.height) {
-        image.linear = format.encoding != Encoding::u8_srgb && !format.decode_srgb;
-        image = scale_down(image, format.width, format.height);
-    }
     PackedImage packed;
     packed.mask = mask_of(image, mask);
-    packed.pixels = pack_pixels(image, packed.mask, file, format);
+    settle_floats(image.rgb32, packed.mask, file, image.width);
+    if (format.is_scaled()) {
+        image.linear = format.encoding != Encoding::u8_srgb && !format.decode_srgb;
+        image = scale_down(image, format.width, format.height);
+        packed.mask = scaled_mask(packed.mask, format);
+    }
+    packed.pixels = pack_pixels(image, format);
     return packed;
 }
 

@@ -17,6 +17,8 @@ struct ImageSetFormat {
     int bits = 8;                           ///< per channel: 8, 16 or 32 (floats)
     bool decode_srgb = false;               ///< 16 bits only: stored values are sRGB, and are made linear
     Encoding encoding = Encoding::u8_srgb;  ///< of the dataset
+
+    bool is_scaled() const { return width != file_width || height != file_height; }
 };
 
 /// transfer: linear, srgb or auto (srgb for 8 bits, else linear), whatever the file says; depth: the bits per channel
@@ -25,9 +27,12 @@ struct ImageSetFormat {
 ImageSetFormat learn_format(const std::filesystem::path& first, const std::string& transfer, int depth,
                             int max_size = 0);
 
-/// One image in the format's encoding and size. mask: of all images, [height][width], or empty; the image's own alpha,
-/// below one half, leaves out more. Throws UserError that names file and cure for another size or depth than the first
-/// image's, and for a pixel that is not finite; where it is left out anyway, it becomes 0.
+/// A mask of the files' size, or none, at the dataset's.
+std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format);
+
+/// One image in the format's encoding and size. mask: of all images, [file_height][file_width], or empty; the image's
+/// own alpha, below one half, leaves out more. Throws UserError that names file and cure for another size or depth than
+/// the first image's, and for a pixel that is not finite; where it is left out anyway, it becomes 0.
 PackedImage read_packed(const std::filesystem::path& file, const ImageSetFormat& format,
                         const std::vector<uint8_t>& mask);
 

@@ -182,6 +182,7 @@ void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<So
     }
 }
 
+/// [file_height][file_width]; empty: all.
 std::vector<uint8_t> read_common_mask(const LightImportOptions& o, const ImageSetFormat& format) {
     if (o.mask.empty()) return {};
     MaskFile mask = read_mask(o.mask, [&](int width, int height) {
@@ -189,10 +190,14 @@ std::vector<uint8_t> read_common_mask(const LightImportOptions& o, const ImageSe
             throw UserError(fmt::format("{}: {} x {} pixels, but the images have {} x {}: give the mask at their size",
                                         o.mask.string(), width, height, format.file_width, format.file_height));
     });
-    if (mask.width != format.width || mask.height != format.height)
-        mask.values = scale_down_mask(mask.values, mask.width, mask.height, format.width, format.height);
-    if (std::count(mask.values.begin(), mask.values.end(), 0) == ptrdiff_t(mask.values.size()))
+    const auto is_black = [](const std::vector<uint8_t>& values) {
+        return std::all_of(values.begin(), values.end(), [](uint8_t v) { return v == 0; });
+    };
+    if (is_black(mask.values))
         throw UserError(fmt::format("{}: the mask is black throughout: white is to mean object", o.mask.string()));
+    if (is_black(scaled_mask(mask.values, format)))
+        throw UserError(fmt::format("{}: nothing is left of the mask at {} x {} pixels: raise {}", o.mask.string(),
+                                    format.width, format.height, option_name("max-size")));
     return std::move(mask.values);
 }
 
@@ -220,8 +225,7 @@ std::vector<Vec3f> read_normals(const LightImportOptions& o, const ImageSetForma
                 o.normals.string(), width, height, format.file_width, format.file_height));
     };
     NormalFile file = read_normal_file(o.normals, check_size);
-    const bool scaled = file.width != format.width || file.height != format.height;
-    return scaled ? scale_normals(file, format) : std::move(file.normals);
+    return format.is_scaled() ? scale_normals(file, format) : std::move(file.normals);
 }
 
 /// What tells normals: images that are fitted, never those held out, under distant lamps.
@@ -276,10 +280,11 @@ std::vector<float> grey_values(const PackedImage& image, const ImageSetFormat& f
     return grey;
 }
 
-/// Normals by photometric stereo from these images; towards the camera where it finds none.
+/// Normals by photometric stereo from these images; towards the camera where it finds none. mask: of the files' size.
 std::vector<Vec3f> compute_normals(const std::vector<Source>& sources, const std::vector<size_t>& chosen,
                                    const std::vector<uint8_t>& mask, const ImageSetFormat& format,
                                    LightImportReport& report) {
+    const std::vector<uint8_t> object_mask = scaled_mask(mask, format);
     const size_t count = chosen.size(), pixels = size_t(format.width) * size_t(format.height);
     std::vector<Vec3d> directions(count);
     std::vector<float> values(count * pixels);  // [pixel][image]
@@ -297,7 +302,7 @@ std::vector<Vec3f> compute_normals(const std::vector<Source>& sources, const std
     });
     size_t none = 0, object = 0;
     for (size_t p = 0; p < pixels; ++p) {
-        if (!mask.empty() && !mask[p]) continue;
+        if (!object_mask.empty() && !object_mask[p]) continue;
         ++object;
         if (normals[p] != Vec3f::Zero()) continue;
         normals[p] = Vec3f::UnitZ();
@@ -314,15 +319,16 @@ std::vector<Vec3f> compute_normals(const std::vector<Source>& sources, const std
 }
 
 /// The grid's normals: from the file, from the lights, or the plane's; 0 outside the mask. Empty if they are the
-/// plane's and there is no mask.
+/// plane's and there is no mask. file_mask: [file_height][file_width], or empty.
 std::vector<Vec3f> choose_normals(const LightImportOptions& o, const std::vector<Source>& sources,
                                   const std::vector<size_t>& for_normals, const ImageSetFormat& format,
-                                  const std::vector<uint8_t>& mask, LightImportReport& report) {
+                                  const std::vector<uint8_t>& file_mask, LightImportReport& report) {
+    const std::vector<uint8_t> mask = scaled_mask(file_mask, format);
     std::vector<Vec3f> normals;
     if (!o.normals.empty() && !is_flat(o))
         normals = read_normals(o, format);
     else if (!for_normals.empty())
-        normals = compute_normals(sources, for_normals, mask, format, report);
+        normals = compute_normals(sources, for_normals, file_mask, format, report);
     else if (!mask.empty())
         normals.assign(mask.size(), Vec3f::UnitZ());
     size_t missing = 0, away = 0, usable = 0;
