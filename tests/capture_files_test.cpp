@@ -1,5 +1,8 @@
 // Readers and writers of capture/: COLMAP models, scaled images, tables. Meshes are in mesh_file_test.cpp, pictures
 // in image_file_test.cpp, import as a whole in capture_test.cpp.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cmath>
 #include <limits>
 #include <random>
@@ -57,7 +60,7 @@ TEST_F(Files, BinaryModelEqualsTextModel) {
                 counted(2, binary_camera(7, 1, {60, 61.5, 32, 24.25}) + binary_camera(2, 0, {59.5, 31, 23})));
     write_bytes(root_ / "bin/images.bin",
                 counted(2, binary_image(1, pose_b, 2, "b dir/b one.png", 2) + binary_image(5, pose_a, 7, "a.png", 0)));
-    const ColmapModel text = read_colmap(root_ / "text"), binary = read_colmap(root_ / "bin");
+    const Calibration text = read_colmap(root_ / "text"), binary = read_colmap(root_ / "bin");
     ASSERT_EQ(text.images.size(), 2u);
     ASSERT_EQ(binary.images.size(), 2u);
     EXPECT_EQ(text.images[0].name, "a.png");  // sorted
@@ -92,14 +95,51 @@ TEST_F(Files, BinaryModelEqualsTextModel) {
     EXPECT_EQ(read_colmap(root_ / "bin").images_file.filename(), "images.bin");
 }
 
+TEST_F(Files, CamerasWhoseDistortionIsZeroArePinholes) {
+    struct Case {
+        const char* text;
+        int number;
+        std::vector<double> parameters;
+    };
+    const std::vector<Case> cases = {{"SIMPLE_RADIAL", 2, {60, 31, 25, 0}},
+                                     {"RADIAL", 3, {60, 31, 25, 0, -0.0}},
+                                     {"OPENCV", 4, {60, 61, 31, 25, 0, 0, 0, 0}},
+                                     {"FULL_OPENCV", 6, {60, 61, 31, 25, 0, 0, 0, 0, 0, 0, 0, 0}}};
+    for (Case c : cases) {
+        SCOPED_TRACE(c.text);
+        write_bytes(root_ / "text/images.txt", "1 1 0 0 0 0 0 1 1 a.png\n\n");
+        write_bytes(root_ / "bin/images.bin", counted(1, binary_image(1, pose_a, 1, "a.png", 0)));
+        const auto write = [&] {
+            write_bytes(root_ / "text/cameras.txt",
+                        fmt::format("1 {} 64 48 {}\n", c.text, fmt::join(c.parameters, " ")));
+            write_bytes(root_ / "bin/cameras.bin", counted(1, binary_camera(1, c.number, c.parameters)));
+        };
+        write();
+        for (const char* folder : {"text", "bin"}) {
+            const Camera camera = read_colmap(root_ / folder).images.at(0).camera;
+            EXPECT_EQ(camera.fx, 60);
+            EXPECT_EQ(camera.fy, c.number < 4 ? 60 : 61);
+            EXPECT_EQ(camera.cx, 31);
+            EXPECT_EQ(camera.cy, 25);
+        }
+        c.parameters.back() = 0.5;
+        write();
+        for (const char* folder : {"text", "bin"})
+            expect_in(fmt::format("{} with distortion", c.text), complaint([&] { read_colmap(root_ / folder); }));
+    }
+}
+
 TEST_F(Files, BadTextModelsNameFileAndLine) {
     const std::string good_camera = "1 PINHOLE 64 48 60 60 32 24\n", good_image = "1 1 0 0 0 0 0 1 1 a.png\n\n";
     struct Case {
         std::string cameras, images, where, what;
     };
     const std::vector<Case> cases = {
-        {"1 OPENCV 64 48 60 60 32 24 0 0 0 0\n", good_image, "cameras.txt:1", "colmap image_undistorter"},
-        {"1 SIMPLE_RADIAL 64 48 60 32 24 0\n", good_image, "cameras.txt:1", "SIMPLE_RADIAL"},
+        {"1 OPENCV 64 48 60 60 32 24 0 0 0.01 0\n", good_image, "cameras.txt:1", "colmap image_undistorter"},
+        {"1 SIMPLE_RADIAL 64 48 60 32 24 1e-9\n", good_image, "cameras.txt:1", "SIMPLE_RADIAL with distortion (1e-09)"},
+        {"1 SIMPLE_RADIAL 64 48 60 32 24\n", good_image, "cameras.txt:1", "SIMPLE_RADIAL takes 4 parameters"},
+        {"1 OPENCV_FISHEYE 64 48 60 60 32 24 0 0 0 0\n", good_image, "cameras.txt:1",
+         "OPENCV_FISHEYE is not a pinhole"},
         {"#\n1 PINHOLE 64 48 60 nan 32 24\n", good_image, "cameras.txt:2", "not finite"},
         {"1 PINHOLE 64 48 60 inf 32 24\n", good_image, "cameras.txt:1", "not finite"},
         {"1 PINHOLE 64 48 60 60 32\n", good_image, "cameras.txt:1", "4 parameters"},
@@ -150,7 +190,7 @@ TEST_F(Files, BadBinaryModelsNameTheFile) {
         expect_in("images.bin: truncated", complaint([&] { read(cameras, images.substr(0, size)); }));
     expect_in("follow the last entry", complaint([&] { read(cameras, images + "x"); }));
     expect_in("camera model OPENCV", complaint([&] {
-                  read(counted(1, binary_camera(1, 4, {60, 60, 32, 24, 0, 0, 0, 0})), images);
+                  read(counted(1, binary_camera(1, 4, {60, 60, 32, 24, 0, 0.1, 0, 0})), images);
               }));
     expect_in("image_undistorter", complaint([&] { read(counted(1, binary_camera(1, 99, {})), images); }));
     expect_in("not finite", complaint([&] { read(counted(1, binary_camera(1, 1, {nan, 60, 32, 24})), images); }));

@@ -237,7 +237,7 @@ TEST_F(ImportTest, BadCapturesAreOneLine) {
     expect_in("faces", break_and_restore(options_.mesh, "v 0 0 -2\nv 1 0 -2\nv 0 1 -2\nf 1 2 3\n"));  // behind
     expect_in("empty mesh", break_and_restore(options_.mesh, ""));
     expect_in("not finite", break_and_restore(root_ / "sparse/cameras.txt", "1 PINHOLE 64 48 nan 60 32 24\n"));
-    expect_in("RADIAL", break_and_restore(root_ / "sparse/cameras.txt", "1 RADIAL 64 48 60 32 24 0 0\n"));
+    expect_in("RADIAL", break_and_restore(root_ / "sparse/cameras.txt", "1 RADIAL 64 48 60 32 24 0 1e-3\n"));
 
     options_.masks = root_ / "masks";
     write_bytes(options_.masks / "a.png", mask_png(0, 3));  // beside the square

@@ -1,6 +1,7 @@
 #include "capture/colmap.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -20,19 +21,25 @@
 namespace radiafit {
 namespace {
 
+struct Model {
+    const char* name;
+    size_t focal_lengths = 0;  // f, or fx and fy; then cx, cy; 0: never a pinhole
+    size_t coefficients = 0;   // of distortion, behind them; a pinhole if all are zero
+};
+
 /// COLMAP's camera models by their number in binary files (colmap/sensor/models.h).
-constexpr std::array<const char*, 12> model_names = {"SIMPLE_PINHOLE",
-                                                     "PINHOLE",
-                                                     "SIMPLE_RADIAL",
-                                                     "RADIAL",
-                                                     "OPENCV",
-                                                     "OPENCV_FISHEYE",
-                                                     "FULL_OPENCV",
-                                                     "FOV",
-                                                     "SIMPLE_RADIAL_FISHEYE",
-                                                     "RADIAL_FISHEYE",
-                                                     "THIN_PRISM_FISHEYE",
-                                                     "RAD_TAN_THIN_PRISM_FISHEYE"};
+constexpr std::array<Model, 12> camera_models = {{{"SIMPLE_PINHOLE", 1, 0},
+                                                  {"PINHOLE", 2, 0},
+                                                  {"SIMPLE_RADIAL", 1, 1},
+                                                  {"RADIAL", 1, 2},
+                                                  {"OPENCV", 2, 4},
+                                                  {"OPENCV_FISHEYE"},
+                                                  {"FULL_OPENCV", 2, 8},
+                                                  {"FOV"},
+                                                  {"SIMPLE_RADIAL_FISHEYE"},
+                                                  {"RADIAL_FISHEYE"},
+                                                  {"THIN_PRISM_FISHEYE"},
+                                                  {"RAD_TAN_THIN_PRISM_FISHEYE"}}};
 
 constexpr uint64_t largest_side = 1 << 16;  // pixels; anything beyond is a broken file
 
@@ -46,15 +53,17 @@ using Intrinsics = std::map<uint32_t, Camera>;
                     where, model));
 }
 
-size_t parameter_count(const std::string& where, const std::string& model) {
-    if (model == "SIMPLE_PINHOLE") return 3;
-    if (model == "PINHOLE") return 4;
-    reject_model(where, model);
+const Model& find_model(const std::string& where, std::string_view name) {
+    for (const Model& model : camera_models)
+        if (model.name == name && model.focal_lengths > 0) return model;
+    reject_model(where, std::string(name));
 }
 
-/// parameters: f, cx, cy or fx, fy, cx, cy.
-void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, uint64_t width, uint64_t height,
-                std::span<const double> parameters) {
+size_t parameter_count(const Model& model) { return model.focal_lengths + 2 + model.coefficients; }
+
+/// parameters: f or fx, fy; cx, cy; coefficients of distortion.
+void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, const Model& model, uint64_t width,
+                uint64_t height, std::span<const double> parameters) {
     const auto fail = [&](const std::string& problem) {
         throw UserError(fmt::format("{}: camera {} {}: write the model again", where, id, problem));
     };
@@ -63,19 +72,22 @@ void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, uint
         fail(fmt::format("has size {} x {}, outside [1, {}]", width, height, largest_side));
     for (const double p : parameters)
         if (!std::isfinite(p)) fail("has a parameter that is not finite (NaN or infinity)");
+    const auto distortion = parameters.last(model.coefficients);
+    if (std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0; }))
+        reject_model(where, fmt::format("{} with distortion ({})", model.name, fmt::join(distortion, ", ")));
     Camera camera;
     camera.width = static_cast<int>(width);
     camera.height = static_cast<int>(height);
     camera.fx = parameters[0];
-    camera.fy = parameters.size() == 4 ? parameters[1] : parameters[0];
-    camera.cx = parameters[parameters.size() - 2];
-    camera.cy = parameters[parameters.size() - 1];
+    camera.fy = parameters[model.focal_lengths - 1];
+    camera.cx = parameters[model.focal_lengths];
+    camera.cy = parameters[model.focal_lengths + 1];
     if (camera.fx <= 0 || camera.fy <= 0) fail("has a focal length that is not positive");
     if (!cameras.emplace(static_cast<uint32_t>(id), camera).second) fail("is given twice");
 }
 
 /// pose: qw, qx, qy, qz, tx, ty, tz, world to camera.
-void add_image(ColmapModel& model, const Intrinsics& cameras, const std::string& where, std::string name,
+void add_image(Calibration& model, const Intrinsics& cameras, const std::string& where, std::string name,
                uint64_t camera_id, const std::array<double, 7>& pose) {
     const auto fail = [&](const std::string& problem) {
         throw UserError(fmt::format("{}: image '{}' {}", where, name, problem));
@@ -92,7 +104,7 @@ void add_image(ColmapModel& model, const Intrinsics& cameras, const std::string&
     // COLMAP writes unit quaternions, others round them or leave them as they come.
     if (rotation.norm() < 0.1 || !(rotation.norm() < 10))
         fail(fmt::format("has a quaternion of length {}, far from 1: write the model again", rotation.norm()));
-    ColmapImage image{name, camera->second};
+    CalibratedImage image{name, camera->second};
     image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
     image.camera.cam_from_world_translation = {pose[4], pose[5], pose[6]};
     check_camera(image.camera, fmt::format("{}: image '{}'", where, name));
@@ -106,14 +118,14 @@ Intrinsics read_cameras_text(const std::filesystem::path& file) {
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);
         if (tokens.size() < 4) text.fail("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS...: mend the line");
-        const std::string name(tokens[1]);
-        const size_t count = parameter_count(text.where(), name);
+        const Model& model = find_model(text.where(), tokens[1]);
+        const size_t count = parameter_count(model);
         if (tokens.size() != 4 + count)
-            text.fail(
-                fmt::format("{} takes {} parameters, the line has {}: mend the line", name, count, tokens.size() - 4));
+            text.fail(fmt::format("{} takes {} parameters, the line has {}: mend the line", model.name, count,
+                                  tokens.size() - 4));
         std::vector<double> parameters;
         for (size_t i = 4; i < tokens.size(); ++i) parameters.push_back(text.to_double(tokens[i], "a parameter"));
-        add_camera(cameras, text.where(), text.to_unsigned(tokens[0], "CAMERA_ID"),
+        add_camera(cameras, text.where(), text.to_unsigned(tokens[0], "CAMERA_ID"), model,
                    text.to_unsigned(tokens[2], "WIDTH"), text.to_unsigned(tokens[3], "HEIGHT"), parameters);
     }
     return cameras;
@@ -130,7 +142,7 @@ std::optional<uint64_t> announced_images(const TextFile& text, std::string_view 
 }
 
 // Two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then its points X Y POINT3D_ID..., often empty.
-void read_images_text(ColmapModel& model, const Intrinsics& cameras) {
+void read_images_text(Calibration& model, const Intrinsics& cameras) {
     TextFile text(model.images_file, "list of images");
     std::optional<uint64_t> announced;
     for (std::string_view line; text.next_line(line);) {
@@ -207,20 +219,21 @@ Intrinsics read_cameras_binary(const std::filesystem::path& path) {
     for (uint64_t i = 0; i < count; ++i) {
         file.set_entry(fmt::format("camera {} of {}", i + 1, count));
         const auto id = file.get<uint32_t>();
-        const auto model = file.get<int32_t>();
+        const auto number = file.get<int32_t>();
         const auto width = file.get<uint64_t>(), height = file.get<uint64_t>();
-        const std::string name = model >= 0 && model < static_cast<int32_t>(model_names.size())
-                                     ? model_names[static_cast<size_t>(model)]
-                                     : fmt::format("number {}", model);
-        std::vector<double> parameters(parameter_count(path.string(), name));
+        const std::string name = number >= 0 && number < static_cast<int32_t>(camera_models.size())
+                                     ? camera_models[static_cast<size_t>(number)].name
+                                     : fmt::format("number {}", number);
+        const Model& model = find_model(path.string(), name);
+        std::vector<double> parameters(parameter_count(model));
         for (double& p : parameters) p = file.get<double>();
-        add_camera(cameras, path.string(), id, width, height, parameters);
+        add_camera(cameras, path.string(), id, model, width, height, parameters);
     }
     file.expect_end();
     return cameras;
 }
 
-void read_images_binary(ColmapModel& model, const Intrinsics& cameras) {
+void read_images_binary(Calibration& model, const Intrinsics& cameras) {
     BinaryFile file(model.images_file);
     const auto count = file.get<uint64_t>();
     for (uint64_t i = 0; i < count; ++i) {
@@ -238,9 +251,10 @@ void read_images_binary(ColmapModel& model, const Intrinsics& cameras) {
 
 }  // namespace
 
-ColmapModel read_colmap(const std::filesystem::path& folder) {
+Calibration read_colmap(const std::filesystem::path& folder) {
     const auto holds = [&](const char* name) { return stands(folder / name); };
-    ColmapModel model;
+    Calibration model;
+    model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
     if (holds("cameras.bin") && holds("images.bin")) {
         model.cameras_file = folder / "cameras.bin";
         model.images_file = folder / "images.bin";
@@ -258,7 +272,7 @@ ColmapModel read_colmap(const std::filesystem::path& folder) {
     if (model.images.empty())
         throw UserError(fmt::format("{}: holds no image: register photographs first", model.images_file.string()));
     std::sort(model.images.begin(), model.images.end(),
-              [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+              [](const CalibratedImage& a, const CalibratedImage& b) { return a.name < b.name; });
     for (size_t i = 1; i < model.images.size(); ++i)
         if (model.images[i].name == model.images[i - 1].name)
             throw UserError(fmt::format("{}: image '{}' is given twice: remove one", model.images_file.string(),

@@ -72,7 +72,7 @@ Camera scaled_camera(Camera camera, int max_size) {
     return camera;
 }
 
-std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel& model,
+std::vector<Source> list_sources(const ImportOptions& options, const Calibration& model,
                                  const std::vector<uint8_t>& held_out) {
     if (!folder_stands(options.images))
         throw UserError(
@@ -101,15 +101,14 @@ std::vector<Source> list_sources(const ImportOptions& options, const ColmapModel
     return sources;
 }
 
-Loaded load(const Source& source, const ColmapModel& model) {
+Loaded load(const Source& source, const Calibration& model) {
     const Camera& full = source.calibrated;
     const auto expect_size = [&](const fs::path& file) {
         return [&](int width, int height) {
             if (width != full.width || height != full.height)
-                throw UserError(
-                    fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: give the undistorted files "
-                                "that belong to this model (`colmap image_undistorter` writes both)",
-                                file.string(), width, height, model.cameras_file.string(), full.width, full.height));
+                throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}", file.string(), width,
+                                            height, model.cameras_file.string(), full.width, full.height,
+                                            model.size_cure));
         };
     };
     Loaded loaded{read_image(source.image, false, expect_size(source.image)), {}};
@@ -155,7 +154,7 @@ void survey(Source& source, const Loaded& loaded, const Mesh& mesh, const GainPo
 }
 
 /// Some of the photographs, spread over the list, small: enough to tell where the mesh would have to be.
-std::vector<Silhouette> small_silhouettes(const std::vector<Source>& sources, const ColmapModel& model) {
+std::vector<Silhouette> small_silhouettes(const std::vector<Source>& sources, const Calibration& model) {
     constexpr size_t most = 16;
     constexpr int side = 256;  // pixels
     const size_t count = std::min(most, sources.size());
@@ -170,7 +169,7 @@ std::vector<Silhouette> small_silhouettes(const std::vector<Source>& sources, co
 
 /// Refuses a mesh that covers too little of the masks, or of the images where there are none, and says what is wrong.
 void check_coverage(const std::vector<Source>& sources, const Mesh& mesh, const ImportOptions& options,
-                    const ColmapModel& model, ImportReport& report) {
+                    const Calibration& model, ImportReport& report) {
     const bool masked = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.has_mask; });
     const std::string of_what = masked ? "the masks" : "the images";
     Coverage coverage;
@@ -277,7 +276,7 @@ std::vector<uint8_t> crop_mask(const std::vector<uint8_t>& mask, int width, cons
 }
 
 /// Reads the images again.
-void pack(const std::vector<Source>& sources, const std::vector<double>& gains, const ColmapModel& model,
+void pack(const std::vector<Source>& sources, const std::vector<double>& gains, const Calibration& model,
           Encoding encoding, DatasetWriter& writer) {
     stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
         const Source& source = sources[i];
@@ -336,13 +335,14 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     if (options.least_coverage && !(*options.least_coverage >= 0 && *options.least_coverage <= 1))
         throw UserError(
             fmt::format("{} {}: give a share from 0 to 1", option_name("least-coverage"), *options.least_coverage));
-    const ColmapModel model = read_colmap(options.model);
+    const Calibration model = read_colmap(options.model);
     std::vector<std::string> names;
-    for (const ColmapImage& image : model.images) names.push_back(image.name);
+    for (const CalibratedImage& image : model.images) names.push_back(image.name);
     MeshFile mesh = read_mesh_file(options.mesh);
     const Vec3d centre = surface_centre(mesh.mesh, {});
     std::vector<Vec3d> directions;
-    for (const ColmapImage& image : model.images) directions.push_back((image.camera.center() - centre).normalized());
+    for (const CalibratedImage& image : model.images)
+        directions.push_back((image.camera.center() - centre).normalized());
     const std::vector<uint8_t> held_out = choose_held_out(names, directions, options.holdout);
     if (options.gains != "none" && options.gains != "estimate") read_gains(options.gains, names);
     std::vector<Source> sources = list_sources(options, model, held_out);

@@ -20,7 +20,10 @@ def lights(images="images", vectors="lights.txt", more=""):
 cameras, images = "photos/text/cameras.txt", "photos/text/images.txt"
 for pattern, text, *words in (
     ("^1 PINHOLE", "1", f"{cameras}:1: camera model 16 is not a pinhole"),
-    ("PINHOLE", "SIMPLE_RADIAL", f"{cameras}:1: camera model SIMPLE_RADIAL is not a pinhole", "`colmap image_undistorter`"),
+    ("PINHOLE", "SIMPLE_RADIAL", f"{cameras}:1: camera model SIMPLE_RADIAL with distortion (8) is not a pinhole", "`colmap image_undistorter`"),
+    ("PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0 0 0 1e-3", f"{cameras}:1: camera model OPENCV with distortion (0, 0, 0, 0.001) is not"),
+    ("PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0 0 0", f"{cameras}:1: OPENCV takes 8 parameters, the line has 7"),
+    ("PINHOLE", "OPENCV_FISHEYE", f"{cameras}:1: camera model OPENCV_FISHEYE is not a pinhole"),
     ("PINHOLE", "PINHOL", f"{cameras}:1: camera model PINHOL is not a pinhole"),
     ("20 20 8 8", "20 20 8", f"{cameras}:1: PINHOLE takes 4 parameters, the line has 3"),
     ("20 20 8 8", "20 20 8 8 0", f"{cameras}:1: PINHOLE takes 4 parameters, the line has 5"),
@@ -74,6 +77,7 @@ rows += [
     (colmap(), remove(images), 2, "photos/text: no COLMAP model here", "--model takes the folder"),
     (colmap("nowhere"), None, 2, "photos/nowhere: no COLMAP model here"),
     (colmap("mesh.obj"), None, 2, "photos/mesh.obj: no COLMAP model here"),
+    (colmap(), replace(cameras, "PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0 0 0 0"), 0, "3 views"),
     (colmap(), None, 0, "3 views"),
 ]
 for share in (0.02, 0.3, 0.7):
@@ -90,7 +94,7 @@ for file in (bcameras, bimages):
     rows.append((colmap("binary"), patch(file, 0, b"\x02"), 2, f"{file}: ", "bytes follow the last entry"))
     rows.append((colmap("binary"), remove(file), 2, "photos/binary: no COLMAP model here"))
 rows += [
-    (colmap("binary"), patch(bcameras, 12, b"\x02"), 2, f"{bcameras}: camera model SIMPLE_RADIAL is not a pinhole"),
+    (colmap("binary"), patch(bcameras, 12, b"\x02"), 2, f"{bcameras}: camera model SIMPLE_RADIAL with distortion (8) is not a pinhole"),
     (colmap("binary"), patch(bcameras, 12, b"\xff\xff\xff\xff"), 2, f"{bcameras}: camera model number -1 is not a pinhole"),
     (colmap("binary"), patch(bcameras, 12, b"\x63"), 2, f"{bcameras}: camera model number 99 is not a pinhole"),
     (colmap("binary"), patch(bcameras, 16, b"\0" * 8), 2, f"{bcameras}: camera 1 has size 0 x 16"),

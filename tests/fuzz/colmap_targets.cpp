@@ -7,7 +7,9 @@ namespace {
 
 using radiafit::testing::Bytes;
 
-std::string cameras_text() { return "# cameras\n1 PINHOLE 64 48 60 61 32 24\n7 SIMPLE_PINHOLE 10 20 9.5 5 10\n"; }
+std::string cameras_text() {
+    return "# cameras\n1 PINHOLE 64 48 60 61 32 24\n7 SIMPLE_PINHOLE 10 20 9.5 5 10\n8 OPENCV 9 8 7 6 5 4 0 0 -0 0\n";
+}
 std::string images_text() {
     return "# images\n1 1 0 0 0 0.5 -1e-3 2 1 a.png\n1 2 -1 3.5 4 7\n2 0.5 0.5 -0.5 0.5 0 0 0 7 sub/b c.png\n\n";
 }
