@@ -126,7 +126,7 @@ TEST_F(ImportTest, CropsWithoutTouchingAPixelOrMovingAPoint) {
 }
 
 TEST_F(ImportTest, MasksCropFurtherAndAreStored) {
-    add_image("a.jpg.png", png(random_pixels(3, 1)));
+    add_image("a.jpg", png(random_pixels(3, 1)));
     add_image("b.png", png(random_pixels(3, 2)));
     options_.masks = root_ / "masks";
     expect_in("no such folder", import_complaint());
@@ -324,8 +324,9 @@ TEST_F(CoverageTest, SaysHowMuchOfTheMasksTheMeshCovers) {
     write_sphere(1, Vec3d::Zero());
     import();
     EXPECT_GT(report_.coverage, 0.95);
-    ASSERT_EQ(report_.remarks.size(), 1u);
-    expect_in("% of the masks; of what shows of it, 100 % is inside", report_.remarks[0]);
+    ASSERT_EQ(report_.remarks.size(), 2u);
+    expect_in("masks are named NAME.png", report_.remarks[0]);
+    expect_in("% of the masks; of what shows of it, 100 % is inside", report_.remarks[1]);
     options_.masks.clear();
     fs::remove_all(root_ / "set");
     import();

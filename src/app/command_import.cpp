@@ -20,7 +20,8 @@ void add_colmap(CommandLine& command) {
     colmap.add_text("--model", options->model, "folder with cameras and images, .txt or .bin").required();
     colmap.add_text("--images", options->images, "folder of the undistorted photographs").required();
     colmap.add_text("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ").required();
-    colmap.add_text("--masks", options->masks, "folder of NAME.png, white = object");
+    colmap.add_text("--masks", options->masks,
+                    "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
     colmap.add_text("--holdout,--held-out", options->holdout, holdout_help);
     colmap.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
     colmap.add_text("--gains", options->gains, "none, estimate, or a table (name ... linear gain)");

@@ -21,6 +21,7 @@
 #include "capture/gains.h"
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
+#include "capture/mask_names.h"
 #include "capture/mesh_file.h"
 #include "capture/split.h"
 #include "dataset/checksums.h"
@@ -55,14 +56,6 @@ struct Loaded {
     std::vector<uint8_t> mask;  ///< [height][width] of that size; empty: all
 };
 
-fs::path find_mask(const fs::path& folder, const std::string& name) {
-    fs::path stem = folder / fs::path(name).replace_extension(".png"), appended = folder / (name + ".png");
-    if (stands(stem)) return stem;
-    if (stands(appended)) return appended;
-    throw UserError(fmt::format("{}: no mask for image '{}': expected {} or {}", folder.string(), name,
-                                stem.filename().string(), appended.filename().string()));
-}
-
 Camera scaled_camera(Camera camera, int max_size) {
     const auto [width, height] = size_within(camera.width, camera.height, max_size);
     // Pixel coordinates run from 0 at the image's left or top edge, so they scale by the very ratio of the sizes.
@@ -72,8 +65,17 @@ Camera scaled_camera(Camera camera, int max_size) {
     return camera;
 }
 
+void find_masks(const ImportOptions& options, std::vector<Source>& sources, ImportReport& report) {
+    std::vector<std::string> names;
+    for (const Source& s : sources) names.push_back(s.name);
+    MaskNames masks = match_masks(options.masks, options.images, names);
+    for (size_t i = 0; i < sources.size(); ++i) sources[i].mask = std::move(masks.files[i]);
+    report.remarks.push_back(std::move(masks.remark));
+    for (std::string& note : masks.notes) report.notes.push_back(std::move(note));
+}
+
 std::vector<Source> list_sources(const ImportOptions& options, const Calibration& model,
-                                 const std::vector<uint8_t>& held_out) {
+                                 const std::vector<uint8_t>& held_out, ImportReport& report) {
     if (!folder_stands(options.images))
         throw UserError(
             fmt::format("{}: no such folder of photographs: check {}", options.images.string(), option_name("images")));
@@ -92,12 +94,12 @@ std::vector<Source> list_sources(const ImportOptions& options, const Calibration
             throw UserError(fmt::format("{}: no such image, but {} lists it: check {}", source.image.string(),
                                         model.images_file.string(), option_name("images")));
         check_readable(source.image, "image file");
-        if (!options.masks.empty()) source.mask = find_mask(options.masks, source.name);
         if (std::max(source.camera.width, source.camera.height) > largest_side)
             throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give {}", source.image.string(),
                                         source.camera.width, source.camera.height, largest_side,
                                         option_name("max-size")));
     }
+    if (!options.masks.empty()) find_masks(options, sources, report);
     return sources;
 }
 
@@ -345,12 +347,12 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
         directions.push_back((image.camera.center() - centre).normalized());
     const std::vector<uint8_t> held_out = choose_held_out(names, directions, options.holdout);
     if (options.gains != "none" && options.gains != "estimate") read_gains(options.gains, names);
-    std::vector<Source> sources = list_sources(options, model, held_out);
+    ImportReport report;
+    report.notes = std::move(mesh.notes);
+    std::vector<Source> sources = list_sources(options, model, held_out, report);
+    report.images = sources.size();
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
 
-    ImportReport report;
-    report.images = sources.size();
-    report.notes = std::move(mesh.notes);
     report.vertices = mesh.mesh.vertex_count();
     report.triangles = mesh.mesh.triangle_count();
     {

@@ -12,7 +12,7 @@ struct ImportOptions {
     std::filesystem::path model;      ///< folder of the COLMAP model, text or binary, pinhole cameras
     std::filesystem::path images;     ///< folder of the undistorted photographs, 8 or 16 bits
     std::filesystem::path mesh;       ///< surface in the model's frame, PLY or OBJ
-    std::filesystem::path masks;      ///< folder of NAME.png or NAME.EXT.png, white = object; empty: no masks
+    std::filesystem::path masks;      ///< folder, white = object (names: capture/mask_names.h); empty: no masks
     std::string holdout = "every:8";  ///< see capture/split.h
     int max_size = 0;                 ///< longest side of a photograph, pixels; 0: as it is
     std::string gains = "none";       ///< none, estimate, or a table (see capture/gains.h)
