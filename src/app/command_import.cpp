@@ -13,30 +13,52 @@ namespace {
 constexpr const char* holdout_help =
     "every:N, every:N+K, random:N, random:N:SEED, spread:N (over directions), none, or a file of image names";
 
-void add_colmap(CommandLine& command) {
+/// A format of calibrations: all of them take the same options.
+struct CalibrationFormat {
+    const char *name, *help, *model_help, *images_help;
+    bool images_required;
+    const char* holdout;       ///< the rule by default; empty: as holdout_help says
+    const char* holdout_help;  ///< behind what all formats have
+    ImportReport (*import)(const ImportOptions&, const std::filesystem::path&);
+};
+
+constexpr CalibrationFormat calibration_formats[] = {
+    {"colmap", "photographs with a COLMAP calibration and a mesh", "folder with cameras and images, .txt or .bin",
+     "folder of the undistorted photographs", true, "every:8", "", import_colmap},
+    {"transforms", "photographs with the cameras of a NeRF's transforms.json, and a mesh",
+     "transforms.json or transforms_train.json, or its folder",
+     "folder that its file_paths are relative to; default: its own", false, "",
+     "; default: the images of transforms_test.json, without that every:8", import_transforms},
+    {"llff", "photographs with LLFF's poses_bounds.npy and a mesh", "poses_bounds.npy, or its folder",
+     "folder of the photographs, in the rows' order when sorted by name; default: images, beside it", false, "every:8",
+     "", import_llff}};
+
+void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     auto options = std::make_shared<ImportOptions>();
     auto out = std::make_shared<std::string>();
-    CommandLine& colmap = command.add_command("colmap", "photographs with a COLMAP calibration and a mesh");
-    colmap.add_text("--model", options->model, "folder with cameras and images, .txt or .bin").required();
-    colmap.add_text("--images", options->images, "folder of the undistorted photographs").required();
-    colmap.add_text("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ").required();
-    colmap.add_text("--masks", options->masks,
+    options->holdout = format.holdout;
+    CommandLine& import = command.add_command(format.name, format.help);
+    import.add_text("--model", options->model, format.model_help).required();
+    CommandOption images = import.add_text("--images", options->images, format.images_help);
+    if (format.images_required) images.required();
+    import.add_text("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ").required();
+    import.add_text("--masks", options->masks,
                     "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
-    colmap.add_text("--holdout,--held-out", options->holdout, holdout_help);
-    colmap.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    colmap.add_text("--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
-    colmap.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
+    import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
+    import.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
+    import.add_text("--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
+    import.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
                       "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
-    colmap.add_text("--name", options->name, "of the dataset");
-    colmap.add_text("-o,--output", *out, "folder of the packed dataset").required();
-    add_force(colmap, options->force);
-    colmap.on_run([=] {
-        const ImportReport report = import_colmap(*options, *out);
-        for (const std::string& note : report.notes) log_warning(note);
-        for (const std::string& remark : report.remarks) log_info(remark);
-        print_dataset(open_dataset(*out), false);
-    });
-}
+    import.add_text("--name", options->name, "of the dataset");
+    import.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    add_force(import, options->force);
+    import.on_run([=] {
+        const ImportReport report = format.import(*options, *out);
+    for (const std::string& note : report.notes) log_warning(note);
+    for (const std::string& remark : report.remarks) log_info(remark);
+    print_dataset(open_dataset(*out), false);
+});
+}  // namespace
 
 void add_lights(CommandLine& command) {
     auto options = std::make_shared<LightImportOptions>();
@@ -77,11 +99,11 @@ void add_lights(CommandLine& command) {
     });
 }
 
-}  // namespace
+}  // namespace radiafit
 
 void add_import(CommandLine& program, const Invocation&) {
     CommandLine& command = program.add_command("import", "pack a real capture");
-    add_colmap(command);
+    for (const CalibrationFormat& format : calibration_formats) add_calibrated(command, format);
     add_lights(command);
 }
 

@@ -41,7 +41,7 @@ constexpr std::array<Model, 12> camera_models = {{{"SIMPLE_PINHOLE", 1, 0},
                                                   {"THIN_PRISM_FISHEYE"},
                                                   {"RAD_TAN_THIN_PRISM_FISHEYE"}}};
 
-constexpr uint64_t largest_side = 1 << 16;  // pixels; anything beyond is a broken file
+constexpr uint64_t largest_side = largest_calibrated_side;
 
 /// What an image refers to: intrinsics without a pose.
 using Intrinsics = std::map<uint32_t, Camera>;
@@ -254,6 +254,7 @@ void read_images_binary(Calibration& model, const Intrinsics& cameras) {
 Calibration read_colmap(const std::filesystem::path& folder) {
     const auto holds = [&](const char* name) { return stands(folder / name); };
     Calibration model;
+    model.origin = "COLMAP";
     model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
     if (holds("cameras.bin") && holds("images.bin")) {
         model.cameras_file = folder / "cameras.bin";
@@ -269,14 +270,7 @@ Calibration read_colmap(const std::filesystem::path& folder) {
                         "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
                         folder.string(), option_name("model")));
     }
-    if (model.images.empty())
-        throw UserError(fmt::format("{}: holds no image: register photographs first", model.images_file.string()));
-    std::sort(model.images.begin(), model.images.end(),
-              [](const CalibratedImage& a, const CalibratedImage& b) { return a.name < b.name; });
-    for (size_t i = 1; i < model.images.size(); ++i)
-        if (model.images[i].name == model.images[i - 1].name)
-            throw UserError(fmt::format("{}: image '{}' is given twice: remove one", model.images_file.string(),
-                                        model.images[i].name));
+    settle_images(model);
     return model;
 }
 

@@ -21,9 +21,11 @@
 #include "capture/gains.h"
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
+#include "capture/llff.h"
 #include "capture/mask_names.h"
 #include "capture/mesh_file.h"
 #include "capture/split.h"
+#include "capture/transforms.h"
 #include "dataset/checksums.h"
 #include "dataset/stream_views.h"
 #include "dataset/view_directions.h"
@@ -55,6 +57,9 @@ struct Loaded {
     ImageFile image;            ///< at the size of Source::camera
     std::vector<uint8_t> mask;  ///< [height][width] of that size; empty: all
 };
+
+/// "." of a bare name.
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 Camera scaled_camera(Camera camera, int max_size) {
     const auto [width, height] = size_within(camera.width, camera.height, max_size);
@@ -90,6 +95,7 @@ std::vector<Source> list_sources(const ImportOptions& options, const Calibration
         source.calibrated = model.images[i].camera;
         source.camera = scaled_camera(source.calibrated, options.max_size);
         source.held_out = held_out[i] != 0;
+        source.mask = model.images[i].mask;
         if (!stands(source.image))
             throw UserError(fmt::format("{}: no such image, but {} lists it: check {}", source.image.string(),
                                         model.images_file.string(), option_name("images")));
@@ -318,26 +324,41 @@ Needs needs_of(const std::vector<Source>& sources, const Mesh& mesh, Encoding en
     return needs;
 }
 
-std::string provenance(const ImportOptions& options) {
-    std::string text = fmt::format("radiafit import colmap --model {} --images {} --mesh {}", options.model.string(),
-                                   options.images.string(), options.mesh.string());
+std::string provenance(const char* format, const ImportOptions& options) {
+    std::string text = fmt::format("radiafit import {} --model {} --images {} --mesh {}", format,
+                                   options.model.string(), options.images.string(), options.mesh.string());
     if (!options.masks.empty()) text += fmt::format(" --masks {}", options.masks.string());
-    text += fmt::format(" --holdout {} --gains {}", options.holdout, options.gains);
+    if (!options.holdout.empty()) text += fmt::format(" --holdout {}", options.holdout);
+    text += fmt::format(" --gains {}", options.gains);
     if (options.least_coverage) text += fmt::format(" --least-coverage {}", *options.least_coverage);
     if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
     return text;
 }
 
-}  // namespace
-
-ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
+void check_options(const ImportOptions& options) {
     if (options.max_size < 0)
         throw UserError(
             fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), options.max_size));
     if (options.least_coverage && !(*options.least_coverage >= 0 && *options.least_coverage <= 1))
         throw UserError(
             fmt::format("{} {}: give a share from 0 to 1", option_name("least-coverage"), *options.least_coverage));
-    const Calibration model = read_colmap(options.model);
+}
+
+std::vector<uint8_t> held_out_by_calibration(const Calibration& model) {
+    std::vector<uint8_t> held_out;
+    for (const CalibratedImage& image : model.images) held_out.push_back(image.held_out);
+    if (std::find(held_out.begin(), held_out.end(), 0) == held_out.end())
+        throw UserError(fmt::format("{}: all its images are held out and none is left to fit: give {}",
+                                    model.images_file.string(), option_name("holdout")));
+    return held_out;
+}
+
+/// format: of the calibration, as the command line has it.
+ImportReport import_calibrated(const char* format, ImportOptions options, const Calibration& model,
+                               const fs::path& out) {
+    const bool own_split = std::any_of(model.images.begin(), model.images.end(),
+                                       [](const CalibratedImage& image) { return image.held_out; });
+    if (options.holdout.empty() && !own_split) options.holdout = "every:8";
     std::vector<std::string> names;
     for (const CalibratedImage& image : model.images) names.push_back(image.name);
     MeshFile mesh = read_mesh_file(options.mesh);
@@ -345,10 +366,12 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     std::vector<Vec3d> directions;
     for (const CalibratedImage& image : model.images)
         directions.push_back((image.camera.center() - centre).normalized());
-    const std::vector<uint8_t> held_out = choose_held_out(names, directions, options.holdout);
+    const std::vector<uint8_t> held_out =
+        options.holdout.empty() ? held_out_by_calibration(model) : choose_held_out(names, directions, options.holdout);
     if (options.gains != "none" && options.gains != "estimate") read_gains(options.gains, names);
     ImportReport report;
     report.notes = std::move(mesh.notes);
+    report.remarks = model.remarks;
     std::vector<Source> sources = list_sources(options, model, held_out, report);
     report.images = sources.size();
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
@@ -378,8 +401,8 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
 
     Dataset header;
     header.name = dataset_name(options.name, out);
-    header.description = fmt::format("{} photographs of a real object, calibrated by COLMAP", sources.size());
-    header.source = provenance(options);
+    header.description = fmt::format("{} photographs, cameras from {}", sources.size(), model.origin);
+    header.source = provenance(format, options);
     header.encoding = encoding;
     header.mesh = std::move(mesh.mesh);
     writer.finish(header);
@@ -392,6 +415,35 @@ ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     if (!outside.empty()) report.notes.push_back(outside);
     for (const Source& s : sources) ++(s.held_out ? report.held_out : report.training);
     return report;
+}
+
+}  // namespace
+
+ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
+    check_options(options);
+    return import_calibrated("colmap", options, read_colmap(options.model), out);
+}
+
+ImportReport import_transforms(const ImportOptions& given, const fs::path& out) {
+    check_options(given);
+    ImportOptions options = given;
+    TransformsFiles files = find_transforms(options.model);
+    if (options.images.empty()) options.images = folder_of(files.main);
+    const bool test_aside = !options.holdout.empty() && !files.test.empty();
+    const std::string aside = files.test.string();
+    if (test_aside) files.test.clear();
+    Calibration model = read_transforms(files, options.images);
+    if (test_aside)
+        model.remarks.push_back(fmt::format("{} is not read: {} says what is held out", aside, option_name("holdout")));
+    return import_calibrated("transforms", options, model, out);
+}
+
+ImportReport import_llff(const ImportOptions& given, const fs::path& out) {
+    check_options(given);
+    ImportOptions options = given;
+    const fs::path file = folder_stands(options.model) ? options.model / "poses_bounds.npy" : options.model;
+    if (options.images.empty()) options.images = folder_of(file) / "images";
+    return import_calibrated("llff", options, read_llff(file, options.images), out);
 }
 
 }  // namespace radiafit

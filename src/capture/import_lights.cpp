@@ -64,26 +64,6 @@ void check_options(const LightImportOptions& o) {
             fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
 
-std::vector<std::string> list_images(const fs::path& folder) {
-    constexpr std::string_view endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".pfm", ".hdr", ".bmp"};
-    std::vector<std::string> names;
-    std::error_code error;
-    fs::directory_iterator entries(folder, error);
-    for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-        const fs::directory_entry& entry = *entries;
-        std::error_code ignored;
-        const std::string ending = lower_ending(entry.path());
-        if (entry.is_regular_file(ignored) &&
-            std::find(std::begin(endings), std::end(endings), ending) != std::end(endings))
-            names.push_back(entry.path().filename().string());
-    }
-    if (error)
-        throw UserError(
-            fmt::format("{}: cannot list this folder: {}: check its permissions", folder.string(), error.message()));
-    std::sort(names.begin(), names.end());
-    return names;
-}
-
 /// Light files often name images by where they once were, on another system.
 fs::path find_image(const fs::path& folder, const std::string& name, const fs::path& list) {
     const std::string base = name.substr(name.find_last_of("/\\") + 1);

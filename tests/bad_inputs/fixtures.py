@@ -97,6 +97,22 @@ def write_lit(out):
     write_pfm(out / "normals.pfm", 6, 5, [0, 0, 1] * 30)
 
 
+def write_other_calibrations(out):
+    """The same cameras as a NeRF's transforms.json and as LLFF's poses_bounds.npy."""
+    frames, rows = [], []
+    for i, angle in enumerate((-0.3, 0, 0.3)):
+        c, s = math.cos(angle), math.sin(angle)
+        right, down, forward = (c, 0, -s), (0, -1, 0), (-s, 0, -c)
+        eye = [-4 * f for f in forward]
+        matrix = [[right[k], -down[k], -forward[k], eye[k]] for k in range(3)] + [[0, 0, 0, 1]]
+        frames.append({"file_path": f"images/{i}", "transform_matrix": matrix})
+        rows += [v for k in range(3) for v in (down[k], right[k], -forward[k], eye[k], (16, 16, 20)[k])] + [1, 9]
+    (out / "transforms.json").write_text(json.dumps({"fl_x": 20, "w": 16, "h": 16, "frames": frames}))
+    header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 17), }".ljust(117) + "\n"
+    (out / "poses_bounds.npy").write_bytes(
+        b"\x93NUMPY\x01\0" + struct.pack("<H", 118) + header.encode() + struct.pack("<51d", *rows))
+
+
 def write_tiny(out):
     """What `import colmap` reads, by hand: two triangles, three photographs of 16 x 16 pixels."""
     (out / "images").mkdir(parents=True)
@@ -113,6 +129,7 @@ def write_tiny(out):
     (out / "text/cameras.txt").write_text("\n".join(cameras) + "\n")
     (out / "text/images.txt").write_text("\n".join(images) + "\n")
     write_binary_model(out / "text", out / "binary")
+    write_other_calibrations(out)
     points = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
     (out / "mesh.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points) + "f 1 2 3\nf 1 3 4\n")
     head = "ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -2,7 +2,7 @@
 import struct
 import zlib
 
-from bad_inputs.damage import append, copied, cut, folder, link, patch, remove, renamed, replace, write
+from bad_inputs.damage import GONE, append, copied, cut, field, fifo, folder, link, patch, remove, renamed, replace, write
 from bad_inputs.fixtures import JPEG, exr, tiff
 
 rows = []
@@ -107,6 +107,75 @@ rows += [
     (colmap("binary"), patch(bimages, 72, b"\0"), 2, f"{bimages}: "),
     (colmap("binary"), patch(bimages, 78, b"\xff" * 8), 2, f"{bimages}: truncated: "),
     (colmap("binary"), None, 0, "3 views"),
+]
+
+# Other calibrations: transforms.json of a NeRF, poses_bounds.npy of LLFF
+transforms, poses = "photos/transforms.json", "photos/poses_bounds.npy"
+
+
+def calibrated(kind, model="photos", more=""):
+    return f"import {kind} --model {model} --mesh photos/mesh.obj {more} -o new".replace("  ", " ")
+
+
+for damage, *words in (
+    (remove(transforms), "photos: neither transforms.json nor transforms_train.json stands here: check --model"),
+    (folder(transforms), f"{transforms}: cannot read this file of cameras: it is a folder"),
+    (fifo(transforms), f"{transforms}: cannot read this file of cameras: it is a pipe"),
+    (write(transforms, ""), f"{transforms}: truncated, or no JSON"),
+    (write(transforms, "[]"), f'{transforms}: has no list of "frames"'),
+    (write(transforms, "[" * 10000), f"{transforms}: its brackets are nested more than 100 deep"),
+    (write(transforms, '{"frames": []}'), f"{transforms}: holds no image"),
+    (replace(transforms, '"w": 16', '"w": NaN'), f"{transforms}: truncated, or no JSON (which has no NaN)"),
+    (field(transforms, "k1", 0.1), f"{transforms}: frames[0]: a lens with distortion (k1 = 0.1): undistort", "`colmap image_undistorter`"),
+    (field(transforms, "frames[2].p1", 1e-3), f"{transforms}: frames[2]: a lens with distortion (p1 = 0.001)"),
+    (field(transforms, "camera_model", "OPENCV_FISHEYE"), f"{transforms}: frames[0]: camera model OPENCV_FISHEYE is not a pinhole"),
+    (field(transforms, "fl_x", GONE), f'{transforms}: frames[0]: neither "fl_x" nor "camera_angle_x" is given'),
+    (field(transforms, "fl_x", 0), f'{transforms}: frames[0]: "fl_x" is 0, not positive'),
+    (field(transforms, "fl_x", "20"), f'{transforms}: frames[0]: "fl_x" must be a number'),
+    (field(transforms, "fl_x", 1e300), f"{transforms}: frames[0]: the focal lengths"),
+    (field(transforms, "w", 1e300), f'{transforms}: frames[0]: "w" is 1e+300, no whole number from 1 to 65536'),
+    (field(transforms, "w", 32), f"photos/images/0.png: 16 x 16 pixels, but {transforms} calibrates 32 x 16: give the photographs that were calibrated", "--max-size"),
+    (field(transforms, "frames[1].file_path", GONE), f'{transforms}: frames[1]: "file_path" must be a text'),
+    (field(transforms, "frames[1].file_path", "images/7"), f"photos/images/7: no such image, but {transforms}: frames[1] names it: check --images"),
+    (field(transforms, "frames[1].file_path", "images/0.png"), f"{transforms}: image 'images/0.png' is given twice"),
+    (field(transforms, "frames[1].file_path", "a" * 300), "aaaa"),
+    (field(transforms, "frames[1].file_path", "mesh.obj"), "photos/mesh.obj: neither PNG, JPEG, TIFF, OpenEXR nor PFM"),
+    (field(transforms, "frames[1].mask_path", "masks/9.png"), f"photos/masks/9.png: no such mask, but {transforms}: frames[1] names it"),
+    (field(transforms, "frames[1].transform_matrix", [[1, 0, 0, 0]]), f'{transforms}: frames[1]: "transform_matrix" must be 4 rows of 4 numbers'),
+    (field(transforms, "frames[1].transform_matrix[0][0]", 3), f"{transforms}: frames[1]: the pose's first three columns are no rotation"),
+    (field(transforms, "frames[1].transform_matrix[0][3]", None), f'{transforms}: frames[1]: "transform_matrix" must be a number'),
+    (field(transforms, "frames[1].transform_matrix[0][3]", 1e300), f"{transforms}: frames[1]: the translation"),
+    (copied(transforms, "photos/transforms_test.json"), f"{transforms}: all its images are held out and none is left to fit: give --holdout"),
+    (write("photos/transforms_test.json", "{"), "photos/transforms_test.json: truncated, or no JSON"),
+):
+    rows.append((calibrated("transforms"), damage, 2, *words))
+for size in (0.1, 0.5, 0.9, -1):
+    rows.append((calibrated("transforms"), cut(transforms, size), 2, f"{transforms}: truncated, or no JSON"))
+    rows.append((calibrated("llff"), cut(poses, size), 2, f"{poses}: ", "truncated"))
+for damage, *words in (
+    (remove(poses), f"{poses}: no such array file"),
+    (folder(poses), f"{poses}: cannot read this array file: it is a folder"),
+    (write(poses, ""), f"{poses}: is no .npy file, or truncated"),
+    (append(poses, "x"), f"{poses}: 409 bytes follow the header, not the 3 x 17 numbers of 8 bytes"),
+    (replace(poses, "<f8", "<i8"), f"{poses}: holds no little-endian floats"),
+    (replace(poses, "3, 17", "17, 3"), f"{poses}: has 3 columns, not the 17 of LLFF's"),
+    (replace(poses, r"\(3, 17\)", "(51,)  "), f"{poses}: the shape is not one of a matrix"),
+    (patch(poses, 8, b"\xff\xff"), f"{poses}: truncated within its header"),
+    (patch(poses, 128, b"\0\0\0\0\0\0\xf8\x7f"), f"{poses}: row 0, image '0.png': the pose is not finite"),
+    (patch(poses, 128 + 32, bytes(8)), f"{poses}: row 0, image '0.png': the height is 0, no whole number from 1 to 65536"),
+    (patch(poses, 128 + 8 * 14, bytes(8)), f"{poses}: row 0, image '0.png': the focal lengths 0 and 0"),
+    (patch(poses, 128, bytes(8 * 3)), f"{poses}: row 0, image '0.png': the pose's first three columns are no rotation"),
+    (remove("photos/images/1.png"), f"{poses}: has 3 rows, but photos/images holds 2 images"),
+    (copied("photos/images/1.png", "photos/images/9.jpg"), f"{poses}: has 3 rows, but photos/images holds 4 images"),
+):
+    rows.append((calibrated("llff"), damage, 2, *words))
+rows += [
+    (calibrated("llff", more="--images photos/nowhere"), None, 2, "photos/nowhere: no such folder of photographs: check --images"),
+    (calibrated("transforms", more="--images photos/nowhere"), None, 2, "photos/nowhere/images/0: no such image"),
+    (calibrated("transforms", more="--max-size 8 --masks photos/masks"), None, 0, "3 views", "masks are named NAME.png, without subfolders"),
+    (calibrated("transforms", transforms, "--images photos/images --holdout every:3"), copied(transforms, "photos/transforms_test.json"), 0, "3 views", "photos/transforms_test.json is not read: --holdout says"),
+    (calibrated("transforms"), field(transforms, "frames[1].mask_path", "masks/1.png"), 0, "3 views"),
+    (calibrated("llff", poses, "--gains estimate --least-coverage 0.1"), None, 0, "3 views"),
 ]
 
 # Photographs and masks
