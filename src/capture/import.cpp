@@ -22,8 +22,8 @@
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
 #include "capture/llff.h"
-#include "capture/mask_names.h"
 #include "capture/mesh_file.h"
+#include "capture/photographs.h"
 #include "capture/split.h"
 #include "capture/transforms.h"
 #include "dataset/checksums.h"
@@ -35,154 +35,29 @@ namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int crop_margin = 4;      // pixels around what is seen, for bilinear look-ups and small camera changes
-constexpr int largest_side = 8192;  // the rasterizer is exact up to here
-
-/// One photograph on its way from the model into the dataset.
-struct Source {
-    std::string name;
-    fs::path image, mask;  ///< mask: empty if there are none
-    Camera calibrated;     ///< of the file
-    Camera camera;         ///< after max_size
-    bool held_out = false;
-    // Found by the survey:
-    int bits = 8;
-    std::array<int, 4> crop = {0, 0, 0, 0};  ///< x, y, width, height
-    bool has_mask = false, sees_mesh = false, seen_in_mask = false;
-    Coverage coverage;
-    std::vector<GainSample> gain_samples;
-};
-
-struct Loaded {
-    ImageFile image;            ///< at the size of Source::camera
-    std::vector<uint8_t> mask;  ///< [height][width] of that size; empty: all
-};
-
-/// "." of a bare name.
-fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
-
-Camera scaled_camera(Camera camera, int max_size) {
-    const auto [width, height] = size_within(camera.width, camera.height, max_size);
-    // Pixel coordinates run from 0 at the image's left or top edge, so they scale by the very ratio of the sizes.
-    const double sx = double(width) / camera.width, sy = double(height) / camera.height;
-    camera.fx *= sx, camera.cx *= sx, camera.width = width;
-    camera.fy *= sy, camera.cy *= sy, camera.height = height;
-    return camera;
-}
-
-void find_masks(const ImportOptions& options, std::vector<Source>& sources, ImportReport& report) {
-    std::vector<std::string> names;
-    for (const Source& s : sources) names.push_back(s.name);
-    MaskNames masks = match_masks(options.masks, options.images, names);
-    for (size_t i = 0; i < sources.size(); ++i) sources[i].mask = std::move(masks.files[i]);
-    report.remarks.push_back(std::move(masks.remark));
-    for (std::string& note : masks.notes) report.notes.push_back(std::move(note));
-}
-
-std::vector<Source> list_sources(const ImportOptions& options, const Calibration& model,
-                                 const std::vector<uint8_t>& held_out, ImportReport& report) {
-    if (!folder_stands(options.images))
-        throw UserError(
-            fmt::format("{}: no such folder of photographs: check {}", options.images.string(), option_name("images")));
-    if (!options.masks.empty() && !folder_stands(options.masks))
-        throw UserError(
-            fmt::format("{}: no such folder of masks: check {}", options.masks.string(), option_name("masks")));
-    std::vector<Source> sources(model.images.size());
-    for (size_t i = 0; i < sources.size(); ++i) {
-        Source& source = sources[i];
-        source.name = model.images[i].name;
-        source.image = options.images / source.name;
-        source.calibrated = model.images[i].camera;
-        source.camera = scaled_camera(source.calibrated, options.max_size);
-        source.held_out = held_out[i] != 0;
-        source.mask = model.images[i].mask;
-        if (!stands(source.image))
-            throw UserError(fmt::format("{}: no such image, but {} lists it: check {}", source.image.string(),
-                                        model.images_file.string(), option_name("images")));
-        check_readable(source.image, "image file");
-        if (std::max(source.camera.width, source.camera.height) > largest_side)
-            throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give {}", source.image.string(),
-                                        source.camera.width, source.camera.height, largest_side,
-                                        option_name("max-size")));
-    }
-    if (!options.masks.empty()) find_masks(options, sources, report);
-    return sources;
-}
-
-Loaded load(const Source& source, const Calibration& model) {
-    const Camera& full = source.calibrated;
-    const auto expect_size = [&](const fs::path& file) {
-        return [&](int width, int height) {
-            if (width != full.width || height != full.height)
-                throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}", file.string(), width,
-                                            height, model.cameras_file.string(), full.width, full.height,
-                                            model.size_cure));
-        };
-    };
-    Loaded loaded{read_image(source.image, false, expect_size(source.image)), {}};
-    if (!source.mask.empty()) loaded.mask = read_mask(source.mask, expect_size(source.mask)).values;
-    const int width = source.camera.width, height = source.camera.height;
-    if (width != full.width || height != full.height) {
-        loaded.image = scale_down(loaded.image, width, height);
-        if (!loaded.mask.empty()) loaded.mask = scale_down_mask(loaded.mask, full.width, full.height, width, height);
-    }
-    const std::vector<uint8_t>& alpha = loaded.image.alpha;
-    if (!alpha.empty() && loaded.mask.empty()) loaded.mask.assign(alpha.size(), 255);
-    for (size_t i = 0; i < alpha.size(); ++i)
-        if (alpha[i] < 128) loaded.mask[i] = 0;
-    return loaded;
-}
-
-/// What the image shows of the mesh: the crop rectangle, and samples for the gains if points are given.
-void survey(Source& source, const Loaded& loaded, const Mesh& mesh, const GainPoints* points, Rasterizer& raster) {
-    const Camera& camera = source.camera;
-    raster.draw(mesh, camera);
-    int x0 = camera.width, y0 = camera.height, x1 = -1, y1 = -1;
-    for (int y = 0; y < camera.height; ++y)
-        for (int x = 0; x < camera.width; ++x) {
-            const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
-            const bool object = loaded.mask.empty() || loaded.mask[pixel];
-            source.coverage.object += object;
-            if (raster.pixels()[pixel].triangle == no_triangle) continue;
-            ++source.coverage.mesh;
-            if (!object) continue;
-            ++source.coverage.both;
-            x0 = std::min(x0, x), x1 = std::max(x1, x);
-            y0 = std::min(y0, y), y1 = std::max(y1, y);
-        }
-    source.bits = loaded.image.bits;
-    source.has_mask = !loaded.mask.empty();
-    source.sees_mesh = source.coverage.mesh > 0;
-    source.seen_in_mask = x1 >= 0;
-    if (!source.seen_in_mask) return;
-    x0 = std::max(x0 - crop_margin, 0), x1 = std::min(x1 + crop_margin, camera.width - 1);
-    y0 = std::max(y0 - crop_margin, 0), y1 = std::min(y1 + crop_margin, camera.height - 1);
-    source.crop = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
-    if (points) source.gain_samples = points->observe(camera, raster, loaded.image, loaded.mask);
-}
-
 /// Some of the photographs, spread over the list, small: enough to tell where the mesh would have to be.
-std::vector<Silhouette> small_silhouettes(const std::vector<Source>& sources, const Calibration& model) {
+std::vector<Silhouette> small_silhouettes(const std::vector<Photograph>& photographs, const Calibration& model) {
     constexpr size_t most = 16;
     constexpr int side = 256;  // pixels
-    const size_t count = std::min(most, sources.size());
+    const size_t count = std::min(most, photographs.size());
     std::vector<Silhouette> views(count);
     parallel_for(count, 1, [&](size_t i, int) {
-        Source source = sources[i * sources.size() / count];
-        source.camera = scaled_camera(source.calibrated, side);
-        views[i] = {source.camera, load(source, model).mask};
+        Photograph photograph = photographs[i * photographs.size() / count];
+        photograph.camera = scaled_camera(photograph.calibrated, side);
+        views[i] = {photograph.camera, load_photograph(photograph, model).mask};
     });
     return views;
 }
 
 /// Refuses a mesh that covers too little of the masks, or of the images where there are none, and says what is wrong.
-void check_coverage(const std::vector<Source>& sources, const Mesh& mesh, const ImportOptions& options,
+void check_coverage(const std::vector<Photograph>& photographs, const Mesh& mesh, const ImportOptions& options,
                     const Calibration& model, ImportReport& report) {
-    const bool masked = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.has_mask; });
+    const bool masked =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.has_mask; });
     const std::string of_what = masked ? "the masks" : "the images";
     Coverage coverage;
-    for (const Source& s : sources)
-        if (s.has_mask == masked) coverage += s.coverage;
+    for (const Photograph& p : photographs)
+        if (p.has_mask == masked) coverage += p.coverage;
     report.coverage = coverage.share();
     const double least = options.least_coverage.value_or(masked ? 0.2 : 0.01);
     if (report.coverage >= least) {
@@ -193,11 +68,12 @@ void check_coverage(const std::vector<Source>& sources, const Mesh& mesh, const 
         report.remarks.push_back(std::move(remark));
         return;
     }
-    const bool seen = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.sees_mesh; });
+    const bool seen =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.sees_mesh; });
     std::string text = options.mesh.string() + ": ";
     text += seen ? fmt::format("the mesh covers {:.3g} % of {}", 100 * report.coverage, of_what)
                  : fmt::format("no camera of {} sees this mesh", options.model.string());
-    const std::string where = describe(find_other_frame(mesh, small_silhouettes(sources, model)), of_what);
+    const std::string where = describe(find_other_frame(mesh, small_silhouettes(photographs, model)), of_what);
     if (!where.empty()) text += "; " + where;
     text += seen && masked && where.empty()
                 ? ": bring it into the model's frame (in the masks, white is to mean object)"
@@ -206,39 +82,41 @@ void check_coverage(const std::vector<Source>& sources, const Mesh& mesh, const 
 }
 
 /// Drops what sees nothing, and says so. Throws when nothing is left to fit.
-void drop_blind_views(std::vector<Source>& sources, const ImportOptions& options, ImportReport& report) {
-    const size_t all = sources.size();
-    const bool seen = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.sees_mesh; });
+void drop_blind_views(std::vector<Photograph>& photographs, const ImportOptions& options, ImportReport& report) {
+    const size_t all = photographs.size();
+    const bool seen =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.sees_mesh; });
     if (!seen)
         throw UserError(
             fmt::format("{}: no camera of {} sees this mesh: bring it into the model's frame (and turn its "
                         "faces outward)",
                         options.mesh.string(), options.model.string()));
-    for (const Source& s : sources)
-        if (!s.seen_in_mask) report.dropped.push_back(s.name);
-    std::erase_if(sources, [](const Source& s) { return !s.seen_in_mask; });
-    if (sources.empty())
+    for (const Photograph& p : photographs)
+        if (!p.seen_in_mask) report.dropped.push_back(p.name);
+    std::erase_if(photographs, [](const Photograph& p) { return !p.seen_in_mask; });
+    if (photographs.empty())
         throw UserError(fmt::format("{}: the masks leave nothing of the mesh in any image: white is to mean object",
                                     options.masks.empty() ? options.images.string() : options.masks.string()));
     if (!report.dropped.empty())
         report.notes.push_back(fmt::format("dropped {} of {} images, which see nothing of the mesh: {}",
                                            report.dropped.size(), all, fmt::join(report.dropped, ", ")));
-    if (std::all_of(sources.begin(), sources.end(), [](const Source& s) { return s.held_out; }))
+    if (std::all_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.held_out; }))
         throw UserError(fmt::format("{}: every image that sees the mesh is held out: change {}", options.model.string(),
                                     option_name("holdout")));
 }
 
-std::vector<double> choose_gains(std::vector<Source>& sources, const ImportOptions& options, ImportReport& report) {
+std::vector<double> choose_gains(std::vector<Photograph>& photographs, const ImportOptions& options,
+                                 ImportReport& report) {
     std::vector<std::string> names;
     std::vector<uint8_t> held_out;
-    for (const Source& s : sources) {
-        names.push_back(s.name);
-        held_out.push_back(s.held_out);
+    for (const Photograph& p : photographs) {
+        names.push_back(p.name);
+        held_out.push_back(p.held_out);
     }
-    std::vector<double> gains(sources.size(), 1.0);
+    std::vector<double> gains(photographs.size(), 1.0);
     if (options.gains == "estimate") {
         std::vector<std::vector<GainSample>> samples;
-        for (Source& s : sources) samples.push_back(std::move(s.gain_samples));
+        for (Photograph& p : photographs) samples.push_back(std::move(p.gain_samples));
         GainEstimate estimate = estimate_gains(samples, held_out);
         gains = std::move(estimate.gains);
         for (const size_t i : estimate.guessed)
@@ -284,40 +162,41 @@ std::vector<uint8_t> crop_mask(const std::vector<uint8_t>& mask, int width, cons
 }
 
 /// Reads the images again.
-void pack(const std::vector<Source>& sources, const std::vector<double>& gains, const Calibration& model,
+void pack(const std::vector<Photograph>& photographs, const std::vector<double>& gains, const Calibration& model,
           Encoding encoding, DatasetWriter& writer) {
-    stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
-        const Source& source = sources[i];
-        const Loaded loaded = load(source, model);
-        if (loaded.image.bits != source.bits)
+    stream_views("packing images", photographs.size(), writer, [&](size_t i, int, PackedImage& packed) {
+        const Photograph& photograph = photographs[i];
+        const LoadedPhotograph loaded = load_photograph(photograph, model);
+        if (loaded.image.bits != photograph.bits)
             throw UserError(
                 fmt::format("{}: had {} bits per channel a moment ago and has {} now: leave the images alone "
                             "until they are imported",
-                            source.image.string(), source.bits, loaded.image.bits));
-        packed.pixels = pack_pixels(loaded.image, source.crop, encoding);
-        packed.mask = crop_mask(loaded.mask, loaded.image.width, source.crop);
+                            photograph.image.string(), photograph.bits, loaded.image.bits));
+        packed.pixels = pack_pixels(loaded.image, photograph.crop, encoding);
+        packed.mask = crop_mask(loaded.mask, loaded.image.width, photograph.crop);
         View view;
-        view.name = source.name;
-        view.camera = source.camera.cropped(source.crop[0], source.crop[1], source.crop[2], source.crop[3]);
-        view.held_out = source.held_out;
+        view.name = photograph.name;
+        view.camera =
+            photograph.camera.cropped(photograph.crop[0], photograph.crop[1], photograph.crop[2], photograph.crop[3]);
+        view.held_out = photograph.held_out;
         view.gain = gains[i];
-        view.crop_origin = {source.crop[0], source.crop[1]};
-        view.full_size = {source.camera.width, source.camera.height};
+        view.crop_origin = {photograph.crop[0], photograph.crop[1]};
+        view.full_size = {photograph.camera.width, photograph.camera.height};
         return view;
     });
 }
 
 /// Of the images as they are cropped, in memory by several threads at a time.
-Needs needs_of(const std::vector<Source>& sources, const Mesh& mesh, Encoding encoding) {
+Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Encoding encoding) {
     const uint64_t mesh_bytes = 12 * mesh.vertex_count() + 13 * mesh.triangle_count();
     Needs needs{.memory = 2 * mesh_bytes, .disk = mesh_bytes};
     uint64_t largest = 0;
-    for (const Source& s : sources) {
+    for (const Photograph& p : photographs) {
         View view;
-        view.camera = s.camera.cropped(s.crop[0], s.crop[1], s.crop[2], s.crop[3]);
+        view.camera = p.camera.cropped(p.crop[0], p.crop[1], p.crop[2], p.crop[3]);
         view.mask_offset = 0;
         needs.disk += image_block_bytes(view, encoding) + 1000;
-        largest = std::max(largest, uint64_t(s.calibrated.width) * uint64_t(s.calibrated.height));
+        largest = std::max(largest, uint64_t(p.calibrated.width) * uint64_t(p.calibrated.height));
     }
     constexpr uint64_t pixel_bytes = 30;  // as read, with 16 bits, as spread to RGB, scaled, and packed
     needs.memory += 4 * uint64_t(thread_count()) * largest * pixel_bytes;
@@ -343,6 +222,9 @@ void check_options(const ImportOptions& options) {
         throw UserError(
             fmt::format("{} {}: give a share from 0 to 1", option_name("least-coverage"), *options.least_coverage));
 }
+
+/// "." of a bare name.
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 std::vector<uint8_t> held_out_by_calibration(const Calibration& model) {
     std::vector<uint8_t> held_out;
@@ -372,8 +254,8 @@ ImportReport import_calibrated(const char* format, ImportOptions options, const 
     ImportReport report;
     report.notes = std::move(mesh.notes);
     report.remarks = model.remarks;
-    std::vector<Source> sources = list_sources(options, model, held_out, report);
-    report.images = sources.size();
+    std::vector<Photograph> photographs = list_photographs(options, model, held_out, report);
+    report.images = photographs.size();
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
 
     report.vertices = mesh.mesh.vertex_count();
@@ -382,38 +264,39 @@ ImportReport import_calibrated(const char* format, ImportOptions options, const 
         std::optional<GainPoints> points;
         if (options.gains == "estimate") points.emplace(mesh.mesh);
         std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
-        Progress progress("reading images", sources.size());
-        parallel_for(sources.size(), 1, [&](size_t i, int worker) {
-            survey(sources[i], load(sources[i], model), mesh.mesh, points ? &*points : nullptr,
+        Progress progress("reading images", photographs.size());
+        parallel_for(photographs.size(), 1, [&](size_t i, int worker) {
+            survey(photographs[i], load_photograph(photographs[i], model), mesh.mesh, points ? &*points : nullptr,
                    rasters[size_t(worker)]);
             progress.advance();
         });
     }
-    check_coverage(sources, mesh.mesh, options, model, report);
-    drop_blind_views(sources, options, report);
-    const std::vector<double> gains = choose_gains(sources, options, report);
+    check_coverage(photographs, mesh.mesh, options, model, report);
+    drop_blind_views(photographs, options, report);
+    const std::vector<double> gains = choose_gains(photographs, options, report);
 
-    const bool deep = std::any_of(sources.begin(), sources.end(), [](const Source& s) { return s.bits == 16; });
+    const bool deep =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.bits == 16; });
     const Encoding encoding = deep ? Encoding::u16_linear : Encoding::u8_srgb;
-    announce_needs("import", needs_of(sources, mesh.mesh, encoding), out, options.force);
+    announce_needs("import", needs_of(photographs, mesh.mesh, encoding), out, options.force);
     writer.set_encoding(encoding);
-    pack(sources, gains, model, encoding, writer);
+    pack(photographs, gains, model, encoding, writer);
 
     Dataset header;
     header.name = dataset_name(options.name, out);
-    header.description = fmt::format("{} photographs, cameras from {}", sources.size(), model.origin);
+    header.description = fmt::format("{} photographs, cameras from {}", photographs.size(), model.origin);
     header.source = provenance(format, options);
     header.encoding = encoding;
     header.mesh = std::move(mesh.mesh);
     writer.finish(header);
-    std::vector<View> views(sources.size());
+    std::vector<View> views(photographs.size());
     for (size_t i = 0; i < views.size(); ++i) {
-        views[i].camera = sources[i].calibrated;
-        views[i].held_out = sources[i].held_out;
+        views[i].camera = photographs[i].calibrated;
+        views[i].held_out = photographs[i].held_out;
     }
     const std::string outside = outside_note(views, angles_outside(centre, views));
     if (!outside.empty()) report.notes.push_back(outside);
-    for (const Source& s : sources) ++(s.held_out ? report.held_out : report.training);
+    for (const Photograph& p : photographs) ++(p.held_out ? report.held_out : report.training);
     return report;
 }
 
