@@ -31,6 +31,7 @@ ALLOWED.update(
     eval=up_to("dataset") | {"fit"},
     viewbasis=up_to("samples") | {"fit", "eval"},
     sg=up_to("optim") | {"cpu", "fit", "eval", "viewbasis"},
+    reachable=up_to("samples") | {"fit", "eval", "viewbasis"},
     report={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
 )
