@@ -14,12 +14,12 @@ using Matrix = Eigen::MatrixXd;
 using Channels = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 using Parameters = Eigen::Matrix<double, Evidence::parameters, 1>;
 
-/// sqrt(3) |v - w| / length of all pairs of directions.
+/// sqrt(5) |v - w| / length of all pairs of directions.
 Eigen::ArrayXXd distances(const DirectionProcess& process, const SeenColours& seen) {
     Channels v(Eigen::Index(seen.size()), 3);
     for (size_t i = 0; i < seen.size(); ++i) v.row(Eigen::Index(i)) = seen.directions[i].cast<double>().normalized();
     const Matrix cosines = v * v.transpose();
-    return (6 - 6 * cosines.array()).max(0).sqrt() / process.length;
+    return (10 - 10 * cosines.array()).max(0).sqrt() / process.length;
 }
 
 Eigen::VectorXd noise_variances(const DirectionProcess& process, const SeenColours& seen) {
@@ -80,7 +80,7 @@ Evidence evidence(const DirectionProcess& process, const SeenColours& seen) {
     // Derivatives of the covariance by the logarithms of the parameters.
     const std::array<Matrix, Evidence::parameters> slopes = {
         Matrix::Constant(n, n, process.level), process.amplitude * matern(r),
-        process.amplitude * r.square() * (-r).exp(), noise_variances(process, seen).asDiagonal()};
+        process.amplitude / 3 * r.square() * (1 + r) * (-r).exp(), noise_variances(process, seen).asDiagonal()};
     const Eigen::LLT<Matrix> covariance(slopes[0] + slopes[1] + slopes[3]);
     const Channels residual = residuals(process, seen), weights = covariance.solve(residual);
     const double log_determinant = 2 * covariance.matrixLLT().diagonal().array().log().sum();

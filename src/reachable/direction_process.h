@@ -18,7 +18,8 @@ struct SeenColours {
 
 /// What is expected of a place's colours before it is seen, each channel alike: a mean, and the covariance between
 /// directions v and w
-///     k(v, w) = level + amplitude (1 + r) exp(-r),    r = sqrt(3) |v - w| / length    (Matern's of smoothness 3/2);
+///     k(v, w) = level + amplitude (1 + r + r^2 / 3) exp(-r),    r = sqrt(5) |v - w| / length    (Matern's of
+///     smoothness 5/2);
 /// samples have noise besides.
 struct DirectionProcess {
     Vec3d mean = Vec3d::Constant(0.5);
@@ -31,7 +32,7 @@ struct DirectionProcess {
 /// The part of a covariance that changes with the direction, as a share of the amplitude: 1 at distance 0.
 template <class Array>
 auto matern(const Array& r) {
-    return (1 + r) * (-r).exp();
+    return (1 + r + r * r / 3) * (-r).exp();
 }
 
 /// [n][3] such that the posterior mean at v is

@@ -172,12 +172,12 @@ GaussianProcessTexels::GaussianProcessTexels(const Dataset& dataset, const Trian
 Vec3f GaussianProcessTexels::colour(uint32_t texel, const Vec3f& eye) const {
     const Vec3f position = atlas_->position(texel), direction = (eye - position).normalized();
     const auto level = float(process_.level), amplitude = float(process_.amplitude);
-    const auto scale = float(std::sqrt(3.0) / process_.length);
+    const auto scale = float(std::sqrt(5.0) / process_.length);
     Vec3f sum = process_.mean.cast<float>();
     for (uint64_t i = first_[texel]; i < first_[texel + 1]; ++i) {
         const Vec3f seen_from = (eyes_[kept_[i].image] - position).normalized();
         const float r = scale * (seen_from - direction).norm();
-        sum += (level + amplitude * (1 + r) * std::exp(-r)) * Vec3f::Map(kept_[i].weight);
+        sum += (level + amplitude * (1 + r + r * r / 3) * std::exp(-r)) * Vec3f::Map(kept_[i].weight);
     }
     return sum;
 }

@@ -10,7 +10,7 @@ namespace radiafit {
 
 struct GaussianProcessOptions {
     int surface_side = 12;  ///< of triangles' tiles
-    int texels = 4000;      ///< that the process is learned from
+    int texels = 2000;      ///< that the process is learned from
 };
 
 /// A Gaussian process over view directions in every texel, which keeps the texel's samples: about as much as single
