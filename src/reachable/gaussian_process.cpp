@@ -7,12 +7,19 @@
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "samples/interpolated_samples.h"
+#include "viewbasis/texel_contestant.h"
 
 namespace radiafit {
 namespace {
 
 constexpr uint64_t draw_seed = 1;
-constexpr float least_weight = 0.05f;
+
+/// Every so many of a texel's samples are kept, which makes so many.
+size_t stride_of(size_t samples) {
+    const size_t most = GaussianProcessTexels::most_samples;
+    return std::max<size_t>(1, (samples + most - 1) / most);
+}
+size_t kept_of(size_t samples) { return (samples + stride_of(samples) - 1) / stride_of(samples); }
 
 /// What the cameras of a sample list see of a texel, and the cameras' positions in the list's views.
 struct SeenTexel {
@@ -28,29 +35,37 @@ public:
 
     /// [texels of the tile]
     const std::vector<SeenTexel>& read(uint32_t tile) {
-        texels_.assign(atlas_->tile(tile).texels(), {});
+        const uint32_t count = atlas_->tile(tile).texels();
+        texels_.assign(count, {});
+        places_.resize(count);
+        for (uint32_t local = 0; local < count; ++local)
+            places_[local] = {atlas_->position(tile, local),
+                              make_frame(atlas_->normal(tile * atlas_->texels_per_tile() + local))};
         for (uint32_t g = samples_->tile_groups[tile]; g < samples_->tile_groups[tile + 1]; ++g)
-            for (const Sample& sample : samples_->of_group(g)) add(tile, samples_->groups[g].image, sample);
+            for (const Sample& sample : samples_->of_group(g)) add(samples_->groups[g].image, sample);
         for (SeenTexel& texel : texels_) thin(texel);
         return texels_;
     }
 
 private:
-    void add(uint32_t tile, uint32_t image, const Sample& sample) {
-        const Vec3f position = atlas_->position(tile, sample.local);
-        const Vec3f normal = atlas_->normal(tile * atlas_->texels_per_tile() + sample.local);
+    struct Place {
+        Vec3f position;
+        Frame frame;
+    };
+
+    void add(uint32_t image, const Sample& sample) {
+        const auto& [position, frame] = places_[sample.local];
         const Vec3f direction = ((*eyes_)[image] - position).normalized();
         SeenTexel& texel = texels_[sample.local];
         texel.colours.directions.push_back(direction);
         texel.colours.colours.push_back(samples_->scale * Vec3f(sample.rgb[0], sample.rgb[1], sample.rgb[2]));
-        texel.colours.weights.push_back(std::max(normal.dot(direction), least_weight));
+        texel.colours.weights.push_back(view_sample_weight(frame.to_local(direction)));
         texel.images.push_back(image);
     }
 
     static void thin(SeenTexel& texel) {
-        const size_t count = texel.images.size(), most = GaussianProcessTexels::most_samples;
-        if (count <= most) return;
-        const size_t stride = (count + most - 1) / most, kept = (count + stride - 1) / stride;
+        const size_t stride = stride_of(texel.images.size()), kept = kept_of(texel.images.size());
+        if (stride == 1) return;
         const auto thinned = [&](auto& values) {
             for (size_t i = 0; i < kept; ++i) values[i] = values[i * stride];
             values.resize(kept);
@@ -64,6 +79,7 @@ private:
     const TriangleAtlas* atlas_;
     const SampleList* samples_;
     const std::vector<Vec3f>* eyes_;
+    std::vector<Place> places_;  ///< of the tile's texels
     std::vector<SeenTexel> texels_;
 };
 
@@ -103,32 +119,14 @@ DirectionProcess first_guess(const std::vector<SeenColours>& places) {
     return process;
 }
 
-class GaussianProcessRenderer {
-public:
-    GaussianProcessRenderer(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
-                            const GaussianProcessOptions& options)
-        : atlas_(dataset.mesh, options.surface_side),
-          texels_(dataset, atlas_, interpolated_samples(dataset, atlas_, views, space), options) {}
-
-    void shade(const Camera& camera, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const {
-        rgb.assign(3 * pixels.size(), 0.0f);
-        const Vec3f eye = camera.center().cast<float>();
-        uint32_t last = no_texel;  // neighbouring pixels mostly share one
-        Vec3f colour = Vec3f::Zero();
-        for (size_t i = 0; i < pixels.size(); ++i) {
-            const RasterPixel& pixel = pixels[i];
-            if (pixel.triangle == no_triangle) continue;
-            const uint32_t local = atlas_.local_at(pixel.triangle, pixel.b1, pixel.b2);
-            const uint32_t texel = pixel.triangle * atlas_.texels_per_tile() + local;
-            if (texel != last) colour = texels_.colour(texel, eye);
-            last = texel;
-            Vec3f::Map(&rgb[3 * i]) = colour;
-        }
-    }
-
-private:
-    TriangleAtlas atlas_;
-    GaussianProcessTexels texels_;
+/// What a contestant keeps.
+struct KeptTexels {
+    TriangleAtlas atlas;
+    GaussianProcessTexels texels;
+    KeptTexels(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
+               const GaussianProcessOptions& options)
+        : atlas(dataset.mesh, options.surface_side),
+          texels(dataset, atlas, interpolated_samples(dataset, atlas, views, space), options) {}
 };
 
 }  // namespace
@@ -148,11 +146,7 @@ GaussianProcessTexels::GaussianProcessTexels(const Dataset& dataset, const Trian
                       end = samples.groups[samples.tile_groups[tile + 1]].first;
              s < end; ++s)
             ++first_[size_t(tile) * atlas.texels_per_tile() + samples.samples[s].local + 1];
-    for (size_t texel = 1; texel < first_.size(); ++texel) {
-        const size_t stride = (first_[texel] + most_samples - 1) / most_samples;
-        if (stride > 1) first_[texel] = (first_[texel] + stride - 1) / stride;
-        first_[texel] += first_[texel - 1];
-    }
+    for (size_t texel = 1; texel < first_.size(); ++texel) first_[texel] = first_[texel - 1] + kept_of(first_[texel]);
     kept_.resize(first_.back());
     parallel_for(atlas.tile_count(), 16, [&](size_t tile, int worker) {
         if (atlas.degenerate(uint32_t(tile))) return;
@@ -185,11 +179,9 @@ Vec3f GaussianProcessTexels::colour(uint32_t texel, const Vec3f& eye) const {
 Contestant gaussian_process_of(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
                                const GaussianProcessOptions& options) {
     require_light_field(dataset);
-    const auto renderer = std::make_shared<GaussianProcessRenderer>(dataset, views, space, options);
-    return {[renderer](const View& view, const auto& pixels, std::vector<float>& rgb, int) {
-                renderer->shade(view.camera, pixels, rgb);
-            },
-            space};
+    const auto kept = std::make_shared<KeptTexels>(dataset, views, space, options);
+    return texel_contestant(kept->atlas, space,
+                            [kept](uint32_t texel, const Vec3f& eye) { return kept->texels.colour(texel, eye); });
 }
 
 }  // namespace radiafit

@@ -13,8 +13,8 @@ struct GaussianProcessOptions {
     int texels = 2000;      ///< that the process is learned from
 };
 
-/// A Gaussian process over view directions in every texel, which keeps the texel's samples: about as much as single
-/// texels can tell of what a camera sees elsewhere, at the price of four numbers per sample.
+/// A Gaussian process over view directions in every texel, all with the same parameters, which are those of most
+/// evidence over texels drawn from the surface. It keeps every sample, at four numbers each.
 class GaussianProcessTexels {
 public:
     /// A texel with more samples is given every second, or third ... of them.
@@ -40,8 +40,8 @@ private:
     std::vector<Kept> kept_;
 };
 
-/// Learned over the surface from these views. Throws UserError for a dataset that is no light field. The dataset must
-/// outlive the contestant.
+/// Of these views. Throws UserError for a dataset that no light field map could be fitted to. The dataset must outlive
+/// the contestant.
 Contestant gaussian_process_of(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
                                const GaussianProcessOptions& options = {});
 

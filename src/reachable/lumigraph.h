@@ -7,8 +7,8 @@
 namespace radiafit {
 
 struct LumigraphOptions {
-    int neighbours = 4;       ///< photographs that are blended
-    double resolution = 0.1;  ///< radians that a photograph counts as farther away for every halving of its resolution
+    int neighbours = 5;       ///< k: photographs that are blended
+    double resolution = 0.3;  ///< radians that a photograph counts as farther away for every halving of its resolution
     double border = 8;        ///< pixels from a photograph's border over which it fades
 };
 
@@ -67,7 +67,7 @@ private:
     Vec3f mean_ = Vec3f::Zero();
 };
 
-/// Throws UserError for a dataset that is no light field. The dataset must outlive the contestant.
+/// As gaussian_process_of().
 Contestant lumigraph_of(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
                         const LumigraphOptions& options = {});
 
