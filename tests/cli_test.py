@@ -163,6 +163,48 @@ class Judge(CommandLine):
             self.assertAlmostEqual(mean[key], value, places=9)
 
 
+class Outliers(CommandLine):
+    def test_an_image_of_noise_is_named_and_left_out(self):
+        dataset = strict_json((self.root / "star/dataset.json").read_text(encoding="utf-8"))
+        train = [view["name"] for view in dataset["views"] if not view["held_out"]]
+        self.good("fit", "star", "-o", "left", "--leave-out", f"{train[3]},{train[7]}", "--model", "viewbasis")
+        options = strict_json((self.root / "left/fit.json").read_text(encoding="utf-8"))["options"]
+        self.assertEqual(options["leave_out"], f"{train[3]},{train[7]}")
+        self.assertEqual(self.judge("left", "train")["images"], len(train))
+        # No image of the star stands out: the fit is that of all.
+        result = self.good("fit", "star", "-o", "all", "--leave-out-outliers", "--model", "viewbasis")
+        self.assertIn("no training image stands out", result.stderr)
+        self.good("fit", "star", "-o", "plain", "--model", "viewbasis")
+        self.assert_same_files("all", "plain", "*.exr")
+        self.assertEqual(self.judge("all")["outliers"], [])
+
+    def test_images_worst_first(self):
+        lines = self.good("judge", "fit", "--split", "train", "--per-image").stdout.splitlines()
+        first = next(i for i, line in enumerate(lines) if line.startswith("PSNR, dB"))
+        figures = [float(line.split()[0]) for line in lines[first + 1 :]]
+        self.assertEqual(figures, sorted(figures))
+        self.assertEqual(len(figures), self.judge("fit", "train")["images"])
+
+    def test_beside_models_that_keep_every_photograph(self):
+        figures = strict_json(self.good("judge", "fit", "--beside", "lumigraph", "--beside", "gaussian-process", "--json").stdout)
+        for name in ("lumigraph", "gaussian-process"):
+            self.assertGreater(figures["beside"][name]["psnr"], figures["baseline"]["psnr"], name)
+
+
+class Tune(CommandLine):
+    def test_tells_a_fit_that_runs(self):
+        result = self.good("tune", "star", "--seconds", "5")
+        command = result.stdout.splitlines()[-1].split()
+        self.assertEqual(command[:3], ["radiafit", "fit", "star"])
+        self.good(*command[1:])
+        tried = strict_json(self.good("tune", "star", "--seconds", "5", "--json").stdout)["tried"]
+        self.assertEqual([t["psnr"] for t in tried], sorted((t["psnr"] for t in tried), reverse=True))
+        # What it tells is what a fit without the same views is worth on them.
+        every = re.search(r"one in (\d+) training views", result.stdout)[1]
+        self.good("fit", "star", *tried[0]["options"].split(), "--validation", every, "-o", "again")
+        self.assertAlmostEqual(self.judge("again", "validation")["psnr"], tried[0]["psnr"], places=3)
+
+
 class Import(CommandLine):
     def test_a_capture_fits_as_well_as_the_dataset_it_was_made_from(self):
         write_capture(self.root / "star", self.root / "capture")

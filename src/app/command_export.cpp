@@ -16,10 +16,9 @@ namespace {
 
 /// The options that say what the problems are. Who solves them has options of their own.
 constexpr const char* problem_options[] = {
-    "model",       "space",        "validation",       "weights",      "mode",        "seed",
-    "terms",       "surface_side", "texels_per_pixel", "view_side",    "view",        "lambda_surface",
-    "lambda_view", "mu",           "clip_above",       "shadow_below", "distributor", "context",
-    "device"};
+    "model", "space",        "validation",       "leave_out",   "weights", "mode",           "seed",
+    "terms", "surface_side", "texels_per_pixel", "view_side",   "view",    "lambda_surface", "lambda_view",
+    "mu",    "clip_above",   "shadow_below",     "distributor", "context", "device"};
 
 std::string options_json(const FitRequest& request) {
     auto json = nlohmann::ordered_json::object();

@@ -1,5 +1,6 @@
 // fit: its options, what it runs, what it leaves.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "base/record.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
+#include "eval/outliers.h"
 
 namespace radiafit {
 
@@ -151,9 +153,26 @@ void leave(const std::string& out, const Dataset& dataset, const FitRequest& req
                          counts[size_t(Status::not_finite)], out));
 }
 
+/// A fit of all training images, unless judged by it some of them are outliers: then one of the others.
+FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
+    std::vector<std::string> outliers;
+    {
+        FinishedFit all = family_of(request).fit(dataset, request);
+        const Dataset fitted = for_validation(dataset, request.validation);
+        outliers = outlying_images(judge(all.fit->contestant(), fitted, Split::train));
+        if (outliers.empty()) {
+            log_info("no training image stands out");
+            return all;
+        }
+    }
+    request.leave_out = fmt::format("{}", fmt::join(outliers, ","));
+    log_info(fmt::format("left out, since a fit misses them by far more than the others: {}", request.leave_out));
+    return family_of(request).fit(dataset, request);
+}
+
 /// In one piece; or in parts, on one machine or on all that mpirun chose, which OUT.parts keeps until all are there.
-void fit(const std::string& out, const Dataset& dataset, const FitRequest& request, const Invocation& invocation,
-         bool force) {
+void fit(const std::string& out, const Dataset& dataset, FitRequest request, const Invocation& invocation, bool force,
+         bool leave_out_outliers) {
     const Record begun = begin_record(dataset, invocation);
     const std::filesystem::path parts = std::filesystem::path(out).concat(".parts");
     if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
@@ -162,13 +181,25 @@ void fit(const std::string& out, const Dataset& dataset, const FitRequest& reque
         leave(out, dataset, request, std::move(*done), begun);
     } else if (!needs_parts(dataset, request)) {
         announce_plan(out, dataset, request, force);
-        return leave(out, dataset, request, family_of(request).fit(dataset, request), begun);
+        FinishedFit done =
+            leave_out_outliers ? fit_without_outliers(dataset, request) : family_of(request).fit(dataset, request);
+        return leave(out, dataset, request, std::move(done), begun);
     } else {
         fit_shard(dataset, request, {}, parts, force);
         leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun);
     }
     std::error_code ignored;
     std::filesystem::remove_all(parts, ignored);
+}
+
+/// What --leave-out-outliers asks of a fit. Throws UserError.
+void require_one_piece(const Dataset& dataset, const FitRequest& request, bool shard) {
+    if (!request.leave_out.empty())
+        throw UserError("--leave-out-outliers finds images itself; leave out it or --leave-out");
+    if (shard || needs_parts(dataset, request) || join_ranks())
+        throw UserError(
+            "--leave-out-outliers fits in one piece; fit a lower --surface-side so, then name the images that it "
+            "leaves out by --leave-out");
 }
 
 }  // namespace
@@ -179,6 +210,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
     auto out = std::make_shared<std::string>();
     auto shard = std::make_shared<std::string>();
     auto force = std::make_shared<bool>(false);
+    auto leave_out_outliers = std::make_shared<bool>(false);
     CommandLine& command = program.add_command("fit", "fit a model to a packed dataset");
     command.add_text("dataset", *folder, "packed dataset").required();
     add_fit_options(command, *request);
@@ -186,6 +218,8 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
     command.add_text("--shard", *shard,
                      "2/7: only the second of seven shares of the surface, into a folder for radiafit merge");
     add_force(command, *force);
+    command.add_flag("--leave-out-outliers", *leave_out_outliers,
+                     "fit twice: all training images, and those that the first fit does not miss by far");
     command.on_run([=, &command] {
         request->check();
         const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
@@ -200,10 +234,11 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         warn_about_range(dataset, *request);
+        if (*leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
         if (share)
             fit_shard(dataset, *request, *share, *out, *force);
         else
-            fit(*out, dataset, *request, invocation, *force);
+            fit(*out, dataset, *request, invocation, *force, *leave_out_outliers);
     });
 }
 

@@ -1,13 +1,19 @@
 // judge: what a fit is worth.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
+#include <numbers>
 
+#include "app/choose.h"
 #include "app/commands.h"
 #include "app/family.h"
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "eval/outliers.h"
+#include "reachable/reachable.h"
 
 namespace radiafit {
 
@@ -17,7 +23,17 @@ struct Judgement {
     JudgeResult fit, baseline;
     const char* baseline_name;
     std::vector<MaterialErrors> truth;
+    std::vector<JudgedBeside> beside;
 };
+
+/// Models that are made of all training photographs (reachable/reachable.h), by name. Throws UserError.
+std::vector<const ReachableModel*> reachable_by_name(const std::vector<std::string>& asked) {
+    std::vector<std::pair<std::string, const ReachableModel*>> all;
+    for (const ReachableModel& model : reachable_models()) all.emplace_back(model.name, &model);
+    std::vector<const ReachableModel*> out;
+    for (const std::string& name : asked) out.push_back(choose("beside", name, all));
+    return out;
+}
 
 /// The dataset as a fit is judged on this split of it.
 Dataset judged_dataset(Fitted& fit, Split split) {
@@ -27,15 +43,24 @@ Dataset judged_dataset(Fitted& fit, Split split) {
     return split == Split::test || validation == 0 ? fit.dataset() : for_validation(fit.dataset(), validation);
 }
 
-Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, std::optional<int> points) {
+Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, std::optional<int> points,
+                    const std::vector<const ReachableModel*>& others) {
     const auto fit = open_fit(folder, moved_to);
     const Dataset judged = judged_dataset(*fit, split);
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
     const JudgeOptions options{&parts, points.value_or(as_photographed)};
-    return {judge(fit->contestant(), judged, split, options), judge(baseline->contestant(), judged, split, options),
-            fit->baseline_name(), std::move(errors)};
+    Judgement out = {judge(fit->contestant(), judged, split, options),
+                     judge(baseline->contestant(), judged, split, options),
+                     fit->baseline_name(),
+                     std::move(errors),
+                     {}};
+    for (const ReachableModel* other : others)
+        out.beside.push_back(
+            {other->name, other->words,
+             judge(other->of(judged, judged.split(false), fit->record().space), judged, split, options)});
+    return out;
 }
 
 std::string text_of(const ErrorSums& errors) {
@@ -58,6 +83,12 @@ void print_judgement(const Judgement& j) {
     for (size_t k = 0; k < j.fit.parts.size(); ++k)
         fmt::print("  {}: {}; {}: {}\n", j.fit.parts[k].name, text_of(j.fit.parts[k].stored), j.baseline_name,
                    text_of(j.baseline.parts[k].stored));
+    for (const JudgedBeside& other : j.beside)
+        fmt::print("  {}, which keeps every photograph: {}\n", other.words, text_of(other.result.stored));
+    if (const auto outliers = outlying_images(j.fit); !outliers.empty())
+        fmt::print(
+            "  look at {}: the fit misses {} by far more than the others; fit --leave-out-outliers fits without\n",
+            fmt::join(outliers, ", "), outliers.size() == 1 ? "it" : "them");
     for (const MaterialErrors& m : j.truth) {
         fmt::print("  {}: {} texels, RMSE of training samples {:.3g}", m.name, m.texels, m.rmse);
         if (m.comparable) {
@@ -68,6 +99,15 @@ void print_judgement(const Judgement& j) {
         }
         fmt::print("\n");
     }
+}
+
+/// Worst first.
+void print_images(std::vector<ImageFigures> images) {
+    std::ranges::stable_sort(images, {}, [](const ImageFigures& image) { return image.stored.psnr(); });
+    fmt::print("PSNR, dB    APE    pixels  degrees outside the training views  image\n");
+    for (const ImageFigures& image : images)
+        fmt::print("{:8.2f} {:6.2f} {:9} {:35.1f}  {}\n", image.stored.psnr(), image.stored.ape(), image.pixels,
+                   image.outside * 180 / std::numbers::pi, image.name);
 }
 
 Split choose_split(const std::string& name) {
@@ -91,7 +131,8 @@ void add_judge(CommandLine& program) {
     struct Options {
         std::string fit, split = "test", dataset;
         std::optional<int> pixel_points;
-        bool json = false;
+        std::vector<std::string> beside;
+        bool per_image = false, json = false;
     };
     auto o = std::make_shared<Options>();
     CommandLine& command = program.add_command("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
@@ -99,16 +140,21 @@ void add_judge(CommandLine& program) {
     command.add_word("--split", o->split, "train, test or validation");
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
     add_pixel_points(command, o->pixel_points);
+    command.add_words("--beside", o->beside,
+                      "lumigraph or gaussian-process: what models reach that keep every training photograph");
+    command.add_flag("--per-image", o->per_image, "a table of the images as well, worst first");
     command.add_flag("--json", o->json, "one JSON object on standard output");
     command.on_run([=] {
         const Split split = choose_split(o->split);
         check_pixel_points(o->pixel_points);
+        const std::vector<const ReachableModel*> others = reachable_by_name(o->beside);
         if (o->json) set_quiet(true);
-        const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points);
+        const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, others);
         if (o->json)
-            fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth));
+            fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth, j.beside));
         else
             print_judgement(j);
+        if (o->per_image && !o->json) print_images(j.fit.images);
     });
 }
 

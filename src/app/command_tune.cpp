@@ -20,7 +20,8 @@ void print_json(const std::string& dataset, const std::vector<TriedSetting>& all
 }
 
 void print_table(const std::string& dataset, const std::vector<TriedSetting>& all, int validation) {
-    fmt::print("PSNR, dB    APE   seconds  options, best first; on every {}th training view, left out\n", validation);
+    fmt::print("PSNR, dB    APE   seconds  options, best first; one in {} training views was left out to judge by\n",
+               validation);
     for (const TriedSetting& t : all)
         fmt::print("{:8.2f} {:6.2f} {:9.1f}  {}\n", t.psnr, t.ape, t.seconds, command_line_of(t.setting));
     fmt::print("\nradiafit fit {} {} -o {}-fit\n", dataset, command_line_of(all.front().setting), dataset);
@@ -51,7 +52,7 @@ void add_tune(CommandLine& program) {
         if (o->json)
             print_json(o->dataset, all);
         else
-            print_table(o->dataset, all, o->tune.validation);
+            print_table(o->dataset, all, left_out_every(dataset, o->tune));
     });
 }
 

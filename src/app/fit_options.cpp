@@ -251,7 +251,10 @@ std::vector<FitOption> make_fit_options() {
          choice<TargetSpace>("space", use::space, OF(space),
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),
-         validation_option(), memory_option()});
+         validation_option(),
+         text("leave_out", 0, OF(leave_out), "names with commas between them",
+              "training images that are not fitted, such as those that judge says to look at"),
+         memory_option()});
     add("Optimizer",
         {optimizer_option(), loss_option(),
          number("loss_scale", use::loss, OF(model.loss.scale), limits::loss_scale,

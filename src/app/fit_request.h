@@ -50,6 +50,7 @@ struct FitRequest {
     bool deflate = false;
     int iterations = 25;
     int validation = 0;
+    std::string leave_out;  ///< names of training images, with commas between them
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
     RecordKind record = RecordKind::compact;

@@ -154,7 +154,8 @@ Dataset part_dataset(const Dataset& whole, Mesh mesh, std::span<const uint32_t> 
 
 FitRequest part_request(FitRequest request, std::span<const uint32_t> units) {
     request.part = true;
-    request.validation = 0;  // the views are those that it leaves
+    request.validation = 0;  // the views are those that it and leave_out leave
+    request.leave_out.clear();
     if (!request.records.empty()) request.records = (fs::path(request.records) / digest_of(units)).string();
     return request;
 }

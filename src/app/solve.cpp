@@ -60,6 +60,30 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
 
 namespace {
 bool validates(size_t training_view, int every) { return every > 0 && int(training_view) % every == every / 2; }
+
+/// Names with commas between them.
+std::vector<std::string> listed(const std::string& names) {
+    std::vector<std::string> out;
+    for (size_t from = 0; from < names.size();) {
+        const size_t comma = std::min(names.find(',', from), names.size());
+        if (comma > from) out.push_back(names.substr(from, comma - from));
+        from = comma + 1;
+    }
+    return out;
+}
+
+/// Without those that the request leaves out.
+std::vector<uint32_t> without_left_out(const Dataset& dataset, const FitRequest& request, std::vector<uint32_t> views) {
+    for (const std::string& name : listed(request.leave_out)) {
+        const auto named = [&](uint32_t view) { return dataset.views[view].name == name; };
+        if (std::ranges::none_of(dataset.split(false), named))
+            throw UserError(
+                fmt::format("leave-out: {} has no training image '{}'; radiafit judge --per-image tells names",
+                            dataset.folder.string(), name));
+        std::erase_if(views, named);
+    }
+    return views;
+}
 }  // namespace
 
 std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& request) {
@@ -70,14 +94,19 @@ std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRequest& req
     std::vector<uint32_t> out;
     for (size_t k = 0; k < training.size(); ++k)
         if (!validates(k, request.validation)) out.push_back(training[k]);
+    out = without_left_out(dataset, request, std::move(out));
+    if (out.empty() && !training.empty())
+        throw UserError(
+            fmt::format("leave-out: no training image of {} is left to fit; name fewer", dataset.folder.string()));
     return out;
 }
 
 std::vector<uint32_t> judged_views(const Dataset& dataset, const FitRequest& request) {
     if (request.validation == 0) return dataset.split(true);
-    const std::vector<uint32_t> training = dataset.split(false), fitted = fitted_views(dataset, request);
+    const std::vector<uint32_t> training = dataset.split(false);
     std::vector<uint32_t> out;
-    std::ranges::set_difference(training, fitted, std::back_inserter(out));
+    for (size_t k = 0; k < training.size(); ++k)
+        if (validates(k, request.validation)) out.push_back(training[k]);
     return out;
 }
 

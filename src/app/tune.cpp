@@ -151,11 +151,15 @@ std::string command_line_of(const FitSetting& setting) {
     return line;
 }
 
+int left_out_every(const Dataset& dataset, const TuneOptions& options) {
+    return std::max(2, std::min(options.validation, int(dataset.split(false).size() / 2)));
+}
+
 std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
                                const std::function<void(const TriedSetting&)>& tried) {
     require("seconds", options.seconds, limits::tune_seconds);
     require("validation", options.validation, limits::tune_validation);
-    return Search(dataset, options, tried).run();
+    return Search(dataset, {options.seconds, left_out_every(dataset, options)}, tried).run();
 }
 
 }  // namespace radiafit

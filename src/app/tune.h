@@ -23,8 +23,12 @@ constexpr Range<int> tune_validation{2, 1'000'000};
 
 struct TuneOptions {
     double seconds = 300;  ///< about so long; the first fit is always tried
-    int validation = 8;    ///< every so many-th training view is left out to judge by
+    int validation = 8;    ///< every so many-th training view is left out to judge by; see left_out_every()
 };
+
+/// TuneOptions::validation, or what leaves out two of the dataset's training views where that would be fewer; 2 at
+/// least.
+int left_out_every(const Dataset& dataset, const TuneOptions& options);
 
 struct TriedSetting {
     FitSetting setting;

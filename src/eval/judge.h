@@ -80,12 +80,19 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view,
                        int pixel_points = as_photographed);
 
+/// Another method's figures on the same views.
+struct JudgedBeside {
+    std::string name, words;  ///< at the command line; in texts
+    JudgeResult result;
+};
+
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, split, pixel_points, images, pixels, not_finite, per_image
 /// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},
-/// parts [{name, psnr, ape, pixels}] if any, and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts}. A
-/// figure that is not finite is null. truth, if any:
+/// parts [{name, psnr, ape, pixels}] if any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape,
+/// psnr_linear, ape_linear, parts} and beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite
+/// is null. truth, if any:
 /// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}}], the latter three where comparable.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
-                       std::span<const MaterialErrors> truth = {});
+                       std::span<const MaterialErrors> truth = {}, std::span<const JudgedBeside> beside = {});
 
 }  // namespace radiafit

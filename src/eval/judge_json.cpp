@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "eval/judge.h"
+#include "eval/outliers.h"
 
 namespace radiafit {
 namespace {
@@ -35,7 +36,8 @@ void add_hull(Json& json, const JudgeResult& result) {
 
 }  // namespace
 
-std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, std::span<const MaterialErrors> truth) {
+std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, std::span<const MaterialErrors> truth,
+                       std::span<const JudgedBeside> beside) {
     Json json;
     add_figures(json, result.stored, result.linear);
     json["split"] = to_string(result.split);
@@ -50,6 +52,9 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         add_parts(json["baseline"], *baseline);
         add_hull(json["baseline"], *baseline);
     }
+    for (const JudgedBeside& other : beside)
+        add_figures(json["beside"][other.name], other.result.stored, other.result.linear);
+    json["outliers"] = outlying_images(result);
     for (const MaterialErrors& m : truth) {
         Json entry = {{"name", m.name}, {"texels", m.texels}, {"rmse", m.rmse}};
         if (m.comparable) {
