@@ -154,6 +154,16 @@ class Judge(CommandLine):
             self.assertGreater(sum(1 for v in frame[2] if v), 64 * 64 // 4)
         self.assertNotEqual(frames[0][2], frames[1][2])
 
+    def test_all_held_out_views(self):
+        self.good("render", "fit", "--all", "held-out", "-o", "held")
+        dataset = strict_json((self.root / "star/dataset.json").read_text(encoding="utf-8"))
+        held_out = [i for i, view in enumerate(dataset["views"]) if view["held_out"]]
+        names = sorted(p.name for p in (self.root / "held").iterdir())
+        self.assertEqual(names, sorted(f"view{i:04d}{end}" for i in held_out for end in (".exr", ".png", "_sheet.png")))
+        self.good("render", "fit", "--view", str(held_out[1]), "-o", "one")
+        for end in (".png", "_sheet.png"):
+            self.assertEqual(read_png(self.root / f"held/view{held_out[1]:04d}{end}"), read_png(self.root / f"one{end}"))
+
     def test_modes_and_the_trivial_baseline(self):
         self.good("fit", "star", "--mode", "paper", "-o", "paper")
         self.good("fit", "star", "--solver", "mean", "-o", "mean")

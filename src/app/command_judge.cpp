@@ -85,6 +85,13 @@ void print_judgement(const Judgement& j) {
                    text_of(j.baseline.parts[k].stored));
     for (const JudgedBeside& other : j.beside)
         fmt::print("  {}, which keeps every photograph: {}\n", other.words, text_of(other.result.stored));
+    if (j.fit.missing_share() >= 0.001)
+        fmt::print("  the mesh lacks {:.1f} % of the masks' pixels; with these, black in a render: {}\n",
+                   100 * j.fit.missing_share(), text_of(j.fit.with_missing()));
+    const auto faded = std::ranges::count_if(j.fit.images, [](const ImageFigures& i) { return i.share_of_fit < 1; });
+    if (faded > 0)
+        fmt::print("  {} of them, far from what was fitted, show less than the whole fit, the least {:.0f} % of it\n",
+                   faded, 100 * std::ranges::min(j.fit.images, {}, &ImageFigures::share_of_fit).share_of_fit);
     if (const auto outliers = outlying_images(j.fit); !outliers.empty())
         fmt::print(
             "  look at {}: the fit misses {} by far more than the others; fit --leave-out-outliers fits without\n",

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/choose.h"
 #include "app/commands.h"
 #include "app/family.h"
 #include "app/limits.h"
@@ -26,6 +27,7 @@ struct RenderOptions {
     std::string fit, output, dataset;
     std::optional<int> view;
     int turntable = 0;
+    std::string all;            ///< of which split every view is shown; empty: one
     std::vector<double> light;  ///< direction, or empty
     std::optional<int> pixel_points;
     bool problems = false;
@@ -163,6 +165,26 @@ void render_turntable(const RenderOptions& o, Fitted& fitted, View shown) {
     pictures.commit();
 }
 
+/// Where a view lies so far from the images that were fitted that it shows less than the whole fit.
+void tell_share(const Contestant& fit, const View& shown) {
+    const double share = fit.share_of_fit ? fit.share_of_fit(shown) : 1;
+    if (share < 1)
+        log_warning(
+            fmt::format("lamp or camera are far from those of the training images: the picture shows {:.0f} % of the "
+                        "fit, the rest is Lambertian",
+                        100 * share));
+}
+
+ByteImage sheet_of(const Contestant& fit, const Contestant& baseline, const Dataset& dataset, uint32_t view,
+                   int points) {
+    const JudgedView trivial = judged_view(baseline, dataset, view, points);
+    return comparison_sheet(judged_view(fit, dataset, view, points), &trivial, dataset.encoding);
+}
+std::string sheet_content(Fitted& fitted, uint32_t view) {
+    return fmt::format("photograph {}, {}, fit, 4 x |error|", fitted.dataset().views[view].name,
+                       fitted.baseline_name());
+}
+
 /// `shown`: view `view`, perhaps under another lamp: only as it was photographed can it be compared.
 void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const View& shown) {
     const Dataset& dataset = fitted.dataset();
@@ -172,14 +194,36 @@ void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const Vi
     const std::string name = stem.filename().string();
     Pictures pictures(stem.parent_path());
     pictures.check(name, {".png", ".exr", "_sheet.png"});
+    tell_share(fit, shown);
     pictures.add(name, render(fit, dataset, shown, points));
     if (o.light.empty()) {
         const auto trivial = fitted.baseline();
-        const JudgedView baseline = judged_view(trivial->contestant(), dataset, view, points);
-        pictures.add_sheet(
-            name, comparison_sheet(judged_view(fit, dataset, view, points), &baseline, dataset.encoding),
-            fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, fitted.baseline_name()));
+        pictures.add_sheet(name, sheet_of(fit, trivial->contestant(), dataset, view, points),
+                           sheet_content(fitted, view));
     }
+    pictures.commit();
+}
+
+/// Every view of a split, into a folder, each beside its photograph.
+void render_all(const RenderOptions& o, Fitted& fitted) {
+    const Dataset& dataset = fitted.dataset();
+    const bool held_out = choose<bool>("all", o.all, {{"held-out", true}, {"train", false}});
+    const std::vector<uint32_t> views = dataset.split(held_out);
+    if (views.empty()) throw UserError(fmt::format("--all {}: {} has no such view", o.all, dataset.name));
+    const auto name_of = [](uint32_t view) { return fmt::format("view{:04d}", view); };
+    const Contestant fit = fitted.contestant();
+    const auto trivial = fitted.baseline();
+    const Contestant baseline = trivial->contestant();
+    const int points = o.pixel_points.value_or(as_photographed);
+    Pictures pictures(o.output);
+    for (const uint32_t view : views) pictures.check(name_of(view), {".png", ".exr", "_sheet.png"});
+    Progress progress("render", views.size());
+    for (const uint32_t view : views) {
+        pictures.add(name_of(view), render(fit, dataset, dataset.views[view], points));
+        pictures.add_sheet(name_of(view), sheet_of(fit, baseline, dataset, view, points), sheet_content(fitted, view));
+        progress.advance();
+    }
+    progress.finish();
     pictures.commit();
 }
 
@@ -195,9 +239,9 @@ void render_problems(const RenderOptions& o, Fitted& fit) {
 }
 
 void check_output(const RenderOptions& o) {
-    if (o.output.empty()) throw UserError("--output is empty; name a file, or a folder for --turntable");
+    if (o.output.empty()) throw UserError("--output is empty; name a file, or a folder for --turntable and --all");
     const fs::path name = stem_of(o.output).filename();
-    if (o.turntable == 0 && (name.empty() || name == "." || name == ".."))
+    if (o.turntable == 0 && o.all.empty() && (name.empty() || name == "." || name == ".."))
         throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));
 }
 
@@ -208,6 +252,7 @@ void render_fit(const RenderOptions& o) {
     if (!o.light.empty() && !fit->takes_light())
         throw UserError("--light: a light field map keeps the light it was photographed under");
     if (o.problems) return render_problems(o, *fit);
+    if (!o.all.empty()) return render_all(o, *fit);
     const Dataset& dataset = fit->dataset();
     const uint32_t view = chosen_view(dataset, o.view);
     View shown = dataset.views[view];
@@ -226,17 +271,24 @@ void add_render(CommandLine& program) {
     command.add_number("--turntable", o->turntable, limits::turntable, "this many views around the object instead")
         .hide_default()
         .excludes("--view");
-    command.add_numbers("--light", o->light, 3,
-                        "x y z: direction to a distant lamp of intensity 1, of a reflectance fit");
+    command.add_word("--all", o->all, "held-out or train: every such view, into a folder, each beside its photograph")
+        .hide_default()
+        .excludes("--view")
+        .excludes("--turntable");
+    command
+        .add_numbers("--light", o->light, 3, "x y z: direction to a distant lamp of intensity 1, of a reflectance fit")
+        .excludes("--all");
     command
         .add_flag("--problems", o->problems,
                   "how each texel's fit ended, its iterations, samples and error, in the atlas, of a reflectance fit")
         .excludes("--view")
         .excludes("--light")
-        .excludes("--turntable");
+        .excludes("--turntable")
+        .excludes("--all");
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
     add_pixel_points(command, o->pixel_points);
-    command.add_text("-o,--output", o->output, "file name without or with extension; a folder for --turntable")
+    command
+        .add_text("-o,--output", o->output, "file name without or with extension; a folder for --turntable and --all")
         .required();
     command.on_run([=] { render_fit(*o); });
 }

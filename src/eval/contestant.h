@@ -17,6 +17,9 @@ struct Contestant {
     std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker)>
         shade;
     TargetSpace space = TargetSpace::stored;  ///< of the values it hands out
+    /// How much of the fit a view shows, where a contestant fades to something safer far from the images that were
+    /// fitted: 1 is all of it, 0 nothing. None: always all.
+    std::function<double(const View& view)> share_of_fit = {};
 };
 /// The fit must be of this mesh (open_fitted_dataset() makes sure), of texels in this atlas; both outlive the
 /// contestant.

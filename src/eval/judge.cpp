@@ -50,11 +50,13 @@ public:
         const size_t pixels = seen.size();
         out.photograph.resize(3 * pixels);
         out.foreground.resize(pixels);
+        if (view.mask_offset && !dataset_->has_grid()) out.missing.resize(pixels);
         const float scale = image_.scale16();
         for (size_t i = 0; i < pixels; ++i) {
             const auto channels = image_.channel16(i);
             for (size_t c = 0; c < 3; ++c) out.photograph[3 * i + c] = clamped(float(channels[c]) * scale);
             out.foreground[i] = seen[i].triangle != no_triangle && image_.masked_in(i);
+            if (!out.missing.empty()) out.missing[i] = seen[i].triangle == no_triangle && image_.masked_in(i);
         }
         if (has_gains_ && view.held_out) out.gain = 1 / best_exposure(contestant.space, out);
         out.render.assign(3 * pixels, 0.0f);
@@ -98,6 +100,8 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
     ImageFigures f;
     f.name = view.name;
     f.gain = judged.gain;
+    for (size_t i = 0; i < judged.missing.size(); ++i)
+        for (size_t c = 3 * i; c < 3 * i + 3 && judged.missing[i]; ++c) f.missing.add(-double(judged.photograph[c]));
     for (size_t i = 0; i < judged.foreground.size(); ++i) {
         if (!judged.foreground[i]) continue;
         ++f.pixels;
@@ -151,6 +155,8 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     for (size_t i = 0; i < views.size(); ++i) {
         ImageFigures& image = result.images[i];
         image.outside = angles[views[i]];
+        if (contestant.share_of_fit) image.share_of_fit = contestant.share_of_fit(dataset.views[views[i]]);
+        result.missing.add(image.missing);
         result.stored.add(image.stored);
         result.linear.add(image.linear);
         const bool outside = image.outside >= least_outside;

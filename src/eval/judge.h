@@ -33,14 +33,17 @@ struct JudgedView {
     std::vector<float> render;        ///< in the photograph's exposure; NaN where not finite; 0 outside the foreground
     std::vector<uint8_t> foreground;  ///< [height][width]
     double gain = 1;                  ///< 1 / s: linear, from the photograph's exposure to the contestant's
+    std::vector<uint8_t> missing = {};  ///< [height][width]: inside the image's mask, where the mesh is not; or empty
 };
 
 struct ImageFigures {
     std::string name;
     uint64_t pixels = 0;  ///< foreground
     double gain = 1;
+    double share_of_fit = 1;   ///< Contestant's
     double outside = 0;        ///< by how much (radians) it lies outside the training views' directions
     ErrorSums stored, linear;  ///< in the stored encoding; in linear light
+    ErrorSums missing;         ///< stored: of pixels inside the mask that the mesh lacks, which a render leaves black
 };
 
 /// Parts of the surface, such as materials, whose errors are told apart as well.
@@ -68,6 +71,16 @@ struct JudgeResult {
     /// outside by a degree or more: what the fit interpolates, and what it extrapolates.
     ErrorSums inside, outside;
     size_t outside_count = 0;  ///< images
+    /// Pooled: what the mesh lacks of the images' masks, where the mesh is not but the mask is.
+    ErrorSums missing;
+    double missing_share() const {
+        return missing.values ? double(missing.values) / double(missing.values + stored.values) : 0;
+    }
+    ErrorSums with_missing() const {
+        ErrorSums sum = stored;
+        sum.add(missing);
+        return sum;
+    }
     double psnr() const { return stored.psnr(); }
     double ape() const { return stored.ape(); }
 };
@@ -88,9 +101,9 @@ struct JudgedBeside {
 
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, split, pixel_points, images, pixels, not_finite, per_image
 /// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},
-/// parts [{name, psnr, ape, pixels}] if any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape,
-/// psnr_linear, ape_linear, parts} and beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite
-/// is null. truth, if any:
+/// missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape, pixels}] if
+/// any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts} and
+/// beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite is null. truth, if any:
 /// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}}], the latter three where comparable.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
                        std::span<const MaterialErrors> truth = {}, std::span<const JudgedBeside> beside = {});

@@ -45,6 +45,8 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
     json["images"] = result.images.size();
     json["pixels"] = result.stored.values / 3;
     json["not_finite"] = result.stored.not_finite;
+    json["missing_share"] = result.missing_share();
+    json["psnr_with_missing"] = result.with_missing().psnr();
     add_parts(json, result);
     add_hull(json, result);
     if (baseline) {
@@ -70,6 +72,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         add_figures(entry, image.stored, image.linear);
         entry["pixels"] = image.pixels;
         entry["gain"] = image.gain;
+        entry["share_of_fit"] = image.share_of_fit;
         entry["degrees_outside"] = image.outside * 180 / std::numbers::pi;
         json["per_image"].push_back(entry);
     }

@@ -98,7 +98,7 @@ Contestant safe_contestant_of(const ReflectanceFit& fit, const Atlas& atlas, con
     const auto safe = std::make_shared<SafeRelighting>(dataset, training, atlas, fit);
     return {
         [safe](const View& view, const auto& pixels, std::vector<float>& rgb, int) { safe->shade(view, pixels, rgb); },
-        TargetSpace::linear};
+        TargetSpace::linear, [safe](const View& view) { return safe->share_of_fit(view); }};
 }
 
 }  // namespace radiafit

@@ -178,6 +178,8 @@ rows += [
     ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),
     ("render flatfit --turntable 3 -o new", None, 2, "--turntable: a grid is seen from where its camera stood"),
     ("render flatfit --problems --light 0,0,1 -o new", None, 2, "--problems", "--light"),
+    ("render fit --all some -o new", None, 2, "all 'some'", "held-out"),
+    ("render fit --all train --view 1 -o new", None, 2, "--all", "--view"),
     ("render fit --view 2 -o new", None, 0, "new.png"),
     ("render fit --turntable 1 -o new", None, 0, "turn000"),
     ("render flatfit --light 0,3e30,4e30 -o new", None, 0, "new.png"),
