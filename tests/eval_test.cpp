@@ -262,17 +262,29 @@ TEST(Judge, ConstantDifferenceOnTheForegroundOnly) {
 
     // Foreground: the mask of fit_scene.h where the rasterizer sees the mesh.
     Rasterizer rasterizer;
-    uint64_t expected = 0;
+    uint64_t expected = 0, missing = 0;
     const std::vector<uint32_t> views = dataset.split(false);
     for (size_t v = 0; v < views.size(); ++v) {
         rasterizer.draw(dataset.mesh, dataset.views[views[v]].camera);
         uint64_t pixels = 0;
-        for (int i = 0; i < 48 * 48; ++i)
-            pixels += rasterizer.pixels()[size_t(i)].triangle != no_triangle && (i % 48 / 5 + i / 48 / 7) % 4 != 0;
+        for (int i = 0; i < 48 * 48; ++i) {
+            const bool mesh = rasterizer.pixels()[size_t(i)].triangle != no_triangle;
+            const bool mask = (i % 48 / 5 + i / 48 / 7) % 4 != 0;
+            pixels += mesh && mask;
+            missing += !mesh && mask;
+        }
         EXPECT_EQ(result.images[v].pixels, pixels);
         expected += pixels;
     }
     EXPECT_EQ(result.stored.values, 3 * expected);
+
+    // Mask without mesh, black in a render.
+    EXPECT_GT(missing, 0u);
+    EXPECT_EQ(result.missing.values, 3 * missing);
+    EXPECT_NEAR(result.missing.ape(), 102, 1e-4);
+    EXPECT_DOUBLE_EQ(result.missing_share(), double(missing) / double(missing + expected));
+    const Dataset unmasked = gray_dataset(folder.path() / "unmasked", 102);
+    EXPECT_EQ(judge(painter([](size_t, size_t) { return 0.4f; }), unmasked, Split::train).missing.values, 0u);
 
     // What a contestant paints where no mesh is seen changes nothing.
     const Contestant loud{[](const View&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
