@@ -50,7 +50,7 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
-    const JudgeOptions options{&parts, points.value_or(as_photographed)};
+    const JudgeOptions options{&parts, points.value_or(as_photographed), true};
     Judgement out = {judge(fit->contestant(), judged, split, options),
                      judge(baseline->contestant(), judged, split, options),
                      fit->baseline_name(),
@@ -69,9 +69,14 @@ std::string text_of(const ErrorSums& errors) {
     return fmt::format("no PSNR, since {} of {} rendered values are not finite", errors.not_finite, errors.values);
 }
 
+std::string text_of(const JudgeResult& result) {
+    const std::string errors = text_of(result.stored);
+    return result.ssim.windows ? fmt::format("{}, SSIM {:.3f}", errors, result.ssim.mean()) : errors;
+}
+
 void print_judgement(const Judgement& j) {
-    fmt::print("{} views ({}): {}; {}: {}\n", j.fit.images.size(), to_string(j.fit.split), text_of(j.fit.stored),
-               j.baseline_name, text_of(j.baseline.stored));
+    fmt::print("{} views ({}): {}; {}: {}\n", j.fit.images.size(), to_string(j.fit.split), text_of(j.fit),
+               j.baseline_name, text_of(j.baseline));
     if (const size_t outside = j.fit.outside_count; outside > 0) {
         const auto tell = [&](size_t images, const char* where, const ErrorSums& fit, const ErrorSums& baseline) {
             fmt::print("  {} of them {} the directions of the training views: {}; {}: {}\n", images, where,
@@ -84,7 +89,7 @@ void print_judgement(const Judgement& j) {
         fmt::print("  {}: {}; {}: {}\n", j.fit.parts[k].name, text_of(j.fit.parts[k].stored), j.baseline_name,
                    text_of(j.baseline.parts[k].stored));
     for (const JudgedBeside& other : j.beside)
-        fmt::print("  {}, which keeps every photograph: {}\n", other.words, text_of(other.result.stored));
+        fmt::print("  {}, which keeps every photograph: {}\n", other.words, text_of(other.result));
     if (j.fit.missing_share() >= 0.001)
         fmt::print("  the mesh lacks {:.1f} % of the masks' pixels; with these, black in a render: {}\n",
                    100 * j.fit.missing_share(), text_of(j.fit.with_missing()));

@@ -11,6 +11,7 @@
 #include "base/wording.h"
 #include "dataset/view_directions.h"
 #include "eval/exposure.h"
+#include "eval/ssim.h"
 
 namespace radiafit {
 namespace {
@@ -148,6 +149,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         const JudgedView judged = bench->compare(contestant, views[i], worker);
         result.images[i] =
             figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(), image_parts[i]);
+        if (options.ssim) result.images[i].ssim = ssim(judged);
     });
     for (const auto& of_image : image_parts)
         for (size_t k = 0; k < of_image.size(); ++k) result.parts[k].stored.add(of_image[k].stored);
@@ -157,6 +159,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         image.outside = angles[views[i]];
         if (contestant.share_of_fit) image.share_of_fit = contestant.share_of_fit(dataset.views[views[i]]);
         result.missing.add(image.missing);
+        result.ssim.add(image.ssim);
         result.stored.add(image.stored);
         result.linear.add(image.linear);
         const bool outside = image.outside >= least_outside;

@@ -43,6 +43,7 @@ struct ImageFigures {
     double share_of_fit = 1;   ///< Contestant's
     double outside = 0;        ///< by how much (radians) it lies outside the training views' directions
     ErrorSums stored, linear;  ///< in the stored encoding; in linear light
+    SsimSum ssim;              ///< where it was asked for
     ErrorSums missing;         ///< stored: of pixels inside the mask that the mesh lacks, which a render leaves black
 };
 
@@ -59,6 +60,7 @@ struct PartFigures {
 struct JudgeOptions {
     const SurfaceParts* parts = nullptr;
     int pixel_points = as_photographed;  ///< PixelAreas'
+    bool ssim = false;                   ///< structural similarity as well (eval/ssim.h)
 };
 
 struct JudgeResult {
@@ -66,6 +68,7 @@ struct JudgeResult {
     int pixel_points = 0;              ///< that it came to: PixelAreas::points()
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
+    SsimSum ssim;                      ///< likewise, over windows
     std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
     /// Of the images that lie inside the cone of the training views' directions (dataset/view_directions.h), and
     /// outside by a degree or more: what the fit interpolates, and what it extrapolates.
@@ -99,7 +102,8 @@ struct JudgedBeside {
     JudgeResult result;
 };
 
-/// One JSON object: psnr, ape, psnr_linear, ape_linear, split, pixel_points, images, pixels, not_finite, per_image
+/// One JSON object: psnr, ape, psnr_linear, ape_linear, ssim, split, pixel_points, images, pixels, not_finite,
+/// per_image
 /// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},
 /// missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape, pixels}] if
 /// any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts} and

@@ -40,6 +40,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
                        std::span<const JudgedBeside> beside) {
     Json json;
     add_figures(json, result.stored, result.linear);
+    if (result.ssim.windows) json["ssim"] = result.ssim.mean();
     json["split"] = to_string(result.split);
     json["pixel_points"] = result.pixel_points;
     json["images"] = result.images.size();
@@ -51,11 +52,14 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
     add_hull(json, result);
     if (baseline) {
         add_figures(json["baseline"], baseline->stored, baseline->linear);
+        if (baseline->ssim.windows) json["baseline"]["ssim"] = baseline->ssim.mean();
         add_parts(json["baseline"], *baseline);
         add_hull(json["baseline"], *baseline);
     }
-    for (const JudgedBeside& other : beside)
+    for (const JudgedBeside& other : beside) {
         add_figures(json["beside"][other.name], other.result.stored, other.result.linear);
+        if (other.result.ssim.windows) json["beside"][other.name]["ssim"] = other.result.ssim.mean();
+    }
     json["outliers"] = outlying_images(result);
     for (const MaterialErrors& m : truth) {
         Json entry = {{"name", m.name}, {"texels", m.texels}, {"rmse", m.rmse}};
@@ -70,6 +74,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
     for (const ImageFigures& image : result.images) {
         Json entry = {{"name", image.name}};
         add_figures(entry, image.stored, image.linear);
+        if (image.ssim.windows) entry["ssim"] = image.ssim.mean();
         entry["pixels"] = image.pixels;
         entry["gain"] = image.gain;
         entry["share_of_fit"] = image.share_of_fit;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
 
 namespace radiafit {
@@ -17,4 +18,16 @@ struct ErrorSums {
     double psnr() const;
 };
 
+/// Mean structural similarity of render and photograph (Wang, Bovik, Sheikh and Simoncelli 2004): of luma in the stored
+/// encoding, under a Gaussian window of 11 x 11 pixels and a standard deviation of 1.5, over the windows that lie in
+/// the foreground as a whole. 1: alike. Not a number where there is no such window.
+struct SsimSum {
+    double sum = 0;
+    uint64_t windows = 0;
+    double mean() const { return windows ? sum / double(windows) : NAN; }
+    void add(const SsimSum& other) {
+        sum += other.sum;
+        windows += other.windows;
+    }
+};
 }  // namespace radiafit
