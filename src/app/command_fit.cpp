@@ -117,6 +117,7 @@ void save(const std::string& folder, FinishedFit& done, const FitRequest& reques
     fit.times_json = times.dump();
     done.fit->write(folder, [&](const std::filesystem::path& inside) {
         write_file(inside / "trace.csv", trace_csv(done.run.trace, request.label(), fit.engine));
+        done.fit->write_error_bars(inside);
     });
 }
 
@@ -143,9 +144,10 @@ Record begin_record(const Dataset& dataset, const Invocation& invocation) {
 
 /// Checks what a fit came to, writes it and says so.
 void leave(const std::string& out, const Dataset& dataset, const FitRequest& request, FinishedFit done,
-           const Record& begun) {
+           const Record& begun, bool covariance = false) {
     const FitRecord& record = done.fit->record();
     require_result(record, dataset);
+    if (covariance) done.fit->find_error_bars();
     save(out, done, request, begun);
     const auto counts = record.status_counts();
     log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
@@ -172,21 +174,21 @@ FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
 
 /// In one piece; or in parts, on one machine or on all that mpirun chose, which OUT.parts keeps until all are there.
 void fit(const std::string& out, const Dataset& dataset, FitRequest request, const Invocation& invocation, bool force,
-         bool leave_out_outliers) {
+         bool leave_out_outliers, bool covariance) {
     const Record begun = begin_record(dataset, invocation);
     const std::filesystem::path parts = std::filesystem::path(out).concat(".parts");
     if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
         auto done = fit_on_ranks(*ranks, dataset, request, parts, force);
         if (!done) return;
-        leave(out, dataset, request, std::move(*done), begun);
+        leave(out, dataset, request, std::move(*done), begun, covariance);
     } else if (!needs_parts(dataset, request)) {
         announce_plan(out, dataset, request, force);
         FinishedFit done =
             leave_out_outliers ? fit_without_outliers(dataset, request) : family_of(request).fit(dataset, request);
-        return leave(out, dataset, request, std::move(done), begun);
+        return leave(out, dataset, request, std::move(done), begun, covariance);
     } else {
         fit_shard(dataset, request, {}, parts, force);
-        leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun);
+        leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun, covariance);
     }
     std::error_code ignored;
     std::filesystem::remove_all(parts, ignored);
@@ -200,6 +202,15 @@ void require_one_piece(const Dataset& dataset, const FitRequest& request, bool s
         throw UserError(
             "--leave-out-outliers fits in one piece; fit a lower --surface-side so, then name the images that it "
             "leaves out by --leave-out");
+}
+
+/// What --covariance asks of a fit. Throws UserError.
+void require_error_bars(const FitRequest& request, bool shard) {
+    if (!family_of(request).has_error_bars)
+        throw UserError(
+            fmt::format("--covariance: {} have no error bars; choose a texel-local model, such as lafortune",
+                        family_of(request).name));
+    if (shard) throw UserError("--covariance is of a whole fit; leave out it or --shard");
 }
 
 }  // namespace
@@ -220,6 +231,9 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
     add_force(command, *force);
     command.add_flag("--leave-out-outliers", *leave_out_outliers,
                      "fit twice: all training images, and those that the first fit does not miss by far");
+    auto covariance = std::make_shared<bool>(false);
+    command.add_flag("--covariance", *covariance,
+                     "maps of the parameters' standard deviations as well, of texel-local models");
     command.on_run([=, &command] {
         request->check();
         const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
@@ -235,10 +249,11 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         reject_idle_options(*request, dataset.has_grid());
         warn_about_range(dataset, *request);
         if (*leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
+        if (*covariance) require_error_bars(*request, share.has_value());
         if (share)
             fit_shard(dataset, *request, *share, *out, *force);
         else
-            fit(*out, dataset, *request, invocation, *force, *leave_out_outliers);
+            fit(*out, dataset, *request, invocation, *force, *leave_out_outliers, *covariance);
     });
 }
 

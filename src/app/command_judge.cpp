@@ -44,8 +44,9 @@ Dataset judged_dataset(Fitted& fit, Split split) {
 }
 
 Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, std::optional<int> points,
-                    const std::vector<const ReachableModel*>& others) {
+                    bool error_bars, const std::vector<const ReachableModel*>& others) {
     const auto fit = open_fit(folder, moved_to);
+    if (error_bars) fit->find_error_bars();
     const Dataset judged = judged_dataset(*fit, split);
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
@@ -90,6 +91,12 @@ void print_judgement(const Judgement& j) {
                    text_of(j.baseline.parts[k].stored));
     for (const JudgedBeside& other : j.beside)
         fmt::print("  {}, which keeps every photograph: {}\n", other.words, text_of(other.result));
+    if (const ErrorBarFigures& bars = j.fit.error_bars; bars.values > 0) {
+        fmt::print("  error bars: {:.1f} % of the errors are within one standard deviation (true ones: 68 %)\n",
+                   100 * bars.within_share());
+        fmt::print("  don't trust {:.1f} % of the pixels, where the fit is less certain than a photograph: {}; {}\n",
+                   100 * bars.doubtful_share(), text_of(bars.doubtful), "the others: " + text_of(bars.sound));
+    }
     if (j.fit.missing_share() >= 0.001)
         fmt::print("  the mesh lacks {:.1f} % of the masks' pixels; with these, black in a render: {}\n",
                    100 * j.fit.missing_share(), text_of(j.fit.with_missing()));
@@ -108,6 +115,8 @@ void print_judgement(const Judgement& j) {
                        m.parameters.size(), 100 * m.worst_median, 100 * m.worst_90);
             for (size_t i = 0; i < m.parameters.size(); ++i)
                 fmt::print("{}{} {:.3g} %", i ? ", " : "; each: ", m.parameters[i], 100 * m.median[i]);
+            if (m.barred > 0)
+                fmt::print("; {:.1f} % within one standard deviation of the truth", 100 * m.within_share());
         }
         fmt::print("\n");
     }
@@ -144,7 +153,7 @@ void add_judge(CommandLine& program) {
         std::string fit, split = "test", dataset;
         std::optional<int> pixel_points;
         std::vector<std::string> beside;
-        bool per_image = false, json = false;
+        bool per_image = false, error_bars = false, json = false;
     };
     auto o = std::make_shared<Options>();
     CommandLine& command = program.add_command("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
@@ -154,6 +163,9 @@ void add_judge(CommandLine& program) {
     add_pixel_points(command, o->pixel_points);
     command.add_words("--beside", o->beside,
                       "lumigraph or gaussian-process: what models reach that keep every training photograph");
+    command.add_flag("--covariance", o->error_bars,
+                     "how far noise moves a texel-local model's fit, whether the errors agree, and where its colours "
+                     "can't be trusted");
     command.add_flag("--per-image", o->per_image, "a table of the images as well, worst first");
     command.add_flag("--json", o->json, "one JSON object on standard output");
     command.on_run([=] {
@@ -161,7 +173,7 @@ void add_judge(CommandLine& program) {
         check_pixel_points(o->pixel_points);
         const std::vector<const ReachableModel*> others = reachable_by_name(o->beside);
         if (o->json) set_quiet(true);
-        const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, others);
+        const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, o->error_bars, others);
         if (o->json)
             fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth, j.beside));
         else

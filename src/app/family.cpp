@@ -29,6 +29,19 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     return family_of(request).plan(dataset, request, most_views);
 }
 
+void Fitted::find_error_bars() {
+    throw UserError("--covariance: only texel-local models have error bars; fit one, such as lafortune");
+}
+
+std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRecord& fit) {
+    FitRequest request;
+    request.validation = validation_of(fit);
+    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
+    if (options.is_object() && options.contains("leave_out") && options.at("leave_out").is_string())
+        request.leave_out = options.at("leave_out").get<std::string>();
+    return fitted_views(dataset, request);
+}
+
 int validation_of(const FitRecord& fit) {
     const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
     if (!options.is_object() || !options.contains("validation")) return 0;

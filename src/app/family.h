@@ -29,6 +29,10 @@ public:
     virtual std::vector<MaterialErrors> truth_errors() { return {}; }  ///< likewise
     virtual bool takes_light() const { return false; }                 ///< shows the surface under any lamp
     virtual std::optional<ProblemPicture> problems() { return {}; }    ///< where they have places on a picture
+    /// Finds how far noise moves the fit (cpu/texel_covariance.h), which contestant() and truth_errors() tell from then
+    /// on. Throws UserError where a model has no error bars.
+    virtual void find_error_bars();
+    virtual void write_error_bars(const std::filesystem::path&) {}  ///< as maps, once they are found
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;
@@ -50,6 +54,7 @@ struct Family {
     bool (*owns)(const std::string& model);  ///< by its name in requests and in fit.json
     std::vector<std::string> (*models)();    ///< their names
     const char* help;                        ///< of the models, after "--model"
+    bool has_error_bars;                     ///< Fitted::find_error_bars()
     uint32_t (*uses)(const Solver& solver);  ///< what a solver does with this family; 0: it fits no such
     /// The space of images that are streamed with 16 bits; none where a fit reads the values themselves.
     std::optional<TargetSpace> (*streamed)(const FitRequest& request);
@@ -94,5 +99,7 @@ FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& data
 
 /// FitRequest::validation of a fit. Throws UserError.
 int validation_of(const FitRecord& fit);
+/// The training views that it fitted. Throws UserError.
+std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRecord& fit);
 
 }  // namespace radiafit

@@ -92,6 +92,7 @@ const Family light_field_maps = {
     .owns = [](const std::string& model) { return model == lfm_name; },
     .models = [] { return std::vector<std::string>{lfm_name}; },
     .help = "lfm is a light field map",
+    .has_error_bars = false,
     .uses = [](const Solver& solver) { return solver.uses; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .settle =

@@ -38,6 +38,7 @@ const Family spherical_gaussians = {
     .owns = [](const std::string& model) { return model == sg_name; },
     .models = [] { return std::vector<std::string>{sg_name}; },
     .help = "sg is a diffuse colour and lobes about directions of view in each texel",
+    .has_error_bars = false,
     .uses = [](const Solver& solver) -> uint32_t {
         return solver.solve == solve_stream ? use::sides | use::space | use::iterations | use::lobes : 0;
     },

@@ -5,12 +5,15 @@
 
 #include "app/family.h"
 #include "app/fit_options.h"
+#include "cpu/texel_covariance.h"
 #include "cpu/texel_fit.h"
+#include "dataset/texel_shading.h"
 #include "dataset/truth.h"
 #include "eval/reflectance_renderer.h"
 #include "eval/render.h"
 #include "eval/safe_relighting.h"
 #include "eval/truth_errors.h"
+#include "fit/texel_fit.h"
 
 namespace radiafit {
 namespace {
@@ -35,9 +38,25 @@ public:
                            fit_.problem_count());
     }
     Contestant contestant() override {
-        const int validation = validation_of(fit_);
-        const auto training = (validation > 0 ? for_validation(dataset(), validation) : dataset()).split(false);
-        return safe_contestant_of(fit_, *atlas_, dataset(), training);
+        Contestant out = safe_contestant_of(fit_, *atlas_, dataset(), fitted_views(dataset(), fit_));
+        if (error_bars_)
+            out.error_bars = [this](const View& view, const auto& pixels, std::vector<ErrorBar>& bars) {
+                tell_error_bars(view, pixels, bars);
+            };
+        return out;
+    }
+    void find_error_bars() override {
+        const auto views = fitted_views(dataset(), fit_);
+        FitRequest request;
+        request.model.surface_side = fit_.options.surface_side;
+        const SharedTexels samples = distribute_texels(dataset(), request, views);
+        const TexelLoader loader(dataset(), *atlas_, views, fit_.options);
+        error_bars_.emplace(TexelProblem{*samples.source, loader, fit_.options}, fit_.parameters);
+    }
+    void write_error_bars(const fs::path& folder) override {
+        if (!error_bars_) return;
+        radiafit::write_error_bars(folder, *atlas_, *fit_.options.model,
+                                   {error_bars_->deviation, error_bars_->noise, error_bars_->deficient});
     }
     std::unique_ptr<Fitted> baseline() override {
         FitRequest diffuse;
@@ -60,7 +79,8 @@ public:
     }
     std::vector<MaterialErrors> truth_errors() override {
         if (!has_truth(dataset())) return {};
-        return radiafit::truth_errors(fit_, read_truth(dataset().folder));
+        return radiafit::truth_errors(fit_, read_truth(dataset().folder),
+                                      error_bars_ ? error_bars_->deviation : std::vector<float>());
     }
     bool takes_light() const override { return true; }
     std::optional<ProblemPicture> problems() override {
@@ -91,7 +111,23 @@ public:
     void export_parameters(ProblemFolder& out) override { radiafit::export_parameters(fit_, out); }
 
 private:
+    void tell_error_bars(const View& view, const std::vector<RasterPixel>& pixels, std::vector<ErrorBar>& bars) const {
+        const ReflectanceRenderer renderer(*atlas_, fit_);
+        const size_t n = size_t(fit_.options.model->parameters);
+        bars.assign(pixels.size(), {});
+        for (size_t i = 0; i < pixels.size(); ++i) {
+            if (pixels[i].triangle == no_triangle) continue;
+            const uint32_t texel = renderer.texel_of(pixels[i]);
+            const TexelShading::Lit lit = TexelShading::lit(TexelShading::place(*atlas_, texel), view);
+            const auto value = error_bars_->of_value(texel, {&fit_.parameters[texel * n], n}, lit.u, lit.v);
+            bars[i].fit = Vec3f(value[0], value[1], value[2]).cwiseProduct(lit.irradiance);
+            bars[i].noise = error_bars_->noise[texel] * lit.irradiance;
+            if (error_bars_->noise[texel] == 0) bars[i].fit.setConstant(INFINITY);  // nothing is known of it
+        }
+    }
+
     ReflectanceFit fit_;
+    std::optional<AllErrorBars> error_bars_;
     std::unique_ptr<Dataset> own_;
     const Dataset* dataset_;
     std::unique_ptr<Atlas> atlas_;
@@ -133,6 +169,7 @@ const Family texel_local_models = {
             return names;
         },
     .help = "the others are texel-local models, of datasets with lamps",
+    .has_error_bars = true,
     .uses = [](const Solver& solver) { return solver.texel_uses; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> {
         if (request.on_fragment_engine()) return TargetSpace::linear;

@@ -42,6 +42,7 @@ const Family view_bases = {
     .owns = [](const std::string& model) { return model == view_basis_name; },
     .models = [] { return std::vector<std::string>{view_basis_name}; },
     .help = "viewbasis is colours by view direction in each texel, on a basis that is learned over the surface",
+    .has_error_bars = false,
     .uses = [](const Solver& solver) -> uint32_t {
         return solver.solve == solve_stream ? use::sides | use::space | use::view_basis : 0;
     },

@@ -4,6 +4,7 @@
 
 #include "dataset/dataset.h"
 #include "dataset/image_stream.h"
+#include "eval/error_bars.h"
 #include "fit/fit_folder.h"
 #include "geometry/atlas.h"
 #include "geometry/raster.h"
@@ -20,6 +21,9 @@ struct Contestant {
     /// How much of the fit a view shows, where a contestant fades to something safer far from the images that were
     /// fitted: 1 is all of it, 0 nothing. None: always all.
     std::function<double(const View& view)> share_of_fit = {};
+    /// Its error bars at the pixels, as shade() is called: [height][width] out. None: it has none.
+    std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<ErrorBar>& bars)>
+        error_bars = {};
 };
 /// The fit must be of this mesh (open_fitted_dataset() makes sure), of texels in this atlas; both outlive the
 /// contestant.

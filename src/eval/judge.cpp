@@ -71,11 +71,37 @@ public:
         return out;
     }
 
+    /// How the contestant's error bars fare on the view compared last.
+    ErrorBarFigures error_bars(const Contestant& contestant, const View& view, const JudgedView& judged) {
+        ErrorBarFigures out;
+        if (!contestant.error_bars) return out;
+        contestant.error_bars(view, areas_.centres(), bars_);
+        for (size_t i = 0; i < judged.foreground.size(); ++i) {
+            if (!judged.foreground[i]) continue;
+            Vec3f error;
+            float stored[3];
+            for (size_t c = 0; c < 3; ++c) {
+                const float photograph = judged.photograph[3 * i + c];
+                error[Eigen::Index(c)] =
+                    areas_.rgb()[3 * i + c] - exposed_alike(contestant.space, photograph, judged.gain);
+                stored[c] = judged.render[3 * i + c] - photograph;
+            }
+            out.add(bars_[i], error, stored);
+        }
+        return out;
+    }
+
     const std::vector<RasterPixel>& seen() const { return areas_.centres(); }  ///< of the view compared last
 
 private:
     double light(TargetSpace space, float value) const {
         return space == TargetSpace::linear ? value : decode(dataset_->encoding, value);
+    }
+
+    /// A photograph's stored value in the contestant's exposure and space.
+    float exposed_alike(TargetSpace space, float stored, double gain) const {
+        const double linear = gain * decode(dataset_->encoding, stored);
+        return float(space == TargetSpace::linear ? linear : exposed(dataset_->encoding, 1, linear));
     }
 
     double best_exposure(TargetSpace space, const JudgedView& view) const {
@@ -93,6 +119,7 @@ private:
     ImageStream stream_;
     PixelAreas areas_;
     TargetImage image_;
+    std::vector<ErrorBar> bars_;
 };
 
 /// `parts`, if given, takes the errors of each part of the surface as well.
@@ -150,6 +177,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         result.images[i] =
             figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(), image_parts[i]);
         if (options.ssim) result.images[i].ssim = ssim(judged);
+        result.images[i].error_bars = bench->error_bars(contestant, dataset.views[views[i]], judged);
     });
     for (const auto& of_image : image_parts)
         for (size_t k = 0; k < of_image.size(); ++k) result.parts[k].stored.add(of_image[k].stored);
@@ -160,6 +188,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         if (contestant.share_of_fit) image.share_of_fit = contestant.share_of_fit(dataset.views[views[i]]);
         result.missing.add(image.missing);
         result.ssim.add(image.ssim);
+        result.error_bars.add(image.error_bars);
         result.stored.add(image.stored);
         result.linear.add(image.linear);
         const bool outside = image.outside >= least_outside;

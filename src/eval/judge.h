@@ -40,11 +40,12 @@ struct ImageFigures {
     std::string name;
     uint64_t pixels = 0;  ///< foreground
     double gain = 1;
-    double share_of_fit = 1;   ///< Contestant's
-    double outside = 0;        ///< by how much (radians) it lies outside the training views' directions
-    ErrorSums stored, linear;  ///< in the stored encoding; in linear light
-    SsimSum ssim;              ///< where it was asked for
-    ErrorSums missing;         ///< stored: of pixels inside the mask that the mesh lacks, which a render leaves black
+    double share_of_fit = 1;     ///< Contestant's
+    double outside = 0;          ///< by how much (radians) it lies outside the training views' directions
+    ErrorSums stored, linear;    ///< in the stored encoding; in linear light
+    SsimSum ssim;                ///< where it was asked for
+    ErrorBarFigures error_bars;  ///< where the contestant has some
+    ErrorSums missing;           ///< stored: of pixels inside the mask that the mesh lacks, which a render leaves black
 };
 
 /// Parts of the surface, such as materials, whose errors are told apart as well.
@@ -69,6 +70,7 @@ struct JudgeResult {
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
     SsimSum ssim;                      ///< likewise, over windows
+    ErrorBarFigures error_bars;        ///< likewise, where the contestant has some
     std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
     /// Of the images that lie inside the cone of the training views' directions (dataset/view_directions.h), and
     /// outside by a degree or more: what the fit interpolates, and what it extrapolates.
@@ -105,10 +107,12 @@ struct JudgedBeside {
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, ssim, split, pixel_points, images, pixels, not_finite,
 /// per_image
 /// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},
-/// missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape, pixels}] if
-/// any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts} and
-/// beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite is null. truth, if any:
-/// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}}], the latter three where comparable.
+/// error_bars {within, doubtful, psnr_sound, psnr_doubtful} where the contestant has
+/// some, missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape,
+/// pixels}] if any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear,
+/// parts} and beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite is null. truth, if any:
+/// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}, within}], the latter four where comparable,
+/// the last with error bars.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
                        std::span<const MaterialErrors> truth = {}, std::span<const JudgedBeside> beside = {});
 

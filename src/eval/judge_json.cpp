@@ -48,6 +48,11 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
     json["not_finite"] = result.stored.not_finite;
     json["missing_share"] = result.missing_share();
     json["psnr_with_missing"] = result.with_missing().psnr();
+    if (const ErrorBarFigures& bars = result.error_bars; bars.values > 0)
+        json["error_bars"] = {{"within", bars.within_share()},
+                              {"doubtful", bars.doubtful_share()},
+                              {"psnr_sound", bars.sound.psnr()},
+                              {"psnr_doubtful", bars.doubtful.psnr()}};
     add_parts(json, result);
     add_hull(json, result);
     if (baseline) {
@@ -66,6 +71,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         if (m.comparable) {
             entry["worst_median"] = m.worst_median;
             entry["worst_90"] = m.worst_90;
+            if (m.barred > 0) entry["within"] = m.within_share();
             for (size_t i = 0; i < m.parameters.size(); ++i) entry["median"][m.parameters[i]] = m.median[i];
         }
         json["truth"].push_back(entry);

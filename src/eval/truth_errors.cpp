@@ -27,13 +27,19 @@ double TruthComparison::error(size_t i, std::span<const float> p, const std::arr
     return std::abs(found - expected) / std::max(std::abs(expected), 1e-6);
 }
 
+double TruthComparison::truth_of(size_t i, const std::array<float, 9>& truth) const {
+    const double value = double(truth[parameters_[i].at]);
+    return parameters_[i].logarithm ? std::log(value) : value;
+}
+
 double TruthComparison::worst(std::span<const float> p, const std::array<float, 9>& truth) const {
     double worst = possible_ ? 0 : NAN;
     for (size_t i = 0; i < parameters_.size(); ++i) worst = std::max(worst, error(i, p, truth));
     return worst;
 }
 
-std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth) {
+std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth,
+                                         std::span<const float> deviations) {
     const TexelModel& model = *fit.options.model;
     const size_t n = size_t(model.parameters);
     if (truth.material.size() != fit.samples.size())
@@ -58,6 +64,12 @@ std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const Reflec
             if (!errors.comparable) continue;
             const std::span<const float> p(&fit.parameters[t * n], n);
             for (size_t i = 0; i < n; ++i) each[i].push_back(comparison.error(i, p, truth.parameters[t]));
+            for (size_t i = 0; i < n && !deviations.empty(); ++i) {
+                const double deviation = double(deviations[t * n + i]);
+                if (!(deviation > 0 && std::isfinite(deviation))) continue;
+                ++errors.barred;
+                errors.within += std::abs(double(p[i]) - comparison.truth_of(i, truth.parameters[t])) <= deviation;
+            }
             worst.push_back(comparison.worst(p, truth.parameters[t]));
         }
         errors.rmse = samples > 0 ? std::sqrt(squared / samples) : 0;

@@ -19,6 +19,8 @@ public:
     const std::string& name(size_t i) const { return parameters_[i].name; }  ///< of parameter i, as the truth has it
     /// |p - truth| / |truth| of parameter i.
     double error(size_t i, std::span<const float> p, const std::array<float, 9>& truth) const;
+    /// What parameter i is in truth, as a fit has it.
+    double truth_of(size_t i, const std::array<float, 9>& truth) const;
     /// The largest of a texel's errors; NaN unless possible().
     double worst(std::span<const float> p, const std::array<float, 9>& truth) const;
 
@@ -43,9 +45,15 @@ struct MaterialErrors {
     double worst_90 = 0;                  ///< 90th percentile of the same
     std::vector<std::string> parameters;  ///< as the truth names them
     std::vector<double> median;           ///< [parameters] median over texels
+    /// Parameters of texels that have a standard deviation, neither held by the gauge nor untold by the samples, and
+    /// how many of them are no further than that from the truth: 0.68 of them, where error bars are true.
+    uint64_t barred = 0, within = 0;
+    double within_share() const { return double(within) / double(barred); }
 };
 
-/// Throws UserError if the truth is of another number of texels than the dataset that was fitted.
-std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth);
+/// deviations: standard deviations of the fit's parameters, if known. Throws UserError if the truth is of another
+/// number of texels than the dataset that was fitted.
+std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth,
+                                         std::span<const float> deviations = {});
 
 }  // namespace radiafit

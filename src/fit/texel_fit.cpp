@@ -35,6 +35,14 @@ void write_texel_fit(const fs::path& folder, const FitRecord& fit, const TexelFi
     target.commit();
 }
 
+void write_error_bars(const fs::path& folder, const Atlas& atlas, const TexelModel& model, const ErrorBarMaps& bars) {
+    for (const TexelMap& map : maps_of(model))
+        write_exr(folder / ("deviation_" + map.file), parameter_image(atlas, bars.deviation, map));
+    std::vector<float> both;
+    for (size_t t = 0; t < bars.noise.size(); ++t) both.insert(both.end(), {bars.noise[t], float(bars.deficient[t])});
+    write_exr(folder / "error_bars.exr", parameter_image(atlas, both, {"error_bars.exr", {"noise", "deficient"}, 0}));
+}
+
 TexelFitReader::TexelFitReader(const fs::path& folder, const std::string& key, const TakeNotes& take, FitRecord& fit)
     : folder_(folder), fit_(&fit) {
     require_folder(folder);

@@ -29,6 +29,16 @@ void write_texel_fit(const std::filesystem::path& folder, const FitRecord& fit, 
                      const Atlas& atlas, std::span<const TexelMap> maps, std::span<const float> parameters,
                      const std::function<void(const std::filesystem::path& temporary_folder)>& add_files);
 
+/// Standard deviations of a texel-local model's fit: the parameters' [texels][model.parameters], samples' [texels], and
+/// how many directions the samples don't tell [texels].
+struct ErrorBarMaps {
+    std::span<const float> deviation, noise;
+    std::span<const uint32_t> deficient;
+};
+/// deviation_NAME.exr for each of the model's maps, and error_bars.exr: noise, deficient.
+void write_error_bars(const std::filesystem::path& folder, const Atlas& atlas, const TexelModel& model,
+                      const ErrorBarMaps& bars);
+
 /// Reads a fit in two steps, as read_fit(): what fit.json says, and, once dataset and atlas are known by that, the
 /// maps.
 class TexelFitReader {

@@ -29,6 +29,14 @@ public:
     /// Reflected radiance per channel where a white diffuse surface that faces the lamp has 1. u, v: unit directions to
     /// lamp and camera in the texel's frame; 0 unless u_z > 0 and v_z > 0.
     virtual std::array<float, 3> value(std::span<const float> p, const Vec3f& u, const Vec3f& v) const = 0;
+    /// Columns of the Jacobian at p, in double, which all channels share but for a factor: out[k], k < basis, is
+    /// channel c's derivative by its own coefficient 3 k + c; out[basis + i] times the channel's last coefficient that
+    /// by shape parameter i. The value is linear in the coefficients: sum over k of p[3 k + c] out[k]. out [basis +
+    /// shape]; 0 unless u_z > 0 and v_z > 0.
+    virtual void columns(std::span<const float> p, const Vec3f& u, const Vec3f& v, std::span<double> out) const = 0;
+    /// The parameter that the canonical gauge holds at p, which is canonical: of the shape's, the one that moves most
+    /// along the gauge. -1: there is no gauge.
+    virtual int held_by_gauge(std::span<const float> p) const = 0;
     /// The same values by other parameters: the only gauge in which two of them may be compared.
     virtual void make_canonical(std::span<float> p) const = 0;
 };

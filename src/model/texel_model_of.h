@@ -1,5 +1,7 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "model/texel_local.h"
 #include "model/texel_model.h"
@@ -11,6 +13,7 @@ template <class Text>
 class TexelModelOf final : public TexelModel {
     using Model = TexelLocal<Text>;
     using Parameters = typename Model::Parameters;
+    using Fine = TexelLocal<typename Text::template with<double>>;
 
 public:
     TexelModelOf() {
@@ -32,6 +35,27 @@ public:
         Parameters q;
         std::copy_n(p.begin(), q.size(), q.begin());
         return Model::value(q, Text::sample_terms({u.x(), u.y(), u.z()}, {v.x(), v.y(), v.z()}));
+    }
+    void columns(std::span<const float> p, const Vec3f& u, const Vec3f& v, std::span<double> out) const override {
+        std::fill(out.begin(), out.end(), 0.0);
+        if (!(u.z() > 0 && v.z() > 0)) return;
+        typename Fine::Parameters q;
+        std::copy_n(p.begin(), q.size(), q.begin());
+        const auto terms = Text::template with<double>::sample_terms({double(u.x()), double(u.y()), double(u.z())},
+                                                                     {double(v.x()), double(v.y()), double(v.z())});
+        std::ranges::copy(Fine::columns(Fine::shape_of(q), terms), out.begin());
+    }
+    int held_by_gauge(std::span<const float> p) const override {
+        int held = -1;
+        if constexpr (Model::shape > 0) {
+            if (Text::gauge_count == 0) return held;
+            Parameters q;
+            std::copy_n(p.begin(), q.size(), q.begin());
+            const auto along = Text::gauge_tangent(Model::shape_of(q));
+            const auto* most = std::ranges::max_element(along.x, {}, [](float x) { return std::abs(x); });
+            held = 3 * Model::basis + int(most - std::begin(along.x));
+        }
+        return held;
     }
     void make_canonical(std::span<float> p) const override {
         Parameters q;

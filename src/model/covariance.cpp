@@ -1,0 +1,59 @@
+#include "model/covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace radiafit {
+namespace {
+
+std::vector<Eigen::Index> free_parameters(Eigen::Index n, int held) {
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < n; ++i)
+        if (i != held) free.push_back(i);
+    return free;
+}
+
+}  // namespace
+
+Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, int held) {
+    const Eigen::Index n = normal.rows();
+    Covariance out;
+    out.matrix = Eigen::MatrixXd::Zero(n, n);
+    out.deviation.assign(size_t(n), 0.0);
+    const std::vector<Eigen::Index> free = free_parameters(n, held);
+    const Eigen::Index count = Eigen::Index(free.size());
+    // in units in which each parameter's own curvature is 1; one without effect is told nothing
+    Eigen::VectorXd unit(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const double curvature = normal(free[size_t(i)], free[size_t(i)]);
+        unit[i] = curvature > 0 ? 1 / std::sqrt(curvature) : 1;
+    }
+    Eigen::MatrixXd scaled(count, count);
+    for (Eigen::Index i = 0; i < count; ++i)
+        for (Eigen::Index j = 0; j <= i; ++j)
+            scaled(i, j) =
+                unit[i] * unit[j] *
+                normal(std::max(free[size_t(i)], free[size_t(j)]), std::min(free[size_t(i)], free[size_t(j)]));
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(scaled);  // of the lower triangle
+    const Eigen::MatrixXd& direction = axes.eigenvectors();
+    const Eigen::VectorXd curvature = axes.eigenvalues().cwiseMax(least_curvature);
+    const Eigen::MatrixXd inverse = direction * curvature.cwiseInverse().asDiagonal() * direction.transpose();
+    for (Eigen::Index i = 0; i < count; ++i)
+        for (Eigen::Index j = 0; j < count; ++j)
+            out.matrix(free[size_t(i)], free[size_t(j)]) = variance * unit[i] * unit[j] * inverse(i, j);
+    for (Eigen::Index i = 0; i < count; ++i)
+        out.deviation[size_t(free[size_t(i)])] = std::sqrt(out.matrix(free[size_t(i)], free[size_t(i)]));
+    constexpr double share = 1e-3;  // of a direction, from which on a parameter takes part in it
+    for (Eigen::Index k = 0; k < count; ++k) {
+        if (axes.eigenvalues()[k] > least_curvature) continue;
+        ++out.deficient;
+        for (Eigen::Index i = 0; i < count; ++i)
+            if (std::abs(direction(i, k)) > share)
+                out.deviation[size_t(free[size_t(i)])] = std::numeric_limits<double>::infinity();
+    }
+    return out;
+}
+
+}  // namespace radiafit
