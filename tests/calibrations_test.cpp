@@ -162,7 +162,7 @@ protected:
             EXPECT_EQ(x.name, y.name);
             EXPECT_EQ(x.held_out, y.held_out);
             EXPECT_EQ(x.crop_origin, y.crop_origin);
-            EXPECT_NEAR(x.gain, y.gain, 1e-6);
+            EXPECT_NEAR(x.gain[0], y.gain[0], 1e-6);
             expect_same_camera(x.camera, y.camera);
         }
         EXPECT_EQ(read_bytes(a.folder / "images.bin"), read_bytes(b.folder / "images.bin"));

@@ -312,6 +312,49 @@ TEST_F(Files, GainTables) {
     EXPECT_NEAR(gains[2], 25, 1e-12);
 }
 
+TEST(GainEstimate, FindsKnownGainsOfChannels) {
+    std::mt19937 random(9);
+    std::normal_distribution<double> normal;
+    const size_t views = 8, points = 300;
+    std::vector<uint8_t> held_out(views, 0);
+    held_out[2] = 1;
+    std::vector<std::vector<double>> truth(3, std::vector<double>(views));
+    for (auto& channel : truth) {
+        for (double& g : channel) g = std::exp(0.3 * normal(random));
+        channel[5] *= 4;
+        normalize_gains(channel, held_out);
+    }
+    std::vector<std::vector<GainSample>> samples(views);
+    for (uint32_t p = 0; p < points; ++p) {
+        std::array<double, 3> brightness;
+        for (double& b : brightness) b = normal(random);
+        for (size_t v = 0; v < views; ++v) {
+            GainSample sample{p, 0};
+            double sum = 0;
+            for (size_t c = 0; c < 3; ++c) {
+                const double log_value = brightness[c] - std::log(truth[c][v]) + 0.02 * normal(random);
+                sample.log_channels[c] = float(log_value);
+                sum += std::exp(log_value) / 3;
+            }
+            sample.log_value = float(std::log(sum));
+            if (v == 5) sample.log_channels[2] = NAN;  // blue is dark throughout
+            samples[v].push_back(sample);
+        }
+    }
+    const ChannelGainEstimate estimate = estimate_channel_gains(samples, held_out);
+    EXPECT_TRUE(estimate.guessed.empty());
+    for (size_t v = 0; v < views; ++v)
+        for (size_t c = 0; c < 3; ++c) {
+            if (v == 5 && c == 2) continue;
+            // that of view 5 is another than the truth, which all of the channel share the mean with
+            const double shared = c == 2 ? estimate.gains[0][2] / truth[2][0] : 1;
+            EXPECT_NEAR(estimate.gains[v][c] / truth[c][v] / shared, 1, 0.01) << v << ' ' << c;
+        }
+    // Where a channel says nothing, the view's gain for all channels stands in, of the same size as the others'.
+    const double of_all = estimate_gains(samples, held_out).gains[5];
+    EXPECT_NEAR(estimate.gains[5][2] / of_all, 1, 0.5);
+}
+
 TEST(GainEstimate, FindsKnownGainsAmongHighlights) {
     // 12 views of 600 points; each sees a third. 15 % of the values are highlights, up to 8 times too bright; the rest
     // has 5 % noise. With some 170 good values per view the gains are known to 0.05 / sqrt(170) = 0.4 %, and a few
@@ -354,6 +397,7 @@ TEST(GainEstimate, FindsKnownGainsAmongHighlights) {
     // Nor can a view that shares nothing be estimated: it is named.
     samples[7].clear();
     EXPECT_EQ(estimate_gains(samples, held_out).guessed, std::vector<size_t>{7});
+    EXPECT_EQ(estimate_channel_gains(samples, held_out).guessed, std::vector<size_t>{7});
 }
 
 }  // namespace

@@ -398,8 +398,30 @@ TEST_F(ImportTest, GainsComeFromTheTableOrFromThePixels) {
         SCOPED_TRACE(options_.gains);
         const Dataset set = import();
         for (size_t i = 0; i < exposure.size(); ++i)
-            EXPECT_NEAR(set.views[i].gain, mean / exposure[i], tolerance) << set.views[i].name;
+            EXPECT_NEAR(set.views[i].gain[0], mean / exposure[i], tolerance) << set.views[i].name;
         options_.gains = "estimate";
+    }
+}
+
+TEST_F(ImportTest, GainsPerChannelComeFromThePixels) {
+    const std::array<double, 3> exposures[] = {{1, 1, 1}, {0.5, 0.6, 0.8}, {1.6, 1.2, 0.9}, {0.8, 1, 1.3}};
+    for (size_t i = 0; i < 4; ++i) {
+        std::vector<uint16_t> pixels;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (size_t c = 0; c < 3; ++c)
+                    pixels.push_back(static_cast<uint16_t>(std::lround(
+                        255 * srgb_encode(exposures[i][c] * (0.25 + 0.1 * std::sin(0.2 * x) * std::cos(0.15 * y))))));
+        add_image(std::string(1, static_cast<char>('a' + i)) + ".png", png(pixels), 0);
+    }
+    write_bytes(root_ / "list.txt", "d.png\n");
+    options_.holdout = (root_ / "list.txt").string();
+    options_.gains = "per-channel";
+    const Dataset set = import();
+    for (size_t c = 0; c < 3; ++c) {
+        const double mean = std::cbrt(exposures[0][c] * exposures[1][c] * exposures[2][c]);  // over the training views
+        for (size_t i = 0; i < 4; ++i)
+            EXPECT_NEAR(set.views[i].gain[c], mean / exposures[i][c], 0.01) << set.views[i].name << ' ' << c;
     }
 }
 
@@ -536,11 +558,11 @@ TEST_F(CapeTest, ImportsWhole) {
     // exposure the brightness of matched points differs by 15 to 20 % (gloss and camera), against 11 % spread of the
     // EXIF gains. Independent gains would correlate by 0 +- 0.09 over 119 images, inverted ones negatively.
     std::vector<double> estimated, exif;
-    for (const View& view : set.views) estimated.push_back(std::log(view.gain));
+    for (const View& view : set.views) estimated.push_back(std::log(view.gain[0]));
     options_.gains = (cape() / "exposure.txt").string();
     options_.max_size = 100;
     import_colmap(options_, root_ / "cape");
-    for (const View& view : open_dataset(root_ / "cape").views) exif.push_back(std::log(view.gain));
+    for (const View& view : open_dataset(root_ / "cape").views) exif.push_back(std::log(view.gain[0]));
     ASSERT_EQ(exif.size(), estimated.size());
     EXPECT_GT(correlation(estimated, exif), 0.2);
     RecordProperty("gain_correlation", std::to_string(correlation(estimated, exif)));

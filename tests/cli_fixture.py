@@ -32,8 +32,8 @@ def snapshot(folder):
 
 
 def complaints(stderr):
-    """Its lines, without the one that says what a command needs."""
-    return [line for line in stderr.splitlines() if not re.match("(fit|import|generate) needs about ", line)]
+    """Its lines, without those that say what a command needs, and what it chose."""
+    return [line for line in stderr.splitlines() if not re.match("(fit|import|generate) needs about |chosen by the data: ", line)]
 
 
 def python_with(module):

@@ -6,13 +6,14 @@ Arguments: the program.
 import csv
 import json
 import math
+import random
 import re
 import resource
 import shutil
 import struct
 import unittest
 
-from cli_fixture import ProgramTest, read_png, take_arguments, write_capture
+from cli_fixture import ProgramTest, read_png, take_arguments, write_capture, write_png
 
 
 def strict_json(text):
@@ -27,7 +28,7 @@ class CommandLine(ProgramTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.good("generate", "star", "-o", "star")
-        cls.good("fit", "star", "-o", "fit")
+        cls.good("fit", "star", "--model", "lfm", "-o", "fit")
 
     def judge(self, fit, split="test"):
         result = self.good("judge", fit, "--json", "--split", split)
@@ -173,6 +174,42 @@ class Judge(CommandLine):
             self.assertAlmostEqual(mean[key], value, places=9)
 
 
+class Defaults(CommandLine):
+    def fitted(self, *options):
+        """What fit.json says of a fit with these options, and what was said while it ran."""
+        said = self.good("fit", "star", *options, "-o", "chosen").stderr
+        return strict_json((self.root / "chosen/fit.json").read_text(encoding="utf-8")), said
+
+    def test_the_data_choose_a_better_model(self):
+        fit, said = self.fitted()
+        self.assertEqual(fit["model"], "viewbasis")
+        self.assertRegex(said, r"chosen by the data: --model viewbasis \(light that stays, a median of \d+ training views per texel\)")
+        self.assertGreater(self.judge("chosen")["psnr"], self.judge("fit")["psnr"])
+        self.assertIn("chosen by the data: --model viewbasis (", self.good("plan", "star").stdout)
+
+    def test_options_choose_the_model_that_takes_them(self):
+        for options, model in ((["--iterations", "1"], "lfm"), (["--memory", "4G"], "lfm"), (["--lobes", "1"], "sg")):
+            fit, said = self.fitted(*options)
+            self.assertEqual(fit["model"], model, options)
+            self.assertNotIn("chosen by the data", said)
+
+    def test_light_field_maps_beside_their_papers(self):
+        self.good("fit", "star", "--terms", "3", "--lambda-view", "0.1", "-o", "named")
+        self.assert_same_files("fit", "named", "*.exr")
+        fit, _ = self.fitted("--model", "lfm", "--terms", "1", "--lambda-view", "1e-3")
+        self.assertGreater(self.judge("fit")["psnr"], self.judge("chosen")["psnr"] + 0.5)
+        fit, _ = self.fitted("--mode", "paper", "--iterations", "1")
+        self.assertEqual(fit["options"]["terms"], 1)
+        self.assertAlmostEqual(fit["options"]["lambda_view"], 1e-3)
+
+    def test_says_how_a_fit_ended(self):
+        _, said = self.fitted("--iterations", "4")
+        lowered = re.search(r"\(all 4 iterations used, the last lowered the error by (\S+) %\)", said)[1]
+        errors = [float(row["error"]) for row in self.trace("chosen")]
+        self.assertAlmostEqual(float(lowered) / 100, 1 - errors[-1] / errors[-2], delta=0.06 * float(lowered) / 100)
+        self.assertIn("ran all iterations that were asked for", self.good("info", "chosen").stdout)
+
+
 class Outliers(CommandLine):
     def test_an_image_of_noise_is_named_and_left_out(self):
         dataset = strict_json((self.root / "star/dataset.json").read_text(encoding="utf-8"))
@@ -222,12 +259,47 @@ class Import(CommandLine):
         self.good("import", "colmap", *colmap, "-o", "packed")
         info = strict_json(self.good("info", "packed", "--json").stdout)
         self.assertEqual((info["views"], info["held_out"], info["triangles"]), (24, 3, 320))
-        self.good("fit", "packed", "-o", "packed_fit")
+        self.good("fit", "packed", "--model", "lfm", "-o", "packed_fit")
         for split in ("test", "train"):
             mine, its = self.judge("packed_fit", split), self.judge("fit", split)
             self.assertEqual(mine["pixels"], its["pixels"])
             # the cameras went through a quaternion, so a pixel on an edge may change its texel
             self.assertAlmostEqual(mine["psnr"], its["psnr"], delta=0.05)
+
+
+    def test_images_that_show_something_else_are_named(self):
+        write_capture(self.root / "star", self.root / "spoilt")
+        colmap = ["--model", "spoilt/sparse", "--images", "spoilt/images", "--mesh", "spoilt/mesh.ply", "--holdout", "every:8"]
+        self.assertNotIn("look at", self.good("import", "colmap", *colmap, "-o", "clean").stderr)
+        self.assertNotIn("look at", self.good("tune", "clean", "--seconds", "1").stderr)
+        names = sorted(p.name for p in (self.root / "spoilt/images").iterdir())
+        noise = [names[3], names[10], names[20]]  # every eighth, from the first on, is held out
+        for name in noise:
+            width, height, rgb = read_png(self.root / "spoilt/images" / name)
+            write_png(self.root / "spoilt/images" / name, width, height, random.Random(name).randbytes(len(rgb)))
+        for command in (["import", "colmap", *colmap, "-o", "noisy"], ["tune", "noisy", "--seconds", "1"]):
+            said = re.search(r"warning: look at (.*): even", self.good(*command).stderr)
+            self.assertEqual(said[1].split(", "), noise)
+
+
+    def test_says_whether_gains_are_needed(self):
+        write_capture(self.root / "star", self.root / "exposed")
+        colmap = ["import", "colmap", "--model", "exposed/sparse", "--images", "exposed/images", "--mesh", "exposed/mesh.ply", "-o", "gained"]
+        self.assertNotIn("gains are", self.good(*colmap).stderr)
+        # One exposure for all: what is estimated is the gloss.
+        said = self.good(*colmap, "--gains", "estimate").stderr
+        self.assertRegex(said, r"gains are not needed: they raise the error of photographs left out by \S+ %; --gains none does better")
+        # Exposures as of an automatic camera, with a white balance of its own: bytes of sRGB are light to the power 1 / 2.2.
+        for i, path in enumerate(sorted((self.root / "exposed/images").iterdir())):
+            exposure, balance = (0.5, 1, 0.7)[i % 3], (1, 0.5)[i % 2]
+            factors = [(exposure * c) ** (1 / 2.2) for c in (1, balance, balance**2)]
+            width, height, rgb = read_png(path)
+            write_png(path, width, height, bytes(round(v * factors[k % 3]) for k, v in enumerate(rgb)))
+        said = self.good(*colmap, "--gains", "estimate").stderr
+        self.assertGreater(float(re.search(r"gains are needed: they lower the error of photographs left out by (\S+) %", said)[1]), 10)
+        said = self.good(*colmap, "--gains", "per-channel").stderr
+        found = re.search(r"gains are needed: they lower .* by (\S+) %; one gain for all channels would lower .* by (\S+) %$", said, re.M)
+        self.assertGreater(float(found[1]), float(found[2]) + 2)
 
 
 class Engines(CommandLine):

@@ -92,7 +92,7 @@ struct Truth {
 struct Shape {
     int width, height;
     bool mask;
-    double gain;
+    Gain gain;
 };
 
 /// Writes random images; every value of an 8-bit encoding occurs.

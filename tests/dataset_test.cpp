@@ -30,19 +30,17 @@ struct EncodingCase {
     Encoding encoding;
     TargetSpace space;
     StreamSource source;
-    bool gains;
+    Gain gain;  ///< of some views
 };
 
 class EncodingTest : public DatasetTest, public testing::WithParamInterface<EncodingCase> {};
 
 TEST_P(EncodingTest, RoundTrip) {
-    const auto [encoding, space, source, gains] = GetParam();
+    const auto [encoding, space, source, gain] = GetParam();
+    const bool gains = gain != 1;
     // Widths around the mask's bytes, the vector width and a page; with and without a mask; taller and wider.
-    const std::vector<Shape> shapes = {{1, 1, true, 1},
-                                       {7, 90, true, gains ? 1.7 : 1},
-                                       {8, 61, false, gains ? 0.6 : 1},
-                                       {13, 41, true, gains ? 1.7 : 1},
-                                       {641, 3, true, 1}};
+    const std::vector<Shape> shapes = {
+        {1, 1, true, 1}, {7, 90, true, gain}, {8, 61, false, gains ? 0.6 : 1}, {13, 41, true, gain}, {641, 3, true, 1}};
     const fs::path folder = root_ / "set";
     const Truth truth = write_random(folder, encoding, shapes);
     const Dataset dataset = open_dataset(folder);
@@ -67,9 +65,9 @@ TEST_P(EncodingTest, RoundTrip) {
     double largest = 0;
     for (size_t i = 0; i < shapes.size(); ++i)
         for (const double v : truth.stored[i])
-            largest = std::max(largest, reference_target(encoding, space, shapes[i].gain, v));
+            largest = std::max(largest, reference_target(encoding, space, shapes[i].gain.most(), v));
     // Integer encodings reserve room for their full range; random halves and floats are measured.
-    const double full = reference_target(encoding, space, gains ? 1.7 : 1, 1);
+    const double full = reference_target(encoding, space, std::max(1.0, gain.most()), 1);
     const bool measured = encoding == Encoding::f16_linear || encoding == Encoding::f32_linear;
     const double scale = as_bytes ? 1 / 255.0 : (measured ? largest : full) / 65535;
     EXPECT_NEAR(first.scale(), scale, scale * 1e-6);  // float against double
@@ -88,7 +86,7 @@ TEST_P(EncodingTest, RoundTrip) {
                 const auto rgba = image.channel16(p);
                 for (size_t c = 0; c < 3; ++c) {
                     const double target =
-                        std::max(0.0, reference_target(encoding, space, shapes[i].gain, truth.stored[i][3 * p + c]));
+                        std::max(0.0, reference_target(encoding, space, shapes[i].gain[c], truth.stored[i][3 * p + c]));
                     // Bytes are exact (to the float scale); 16 bits round to nearest, in float arithmetic.
                     const double tolerance = as_bytes ? 1e-6 : 0.52 * unit;
                     ASSERT_NEAR(rgba[c] * unit, target, tolerance)
@@ -107,7 +105,7 @@ TEST_P(EncodingTest, RoundTrip) {
         exact.load_values(i, values);
         ASSERT_EQ(values.size(), truth.stored[i].size());
         for (size_t k = 0; k < values.size(); ++k) {
-            const double target = reference_target(encoding, space, shapes[i].gain, truth.stored[i][k]);
+            const double target = reference_target(encoding, space, shapes[i].gain[k % 3], truth.stored[i][k]);
             ASSERT_NEAR(values[k], target, 2e-7 * (1 + std::abs(target)));  // rounded to float once
         }
         // single pixels, backwards: the same bits, and the same mask
@@ -140,20 +138,25 @@ std::vector<EncodingCase> all_cases() {
          {Encoding::u8_srgb, Encoding::u8_linear, Encoding::u16_linear, Encoding::f16_linear, Encoding::f32_linear})
         for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear})
             for (const StreamSource source : {StreamSource::disk, StreamSource::memory})
-                for (const bool gains : {false, true}) cases.push_back({e, space, source, gains});
+                for (const Gain& gain : {Gain(1), Gain(1.7), Gain({0.9, 0.6, 1.7})})
+                    cases.push_back({e, space, source, gain});
     return cases;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EncodingTest, testing::ValuesIn(all_cases()), [](const auto& info) {
     const EncodingCase& c = info.param;
     std::string name = to_string(c.encoding) + (c.space == TargetSpace::linear ? "_linear" : "_stored") +
-                       (c.source == StreamSource::disk ? "_disk" : "_memory") + (c.gains ? "_gains" : "");
+                       (c.source == StreamSource::disk ? "_disk" : "_memory") +
+                       (c.gain == 1        ? ""
+                        : c.gain.uniform() ? "_gains"
+                                           : "_channel_gains");
     std::replace(name.begin(), name.end(), '-', '_');
     return name;
 });
 
 TEST_F(DatasetTest, CamerasAndInformationSurviveExactly) {
-    const Truth truth = write_random(root_ / "set", Encoding::u8_srgb, {{9, 4, true, 1.1}, {5, 6, false, 1}});
+    const Truth truth =
+        write_random(root_ / "set", Encoding::u8_srgb, {{9, 4, true, Gain({1.1, 0.3, 1})}, {5, 6, false, 1}});
     const Dataset dataset = open_dataset(root_ / "set");
     for (size_t i = 0; i < truth.header.views.size(); ++i) {
         const View& read = dataset.views[i];
@@ -301,8 +304,13 @@ TEST_F(DatasetTest, WriterRefusesWhatCannotBeFitted) {
     const std::vector<uint8_t> pixels(48);
     expect_in("one", complaint([&] { writer.add(view, pixels.data(), {}); }));
     view = small_view();
-    view.gain = -1;
-    expect_in("gain", complaint([&] { writer.add(view, pixels.data(), {}); }));
+    for (const Gain& gain : {Gain(-1), Gain({1, 1e13, 1})}) {
+        view.gain = gain;
+        expect_in("gain", complaint([&] { writer.add(view, pixels.data(), {}); }));
+    }
+    view.gain = Gain({1, 1, 1.1});
+    view.light = Light();
+    expect_in("light's intensity", complaint([&] { writer.add(view, pixels.data(), {}); }));
     writer.set_encoding(Encoding::f16_linear);
     std::vector<uint16_t> halves(48, 0);
     halves[5] = 0x7c00;  // infinity

@@ -418,12 +418,30 @@ TEST_F(Exposure, HeldOutGainIsRecovered) {
     for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear})
         for (const double scale : {0.3, 1.0, 2.5}) {  // alike for every contestant, whatever its own exposure
             const JudgeResult result = judge(oracle(space, scale), dataset, Split::test);
-            EXPECT_NEAR(result.images[0].gain, 1.7 * scale, 1e-3 * scale);  // bytes of 7,000 values: 1e-4 or better
+            EXPECT_NEAR(result.images[0].gain[0], 1.7 * scale, 1e-3 * scale);  // bytes of 7,000 values: 1e-4 or better
             EXPECT_GT(result.psnr(), 58.5);
         }
     // What stands in the dataset for a held-out view is only where the search begins.
     const Dataset told = make(folder.path() / "told", 1.5);
-    EXPECT_NEAR(judge(oracle(TargetSpace::stored), told, Split::test).images[0].gain, 1.7, 1e-3);
+    EXPECT_NEAR(judge(oracle(TargetSpace::stored), told, Split::test).images[0].gain[0], 1.7, 1e-3);
+}
+
+TEST_F(Exposure, GainsPerChannelAreUsedInTrainingAndFoundOnHeldOutViews) {
+    const TemporaryFolder folder;
+    const std::array<std::array<double, 3>, 5> truth = {
+        {{0.8, 1, 1.2}, {1, 1, 1}, {1.7, 1.3, 0.9}, {1.25, 1.1, 1}, {1, 1, 1}}};
+    Dataset header = sheet_dataset(troubled_mesh(3, 7, 1), 5, 48, 2);
+    for (size_t i = 0; i < 5; ++i) header.views[i].gain = i == 2 ? Gain(1) : Gain(truth[i]);
+    const Dataset dataset = write_dataset(folder.path() / "data", header, [&](size_t view, int x, int y, int c) {
+        const double stored = srgb_encode(2.2 * light(size_t(y * 48 + x), size_t(c)) / truth[view][size_t(c)]);
+        return uint8_t(std::lround(255 * std::min(1.0, stored)));
+    });
+    EXPECT_GT(judge(oracle(TargetSpace::linear), dataset, Split::train).psnr(), 58.5);
+    const JudgeResult held_out = judge(oracle(TargetSpace::linear), dataset, Split::test);
+    EXPECT_GT(held_out.psnr(), 58.5);
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(held_out.images[0].gain[c], truth[2][c], 2e-3) << c;
+    const auto json = nlohmann::json::parse(judge_json(held_out));
+    EXPECT_NEAR(json.at("per_image").at(0).at("gain").at(1).get<double>(), truth[2][1], 2e-3);
 }
 
 TEST_F(Exposure, NoGainsNoSearch) {
@@ -439,7 +457,7 @@ TEST_F(Exposure, FiguresDoNotDependOnTheScaleOfTheGains) {
     const TemporaryFolder folder;
     const Dataset dataset = make(folder.path() / "data", 1);
     Dataset darker = dataset;
-    for (View& view : darker.views) view.gain *= 0.25;
+    for (View& view : darker.views) view.gain = 0.25 * view.gain[0];
     const auto off = [](double scale) {  // a contestant with an error of 5% of the light
         return painter([=](size_t p, size_t c) { return float(scale * 2.2 * light(p, c) * (p % 2 ? 1.05 : 0.95)); },
                        TargetSpace::linear);

@@ -417,6 +417,8 @@ TEST_F(Corruption, AnotherDataset) {
     differs("the split");
     changed.views[0].gain = 1.1;
     differs("a gain");
+    changed.views[0].gain = Gain({1.1, 1.1, 1.2});
+    differs("a channel's gain");
     changed.views.pop_back();
     differs("the number of views");
     EXPECT_EQ(fingerprint(changed), fit.dataset_fingerprint);

@@ -454,6 +454,18 @@ void exact_step_against_scan(double tolerance) {
     }
 }
 // The scan's own resolution is 2e-6 of the change; float has 1e-7 per operation in a cubic whose terms may cancel.
+TEST(Trace, TellsHowASolverEnded) {
+    Trace trace{{{.iteration = 0, .error = 8}}};
+    EXPECT_EQ(ending_of(trace, 3, 3), "");
+    trace.rows.push_back({.iteration = 1, .error = 4});
+    trace.rows.push_back({.iteration = 2, .error = 3.9});
+    EXPECT_EQ(ending_of(trace, 3, 3), "all 2 iterations used, the last lowered the error by 2.5 %");
+    EXPECT_EQ(ending_of(trace, 1, 3), "1 of 3 problems used all 2 iterations, the last lowered the error by 2.5 %");
+    EXPECT_EQ(ending_of(trace, 0, 3), "all problems done after 2 iterations");
+    trace.rows[1].error = trace.rows[2].error = 0;
+    EXPECT_EQ(ending_of(trace, 3, 3), "all 2 iterations used, the last lowered the error by 0 %");
+}
+
 TEST(Optimizer, ExactStepIsTheLowestMinimumInDouble) { exact_step_against_scan<double>(1e-5); }
 TEST(Optimizer, ExactStepIsTheLowestMinimumInFloat) { exact_step_against_scan<float>(1e-3); }
 

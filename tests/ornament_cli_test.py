@@ -75,7 +75,7 @@ class Ornament(ProgramTest):
 
     def test_no_light_field(self):
         self.good("generate", "ornament", "-o", "set")
-        for command in (("fit", "set", "-o", "new"), ("plan", "set")):
+        for command in (("fit", "set", "--model", "lfm", "-o", "new"), ("plan", "set", "--model", "lfm")):
             self.refused(*command, says=("set", "lamp that moves", "import colmap"))
 
     def test_mistakes(self):

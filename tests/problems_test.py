@@ -54,7 +54,7 @@ class Problems(ProgramTest):
 @unittest.skipUnless(PYTHON, "python3-numpy is missing")
 class Errors(Problems):
     def test_light_field_maps(self):
-        for problem in ([], ["--terms", "2", "--seed", "7"], ["--mode", "paper", "--mu", "0.5"], ["--weights", "facing", "--space", "linear"],
+        for problem in (["--model", "lfm"], ["--terms", "2", "--seed", "7"], ["--mode", "paper", "--mu", "0.5"], ["--weights", "facing", "--space", "linear"],
                         ["--texels-per-pixel", "1.5"], ["--view", "nearest", "--view-side", "5", "--surface-side", "6"],
                         ["--validation", "4", "--lambda-view", "0.1"]):  # fmt: skip
             with self.subTest(problem=problem):
@@ -80,7 +80,7 @@ class Errors(Problems):
             self.assertLess(before, vertices * one)
 
     def test_held_out_psnr_is_near_the_judges(self):
-        parameters, _, _, fit = self.fit("star")
+        parameters, _, _, fit = self.fit("star", "--model", "lfm")
         judged = json.loads(self.good("judge", fit, "--pixel-points", "1", "--json").stdout)["psnr"]
         self.assertAlmostEqual(self.run_page(LIGHT_FIELD, self.export("star"), parameters)["PSNR"], judged, delta=0.3)
 

@@ -6,6 +6,7 @@ Arguments: the program.
 import json
 import math
 import os
+import random
 import shutil
 import unittest
 
@@ -206,22 +207,30 @@ class Reflectance(ProgramTest):
             self.assertRegex(result.stderr, f"^radiafit: large-truth/{name}: .*bytes")
             os.truncate(folder / name, size)
 
-    def grid(self, name, count=12, size=8):
-        """A flat Lambertian sample: pixel (x, y) has albedo (x + 1) / 10 in red."""
+    def grid(self, name, count=12, size=8, noise=()):
+        """A flat Lambertian sample: pixel (x, y) has albedo (x + 1) / 10 in red. The images `noise` show none of it."""
+        random_bytes = random.Random(7).randbytes
         folder = self.root / name
         folder.mkdir()
         lights = []
         for i in range(count):
-            angle, z = 2 * math.pi * i / count, 0.4 + 0.05 * i
+            angle, z = 2 * math.pi * i / count, 0.4 + 0.55 * i / (count - 1)
             r = math.sqrt(1 - z * z)
             lights.append((r * math.cos(angle), r * math.sin(angle), z))
             pixels = [min(255, round(255 * z * albedo)) for y in range(size) for x in range(size)
                       for albedo in ((x + 1) / 10, 0.5, (y + 1) / 10)]
-            write_png(folder / f"{i:02}.png", size, size, bytes(pixels))
+            write_png(folder / f"{i:02}.png", size, size, random_bytes(len(pixels)) if i in noise else bytes(pixels))
         (self.root / f"{name}.txt").write_text("".join(f"{x} {y} {z}\n" for x, y, z in lights))
         self.good("import", "lights", "--images", name, "--lights", f"{name}.txt", "--transfer", "linear", "-o",
                   f"{name}-set")
         return f"{name}-set"
+
+    def test_tune_takes_a_robust_loss_where_images_are_spoilt(self):
+        for name, noise, robust in (("whole", (), False), ("spoilt", (3, 6, 11, 19), True)):
+            dataset = self.grid(name, count=24, noise=noise)
+            tried = json.loads(self.good("tune", dataset, "--seconds", "5", "--json").stdout)["tried"]
+            self.assertTrue(any("--loss huber" in t["options"] for t in tried))
+            self.assertEqual("--loss" in tried[0]["options"], robust, tried[0])
 
     def test_grid_of_a_flat_sample(self):
         dataset = self.grid("flat")
@@ -242,7 +251,7 @@ class Reflectance(ProgramTest):
     def test_what_makes_no_sense_is_refused(self):
         for options, words in (
             (("star", "--model", "lafortune"), ["star", "lamp per image", "--model lfm"]),
-            (("ornament",), ["lamp that moves"]),
+            (("ornament", "--model", "lfm"), ["lamp that moves"]),
             (("ornament", "--model", "lafortun"), ["model 'lafortun'", "nearest: lafortune"]),
             (("ornament", "--model", "lafortune", "--solver", "pca"), ["pca"]),
             (("star", "--optimizer", "lm"), ["optimizer lm", "cg or sd"]),

@@ -10,6 +10,7 @@
 #include "app/fit_options.h"
 #include "app/limits.h"
 #include "app/parts.h"
+#include "app/settle.h"
 #include "base/error.h"
 #include "base/leftovers.h"
 #include "base/printable.h"
@@ -55,7 +56,7 @@ void print_fit(Fitted& fit, bool json) {
     fmt::print("fit of {} by {} on {}: {}\n", printable(f.dataset_name), printable(f.solver), printable(f.engine),
                fit.description());
     for (size_t s = 0; s < counts.size(); ++s)
-        if (counts[s]) fmt::print("{:>16}  {} problems\n", to_string(Status(s)), counts[s]);
+        if (counts[s]) fmt::print("{:>16}  {} problems: {}\n", to_string(Status(s)), counts[s], meaning(Status(s)));
 }
 
 }  // namespace
@@ -67,7 +68,7 @@ void add_force(CommandLine& command, bool& force) {
 void print_dataset(const Dataset& d, bool json) {
     const size_t held_out = d.split(true).size();
     double least = 1e300, most = 0;
-    for (const View& v : d.views) least = std::min(least, v.gain), most = std::max(most, v.gain);
+    for (const View& v : d.views) least = std::min(least, v.gain.least()), most = std::max(most, v.gain.most());
     const MeshDefects defects = find_defects(d.mesh);
     const char* light = !d.light_moves() ? "fixed" : d.views[0].light->kind == Light::Kind::near ? "near" : "distant";
     const bool truth = has_truth(d);
@@ -183,10 +184,11 @@ void add_plan(CommandLine& program) {
     command.add_text("dataset", *folder, "packed dataset").required();
     add_fit_options(command, *request);
     command.on_run([=, &command] {
-        request->check();
         const Dataset dataset = open_dataset(*folder);
-        family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
+        const auto given = [&](const char* option) { return command.given(option); };
+        const std::string chosen = settle(given, given("--memory"), dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
+        if (!chosen.empty()) fmt::print("{}\n\n", chosen);
         const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
             const bool staged =
                 std::ranges::any_of(rows, [](const PlanRow& r) { return r.stages != PlanRow::while_all; });

@@ -12,6 +12,8 @@
 #include "app/fit_on_ranks.h"
 #include "app/fit_options.h"
 #include "app/parts.h"
+#include "app/ranks.h"
+#include "app/settle.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -97,7 +99,7 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
     const View *brightest = nullptr, *darkest = nullptr;
     double largest = 0, smallest = 0;
     for (const View& view : dataset.views) {
-        const double light = double(view.peak) * view.gain, value = encoded ? srgb_encode(light) : light;
+        const double light = double(view.peak) * view.gain.most(), value = encoded ? srgb_encode(light) : light;
         if (!(value > 0)) continue;
         if (!brightest || value > largest) brightest = &view, largest = value;
         if (!darkest || value < smallest) darkest = &view, smallest = value;
@@ -121,13 +123,17 @@ void save(const std::string& folder, FinishedFit& done, const FitRequest& reques
     });
 }
 
-/// "cg-modern in 3.2 s: error 1 -> 0.1, ".
-std::string summary_of(const FitRun& run, const FitRequest& request) {
+/// "cg-modern in 3.2 s: error 1 -> 0.1 (all 25 iterations used, the last lowered the error by 0.02 %), ".
+std::string summary_of(const FitRun& run, const FitRequest& request, const FitRecord& fit) {
+    const auto counts = fit.status_counts();
+    const uint64_t problems = fit.status.size() - counts[size_t(Status::no_samples)];
     std::string line = fmt::format("{} in {:.1f} s: ", request.label(), run.times.total);
-    if (!run.trace.rows.empty())
-        line += fmt::format("error {:.6g} -> {:.6g}, ", run.trace.rows.front().error, run.trace.rows.back().error);
-    return line;
+    if (run.trace.rows.empty()) return line;
+    line += fmt::format("error {:.6g} -> {:.6g}", run.trace.rows.front().error, run.trace.rows.back().error);
+    const std::string ending = ending_of(run.trace, counts[size_t(Status::max_iterations)], problems);
+    return line + (ending.empty() ? ", " : fmt::format(" ({}), ", ending));
 }
+
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
     constexpr size_t views_to_count_samples_on = 8;
@@ -151,7 +157,7 @@ void leave(const std::string& out, const Dataset& dataset, const FitRequest& req
     save(out, done, request, begun);
     const auto counts = record.status_counts();
     log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
-                         summary_of(done.run, request), done.note, counts[size_t(Status::no_samples)],
+                         summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
                          counts[size_t(Status::not_finite)], out));
 }
 
@@ -235,7 +241,6 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
     command.add_flag("--covariance", *covariance,
                      "maps of the parameters' standard deviations as well, of texel-local models");
     command.on_run([=, &command] {
-        request->check();
         const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
         if (!share) {
             check_fit_target(*out);
@@ -245,11 +250,14 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         check_apart(*out, request->records);
         request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
         const Dataset dataset = open_dataset(*folder);
-        family_of(*request).settle([&](const char* option) { return command.given(option); }, dataset, *request);
+        const auto given = [&](const char* option) { return command.given(option); };
+        const std::string chosen =
+            settle(given, share || given("--memory") || started_together() > 1, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
-        warn_about_range(dataset, *request);
         if (*leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
         if (*covariance) require_error_bars(*request, share.has_value());
+        if (!chosen.empty()) log_info(chosen);
+        warn_about_range(dataset, *request);
         if (share)
             fit_shard(dataset, *request, *share, *out, *force);
         else

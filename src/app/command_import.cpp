@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/image_checks.h"
 #include "app/limits.h"
 #include "base/log.h"
 #include "capture/import.h"
@@ -12,6 +13,17 @@ namespace {
 
 constexpr const char* holdout_help =
     "every:N, every:N+K, random:N, random:N:SEED, spread:N (over directions), none, or a file of image names";
+
+/// What an import has to say, and what its dataset is.
+void tell(const auto& report, const std::string& out) {
+    for (const std::string& note : report.notes) log_warning(note);
+    for (const std::string& remark : report.remarks) log_info(remark);
+    const Dataset dataset = open_dataset(out);
+    if (const auto benefit = gain_benefit(dataset)) log_info(describe_gains(*benefit));
+    const std::string suspicious = describe_suspicious(suspicious_images(dataset));
+    if (!suspicious.empty()) log_warning(suspicious);
+    print_dataset(dataset, false);
+}
 
 /// A format of calibrations: all of them take the same options.
 struct CalibrationFormat {
@@ -46,7 +58,7 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
                     "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
     import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
     import.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    import.add_text("--gains", options->gains, "none, estimate, or a table (name ... linear gain)");
+    import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)");
     import.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
                       "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
     import.add_text("--name", options->name, "of the dataset");
@@ -54,9 +66,7 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     add_force(import, options->force);
     import.on_run([=] {
         const ImportReport report = format.import(*options, *out);
-    for (const std::string& note : report.notes) log_warning(note);
-    for (const std::string& remark : report.remarks) log_info(remark);
-    print_dataset(open_dataset(*out), false);
+    tell(report, *out);
 });
 }  // namespace
 
@@ -93,9 +103,7 @@ void add_lights(CommandLine& command) {
     add_force(lights, options->force);
     lights.on_run([=] {
         const LightImportReport report = import_lights(*options, *out);
-        for (const std::string& note : report.notes) log_warning(note);
-        for (const std::string& remark : report.remarks) log_info(remark);
-        print_dataset(open_dataset(*out), false);
+        tell(report, *out);
     });
 }
 

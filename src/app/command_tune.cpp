@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/image_checks.h"
 #include "app/tune.h"
 #include "base/log.h"
 
@@ -51,8 +52,11 @@ void add_tune(CommandLine& program) {
         });
         if (o->json)
             print_json(o->dataset, all);
-        else
+        else {
+            const std::string suspicious = describe_suspicious(suspicious_images(dataset));
+            if (!suspicious.empty()) log_warning(suspicious);
             print_table(o->dataset, all, left_out_every(dataset, o->tune));
+        }
     });
 }
 

@@ -163,6 +163,12 @@ FitOption memory_option() {
     return o;
 }
 
+/// An option whose default a command line takes from the dataset (app/settle.h), as its help says.
+FitOption by_data(FitOption o) {
+    o.hide_default = true;
+    return o;
+}
+
 FitOption mu_option() {
     FitOption o = number(
         "mu", use::bounds, [](auto& r) -> auto& { return r.mu; }, limits::weight,
@@ -182,9 +188,9 @@ FitOption model_option() {
         for (const std::string& name : family->models()) choices.emplace_back(name, name);
         help.emplace_back(family->help);
     }
-    return choice<std::string>(
+    return by_data(choice<std::string>(
         "model", 0, [](auto& r) -> auto& { return r.model_name; }, choices,
-        fmt::format("{}", fmt::join(help, "; ")).c_str());
+        fmt::format("{}; default: by the data, in configs lfm", fmt::join(help, "; ")).c_str()));
 }
 
 FitOption loss_option() {
@@ -279,9 +285,11 @@ std::vector<FitOption> make_fit_options() {
          flag("deflate", use::deflation, &FitRequest::deflate, "--deflate,!--joint",
               "fit terms one after another, or together (default)")});
     add("Light field maps and penalties",
-        {number("terms", use::maps, OF(model.terms), limits::terms, "K"),
-         number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
-                "n: n(n+1)/2 texels per surface map, or per triangle"),
+        {by_data(number("terms", use::maps, OF(model.terms), limits::terms,
+                        "K; default: 3; of pca, in paper mode and configs 1")),
+         by_data(number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
+                        "n: n(n+1)/2 texels per surface map, or per triangle; default: 8; of colours by view direction "
+                        "12, of reflectance the side of the dataset's normals, but not in configs")),
          number("texels_per_pixel", use::own_sides, OF(texels_per_pixel), limits::texels_per_pixel,
                 "not where OpenGL distributes; in place of one side: a side from 2 to 64 for each triangle's surface "
                 "maps, "
@@ -293,7 +301,8 @@ std::vector<FitOption> make_fit_options() {
                             "look-up in view maps", "view look-up"),
          number("lambda_surface", use::smoothness, OF(model.lambda_surface), limits::weight,
                 "smoothness of surface maps"),
-         number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight, "smoothness of view maps"),
+         by_data(number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight,
+                        "smoothness of view maps; default: 0.1, in paper mode and configs 0.001")),
          mu_option()});
     add("View bases and spherical Gaussians",
         {number("rank", use::view_basis, OF(view_basis.rank), limits::rank,
@@ -370,6 +379,13 @@ const FitOption& find_fit_option(const std::string& name) {
         names.push_back(o.name);
     }
     reject_name("option", name, names);
+}
+
+std::string command_line_of(const FitSetting& setting) {
+    std::string line;
+    for (const auto& [option, value] : setting)
+        line += fmt::format("{}{} {}", line.empty() ? "" : " ", find_fit_option(option).flag, value);
+    return line;
 }
 
 namespace {

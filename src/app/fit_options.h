@@ -2,6 +2,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/fit_request.h"
@@ -65,6 +66,11 @@ struct FitOption {
 std::span<const FitOption> fit_options();
 /// Throws UserError, telling the nearest name.
 const FitOption& find_fit_option(const std::string& name);
+
+/// Options by their names in the table, with values as FitRequest::set() takes them.
+using FitSetting = std::vector<std::pair<std::string, std::string>>;
+/// As the command line has them: "--model viewbasis --rank 28".
+std::string command_line_of(const FitSetting& setting);
 
 /// What the request's fit does. `grid`: over one, every texel has its own pixel, and nothing is distributed. Throws
 /// UserError for a solver that does not fit the request's kind of model.

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
+#include <optional>
 
 #include "app/family.h"
-#include "app/fit_options.h"
 #include "base/clock.h"
 #include "eval/judge.h"
 
@@ -18,6 +19,7 @@ namespace {
 struct Ladder {
     const char* option;
     std::vector<const char*> values;
+    bool (*means_something)(const FitRequest& request) = [](const FitRequest&) { return true; };
 };
 
 struct Candidate {
@@ -25,30 +27,42 @@ struct Candidate {
     std::vector<Ladder> ladders;
 };
 
+/// Robust losses, for solvers that take them, and where residuals begin to count less.
+const Ladder losses = {"loss", {"square", "huber", "cauchy"}},
+             loss_scales = {"loss_scale", {"0.02", "0.05", "0.1", "0.2"}, [](const FitRequest&request) {
+                                return request.model.loss.robust();
+                            }};
+
 const std::vector<const char*> noises = {"1.5e-4", "3e-4", "6e-4", "1.2e-3", "2.4e-3"}, sides = {"8", "12", "16"};
 
 /// Models of surfaces under light that stays, by what they are told apart by.
 std::vector<Candidate> under_fixed_light() {
-    return {{{{{"model", "viewbasis"}, {"rank", "10"}}, {{"model", "viewbasis"}, {"rank", "28"}}},
-             {{"rank", {"4", "6", "10", "15", "20", "28"}},
-              {"noise", noises},
-              {"surface_side", sides},
-              {"blocks", {"1", "100", "400", "1600"}}}},
-            {{{{"model", "sg"}, {"lobes", "4"}}},
-             {{"lobes", {"1", "2", "3", "4"}}, {"noise", noises}, {"surface_side", sides}}},
-            {{{{"model", "lfm"}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}}},
-             {{"terms", {"1", "2", "3", "4", "6"}},
-              {"lambda_surface", {"1e-4", "3e-4", "1e-3", "3e-3", "1e-2"}},
-              {"lambda_view", {"0.01", "0.03", "0.1", "0.3", "1"}}}}};
+    return {
+        {{{{"model", "viewbasis"}, {"rank", "10"}}, {{"model", "viewbasis"}, {"rank", "28"}}},
+         {{"rank", {"4", "6", "10", "15", "20", "28"}},
+          {"noise", noises},
+          {"surface_side", sides},
+          {"blocks", {"1", "100", "400", "1600"}}}},
+        {{{{"model", "sg"}, {"lobes", "4"}}},
+         {{"lobes", {"1", "2", "3", "4"}}, {"noise", noises}, {"surface_side", sides}}},
+        {{{{"model", "lfm"}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}},
+          {{"model", "lfm"}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}, {"loss", "huber"}}},
+         {{"terms", {"1", "2", "3", "4", "6"}},
+          {"lambda_surface", {"1e-4", "3e-4", "1e-3", "3e-3", "1e-2"}},
+          {"lambda_view", {"0.01", "0.03", "0.1", "0.3", "1"}},
+          losses,
+          loss_scales}}};
 }
 
 std::vector<Candidate> under_lamps() {
-    const std::vector<Ladder> selection = {{"clip_above", {"0", "0.9", "0.98"}},
-                                           {"shadow_below", {"0", "0.05", "0.1", "0.2"}}};
+    const std::vector<Ladder> ladders = {
+        {"clip_above", {"0", "0.9", "0.98"}}, {"shadow_below", {"0", "0.05", "0.1", "0.2"}}, losses, loss_scales};
     std::vector<Candidate> out;
     for (const char* model : {"lafortune", "ptm", "lambert"})
-        out.push_back(
-            {{{{"model", model}}, {{"model", model}, {"clip_above", "0.98"}, {"shadow_below", "0.1"}}}, selection});
+        out.push_back({{{{"model", model}},
+                        {{"model", model}, {"clip_above", "0.98"}, {"shadow_below", "0.1"}},
+                        {{"model", model}, {"clip_above", "0.98"}, {"shadow_below", "0.1"}, {"loss", "huber"}}},
+                       ladders});
     return out;
 }
 
@@ -63,6 +77,17 @@ FitSetting with(FitSetting setting, const std::string& option, const std::string
         if (name == option) return old = value, setting;
     setting.emplace_back(option, value);
     return setting;
+}
+
+/// Whether two values of an option are one: numbers may be written in several ways.
+bool same_value(const std::string& a, const std::string& b) {
+    const auto number = [](const std::string& text) -> std::optional<double> {
+        char* end = nullptr;
+        const double value = std::strtod(text.c_str(), &end);
+        return end && *end == 0 ? std::optional(value) : std::nullopt;
+    };
+    const auto x = number(a), y = number(b);
+    return a == b || (x && y && std::abs(*x - *y) < 1e-3 * std::abs(*y));
 }
 
 class Search {
@@ -120,10 +145,10 @@ private:
             if (candidate.starts.front().front().second != model) continue;
             for (const Ladder& ladder : candidate.ladders) {
                 const FitSetting from = best().setting;
-                const std::string now = value_of(from, ladder.option, request_of(from).text(ladder.option));
-                const auto at = std::ranges::find_if(ladder.values, [&](const char* v) {
-                    return std::abs(std::stod(v) / std::stod(now) - 1) < 1e-3 || v == now;
-                });
+                const FitRequest request = request_of(from);
+                if (!ladder.means_something(request)) continue;
+                const std::string now = value_of(from, ladder.option, request.text(ladder.option));
+                const auto at = std::ranges::find_if(ladder.values, [&](const char* v) { return same_value(v, now); });
                 if (at == ladder.values.end()) continue;
                 if (at != ladder.values.begin()) attempt(with(from, ladder.option, at[-1]));
                 if (at + 1 != ladder.values.end()) attempt(with(from, ladder.option, at[1]));
@@ -143,13 +168,6 @@ private:
 };
 
 }  // namespace
-
-std::string command_line_of(const FitSetting& setting) {
-    std::string line;
-    for (const auto& [option, value] : setting)
-        line += fmt::format("{}{} {}", line.empty() ? "" : " ", find_fit_option(option).flag, value);
-    return line;
-}
 
 int left_out_every(const Dataset& dataset, const TuneOptions& options) {
     return std::max(2, std::min(options.validation, int(dataset.split(false).size() / 2)));

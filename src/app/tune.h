@@ -1,20 +1,14 @@
 #pragma once
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "app/fit_request.h"
+#include "app/fit_options.h"
 #include "base/range.h"
 #include "dataset/dataset.h"
 
 /// Which model, and which of its options, suit a dataset: judged on training views that the fits leave out.
 namespace radiafit {
-
-/// Options of a fit by their names in the table (app/fit_options.h), with values as FitRequest::set() takes them.
-using FitSetting = std::vector<std::pair<std::string, std::string>>;
-/// As the command line has them: "--model viewbasis --rank 28".
-std::string command_line_of(const FitSetting& setting);
 
 namespace limits {
 constexpr Range<double> tune_seconds{1, 1e6};

@@ -118,7 +118,8 @@ private:
 }  // namespace
 
 std::vector<double> read_gains(const std::filesystem::path& file, const std::vector<std::string>& names) {
-    TextFile text(file, fmt::format("gain table ({} takes none, estimate or such a file)", option_name("gains")));
+    TextFile text(
+        file, fmt::format("gain table ({} takes none, estimate, per-channel or such a file)", option_name("gains")));
     std::unordered_map<std::string, double> table;
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);
@@ -189,7 +190,7 @@ std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasteriz
         if (!(at.z() > 0 && at.x() >= 1 && at.y() >= 1 && at.x() < camera.width - 1 && at.y() < camera.height - 1))
             continue;
         const size_t x = static_cast<size_t>(at.x()), y = static_cast<size_t>(at.y());
-        double sum = 0;
+        std::array<double, 3> sums{};
         bool good = true;
         for (size_t row = y - 1; row <= y + 1 && good; ++row)
             for (size_t pixel = row * width + x - 1; pixel <= row * width + x + 1; ++pixel) {
@@ -198,11 +199,16 @@ std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasteriz
                 for (size_t c = 0; c < 3 && good; ++c) {
                     const size_t stored = image.bits == 8 ? image.rgb8[3 * pixel + c] : image.rgb16[3 * pixel + c];
                     good = stored < limit;
-                    sum += light[stored];
+                    sums[c] += light[stored];
                 }
                 if (!good) break;
             }
-        if (good && sum / 27 > dark) samples.push_back({p, static_cast<float>(std::log(sum / 27))});
+        const double mean = (sums[0] + sums[1] + sums[2]) / 27;
+        if (!good || mean <= dark) continue;
+        GainSample sample{p, static_cast<float>(std::log(mean))};
+        for (size_t c = 0; c < 3; ++c)
+            sample.log_channels[c] = sums[c] / 9 > dark ? static_cast<float>(std::log(sums[c] / 9)) : NAN;
+        samples.push_back(sample);
     }
     return samples;
 }
@@ -237,6 +243,23 @@ GainEstimate estimate_gains(const std::vector<std::vector<GainSample>>& samples,
             result.guessed.push_back(v);
     }
     normalize_gains(result.gains, held_out);
+    return result;
+}
+
+ChannelGainEstimate estimate_channel_gains(const std::vector<std::vector<GainSample>>& samples,
+                                           const std::vector<uint8_t>& held_out) {
+    const GainEstimate of_all = estimate_gains(samples, held_out);
+    ChannelGainEstimate result{.gains = std::vector<std::array<double, 3>>(samples.size()), .guessed = of_all.guessed};
+    for (size_t c = 0; c < 3; ++c) {
+        std::vector<std::vector<GainSample>> channel(samples.size());
+        for (size_t v = 0; v < samples.size(); ++v)
+            for (const GainSample& s : samples[v])
+                if (!std::isnan(s.log_channels[c])) channel[v].push_back({s.point, s.log_channels[c]});
+        GainEstimate estimate = estimate_gains(channel, held_out);
+        for (const size_t v : estimate.guessed) estimate.gains[v] = of_all.gains[v];
+        normalize_gains(estimate.gains, held_out);
+        for (size_t v = 0; v < samples.size(); ++v) result.gains[v][c] = estimate.gains[v];
+    }
     return result;
 }
 

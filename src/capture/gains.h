@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -9,8 +10,8 @@
 #include "geometry/mesh.h"
 #include "geometry/raster.h"
 
-/// One linear gain per image, for captures with automatic exposure: gain * linear pixel value is comparable between
-/// images. Only ratios mean anything; normalize_gains fixes the rest.
+/// Linear gains of images, one for each or one for each of its channels, for captures with automatic exposure: gain *
+/// linear pixel value is comparable between images. Only ratios mean anything; normalize_gains fixes the rest.
 namespace radiafit {
 
 /// A table with an image name in the first column and its linear gain in the last one; # comments. Returns the gains in
@@ -25,6 +26,7 @@ void normalize_gains(std::vector<double>& gains, const std::vector<uint8_t>& hel
 struct GainSample {
     uint32_t point;
     float log_value;  ///< natural logarithm of the mean linear value of the 3 x 3 pixels around it
+    std::array<float, 3> log_channels = {};  ///< likewise of its channels; not a number of one that is dark
 };
 
 /// Points on a mesh at which images are compared: about 20,000, spread over its triangles.
@@ -53,5 +55,14 @@ struct GainEstimate {
 /// gains and the points' brightness m, rho Cauchy's with its scale from the residuals. A held-out view does not take
 /// part; its gain is then the median over the points that the training views have settled.
 GainEstimate estimate_gains(const std::vector<std::vector<GainSample>>& samples, const std::vector<uint8_t>& held_out);
+
+struct ChannelGainEstimate {
+    std::vector<std::array<double, 3>> gains;  ///< [views], each channel's normalized
+    std::vector<size_t> guessed;               ///< likewise
+};
+/// The same channel by channel, for captures whose white balance changed, too. A view of which a channel shows too few
+/// points that are not dark has for it what estimate_gains() says.
+ChannelGainEstimate estimate_channel_gains(const std::vector<std::vector<GainSample>>& samples,
+                                           const std::vector<uint8_t>& held_out);
 
 }  // namespace radiafit

@@ -105,29 +105,39 @@ void drop_blind_views(std::vector<Photograph>& photographs, const ImportOptions&
                                     option_name("holdout")));
 }
 
-std::vector<double> choose_gains(std::vector<Photograph>& photographs, const ImportOptions& options,
-                                 ImportReport& report) {
+bool estimates_gains(const ImportOptions& options) {
+    return options.gains == "estimate" || options.gains == "per-channel";
+}
+
+std::vector<Gain> choose_gains(std::vector<Photograph>& photographs, const ImportOptions& options,
+                               ImportReport& report) {
+    if (options.gains == "none") return std::vector<Gain>(photographs.size());
     std::vector<std::string> names;
     std::vector<uint8_t> held_out;
     for (const Photograph& p : photographs) {
         names.push_back(p.name);
         held_out.push_back(p.held_out);
     }
-    std::vector<double> gains(photographs.size(), 1.0);
-    if (options.gains == "estimate") {
-        std::vector<std::vector<GainSample>> samples;
-        for (Photograph& p : photographs) samples.push_back(std::move(p.gain_samples));
-        GainEstimate estimate = estimate_gains(samples, held_out);
-        gains = std::move(estimate.gains);
+    if (!estimates_gains(options)) {
+        std::vector<double> table = read_gains(options.gains, names);
+        normalize_gains(table, held_out);
+        return {table.begin(), table.end()};
+    }
+    std::vector<std::vector<GainSample>> samples;
+    for (Photograph& p : photographs) samples.push_back(std::move(p.gain_samples));
+    std::vector<Gain> gains;
+    const auto take = [&](const auto& estimate) {
+        for (const auto& gain : estimate.gains) gains.emplace_back(gain);
         for (const size_t i : estimate.guessed)
             report.notes.push_back(
                 fmt::format("image '{}' shares too little with others to estimate its gain: it is "
                             "left at the mean exposure",
                             names[i]));
-    } else if (options.gains != "none") {
-        gains = read_gains(options.gains, names);
-        normalize_gains(gains, held_out);
-    }
+    };
+    if (options.gains == "estimate")
+        take(estimate_gains(samples, held_out));
+    else
+        take(estimate_channel_gains(samples, held_out));
     return gains;
 }
 
@@ -162,7 +172,7 @@ std::vector<uint8_t> crop_mask(const std::vector<uint8_t>& mask, int width, cons
 }
 
 /// Reads the images again.
-void pack(const std::vector<Photograph>& photographs, const std::vector<double>& gains, const Calibration& model,
+void pack(const std::vector<Photograph>& photographs, const std::vector<Gain>& gains, const Calibration& model,
           Encoding encoding, DatasetWriter& writer) {
     stream_views("packing images", photographs.size(), writer, [&](size_t i, int, PackedImage& packed) {
         const Photograph& photograph = photographs[i];
@@ -250,7 +260,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, const 
         directions.push_back((image.camera.center() - centre).normalized());
     const std::vector<uint8_t> held_out =
         options.holdout.empty() ? held_out_by_calibration(model) : choose_held_out(names, directions, options.holdout);
-    if (options.gains != "none" && options.gains != "estimate") read_gains(options.gains, names);
+    if (options.gains != "none" && !estimates_gains(options)) read_gains(options.gains, names);
     ImportReport report;
     report.notes = std::move(mesh.notes);
     report.remarks = model.remarks;
@@ -262,7 +272,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, const 
     report.triangles = mesh.mesh.triangle_count();
     {
         std::optional<GainPoints> points;
-        if (options.gains == "estimate") points.emplace(mesh.mesh);
+        if (estimates_gains(options)) points.emplace(mesh.mesh);
         std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
         Progress progress("reading images", photographs.size());
         parallel_for(photographs.size(), 1, [&](size_t i, int worker) {
@@ -273,7 +283,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, const 
     }
     check_coverage(photographs, mesh.mesh, options, model, report);
     drop_blind_views(photographs, options, report);
-    const std::vector<double> gains = choose_gains(photographs, options, report);
+    const std::vector<Gain> gains = choose_gains(photographs, options, report);
 
     const bool deep =
         std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.bits == 16; });

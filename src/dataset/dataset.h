@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -22,6 +23,19 @@ enum class Encoding { u8_srgb, u8_linear, u16_linear, f16_linear, f32_linear };
 std::string to_string(Encoding encoding);  ///< as in dataset.json: "u8-srgb"
 int bytes_per_channel(Encoding encoding);
 
+/// What an image's linear values are multiplied by before they are fitted: one number, or one per channel.
+struct Gain {
+    std::array<double, 3> channels;
+
+    Gain(double all = 1) : channels{all, all, all} {}
+    explicit Gain(const std::array<double, 3>& rgb) : channels(rgb) {}
+    double operator[](size_t channel) const { return channels[channel]; }
+    bool uniform() const { return channels[0] == channels[1] && channels[0] == channels[2]; }
+    double least() const { return *std::min_element(channels.begin(), channels.end()); }
+    double most() const { return *std::max_element(channels.begin(), channels.end()); }
+    bool operator==(const Gain&) const = default;
+};
+
 /// One posed photograph.
 struct View {
     std::string name;
@@ -32,7 +46,9 @@ struct View {
     std::optional<Light>
         light;              ///< what lit this image, where the light moves; all views of a dataset have one, or none
     bool held_out = false;  ///< never fitted, only judged
-    double gain = 1;        ///< linear: fitted values are encode(gain * decode(stored)); 1 where exposure was fixed
+    /// Linear: fitted values are encode(gain * decode(stored)); 1 where exposure was fixed. One number where there is a
+    /// light, whose intensity has the colours.
+    Gain gain;
     uint64_t pixel_offset = 0;  ///< byte offset in images.bin of [height][width][3], row 0 on top; multiple of 4096
     /// Byte offset of [height][ceil(width / 8)] bytes, most significant bit first, 1 = object.
     std::optional<uint64_t> mask_offset;

@@ -49,12 +49,14 @@ Json camera_to_json(const View& view) {
     return json;
 }
 
+Json gain_to_json(const Gain& gain) { return gain.uniform() ? Json(gain[0]) : Json(gain.channels); }
+
 Json view_to_json(const View& view) {
     const Camera& c = view.camera;
     Json json = {{"name", view.name},
                  {"held_out", view.held_out},
                  {"camera", camera_to_json(view)},
-                 {"gain", view.gain},
+                 {"gain", gain_to_json(view.gain)},
                  {"pixel_offset", view.pixel_offset},
                  {"mask_offset", view.mask_offset ? Json(*view.mask_offset) : Json(nullptr)},
                  {"peak", view.peak},
@@ -85,6 +87,13 @@ public:
         return at(key).get<bool>();
     }
     double number(const char* key) const { return number(at(key), key); }
+    /// One number, or three.
+    Gain gain(const char* key) const {
+        if (!at(key).is_array()) return number(key);
+        if (at(key).size() != 3) fail(key, "must be a number, or 3 numbers");
+        const Vec3d rgb = vector(key);
+        return Gain({rgb[0], rgb[1], rgb[2]});
+    }
     uint64_t count(const char* key) const {
         if (!at(key).is_number_unsigned()) fail(key, "must be a whole number, 0 or above");
         return at(key).get<uint64_t>();
@@ -185,8 +194,10 @@ View view_from_json(const Fields& fields, const fs::path& file, Encoding encodin
         c.cam_from_world_translation = camera.vector("cam_from_world_translation");
     }
     check_view(view, fmt::format("{}: view \"{}\"", file.string(), view.name));
-    view.gain = fields.number("gain");
+    view.gain = fields.gain("gain");
     if (!is_gain(view.gain)) fields.fail("gain", "must be above 0, from 1e-12 to 1e12");
+    if (fields.has("light") && !view.gain.uniform())
+        fields.fail("gain", "must be one number where there is a light, whose intensity has the colours");
     view.pixel_offset = fields.count("pixel_offset");
     view.mask_offset = fields.optional_count("mask_offset");
     view.peak = static_cast<float>(fields.number("peak"));
@@ -218,7 +229,7 @@ void throw_damaged(const fs::path& file, const std::string& what) {
                                 at_command_line("run radiafit generate or import again", "make the dataset again")));
 }
 
-bool is_gain(double value) { return value >= 1e-12 && value <= 1e12; }
+bool is_gain(const Gain& gain) { return gain.least() >= 1e-12 && gain.most() <= 1e12; }
 
 void check_view(const View& view, const std::string& name) {
     if (!view.camera_direction) return check_camera(view.camera, name);

@@ -27,7 +27,7 @@ Dataset dataset_from_json(const std::string& text, const std::filesystem::path& 
 
 /// Whether it can be a view's gain: from 1e-12 to 1e12. A table's lie between 1e-6 and 1e6 before their mean is taken
 /// out.
-bool is_gain(double value);
+bool is_gain(const Gain& gain);
 
 /// Throws UserError, prefixed by `name`, for a camera or a camera's direction that is none.
 void check_view(const View& view, const std::string& name);

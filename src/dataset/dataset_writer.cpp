@@ -105,8 +105,11 @@ void DatasetWriter::add(View view, const void* pixels, const std::vector<uint8_t
     State& s = *state_;
     check_view(view, view.name);
     if (!is_gain(view.gain))
-        throw UserError(
-            fmt::format("{}: the gain {} is not from 1e-12 to 1e12; give other gains", view.name, view.gain));
+        throw UserError(fmt::format("{}: the gain {} is not from 1e-12 to 1e12; give other gains", view.name,
+                                    is_gain(view.gain.least()) ? view.gain.most() : view.gain.least()));
+    if (view.light && !view.gain.uniform())
+        throw UserError(fmt::format(
+            "{}: has a light and a gain per channel; put the colours into the light's intensity", view.name));
     const size_t pixel_count = size_t(view.camera.width) * size_t(view.camera.height);
     if (!mask.empty() && mask.size() != pixel_count)
         throw std::logic_error("DatasetWriter::add takes one mask value per pixel, or none");

@@ -37,24 +37,27 @@ void widen8(const uint8_t* __restrict rgb, size_t count, uint8_t* __restrict rgb
     for (size_t i = 0; i < count; ++i) store_word(rgba + 4 * i, load_word<uint32_t>(rgb + 3 * i) | 0xff000000u);
 }
 
-void look_up(const uint8_t* __restrict rgb, size_t count, const std::array<uint16_t, 256>& table,
+/// tables: of the channels, by stored byte.
+void look_up(const uint8_t* __restrict rgb, size_t count, const std::array<std::array<uint16_t, 256>, 3>& tables,
              uint8_t* __restrict rgba) {
     for (size_t i = 0; i < count; ++i)
-        store_word(rgba + 8 * i, uint64_t{0xffff} << 48 | uint64_t{table[rgb[3 * i + 2]]} << 32 |
-                                     uint64_t{table[rgb[3 * i + 1]]} << 16 | table[rgb[3 * i]]);
+        store_word(rgba + 8 * i, uint64_t{0xffff} << 48 | uint64_t{tables[2][rgb[3 * i + 2]]} << 32 |
+                                     uint64_t{tables[1][rgb[3 * i + 1]]} << 16 | tables[0][rgb[3 * i]]);
 }
 
 inline uint64_t rounded16(float x) { return static_cast<uint16_t>(std::min(std::max(0.0f, x) + 0.5f, 65535.0f)); }
 
-/// Linear encodings: target / scale = value * factor.
+/// Linear encodings: target / scale = value * factor of the channel.
 template <class Stored, class ToFloat>
-void multiply(const uint8_t* __restrict rgb, size_t count, float factor, ToFloat to_float, uint8_t* __restrict rgba) {
-    const auto channel = [&](size_t at) {
+void multiply(const uint8_t* __restrict rgb, size_t count, const std::array<float, 3>& factors, ToFloat to_float,
+              uint8_t* __restrict rgba) {
+    const auto [red, green, blue] = factors;
+    const auto channel = [&](size_t at, float factor) {
         return rounded16(to_float(load_word<Stored>(rgb + sizeof(Stored) * at)) * factor);
     };
     for (size_t i = 0; i < count; ++i)
-        store_word(rgba + 8 * i,
-                   uint64_t{0xffff} << 48 | channel(3 * i + 2) << 32 | channel(3 * i + 1) << 16 | channel(3 * i));
+        store_word(rgba + 8 * i, uint64_t{0xffff} << 48 | channel(3 * i + 2, blue) << 32 |
+                                     channel(3 * i + 1, green) << 16 | channel(3 * i, red));
 }
 
 /// Clears the alpha (the top byte or half-word of Word) of pixels whose mask bit is 0.
@@ -94,10 +97,10 @@ struct ImageStream::State {
     std::filesystem::path path;  ///< of images.bin
     Encoding encoding = Encoding::u8_srgb;
     TargetSpace space = TargetSpace::stored;
-    std::array<uint16_t, 256> table = {};
-    double table_gain = 0;  ///< the gain `table` was made for
-    std::array<float, 256> values = {};
-    double values_gain = 0;          ///< likewise, of `values`
+    std::array<std::array<uint16_t, 256>, 3> tables = {};
+    Gain tables_gain = 0;  ///< the gain `tables` were made for
+    std::array<std::array<float, 256>, 3> values = {};
+    Gain values_gain = 0;            ///< likewise, of `values`
     std::optional<uint32_t> masked;  ///< the view that load_mask() read
 
     bool linear_targets() const { return space == TargetSpace::linear; }
@@ -130,31 +133,36 @@ struct ImageStream::State {
         if (!view.mask_offset) return nullptr;
         return bytes_at(*view.mask_offset, mask_bytes(view.camera), mask_buffer, bytes_read);
     }
-    /// body(target), where target(i) is channel i's as a float: of linear encodings, a multiple in either space.
+    /// body(target), where target(i, c) is that of the i-th stored value, of channel c, as a float: of linear
+    /// encodings, a multiple in either space.
     template <class Body>
-    void with_targets(const uint8_t* stored, double gain_of_view, const Body& body) {
+    void with_targets(const uint8_t* stored, const Gain& gain, const Body& body) {
         switch (encoding) {
             case Encoding::f32_linear:
-                return body([=](size_t i) { return float(gain_of_view * double(load_word<float>(stored + 4 * i))); });
+                return body(
+                    [=](size_t i, size_t c) { return float(gain[c] * double(load_word<float>(stored + 4 * i))); });
             case Encoding::f16_linear:
-                return body([=](size_t i) {
-                    return float(gain_of_view * double(float_from_half(load_word<uint16_t>(stored + 2 * i))));
+                return body([=](size_t i, size_t c) {
+                    return float(gain[c] * double(float_from_half(load_word<uint16_t>(stored + 2 * i))));
                 });
             case Encoding::u16_linear:
-                return body(
-                    [=](size_t i) { return float(gain_of_view * (load_word<uint16_t>(stored + 2 * i) / 65535.0)); });
+                return body([=](size_t i, size_t c) {
+                    return float(gain[c] * (load_word<uint16_t>(stored + 2 * i) / 65535.0));
+                });
             default:
-                if (values_gain != gain_of_view)
-                    for (size_t v = 0; v < values.size(); ++v) values[v] = float(target(double(v) / 255, gain_of_view));
-                values_gain = gain_of_view;
-                return body([=, this](size_t i) { return values[stored[i]]; });
+                if (values_gain != gain)
+                    for (size_t c = 0; c < 3; ++c)
+                        for (size_t v = 0; v < 256; ++v) values[c][v] = float(target(double(v) / 255, gain[c]));
+                values_gain = gain;
+                return body([=, this](size_t i, size_t c) { return values[c][stored[i]]; });
         }
     }
-    void make_table(double gain, double scale) {
-        if (table_gain == gain) return;
-        for (size_t v = 0; v < table.size(); ++v)
-            table[v] = uint16_t(std::min(65535.0, std::round(target(double(v) / 255, gain) / scale)));
-        table_gain = gain;
+    void make_tables(const Gain& gain, double scale) {
+        if (tables_gain == gain) return;
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t v = 0; v < 256; ++v)
+                tables[c][v] = uint16_t(std::min(65535.0, std::round(target(double(v) / 255, gain[c]) / scale)));
+        tables_gain = gain;
     }
 };
 
@@ -172,7 +180,7 @@ ImageStream::ImageStream(const Dataset& dataset, StreamSource source, TargetSpac
     s.checked = std::make_shared<CheckedViews>(dataset.views.size());
     for (const View& view : dataset.views) {
         gains |= view.gain != 1;
-        largest = std::max(largest, s.target(view.peak, view.gain));
+        largest = std::max(largest, s.target(view.peak, view.gain.most()));
         end = std::max(end, view.pixel_offset + checked_bytes(view, dataset.encoding));
         if (view.mask_offset) end = std::max(end, *view.mask_offset + mask_bytes(view.camera));
     }
@@ -227,18 +235,23 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
         image.rgba16.resize(4 * count);
         image.rgba8.clear();
         auto* rgba = reinterpret_cast<uint8_t*>(image.rgba16.data());
+        const auto factors = [&](double full) {
+            std::array<float, 3> out;
+            for (size_t c = 0; c < 3; ++c) out[c] = float(view.gain[c] / full / double(scale_));
+            return out;
+        };
         if (s.encoding == Encoding::f16_linear) {
             multiply<uint16_t>(
-                pixels, count, float(view.gain / double(scale_)), [](uint16_t h) { return float_from_half(h); }, rgba);
+                pixels, count, factors(1), [](uint16_t h) { return float_from_half(h); }, rgba);
         } else if (s.encoding == Encoding::f32_linear) {
             multiply<float>(
-                pixels, count, float(view.gain / double(scale_)), [](float x) { return x; }, rgba);
+                pixels, count, factors(1), [](float x) { return x; }, rgba);
         } else if (s.encoding == Encoding::u16_linear) {
             multiply<uint16_t>(
-                pixels, count, float(view.gain / 65535 / double(scale_)), [](uint16_t v) { return float(v); }, rgba);
+                pixels, count, factors(65535), [](uint16_t v) { return float(v); }, rgba);
         } else {
-            s.make_table(view.gain, double(scale_));
-            look_up(pixels, count, s.table, rgba);
+            s.make_tables(view.gain, double(scale_));
+            look_up(pixels, count, s.tables, rgba);
         }
         if (mask) apply_mask<uint64_t, 48>(mask, width, height, rgba);
     }
@@ -253,7 +266,8 @@ void ImageStream::load_values(uint32_t index, std::vector<float>& values) {
     s.masked.reset();
     values.resize(3 * size_t(view.camera.width) * size_t(view.camera.height));
     s.with_targets(stored, view.gain, [&](auto target) {
-        for (size_t i = 0; i < values.size(); ++i) values[i] = target(i);
+        for (size_t i = 0; i < values.size(); i += 3)
+            for (size_t c = 0; c < 3; ++c) values[i + c] = target(i + c, c);
     });
     seconds_ += wall_time_s() - start_s;
 }
@@ -283,7 +297,7 @@ void ImageStream::values_at(std::span<const uint32_t> pixels, float* values) {
     const View& view = (*s.views)[*s.masked];
     s.with_targets(s.kept ? s.kept->data() + view.pixel_offset : s.buffer.data(), view.gain, [&](auto target) {
         for (const uint32_t pixel : pixels)
-            for (size_t c = 0; c < 3; ++c) *values++ = target(3 * size_t(pixel) + c);
+            for (size_t c = 0; c < 3; ++c) *values++ = target(3 * size_t(pixel) + c, c);
     });
 }
 

@@ -28,12 +28,19 @@ bool has_gains(const Dataset& dataset) {
     return false;
 }
 
+bool has_channel_gains(const Dataset& dataset) {
+    for (const View& view : dataset.views)
+        if (!view.gain.uniform()) return true;
+    return false;
+}
+
 // One thread's tools.
 class Bench {
 public:
     Bench(const Dataset& dataset, ImageStream stream, int pixel_points)
         : dataset_(&dataset),
           has_gains_(has_gains(dataset)),
+          has_channel_gains_(has_channel_gains(dataset)),
           stream_(std::move(stream)),
           areas_(dataset, pixel_points) {}
 
@@ -59,15 +66,17 @@ public:
             out.foreground[i] = seen[i].triangle != no_triangle && image_.masked_in(i);
             if (!out.missing.empty()) out.missing[i] = seen[i].triangle == no_triangle && image_.masked_in(i);
         }
-        if (has_gains_ && view.held_out) out.gain = 1 / best_exposure(contestant.space, out);
+        if (has_gains_ && view.held_out) out.gain = best_gain(contestant.space, out);
         out.render.assign(3 * pixels, 0.0f);
         // Values that already are what is stored go through no transfer function and back.
         const bool as_they_are = out.gain == 1 && contestant.space == TargetSpace::stored;
         for (size_t i = 0; i < pixels; ++i)
-            for (size_t c = 3 * i; c < 3 * i + 3 && out.foreground[i]; ++c)
-                out.render[c] = as_they_are
-                                    ? clamped(rgb[c])
-                                    : exposed(dataset_->encoding, 1 / out.gain, light(contestant.space, rgb[c]));
+            for (size_t c = 0; c < 3 && out.foreground[i]; ++c) {
+                const float value = rgb[3 * i + c];
+                out.render[3 * i + c] =
+                    as_they_are ? clamped(value)
+                                : exposed(dataset_->encoding, 1 / out.gain[c], light(contestant.space, value));
+            }
         return out;
     }
 
@@ -83,7 +92,7 @@ public:
             for (size_t c = 0; c < 3; ++c) {
                 const float photograph = judged.photograph[3 * i + c];
                 error[Eigen::Index(c)] =
-                    areas_.rgb()[3 * i + c] - exposed_alike(contestant.space, photograph, judged.gain);
+                    areas_.rgb()[3 * i + c] - exposed_alike(contestant.space, photograph, judged.gain[c]);
                 stored[c] = judged.render[3 * i + c] - photograph;
             }
             out.add(bars_[i], error, stored);
@@ -104,18 +113,25 @@ private:
         return float(space == TargetSpace::linear ? linear : exposed(dataset_->encoding, 1, linear));
     }
 
-    double best_exposure(TargetSpace space, const JudgedView& view) const {
+    /// Of the channels from `first` to `last`.
+    double best_gain(TargetSpace space, const JudgedView& view, size_t first, size_t last, double around) const {
         std::vector<float> values, photograph;
         for (size_t i = 0; i < view.foreground.size(); ++i)
-            for (size_t c = 3 * i; c < 3 * i + 3 && view.foreground[i]; ++c) {
+            for (size_t c = 3 * i + first; c <= 3 * i + last && view.foreground[i]; ++c) {
                 values.push_back(float(light(space, areas_.rgb()[c])));
                 photograph.push_back(view.photograph[c]);
             }
-        return find_exposure(dataset_->encoding, values, photograph, 1 / view.gain);
+        return 1 / find_exposure(dataset_->encoding, values, photograph, 1 / around);
+    }
+    Gain best_gain(TargetSpace space, const JudgedView& view) const {
+        if (!has_channel_gains_) return best_gain(space, view, 0, 2, view.gain[0]);
+        std::array<double, 3> gains;
+        for (size_t c = 0; c < 3; ++c) gains[c] = best_gain(space, view, c, c, view.gain[c]);
+        return Gain(gains);
     }
 
     const Dataset* dataset_;
-    bool has_gains_;
+    bool has_gains_, has_channel_gains_;
     ImageStream stream_;
     PixelAreas areas_;
     TargetImage image_;

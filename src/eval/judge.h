@@ -20,7 +20,8 @@
 /// so that the photograph is never touched, what it clipped is clipped in the render too, and no choice of gains can
 /// raise a figure by making the photographs darker. A held-out view's exposure is not known to anyone: if any gain in
 /// the dataset differs from 1, the judge takes the s that suits the render best (least squared error), for every
-/// contestant alike, and reports 1 / s as the view's gain. Where all gains are 1, s = 1 throughout.
+/// contestant alike, and reports 1 / s as the view's gain; where any view has a gain per channel, an s for each
+/// channel. Where all gains are 1, s = 1 throughout.
 namespace radiafit {
 
 enum class Split { train, test, validation };
@@ -32,14 +33,14 @@ struct JudgedView {
     std::vector<float> photograph;
     std::vector<float> render;        ///< in the photograph's exposure; NaN where not finite; 0 outside the foreground
     std::vector<uint8_t> foreground;  ///< [height][width]
-    double gain = 1;                  ///< 1 / s: linear, from the photograph's exposure to the contestant's
+    Gain gain;                        ///< 1 / s: linear, from the photograph's exposure to the contestant's
     std::vector<uint8_t> missing = {};  ///< [height][width]: inside the image's mask, where the mesh is not; or empty
 };
 
 struct ImageFigures {
     std::string name;
     uint64_t pixels = 0;  ///< foreground
-    double gain = 1;
+    Gain gain;
     double share_of_fit = 1;     ///< Contestant's
     double outside = 0;          ///< by how much (radians) it lies outside the training views' directions
     ErrorSums stored, linear;    ///< in the stored encoding; in linear light

@@ -82,7 +82,10 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         add_figures(entry, image.stored, image.linear);
         if (image.ssim.windows) entry["ssim"] = image.ssim.mean();
         entry["pixels"] = image.pixels;
-        entry["gain"] = image.gain;
+        if (image.gain.uniform())
+            entry["gain"] = image.gain[0];
+        else
+            entry["gain"] = image.gain.channels;
         entry["share_of_fit"] = image.share_of_fit;
         entry["degrees_outside"] = image.outside * 180 / std::numbers::pi;
         json["per_image"].push_back(entry);

@@ -50,7 +50,7 @@ SafeRelighting::Bounds SafeRelighting::bounds_of(uint32_t texel) const {
         squares += lit.u.z() * lit.u.z();
         for (int c = 0; c < 3; ++c) {
             // no brighter than the image can hold, beyond which it says nothing; not-a-number counts as none
-            const float holds = float(view->peak * view->gain) / std::max(lit.irradiance[c], 1e-20f);
+            const float holds = float(view->peak * view->gain[0]) / std::max(lit.irradiance[c], 1e-20f);
             const float seen = std::min(std::max(0.0f, value[size_t(c)]), holds);
             out.albedo[c] += seen * lit.u.z();
             out.brightest[c] = std::max(out.brightest[c], seen);

@@ -29,7 +29,8 @@ DatasetFingerprint fingerprint(const Dataset& dataset) {
         const Camera& c = view.camera;
         add(c.width);
         add(c.height);
-        for (const double x : {c.fx, c.fy, c.cx, c.cy, view.gain}) add(x);
+        for (const double x : {c.fx, c.fy, c.cx, c.cy, view.gain[0]}) add(x);
+        if (!view.gain.uniform()) add(view.gain[1]), add(view.gain[2]);
         for (int i = 0; i < 9; ++i) add(c.cam_from_world_rotation(i / 3, i % 3));
         for (int i = 0; i < 3; ++i) add(c.cam_from_world_translation[i]);
         if (view.camera_direction)

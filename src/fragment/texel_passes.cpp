@@ -26,7 +26,7 @@ std::array<float, 12> view_numbers(const View& view, float scale, float clip_abo
     // Where a lamp sends no light of a colour, the pixel says nothing of it, and is 0.
     const Vec3d inverse = light.intensity.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
     put(0, light.place, light.kind == Light::Kind::near ? 1.0f : 0.0f);
-    put(4, double(scale) * inverse, clipped_unit(clip_above, float(view.gain), scale));
+    put(4, double(scale) * inverse, clipped_unit(clip_above, float(view.gain[0]), scale));
     if (view.camera_direction)
         put(8, *view.camera_direction, 0);
     else

@@ -17,5 +17,6 @@ enum class Status : uint8_t {
     count
 };
 std::string to_string(Status status);  ///< as the key in fit.json, such as "max_iterations"
+const char* meaning(Status status);    ///< in a few words, for people
 
 }  // namespace radiafit

@@ -17,6 +17,17 @@ void Trace::append(const Trace& stage) {
     }
 }
 
+std::string ending_of(const Trace& trace, uint64_t capped, uint64_t problems) {
+    if (trace.rows.size() < 2) return "";
+    const TraceRow &last = trace.rows.back(), &before = trace.rows[trace.rows.size() - 2];
+    if (capped == 0) return fmt::format("all problems done after {} iterations", last.iteration);
+    const double lowered = before.error > 0 ? 100 * (1 - last.error / before.error) : 0;
+    const std::string who =
+        capped < problems ? fmt::format("{} of {} problems used all {} iterations", capped, problems, last.iteration)
+                          : fmt::format("all {} iterations used", last.iteration);
+    return fmt::format("{}, the last lowered the error by {:.2g} %", who, lowered);
+}
+
 void TraceSum::add(const std::vector<TraceRow>& rows) {
     if (rows.empty()) return;
     while (rows_.size() < rows.size()) {

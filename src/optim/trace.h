@@ -21,6 +21,11 @@ struct Trace {
     void append(const Trace& stage);
 };
 
+/// How a solver ended, for people: "all 25 iterations used, the last lowered the error by 0.02 %", "3 of 486 problems
+/// used all 25 iterations, ..." or "all problems done after 12 iterations"; empty of a trace without iterations.
+/// capped: problems that ended with Status::max_iterations, of `problems` that have samples.
+std::string ending_of(const Trace& trace, uint64_t capped, uint64_t problems);
+
 /// Traces of problems that were solved one after another, added up row by row: a trace that ends early goes on as it
 /// ended, with nothing accepted and nothing active.
 class TraceSum {

@@ -12,7 +12,7 @@ TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::
     : atlas_(&atlas), shading_(dataset, views), shadow_below_(options.shadow_below), weights_(options.loss.weights) {
     const bool clips = has_largest_value(dataset.encoding) && options.clip_above > 0;
     for (const uint32_t view : views)
-        clipped_.push_back(clips ? options.clip_above * float(dataset.views[view].gain)
+        clipped_.push_back(clips ? options.clip_above * float(dataset.views[view].gain[0])
                                  : std::numeric_limits<float>::infinity());
 }
 

@@ -178,7 +178,7 @@ def make(run, root, source):
         "--holdout", "every:4", "-o", "flat")  # fmt: skip
     run("import", "lights", "--images", "lit/pfm", "--lights", "lit/lights.txt", "--holdout", "every:4", "-o", "floats")
     run("generate", "ornament", "-o", "orb")
-    run("fit", "tiny", "--iterations", "1", "-o", "fit")
+    run("fit", "tiny", "--terms", "1", "--iterations", "1", "-o", "fit")
     run("fit", "whole", "--iterations", "1", "-o", "wholefit")
     run("fit", "tiny", "--iterations", "1", "--solver", "two-step", "--records", "records", "-o", "records-fit")
     shutil.rmtree(root / "records-fit")

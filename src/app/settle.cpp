@@ -1,0 +1,158 @@
+#include "app/settle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/family.h"
+#include "app/fit_options.h"
+#include "base/parallel.h"
+#include "base/statistics.h"
+#include "geometry/raster.h"
+#include "sg/sg_fit.h"
+#include "viewbasis/view_basis_fit.h"
+
+namespace radiafit {
+namespace {
+
+using Given = std::function<bool(const char*)>;
+
+// Measured on captures with some of their images left out (datasets/captures.md).
+constexpr double least_images_of_ptm = 16, least_images_of_lafortune = 4;
+constexpr const char *clip_above = "0.98", *shadow_below = "0.1";
+
+/// The camera at a size at which drawing the mesh costs little.
+Camera small_camera(Camera camera) {
+    constexpr int largest = 256;
+    const double scale = std::min(1.0, double(largest) / std::max(camera.width, camera.height));
+    camera.width = std::max(1, int(camera.width * scale));
+    camera.height = std::max(1, int(camera.height * scale));
+    for (double* pixels : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *pixels *= scale;
+    return camera;
+}
+
+struct Place {
+    Vec3d position, normal;
+};
+std::vector<Place> middles_of(const Mesh& mesh) {
+    std::vector<Place> places;
+    for (const auto& triangle : mesh.triangles) {
+        const Vec3d a = mesh.positions[triangle[0]].cast<double>(), b = mesh.positions[triangle[1]].cast<double>(),
+                    c = mesh.positions[triangle[2]].cast<double>();
+        places.push_back({(a + b + c) / 3, (b - a).cross(c - a)});
+    }
+    return places;
+}
+
+/// What a place may lie behind the surface that a pixel of a small image sees, which spans much of it.
+double slack_of(const Mesh& mesh) {
+    Vec3f low = Vec3f::Constant(1e30f), high = -low;
+    for (const Vec3f& position : mesh.positions) low = low.cwiseMin(position), high = high.cwiseMax(position);
+    return mesh.positions.empty() ? 0 : 0.02 * double((high - low).norm());
+}
+
+/// Whether a camera sees the place, no more than `slack` behind what the rasterizer has drawn with it.
+bool sees(const Camera& camera, const Rasterizer& raster, const Place& place, double slack) {
+    if (!((camera.center() - place.position).dot(place.normal) > 0)) return false;
+    const Vec3d at = camera.project(place.position);
+    if (!(at.z() > 0 && at.x() >= 0 && at.y() >= 0 && at.x() < camera.width && at.y() < camera.height)) return false;
+    const float nearest = raster.inverse_depth()[size_t(at.y()) * size_t(camera.width) + size_t(at.x())];
+    return nearest == 0 || at.z() < 1 / double(nearest) + slack;
+}
+
+/// Whether every option that is given means something to the model.
+bool takes_given(const Given& given, const FitRequest& request, const char* model) {
+    FitRequest other = request;
+    other.model_name = model;
+    const Family& family = family_of(other);
+    if (family.uses(find_solver(other.solver)) == 0) return false;
+    const uint32_t uses = uses_of(other);
+    return std::ranges::all_of(fit_options(), [&](const FitOption& o) {
+        return o.uses == 0 || o.uses & uses || !given(o.flag.substr(0, o.flag.find(',')).c_str());
+    });
+}
+
+struct Chosen {
+    FitSetting setting;  ///< the model first
+    std::string why;     ///< by the data; empty: the options that are given leave no choice
+};
+
+Chosen under_light_that_stays(const Given& given, bool in_parts, const Dataset& dataset, const FitRequest& request) {
+    const auto chosen = [](const char* model, std::string why) { return Chosen{{{"model", model}}, std::move(why)}; };
+    if (in_parts) return chosen(lfm_name, "");
+    if (!given("--solver") && takes_given(given, request, view_basis_name))
+        return chosen(view_basis_name, fmt::format("light that stays, a median of {:.3g} training views per texel",
+                                                   views_per_texel(dataset)));
+    const bool gaussians = !takes_given(given, request, lfm_name) && takes_given(given, request, sg_name);
+    return chosen(gaussians ? sg_name : lfm_name, "");
+}
+
+/// No more is known of the surface than its plane.
+bool flat(const Grid& grid) {
+    const Vec3f plane = grid.normal().cast<float>();
+    return std::ranges::all_of(grid.texel_normals,
+                               [&](const Vec3f& n) { return n.isZero() || n.dot(plane) > 1 - 1e-6f; });
+}
+
+bool one_direction(const Dataset& dataset) {
+    const auto& first = dataset.views.front().camera_direction;
+    return first && std::ranges::all_of(dataset.views, [&](const View& view) {
+               return view.camera_direction && view.camera_direction->dot(*first) > 1 - 1e-9;
+           });
+}
+
+Chosen under_lamps(const Dataset& dataset) {
+    const double images = views_per_texel(dataset);
+    const std::string seen = fmt::format("a median of {:.3g} training images per texel", images);
+    FitSetting setting = {{"model", ""}, {"clip_above", clip_above}, {"shadow_below", shadow_below}};
+    const auto chosen = [&](const char* model, const std::string& why) {
+        setting.front().second = model;
+        return Chosen{setting, "lamps that move, " + why};
+    };
+    if (dataset.has_grid() && flat(dataset.grid) && one_direction(dataset) && images >= least_images_of_ptm)
+        return chosen("ptm", fmt::format("no normals but the plane's, {}", seen));
+    return chosen(images >= least_images_of_lafortune ? "lafortune" : "lambert", seen);
+}
+
+}  // namespace
+
+double views_per_texel(const Dataset& dataset) {
+    const std::vector<uint32_t> training = dataset.split(false);
+    if (dataset.has_grid()) return double(training.size());
+    const std::vector<Place> places = middles_of(dataset.mesh);
+    const double slack = slack_of(dataset.mesh);
+    std::vector<std::vector<uint32_t>> counts(size_t(thread_count()), std::vector<uint32_t>(places.size()));
+    std::vector<Rasterizer> rasters(counts.size());
+    parallel_for(training.size(), 1, [&](size_t i, int worker) {
+        const Camera camera = small_camera(dataset.views[training[i]].camera);
+        Rasterizer& raster = rasters[size_t(worker)];
+        raster.draw(dataset.mesh, camera);
+        for (size_t t = 0; t < places.size(); ++t) counts[size_t(worker)][t] += sees(camera, raster, places[t], slack);
+    });
+    std::vector<double> seen;
+    for (size_t t = 0; t < places.size(); ++t) {
+        uint32_t sum = 0;
+        for (const auto& of_worker : counts) sum += of_worker[t];
+        if (sum > 0) seen.push_back(sum);
+    }
+    return seen.empty() ? 0 : median(std::move(seen));
+}
+
+std::string settle(const Given& given, bool in_parts, const Dataset& dataset, FitRequest& request) {
+    std::string line;
+    if (!given("--model")) {
+        Chosen chosen =
+            dataset.light_moves() ? under_lamps(dataset) : under_light_that_stays(given, in_parts, dataset, request);
+        std::erase_if(chosen.setting,
+                      [&](const auto& option) { return given(find_fit_option(option.first).flag.c_str()); });
+        for (const auto& [option, value] : chosen.setting) request.set(option, value);
+        if (!chosen.why.empty())
+            line = fmt::format("chosen by the data: {} ({}); --model and tune choose otherwise",
+                               command_line_of(chosen.setting), chosen.why);
+    }
+    family_of(request).settle(given, dataset, request);
+    request.check();
+    return line;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,159 @@
+#include "app/settle.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "base/error.h"
+#include "mesh_shapes.h"
+
+namespace radiafit {
+namespace {
+
+View seen_from(const Vec3d& eye) {
+    View view;
+    const Vec3d up = std::abs(eye.normalized().z()) < 0.9 ? Vec3d::UnitZ() : Vec3d::UnitX();
+    view.camera = Camera::look_at(eye, Vec3d::Zero(), up, 6 / eye.norm(), 400, 300);
+    return view;
+}
+
+/// The unit ball from far away along the axes.
+Dataset ball_from_six_sides() {
+    Dataset dataset;
+    dataset.mesh = testing::ball(8);
+    for (const Vec3d& axis : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)})
+        for (const double side : {1000, -1000}) dataset.views.push_back(seen_from(side * axis));
+    return dataset;
+}
+
+/// Images of a flat grid from above, under a lamp each.
+Dataset grid_under_lamps(int images) {
+    Dataset dataset;
+    dataset.grid = Grid::centered(4, 3, 1);
+    for (int i = 0; i < images; ++i) {
+        View view;
+        view.camera.width = 4, view.camera.height = 3;
+        view.camera_direction = Vec3d::UnitZ();
+        view.light = Light{};
+        dataset.views.push_back(view);
+    }
+    return dataset;
+}
+
+struct Settled {
+    FitRequest request;
+    std::string line;
+};
+Settled settled(const Dataset& dataset, const FitSetting& options = {}, bool in_parts = false) {
+    Settled out;
+    std::set<std::string> flags;
+    for (const auto& [name, value] : options) {
+        out.request.set(name, value);
+        flags.insert(find_fit_option(name).flag);
+    }
+    const auto given = [&](const char* flag) { return flags.contains(flag); };
+    out.line = settle(given, in_parts, dataset, out.request);
+    return out;
+}
+
+TEST(ViewsPerTexel, CountsTrainingViewsThatFaceAPlace) {
+    Dataset dataset = ball_from_six_sides();
+    EXPECT_EQ(views_per_texel(dataset), 3);  // each octant faces three
+    for (size_t v = 2; v < 6; ++v) dataset.views[v].held_out = true;
+    EXPECT_EQ(views_per_texel(dataset), 1);
+}
+
+TEST(ViewsPerTexel, DoesNotCountViewsInWhichAnotherPartHidesThePlace) {
+    Dataset dataset;
+    dataset.mesh = testing::ball(12);
+    Mesh front = testing::ball(4);
+    for (Vec3f& position : front.positions) position *= 1.5f;
+    testing::append(dataset.mesh, front, {5, 0, 0});
+    // Of the far ball's triangles, nearly all that there are, one half would be seen thrice.
+    for (const double x : {1000, 1010, 1020, -1000}) dataset.views.push_back(seen_from({x, 0, 0}));
+    EXPECT_EQ(views_per_texel(dataset), 1);
+}
+
+TEST(ViewsPerTexel, IsZeroWhereNoCameraLooks) {
+    Dataset dataset = ball_from_six_sides();
+    for (View& view : dataset.views) view.camera.cx = 1e5;
+    EXPECT_EQ(views_per_texel(dataset), 0);
+    dataset.views.clear();
+    EXPECT_EQ(views_per_texel(dataset), 0);
+}
+
+TEST(Settle, LightThatStaysIsFittedByAViewBasisUnlessOptionsAskForMore) {
+    const Dataset dataset = ball_from_six_sides();
+    const Settled plain = settled(dataset);
+    EXPECT_EQ(plain.request.model_name, "viewbasis");
+    EXPECT_NE(plain.line.find("--model viewbasis (light that stays, a median of 3 training views"), std::string::npos)
+        << plain.line;
+    EXPECT_EQ(settled(dataset, {{"rank", "4"}}).request.model_name, "viewbasis");
+    EXPECT_EQ(settled(dataset, {{"validation", "4"}, {"space", "linear"}}).request.model_name, "viewbasis");
+    for (const auto& [option, value] : FitSetting{{"terms", "2"},
+                                                  {"engine", "compute"},
+                                                  {"solver", "pca"},
+                                                  {"solver", "stream"},
+                                                  {"iterations", "3"},
+                                                  {"loss", "huber"}}) {
+        const Settled other = settled(dataset, {{option, value}});
+        EXPECT_EQ(other.request.model_name, "lfm") << option;
+        EXPECT_EQ(other.line, "") << option;
+    }
+    EXPECT_EQ(settled(dataset, {{"lobes", "2"}}).request.model_name, "sg");
+    EXPECT_EQ(settled(dataset, {}, true).request.model_name, "lfm");
+    const Settled named = settled(dataset, {{"model", "sg"}});
+    EXPECT_EQ(named.request.model_name, "sg");
+    EXPECT_EQ(named.line, "");
+}
+
+TEST(Settle, LightFieldMapsHaveThreeTermsAndSmootherViewMapsButInPaperMode) {
+    const Dataset dataset = ball_from_six_sides();
+    const LfmOptions modern = settled(dataset, {{"model", "lfm"}}).request.model, plain;
+    EXPECT_EQ(modern.terms, 3);
+    EXPECT_EQ(modern.lambda_view, 0.1f);
+    EXPECT_EQ(modern.lambda_surface, plain.lambda_surface);
+    const LfmOptions paper = settled(dataset, {{"mode", "paper"}}).request.model;
+    EXPECT_EQ(paper.terms, plain.terms);
+    EXPECT_EQ(paper.lambda_view, plain.lambda_view);
+    const LfmOptions given = settled(dataset, {{"terms", "1"}, {"lambda_view", "0.5"}}).request.model;
+    EXPECT_EQ(given.terms, 1);
+    EXPECT_EQ(given.lambda_view, 0.5f);
+    EXPECT_EQ(settled(dataset, {{"solver", "pca"}}).request.model.terms, plain.terms);
+}
+
+TEST(Settle, LampsAreFittedByWhatIsKnownOfTheSurface) {
+    EXPECT_EQ(settled(grid_under_lamps(3)).request.model_name, "lambert");
+    EXPECT_EQ(settled(grid_under_lamps(4)).request.model_name, "lafortune");
+    EXPECT_EQ(settled(grid_under_lamps(15)).request.model_name, "lafortune");
+    EXPECT_EQ(settled(grid_under_lamps(16)).request.model_name, "ptm");
+    Dataset known = grid_under_lamps(16);
+    known.grid.texel_normals.assign(12, known.grid.normal().cast<float>());
+    known.grid.texel_normals[0].setZero();  // is not fitted
+    EXPECT_EQ(settled(known).request.model_name, "ptm");
+    known.grid.texel_normals[1] = Vec3f(0.6f, 0, 0.8f);
+    EXPECT_EQ(settled(known).request.model_name, "lafortune");
+    Dataset moving = grid_under_lamps(16);
+    moving.views[3].camera_direction = Vec3d(0.6, 0, 0.8);
+    EXPECT_EQ(settled(moving).request.model_name, "lafortune");
+}
+
+TEST(Settle, SamplesAreLeftOutWhereTheModelIsChosen) {
+    const Settled plain = settled(grid_under_lamps(6));
+    EXPECT_EQ(plain.request.clip_above, 0.98f);
+    EXPECT_EQ(plain.request.shadow_below, 0.1f);
+    EXPECT_NE(plain.line.find("--model lafortune --clip-above 0.98 --shadow-below 0.1"), std::string::npos);
+    const Settled given = settled(grid_under_lamps(6), {{"clip_above", "0.5"}});
+    EXPECT_EQ(given.request.clip_above, 0.5f);
+    EXPECT_EQ(given.line.find("--clip-above"), std::string::npos);
+    EXPECT_EQ(settled(grid_under_lamps(6), {{"model", "ptm"}}).request.clip_above, 0);
+}
+
+TEST(Settle, RefusesWhatMeansNothing) {
+    EXPECT_THROW(settled(ball_from_six_sides(), {{"optimizer", "lm"}}), UserError);
+    EXPECT_THROW(settled(grid_under_lamps(6), {{"solver", "pca"}}), UserError);
+}
+
+}  // namespace
+}  // namespace radiafit
