@@ -5,84 +5,61 @@
 #include <cmath>
 
 #include "app/family.h"
-#include "app/limits.h"
+#include "app/settle.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/read_file.h"
 #include "capture/split.h"
 #include "dataset/view_directions.h"
 #include "experiment.h"
+#include "reachable/reachable.h"
 #include "report/csv.h"
 #include "report/table.h"
-#include "sg/sg_fit.h"
-#include "viewbasis/view_basis_fit.h"
 
 namespace radiafit {
 namespace {
 
 constexpr Range<int> nth{2, 1000};
 
+/// A fit by its name in tables and its options.
+struct Method {
+    std::string name;
+    FitSetting setting;
+};
+
+/// Of "name: --model lfm --terms 3". Throws UserError.
+Method parse_method(const std::string& text) {
+    const size_t colon = text.find(": ");
+    if (colon == std::string::npos || colon == 0)
+        throw UserError(fmt::format("'{}': write a name, a colon, and options of radiafit fit", text));
+    Method method{text.substr(0, colon), parse_setting(text.substr(colon + 2))};
+    if (!given_by(method.setting)("--model")) throw UserError(fmt::format("'{}' names no --model", text));
+    FitRequest request;
+    for (const auto& [option, value] : method.setting) request.set(option, value);
+    return method;
+}
+
 struct Options {
-    std::vector<std::string> light_fields = {"cape"}, lit = {"reading"}, few = {"cards"}, models = {"lafortune"};
-    std::vector<int> terms = {1, 3}, ranks = {10}, lobes = {4};
-    double lambda_surface = 1e-3, lambda_view = 0.1, clip_above = 0, shadow_below = 0;
+    std::vector<std::string> light_fields = {"cape"}, lit = {"reading"}, few = {"cards"};
+    std::vector<Method> light_field_fits, lit_fits, few_fits;
+    bool reachable = true;
     int every = 8;
 
     explicit Options(Config& c) {
         c.read("light_fields", light_fields);
-        c.read("terms", terms, limits::terms);
-        c.read("ranks", ranks, limits::rank);
-        c.read("lobes", lobes, limits::lobes);
-        c.read("lambda_surface", lambda_surface, limits::weight);
-        c.read("lambda_view", lambda_view, limits::weight);
         c.read("lit", lit);
         c.read("few", few);
-        c.read("models", models, valid_option("model"));
-        c.read("clip_above", clip_above, limits::share);
-        c.read("shadow_below", shadow_below, limits::share);
+        for (const auto& [key, methods] :
+             {std::pair("light_field_fits", &light_field_fits), {"lit_fits", &lit_fits}, {"few_fits", &few_fits}}) {
+            std::vector<std::string> texts;
+            c.read(key, texts, parse_method);
+            for (const std::string& text : texts) methods->push_back(parse_method(text));
+        }
+        c.read("reachable", reachable);
         c.read("every", every, nth);
         c.finish();
     }
 };
-
-struct Method {
-    std::string name;
-    FitRequest request;
-};
-
-/// Light field maps by the number of terms, view bases by their rank, and spherical Gaussians by their number.
-std::vector<Method> light_field_methods(const Options& o) {
-    std::vector<Method> methods;
-    for (const int k : o.terms) {
-        Method& m = methods.emplace_back(fmt::format("light field map, K = {}", k));
-        m.request.model.terms = k;
-        m.request.model.lambda_surface = float(o.lambda_surface);
-        m.request.model.lambda_view = float(o.lambda_view);
-    }
-    for (const int rank : o.ranks) {
-        Method& m = methods.emplace_back(fmt::format("view basis, rank {}", rank));
-        m.request.set("model", view_basis_name);
-        m.request.view_basis.rank = rank;
-    }
-    for (const int lobes : o.lobes) {
-        Method& m = methods.emplace_back(fmt::format("{} spherical Gaussians", lobes));
-        m.request.set("model", sg_name);
-        m.request.lobes = lobes;
-    }
-    return methods;
-}
-
-std::vector<Method> reflectance_methods(const Options& o, bool select_samples) {
-    std::vector<Method> methods;
-    for (const std::string& model : o.models) {
-        Method& m = methods.emplace_back(model);
-        m.request.set("model", model);
-        if (!select_samples) continue;
-        m.request.clip_above = float(o.clip_above);
-        m.request.shadow_below = float(o.shadow_below);
-    }
-    return methods;
-}
 
 /// One way to hold out images: its name, and for each fit that it takes, what is held out.
 struct SplitRule {
@@ -143,11 +120,10 @@ public:
 
     void run() {
         for (const std::string& name : o_.light_fields)
-            judge_capture(name, light_field_methods(o_), [&](const Dataset& d) { return rules_for(d, o_.every); });
+            judge_capture(name, o_.light_field_fits, [&](const Dataset& d) { return rules_for(d, o_.every); });
         for (const std::string& name : o_.lit)
-            judge_capture(name, reflectance_methods(o_, true),
-                          [&](const Dataset& d) { return rules_for(d, o_.every); });
-        for (const std::string& name : o_.few) judge_capture(name, reflectance_methods(o_, false), each_alone);
+            judge_capture(name, o_.lit_fits, [&](const Dataset& d) { return rules_for(d, o_.every); });
+        for (const std::string& name : o_.few) judge_capture(name, o_.few_fits, each_alone);
         if (rows_.empty())
             log_info("no capture is packed, so there is nothing to judge");
         else
@@ -177,7 +153,8 @@ private:
         }
     }
 
-    /// The baseline is that of the first method: it is fitted to the same samples.
+    /// The baseline is that of the first method: it is fitted to the same samples. Models that keep every photograph
+    /// show light that stays.
     void add_fits(const Dataset& dataset, const std::string& rule, const std::vector<Method>& methods,
                   std::vector<Row>& rows) {
         const auto row = [&](const std::string& method) -> Row& {
@@ -186,21 +163,24 @@ private:
             return rows.emplace_back(dataset.name, rule, method);
         };
         for (const Method& method : methods) {
-            FitRequest request = method.request;
-            const Family& family = family_of(request);
-            family.settle([](const char*) { return false; }, dataset, request);
-            const FinishedFit fit = family.fit(dataset, request);
+            const FitRequest request = settled_request(method.setting, dataset);
+            const FinishedFit fit = family_of(request).fit(dataset, request);
             if (&method == &methods.front()) {
                 const auto baseline = fit.fit->baseline();
-                Row& r = row(fit.fit->baseline_name());
-                r.add(judge(baseline->contestant(), dataset, Split::test));
-                r.training = dataset.split(false).size();
+                add_judged(row(fit.fit->baseline_name()), baseline->contestant(), dataset);
             }
             Row& r = row(method.name);
-            r.add(judge(fit.fit->contestant(), dataset, Split::test));
-            r.training = dataset.split(false).size();
+            add_judged(r, fit.fit->contestant(), dataset);
             r.seconds += fit.run.times.total;
         }
+        if (!o_.reachable || dataset.light_moves()) return;
+        for (const ReachableModel& model : reachable_models())
+            add_judged(row(model.words), model.of(dataset, dataset.split(false), TargetSpace::stored), dataset);
+    }
+
+    static void add_judged(Row& row, const Contestant& contestant, const Dataset& dataset) {
+        row.add(judge(contestant, dataset, Split::test));
+        row.training = dataset.split(false).size();
     }
 
     void write() {

@@ -251,6 +251,16 @@ class Tune(CommandLine):
         self.good("fit", "star", *tried[0]["options"].split(), "--validation", every, "-o", "again")
         self.assertAlmostEqual(self.judge("again", "validation")["psnr"], tried[0]["psnr"], places=3)
 
+    def test_leaves_options_that_are_given_as_they_are(self):
+        given = ("--model", "lfm", "--terms", "2", "--deflate")
+        result = self.good("tune", "star", *given, "--seconds", "5", "--json")
+        tried = [t["options"] for t in strict_json(result.stdout)["tried"]]
+        self.assertGreater(len(tried), 1)
+        for options in tried:
+            self.assertTrue(options.startswith("--model lfm "), options)
+            self.assertIn("--terms 2 ", options)
+            self.assertIn("--deflate", options)
+
 
 class Import(CommandLine):
     def test_a_capture_fits_as_well_as_the_dataset_it_was_made_from(self):

@@ -28,24 +28,38 @@ void print_table(const std::string& dataset, const std::vector<TriedSetting>& al
     fmt::print("\nradiafit fit {} {} -o {}-fit\n", dataset, command_line_of(all.front().setting), dataset);
 }
 
+/// Options of a fit that tune takes, too: every fit then has them. Fits of tune are in one piece, and go
+/// again; what they leave out to judge by is tune's own to say.
+bool may_be_fixed(const FitOption& option) {
+    return option.name != "validation" && option.name != "memory" && option.name != "records";
+}
+
 }  // namespace
 
 void add_tune(CommandLine& program) {
     struct Options {
         std::string dataset;
         TuneOptions tune;
+        FitRequest fixed;
         bool json = false;
     };
     auto o = std::make_shared<Options>();
     CommandLine& command =
-        program.add_command("tune", "which model and options suit a dataset, on training views that are left out");
+        program.add_command("tune",
+                            "which model and options suit a dataset, on training views that are left out; options "
+                            "of fit that are given stay as they are");
     command.add_text("dataset", o->dataset, "packed dataset").required();
     command.add_number("--seconds", o->tune.seconds, limits::tune_seconds, "about how long it may take");
     command.add_number("--validation", o->tune.validation, limits::tune_validation,
                        "every n-th training view is left out, to judge by");
     command.add_flag("--json", o->json, "one JSON object on standard output");
-    command.on_run([=] {
+    for (const FitOption& option : fit_options())
+        if (may_be_fixed(option)) add_fit_option(command, o->fixed, option.name);
+    command.on_run([=, &command] {
         if (o->json) set_quiet(true);
+        for (const FitOption& option : fit_options())
+            if (may_be_fixed(option) && command.given(option.first_flag()))
+                o->tune.fixed.emplace_back(option.name, option.text(o->fixed));
         const Dataset dataset = open_dataset(o->dataset);
         const auto all = tune(dataset, o->tune, [](const TriedSetting& t) {
             log_info(fmt::format("{:.2f} dB in {:.1f} s: {}", t.psnr, t.seconds, command_line_of(t.setting)));

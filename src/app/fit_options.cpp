@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "app/choose.h"
@@ -382,10 +383,46 @@ const FitOption& find_fit_option(const std::string& name) {
 }
 
 std::string command_line_of(const FitSetting& setting) {
-    std::string line;
-    for (const auto& [option, value] : setting)
-        line += fmt::format("{}{} {}", line.empty() ? "" : " ", find_fit_option(option).flag, value);
-    return line;
+    std::vector<std::string> words;
+    for (const auto& [name, value] : setting) {
+        const FitOption& option = find_fit_option(name);
+        if (!option.flag_value)
+            words.push_back(fmt::format("{} {}", option.flag, value));
+        else if (value == "true")
+            words.push_back(option.first_flag());
+    }
+    return fmt::format("{}", fmt::join(words, " "));
+}
+
+FitSetting parse_setting(const std::string& command_line) {
+    FitSetting setting;
+    std::istringstream words(command_line);
+    for (std::string flag, value; words >> flag;) {
+        if (!flag.starts_with("--")) throw UserError(fmt::format("'{}' is no option of radiafit fit", flag));
+        std::string name = flag.substr(2);
+        std::ranges::replace(name, '-', '_');
+        if (find_fit_option(name).flag_value)
+            value = "true";
+        else if (!(words >> value))
+            throw UserError(fmt::format("{} has no value", flag));
+        setting.emplace_back(name, value);
+    }
+    return setting;
+}
+
+std::function<bool(const char*)> given_by(const FitSetting& setting) {
+    return [&setting](const char* flag) {
+        return std::ranges::any_of(setting,
+                                   [&](const auto& o) { return find_fit_option(o.first).first_flag() == flag; });
+    };
+}
+
+bool takes_given(const std::function<bool(const char*)>& given, const FitRequest& request) {
+    if (family_of(request).uses(find_solver(request.solver)) == 0) return false;
+    const uint32_t uses = uses_of(request);
+    return std::ranges::all_of(fit_options(), [&](const FitOption& o) {
+        return o.uses == 0 || o.uses & uses || !given(o.first_flag().c_str());
+    });
 }
 
 namespace {
@@ -441,7 +478,7 @@ void reject_idle_options(const FitRequest& request, bool grid) {
                    (request.levenberg_marquardt() ? "optimizer lm" : what) + (grid ? " over a grid" : "");
         else if (uses & use::engine)
             what = "engine " + request.text("engine");
-        throw UserError(fmt::format("{} means nothing to {}; leave it out", o.flag.substr(0, o.flag.find(',')), what));
+        throw UserError(fmt::format("{} means nothing to {}; leave it out", o.first_flag(), what));
     }
 }
 

@@ -62,6 +62,8 @@ struct FitOption {
     std::function<std::string(const FitRequest& request)> text;
     std::function<std::string(const FitRequest& request)> json;  ///< the value, as JSON
     std::function<void(const FitRequest& request)> check;        ///< of a number's range; throws UserError
+
+    std::string first_flag() const { return flag.substr(0, flag.find(',')); }  ///< "--deflate"
 };
 std::span<const FitOption> fit_options();
 /// Throws UserError, telling the nearest name.
@@ -71,6 +73,13 @@ const FitOption& find_fit_option(const std::string& name);
 using FitSetting = std::vector<std::pair<std::string, std::string>>;
 /// As the command line has them: "--model viewbasis --rank 28".
 std::string command_line_of(const FitSetting& setting);
+/// The other way. Throws UserError for options that there are not, and for one without its value.
+FitSetting parse_setting(const std::string& command_line);
+/// Whether an option, such as "--terms", is among the setting's. The setting must outlive it.
+std::function<bool(const char*)> given_by(const FitSetting& setting);
+/// Whether every option that is given means something to the request's fit. given: whether the user gave an option,
+/// such as "--terms".
+bool takes_given(const std::function<bool(const char*)>& given, const FitRequest& request);
 
 /// What the request's fit does. `grid`: over one, every texel has its own pixel, and nothing is distributed. Throws
 /// UserError for a solver that does not fit the request's kind of model.

@@ -60,16 +60,10 @@ bool sees(const Camera& camera, const Rasterizer& raster, const Place& place, do
     return nearest == 0 || at.z() < 1 / double(nearest) + slack;
 }
 
-/// Whether every option that is given means something to the model.
-bool takes_given(const Given& given, const FitRequest& request, const char* model) {
-    FitRequest other = request;
-    other.model_name = model;
-    const Family& family = family_of(other);
-    if (family.uses(find_solver(other.solver)) == 0) return false;
-    const uint32_t uses = uses_of(other);
-    return std::ranges::all_of(fit_options(), [&](const FitOption& o) {
-        return o.uses == 0 || o.uses & uses || !given(o.flag.substr(0, o.flag.find(',')).c_str());
-    });
+/// The request with a model of this name.
+FitRequest of_model(FitRequest request, const char* name) {
+    request.model_name = name;
+    return request;
 }
 
 struct Chosen {
@@ -80,10 +74,11 @@ struct Chosen {
 Chosen under_light_that_stays(const Given& given, bool in_parts, const Dataset& dataset, const FitRequest& request) {
     const auto chosen = [](const char* model, std::string why) { return Chosen{{{"model", model}}, std::move(why)}; };
     if (in_parts) return chosen(lfm_name, "");
-    if (!given("--solver") && takes_given(given, request, view_basis_name))
+    if (!given("--solver") && takes_given(given, of_model(request, view_basis_name)))
         return chosen(view_basis_name, fmt::format("light that stays, a median of {:.3g} training views per texel",
                                                    views_per_texel(dataset)));
-    const bool gaussians = !takes_given(given, request, lfm_name) && takes_given(given, request, sg_name);
+    const bool gaussians =
+        !takes_given(given, of_model(request, lfm_name)) && takes_given(given, of_model(request, sg_name));
     return chosen(gaussians ? sg_name : lfm_name, "");
 }
 
@@ -136,6 +131,13 @@ double views_per_texel(const Dataset& dataset) {
         if (sum > 0) seen.push_back(sum);
     }
     return seen.empty() ? 0 : median(std::move(seen));
+}
+
+FitRequest settled_request(const FitSetting& setting, const Dataset& dataset) {
+    FitRequest request;
+    for (const auto& [option, value] : setting) request.set(option, value);
+    family_of(request).settle(given_by(setting), dataset, request);
+    return request;
 }
 
 std::string settle(const Given& given, bool in_parts, const Dataset& dataset, FitRequest& request) {

@@ -12,6 +12,10 @@ namespace radiafit {
 /// Median over the surface of the training views that show a place; over a grid, all of them.
 double views_per_texel(const Dataset& dataset);
 
+/// A request with these options, the model among them, and what its family chooses by the dataset where they leave it
+/// open. Throws UserError.
+FitRequest settled_request(const FitSetting& setting, const Dataset& dataset);
+
 /// Chooses the model where none is given, then has its family choose the rest (Family::settle), and checks the request.
 /// given: whether the user gave an option, such as "--terms". in_parts: the fit has to go in parts, which only some
 /// families do. Throws UserError.

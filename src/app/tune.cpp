@@ -9,7 +9,9 @@
 #include <optional>
 
 #include "app/family.h"
+#include "app/settle.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "eval/judge.h"
 
 namespace radiafit {
@@ -96,7 +98,7 @@ public:
         : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
 
     std::vector<TriedSetting> run() {
-        const auto candidates = dataset_.views[0].light ? under_lamps() : under_fixed_light();
+        const auto candidates = with_fixed(dataset_.views[0].light ? under_lamps() : under_fixed_light());
         for (const Candidate& candidate : candidates)
             for (const FitSetting& start : candidate.starts) attempt(start);
         while (climb(candidates)) {
@@ -106,16 +108,33 @@ public:
     }
 
 private:
+    bool is_fixed(const std::string& option) const {
+        return std::ranges::any_of(options_.fixed, [&](const auto& o) { return o.first == option; });
+    }
+
+    /// The candidates that take all fixed options, with these in place of what they would try of them.
+    std::vector<Candidate> with_fixed(const std::vector<Candidate>& candidates) const {
+        std::vector<Candidate> out;
+        for (Candidate candidate : candidates) {
+            const std::string model = candidate.starts.front().front().second;
+            for (FitSetting& start : candidate.starts)
+                for (const auto& [option, value] : options_.fixed) start = with(std::move(start), option, value);
+            const FitSetting& first = candidate.starts.front();
+            if (first.front().second != model || !takes_given(given_by(options_.fixed), request_of(first))) continue;
+            std::erase_if(candidate.ladders, [&](const Ladder& ladder) { return is_fixed(ladder.option); });
+            out.push_back(std::move(candidate));
+        }
+        if (out.empty())
+            throw UserError(fmt::format("tune: no model that suits {} takes all of {}; leave some of them out",
+                                        dataset_.folder.string(), command_line_of(options_.fixed)));
+        return out;
+    }
+
     const TriedSetting& best() const { return *std::ranges::max_element(all_, {}, &TriedSetting::psnr); }
 
     FitRequest request_of(const FitSetting& setting) const {
-        FitRequest request;
-        for (const auto& [option, value] : setting) request.set(option, value);
+        FitRequest request = settled_request(setting, dataset_);
         request.validation = options_.validation;
-        const auto given = [&](const char* flag) {
-            return std::ranges::any_of(setting, [&](const auto& o) { return find_fit_option(o.first).flag == flag; });
-        };
-        family_of(request).settle(given, dataset_, request);
         return request;
     }
 
@@ -159,7 +178,7 @@ private:
 
     const Dataset& dataset_;
     const Dataset judged_;
-    TuneOptions options_;
+    const TuneOptions options_;
     const std::function<void(const TriedSetting&)>& tried_;
     Stopwatch clock_;
     std::vector<TriedSetting> all_;
@@ -177,7 +196,7 @@ std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& option
                                const std::function<void(const TriedSetting&)>& tried) {
     require("seconds", options.seconds, limits::tune_seconds);
     require("validation", options.validation, limits::tune_validation);
-    return Search(dataset, {options.seconds, left_out_every(dataset, options)}, tried).run();
+    return Search(dataset, {options.seconds, left_out_every(dataset, options), options.fixed}, tried).run();
 }
 
 }  // namespace radiafit

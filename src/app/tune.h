@@ -18,6 +18,7 @@ constexpr Range<int> tune_validation{2, 1'000'000};
 struct TuneOptions {
     double seconds = 300;  ///< about so long; the first fit is always tried
     int validation = 8;    ///< every so many-th training view is left out to judge by; see left_out_every()
+    FitSetting fixed;      ///< options that every fit has; models to which one of them means nothing are not tried
 };
 
 /// TuneOptions::validation, or what leaves out two of the dataset's training views where that would be fewer; 2 at

@@ -30,6 +30,10 @@ for option, below, above, least, most in (
     accept(f"plan tiny {option} {least}")
 refuse("fit tiny --validation {} -o new", "1", "validation = 1: choose a whole number from 0", "1 would leave nothing to fit")
 
+# tune holds what is given, and then has to find a model that takes it.
+refuse("tune tiny --model {}", "lafortune", "no model that suits", "takes all of --model {}")
+refuse("tune tiny --terms 2 {} 3", "--lobes", "no model that suits", "takes all of --terms 2 {} 3")
+
 numbers = "two ''"
 refuse("fit tiny --mu {} -o new", "0,5 1e1x 1e", "mu = '{}': choose a number from 0 to 1e+06")
 for option, below, above, least, most in (
