@@ -1,0 +1,122 @@
+#include "base/program.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+
+namespace radiafit {
+namespace {
+
+class Pipe {
+public:
+    Pipe() {
+        if (pipe2(ends_, O_CLOEXEC) != 0) throw SystemError("pipe2 failed: " + std::generic_category().message(errno));
+    }
+    ~Pipe() {
+        close_writing();
+        close(ends_[0]);
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+
+    int reading() const { return ends_[0]; }
+    int writing() const { return ends_[1]; }
+    void close_writing() {
+        if (ends_[1] >= 0) close(std::exchange(ends_[1], -1));
+    }
+
+private:
+    int ends_[2];
+};
+
+/// Whether there may be more.
+bool take_some(int file, std::string& text) {
+    char buffer[1 << 16];
+    const ssize_t count = read(file, buffer, sizeof buffer);
+    if (count > 0) text.append(buffer, size_t(count));
+    return count > 0 || (count < 0 && errno == EINTR);
+}
+
+/// Both at once, since a program waits while one of its pipes is full.
+void take_all(const Pipe& output, const Pipe& errors, Ended& ended) {
+    pollfd files[] = {{output.reading(), POLLIN, 0}, {errors.reading(), POLLIN, 0}};
+    std::string* texts[] = {&ended.output, &ended.message};
+    while (files[0].fd >= 0 || files[1].fd >= 0) {
+        if (poll(files, 2, -1) < 0) continue;  // interrupted
+        for (size_t i = 0; i < 2; ++i)
+            if (files[i].fd >= 0 && files[i].revents && !take_some(files[i].fd, *texts[i])) files[i].fd = -1;
+    }
+}
+
+int end_status(pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+Ended run_program(std::vector<std::string> command) {
+    Pipe output, errors;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, output.writing(), STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, errors.writing(), STDERR_FILENO);
+    std::vector<char*> arguments;
+    for (std::string& argument : command) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    pid_t child = 0;
+    const int failed = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    Ended ended;
+    if (failed == ENOENT) return ended;
+    if (failed != 0)
+        throw SystemError(
+            fmt::format("posix_spawnp {} failed: {}", command[0], std::generic_category().message(failed)));
+    output.close_writing();
+    errors.close_writing();
+    take_all(output, errors, ended);
+    ended.status = end_status(child);
+    return ended;
+}
+
+std::string single_line(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        if (c != '\n' && c != '\r')
+            result += c;
+        else if (!result.empty() && result.back() != ' ')
+            result += ' ';
+    }
+    while (result.ends_with(' ')) result.pop_back();
+    return result;
+}
+
+bool on_path(const std::string& program) {
+    const char* path = std::getenv("PATH");
+    std::string_view rest = path ? path : "/usr/local/bin:/usr/bin:/bin";
+    while (true) {
+        const size_t colon = rest.find(':');
+        const std::filesystem::path file = std::filesystem::path(rest.substr(0, colon)) / program;
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0) return true;
+        if (colon == std::string_view::npos) return false;
+        rest.remove_prefix(colon + 1);
+    }
+}
+
+}  // namespace radiafit

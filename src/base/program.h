@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+#include <vector>
+
+/// Other programs, such as gnuplot.
+namespace radiafit {
+
+/// What a program that has ended left behind.
+struct Ended {
+    int status = 127;             ///< its exit status; 128 and the signal that ended it; 127: there is no such program
+    std::string output, message;  ///< what it wrote to standard output and to standard error
+};
+
+/// Runs a program found on PATH, with its arguments behind it and nothing on its standard input, to its end. Throws
+/// SystemError where it cannot be started.
+Ended run_program(std::vector<std::string> command);
+
+/// Whether PATH has a program of this name.
+bool on_path(const std::string& program);
+
+/// On one line, since every error of ours is one.
+std::string single_line(const std::string& text);
+
+}  // namespace radiafit
