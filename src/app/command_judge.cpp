@@ -52,7 +52,9 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
     const JudgeOptions options{&parts, points.value_or(as_photographed), true};
-    Judgement out = {judge(fit->contestant(), judged, split, options),
+    JudgeOptions with_angles = options;
+    with_angles.by_angle = true;
+    Judgement out = {judge(fit->contestant(), judged, split, with_angles),
                      judge(baseline->contestant(), judged, split, options),
                      fit->baseline_name(),
                      std::move(errors),
@@ -73,6 +75,21 @@ std::string text_of(const ErrorSums& errors) {
 std::string text_of(const JudgeResult& result) {
     const std::string errors = text_of(result.stored);
     return result.ssim.windows ? fmt::format("{}, SSIM {:.3f}", errors, result.ssim.mean()) : errors;
+}
+
+/// Only angles that occur.
+void print_by_angle(const JudgeResult& result) {
+    if (!result.by_angle.any()) return;
+    fmt::print("  degrees to the nearest training image  share of pixels  PSNR, dB\n");
+    const auto row = [&](const std::string& name, const ErrorSums& sums) {
+        if (sums.values > 0)
+            fmt::print("{:>39}  {:13.1f} %  {:8.2f}\n", name, 100 * double(sums.values) / double(result.stored.values),
+                       sums.psnr());
+    };
+    const auto& bounds = ErrorsByAngle::bounds;
+    for (size_t i = 0; i < bounds.size(); ++i) row(fmt::format("up to {}", bounds[i]), result.by_angle.bins[i]);
+    row(fmt::format("more than {}", bounds.back()), result.by_angle.bins.back());
+    row("seen by none", result.by_angle.unseen);
 }
 
 void print_judgement(const Judgement& j) {
@@ -97,6 +114,7 @@ void print_judgement(const Judgement& j) {
         fmt::print("  don't trust {:.1f} % of the pixels, where the fit is less certain than a photograph: {}; {}\n",
                    100 * bars.doubtful_share(), text_of(bars.doubtful), "the others: " + text_of(bars.sound));
     }
+    print_by_angle(j.fit);
     if (j.fit.missing_share() >= 0.001)
         fmt::print("  the mesh lacks {:.1f} % of the masks' pixels; with these, black in a render: {}\n",
                    100 * j.fit.missing_share(), text_of(j.fit.with_missing()));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "base/error.h"
@@ -140,7 +141,8 @@ private:
 
 /// `parts`, if given, takes the errors of each part of the surface as well.
 ImageFigures figures(const JudgedView& judged, const View& view, Encoding encoding, const SurfaceParts* surface,
-                     const std::vector<RasterPixel>& seen, std::vector<PartFigures>& parts) {
+                     const std::vector<RasterPixel>& seen, const NearestTraining* nearest,
+                     std::vector<PartFigures>& parts) {
     ImageFigures f;
     f.name = view.name;
     f.gain = judged.gain;
@@ -149,9 +151,11 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
     for (size_t i = 0; i < judged.foreground.size(); ++i) {
         if (!judged.foreground[i]) continue;
         ++f.pixels;
+        ErrorSums* const by_angle = nearest ? &f.by_angle.at(nearest->angle(view, seen[i])) : nullptr;
         for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
             const double render = judged.render[c], photograph = judged.photograph[c];
             f.stored.add(render - photograph);
+            if (by_angle) by_angle->add(render - photograph);
             if (surface) parts[surface->of(seen[i])].stored.add(render - photograph);
             if (encoding == Encoding::u8_srgb) f.linear.add(srgb_decode(render) - srgb_decode(photograph));
         }
@@ -180,6 +184,8 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
                                  : at_command_line("judge --split test", "judge the test split")));
     const Dataset as_stored = without_gains(dataset);
     const ImageStream stream(as_stored, StreamSource::disk);
+    std::optional<NearestTraining> nearest;
+    if (options.by_angle && split != Split::train) nearest.emplace(dataset, stream);
     std::vector<std::unique_ptr<Bench>> benches;
     benches.resize(size_t(thread_count()));
     result.images.resize(views.size());
@@ -190,8 +196,8 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         auto& bench = benches.at(size_t(worker));
         if (!bench) bench = std::make_unique<Bench>(dataset, stream.another(), options.pixel_points);
         const JudgedView judged = bench->compare(contestant, views[i], worker);
-        result.images[i] =
-            figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(), image_parts[i]);
+        result.images[i] = figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(),
+                                   nearest ? &*nearest : nullptr, image_parts[i]);
         if (options.ssim) result.images[i].ssim = ssim(judged);
         result.images[i].error_bars = bench->error_bars(contestant, dataset.views[views[i]], judged);
     });
@@ -204,6 +210,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         if (contestant.share_of_fit) image.share_of_fit = contestant.share_of_fit(dataset.views[views[i]]);
         result.missing.add(image.missing);
         result.ssim.add(image.ssim);
+        result.by_angle.add(image.by_angle);
         result.error_bars.add(image.error_bars);
         result.stored.add(image.stored);
         result.linear.add(image.linear);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "eval/metrics.h"
+#include "eval/nearest_training.h"
 #include "eval/pixel_areas.h"
 #include "eval/truth_errors.h"
 
@@ -47,6 +48,7 @@ struct ImageFigures {
     SsimSum ssim;                ///< where it was asked for
     ErrorBarFigures error_bars;  ///< where the contestant has some
     ErrorSums missing;           ///< stored: of pixels inside the mask that the mesh lacks, which a render leaves black
+    ErrorsByAngle by_angle;      ///< stored: where it was asked for
 };
 
 /// Parts of the surface, such as materials, whose errors are told apart as well.
@@ -63,6 +65,8 @@ struct JudgeOptions {
     const SurfaceParts* parts = nullptr;
     int pixel_points = as_photographed;  ///< PixelAreas'
     bool ssim = false;                   ///< structural similarity as well (eval/ssim.h)
+    /// Errors by the angle to the nearest training image as well (eval/nearest_training.h); not of training views.
+    bool by_angle = false;
 };
 
 struct JudgeResult {
@@ -77,6 +81,7 @@ struct JudgeResult {
     /// outside by a degree or more: what the fit interpolates, and what it extrapolates.
     ErrorSums inside, outside;
     size_t outside_count = 0;  ///< images
+    ErrorsByAngle by_angle;    ///< pooled, where it was asked for; else without values
     /// Pooled: what the mesh lacks of the images' masks, where the mesh is not but the mask is.
     ErrorSums missing;
     double missing_share() const {
@@ -107,11 +112,12 @@ struct JudgedBeside {
 
 /// One JSON object: psnr, ape, psnr_linear, ape_linear, ssim, split, pixel_points, images, pixels, not_finite,
 /// per_image
-/// [{name, psnr, ape, psnr_linear, ape_linear, pixels, gain, degrees_outside}], inside and outside {images, psnr, ape},
-/// error_bars {within, doubtful, psnr_sound, psnr_doubtful} where the contestant has
-/// some, missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape,
-/// pixels}] if any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear,
-/// parts} and beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite is null. truth, if any:
+/// [{name, psnr, ape, psnr_linear, ape_linear, baseline_psnr, pixels, gain, degrees_outside}], inside and outside
+/// {images, psnr, ape}, by_angle [{degrees [from, to], pixels, share, psnr, ape}] and unseen {pixels, share, psnr, ape}
+/// where they were asked for, error_bars {within, doubtful, psnr_sound, psnr_doubtful} where the contestant has some,
+/// missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape, pixels}] if
+/// any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts} and
+/// beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite is null. truth, if any:
 /// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}, within}], the latter four where comparable,
 /// the last with error bars.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,

@@ -24,6 +24,25 @@ void add_parts(Json& json, const JudgeResult& result) {
                                  {"pixels", part.stored.values / 3}});
 }
 
+/// Figures of pixels by the angle to the nearest training image.
+void add_by_angle(Json& json, const JudgeResult& result) {
+    const auto figures = [&](const ErrorSums& sums) {
+        return Json{{"pixels", sums.values / 3},
+                    {"share", double(sums.values) / double(result.stored.values)},
+                    {"psnr", sums.psnr()},
+                    {"ape", sums.ape()}};
+    };
+    double from = 0;
+    for (size_t i = 0; i < result.by_angle.bins.size(); ++i) {
+        const double to = i < ErrorsByAngle::bounds.size() ? ErrorsByAngle::bounds[i] : 180;
+        Json entry = {{"degrees", {from, to}}};
+        entry.update(figures(result.by_angle.bins[i]));
+        json["by_angle"].push_back(entry);
+        from = to;
+    }
+    json["unseen"] = figures(result.by_angle.unseen);
+}
+
 /// Figures of images amid the training views' directions, and beyond them.
 void add_hull(Json& json, const JudgeResult& result) {
     if (result.split == Split::train) return;
@@ -55,6 +74,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
                               {"psnr_doubtful", bars.doubtful.psnr()}};
     add_parts(json, result);
     add_hull(json, result);
+    if (result.by_angle.any()) add_by_angle(json, result);
     if (baseline) {
         add_figures(json["baseline"], baseline->stored, baseline->linear);
         if (baseline->ssim.windows) json["baseline"]["ssim"] = baseline->ssim.mean();
@@ -77,9 +97,11 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         json["truth"].push_back(entry);
     }
     json["per_image"] = Json::array();
-    for (const ImageFigures& image : result.images) {
+    for (size_t i = 0; i < result.images.size(); ++i) {
+        const ImageFigures& image = result.images[i];
         Json entry = {{"name", image.name}};
         add_figures(entry, image.stored, image.linear);
+        if (baseline) entry["baseline_psnr"] = baseline->images[i].stored.psnr();
         if (image.ssim.windows) entry["ssim"] = image.ssim.mean();
         entry["pixels"] = image.pixels;
         if (image.gain.uniform())
