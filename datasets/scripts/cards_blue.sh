@@ -1,10 +1,11 @@
 #!/bin/sh
 # MaterialGAN's "cards-blue": nine flash photographs of a flat card, rectified to its plane; lamp and camera near, places
 # in cm. Packs it into OUTPUT/cards, every eighth photograph held out.
-# Usage: cards_blue.sh [--leave-out I | --leave-one-out] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+# Usage: cards_blue.sh [--leave-out I | --leave-one-out | --picture] [OUTPUT]     OUTPUT: a folder, default datasets/packed
 #   --leave-out I      holds out photograph I (00 to 08) alone, and packs into OUTPUT/cards-without-I
 #   --leave-one-out    does so for each of the nine in turn, fits the other eight as `radiafit tune` recommends within 20
 #                      seconds, judges the one, and prints the mean; keeps nothing
+#   --picture          fits them as `radiafit tune` recommends within 20 seconds, judges, and draws OUTPUT/cards.png
 # Source: github.com/tflsguoyu/materialgan, commit 74d1f4857a3fef83a102764f047dd5ed2f953710, data/in/real_cards-blue, as it
 # stands there; no licence stated, for research use. datasets/captures.md has the commands; checksums are compared.
 # The capture is looked for in $RADIAFIT_CAPTURES/cards_blue (default ../shared/data).
@@ -25,6 +26,11 @@ if [ "${1:-}" = --leave-one-out ]; then
          END { printf "mean: PSNR %.2f dB, Lambertian %.2f dB, %+.2f dB\n", p[1] / NR, p[0] / NR, (p[1] - p[0]) / NR }' \
         "$work/all"
     exit 0
+fi
+picture=
+if [ "${1:-}" = --picture ]; then
+    picture=yes
+    shift
 fi
 left_out=
 if [ "${1:-}" = --leave-out ]; then
@@ -57,3 +63,7 @@ fi
     --camera-positions "$capture/camera_pos.txt" --intensities "$work/intensities.txt" \
     --sample-width "$(cat "$capture/image_size.txt")" --depth 8 --transfer srgb --holdout "$holdout" \
     --name cards_blue -o "$out/$name"
+[ -n "$picture" ] || exit 0
+"$root/datasets/scripts/tune_and_fit.sh" "$out/cards" "$out/cards-fit" 20
+"$root/datasets/scripts/labelled_sheet.py" "$out/cards-fit" "$out/cards.png" \
+    'MaterialGAN (Guo et al., SIGGRAPH Asia 2020): "cards-blue", for research use'

@@ -28,4 +28,5 @@ mkdir -p "$out"
     --name diligent_reading -o "$out/reading"
 [ -z "$only_pack" ] || exit 0
 "$root/datasets/scripts/tune_and_fit.sh" "$out/reading" "$out/reading-fit" 30
-"$radiafit" render "$out/reading-fit" -o "$out/reading-view"
+"$root/datasets/scripts/labelled_sheet.py" "$out/reading-fit" "$out/reading.png" \
+    'DiLiGenT benchmark (Shi et al., CVPR 2016, TPAMI 2019): "reading", for research use'

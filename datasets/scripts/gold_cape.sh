@@ -35,11 +35,6 @@ for rank in 10 28; do
     "$radiafit" judge "$out/cape-basis$rank"
 done
 
-psnr() { "$radiafit" judge "$1" --json | python3 -c 'import json, sys; print("%.1f dB" % json.load(sys.stdin)["psnr"])'; }
-"$radiafit" render "$out/cape-fit3" -o "$out/cape-map"
-"$radiafit" render "$out/cape-basis10" -o "$out/cape-view"
-set -- $(od -An -tu1 -j16 -N8 "$out/cape-view.png")  # width and height, in the PNG's header
-gnuplot -e "map='$out/cape-map_sheet.png'; basis='$out/cape-view_sheet.png'; width=$(($3 * 256 + $4)); height=$(($7 * 256 + $8))" \
-    -e "map_says='light field map, 3 terms: $(psnr "$out/cape-fit3")'; basis_says='view basis, rank 10: $(psnr "$out/cape-basis10")'" \
-    -e "output='$out/cape.png'" "$root/datasets/scripts/gold_cape.gp"
-echo "the README's picture: $out/cape.png"
+"$root/datasets/scripts/labelled_sheet.py" "$out/cape-basis28" "$out/cape.png" \
+    'Mold gold cape. Photographs: Daniel Pett, copyright the Trustees of the British Museum, CC BY-NC-SA 4.0' \
+    --words 'view basis, rank 28' --beside "$out/cape-fit3" 'light field map, 3 terms'
