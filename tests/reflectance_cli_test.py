@@ -243,7 +243,6 @@ class Reflectance(ProgramTest):
         self.assertEqual((width, height), (8, 8))
         reds = [rgb[3 * x] for x in range(8)]
         self.assertEqual(reds, sorted(reds))
-        self.refused("render", "flat-fit", "--turntable", "2", "-o", "no", says=["--turntable"])
         for option in (("--surface-side", "5"), ("--distributor", "gl"), ("--solver", "two-step", "--distributor", "gl")):
             for command in (("fit", dataset, "-o", "no"), ("plan", dataset)):
                 self.refused(*command, "--model", "lambert", *option, says=[f"{option[-2]} means nothing to", "over a grid"])

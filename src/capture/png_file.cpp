@@ -23,19 +23,20 @@ std::string text_chunk(std::string_view keyword, std::string_view text) {
 
 }  // namespace
 
-void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& rgb8,
+void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& bytes8,
                std::string_view software) {
-    if (width < 1 || height < 1 || rgb8.size() != size_t(width) * size_t(height) * 3)
+    const size_t pixels = width < 1 || height < 1 ? 0 : size_t(width) * size_t(height);
+    if (pixels == 0 || (bytes8.size() != 3 * pixels && bytes8.size() != 4 * pixels))
         throw SystemError(
-            fmt::format("write_png({}): {} bytes for {} x {} pixels", file.string(), rgb8.size(), width, height));
+            fmt::format("write_png({}): {} bytes for {} x {} pixels", file.string(), bytes8.size(), width, height));
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = png_uint_32(width);
     image.height = png_uint_32(height);
-    image.format = PNG_FORMAT_RGB;  // sRGB, and marked as such
+    image.format = bytes8.size() == 4 * pixels ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;  // sRGB, and marked as such
     std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
     png_alloc_size_t size = bytes.size();
-    if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb8.data(), 0, nullptr))
+    if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, bytes8.data(), 0, nullptr))
         throw SystemError(fmt::format("libpng cannot make {}: {}", file.string(), image.message));
     bytes.resize(size);
     constexpr size_t header_end = 33;  // signature and IHDR

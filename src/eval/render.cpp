@@ -85,10 +85,49 @@ void write_light_exr(const std::filesystem::path& path, const LightImage& image)
     write_exr(path, exr);
 }
 
-ByteImage to_bytes(const LightImage& image) {
-    Sheet sheet(1, image.width, image.height);
-    sheet.add([&](size_t i) { return bytes_of_stored(image.rgb.data() + 3 * i, Encoding::u16_linear); });
-    return sheet.image;
+LightImage in_exposure(LightImage image, const Gain& gain) {
+    for (size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] /= float(gain[i % 3]);
+    return image;
+}
+
+Camera photograph_camera(const View& view) {
+    constexpr int largest = 8192;  // Rasterizer
+    const auto [x, y] = view.crop_origin;
+    const auto [width, height] = view.full_size;
+    const bool inside = x >= 0 && y >= 0 && width <= largest && height <= largest && x <= width - view.camera.width &&
+                        y <= height - view.camera.height;
+    return inside && !view.camera_direction ? view.camera.cropped(-x, -y, width, height) : view.camera;
+}
+
+Camera fitted_into(const Camera& camera, int width, int height) {
+    Camera out = camera;
+    const double scale = std::min(double(width) / camera.width, double(height) / camera.height);
+    out.width = width;
+    out.height = height;
+    out.fx *= scale;
+    out.fy *= scale;
+    out.cx = scale * camera.cx + 0.5 * (width - scale * camera.width);
+    out.cy = scale * camera.cy + 0.5 * (height - scale * camera.height);
+    return out;
+}
+
+ByteImage to_bytes(const LightImage& image, const Background& background) {
+    ByteImage out{image.width, image.height, {}, background.transparent ? 4 : 3};
+    std::array<double, 3> behind;
+    for (size_t c = 0; c < 3; ++c) behind[c] = srgb_decode(background.srgb[c] / 255.0);
+    for (size_t i = 0; i < image.coverage.size(); ++i) {
+        const float coverage = image.coverage[i];
+        std::array<float, 3> light;
+        for (size_t c = 0; c < 3; ++c) {
+            light[c] = image.rgb[3 * i + c];
+            if (!background.transparent) light[c] += float((1 - double(coverage)) * behind[c]);
+            if (background.transparent && coverage > 0) light[c] /= coverage;
+        }
+        const Rgb bytes = bytes_of_stored(light.data(), Encoding::u16_linear);
+        out.rgb.insert(out.rgb.end(), bytes.begin(), bytes.end());
+        if (background.transparent) out.rgb.push_back(uint8_t(std::lround(255 * coverage)));
+    }
+    return out;
 }
 
 ByteImage comparison_sheet(const JudgedView& fit, const JudgedView* baseline, Encoding encoding, float error_factor) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -21,6 +23,15 @@ struct LightImage {
 LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view,
                   int pixel_points = as_photographed);
 
+/// As a photograph of that gain shows it.
+LightImage in_exposure(LightImage image, const Gain& gain);
+
+/// The view's camera with the whole photograph as its picture, of which a dataset stores a rectangle; or the view's
+/// own, where that rectangle does not lie in a photograph of at most 8192 pixels a side.
+Camera photograph_camera(const View& view);
+/// The camera's picture scaled to fit into width x height, in its middle.
+Camera fitted_into(const Camera& camera, int width, int height);
+
 /// Stands in render's EXR and SVG files: by it the next run tells its pictures from those of others.
 inline constexpr const char* picture_mark = "radiafit_render";
 
@@ -30,11 +41,19 @@ void write_light_exr(const std::filesystem::path& path, const LightImage& image)
 
 struct ByteImage {
     int width = 0, height = 0;
-    std::vector<uint8_t> rgb;  ///< [height][width][3], sRGB
+    std::vector<uint8_t> rgb;  ///< [height][width][channels], sRGB
+    int channels = 3;          ///< 4: and alpha, with which the colours are not multiplied
 };
 
-/// sRGB bytes of linear light, clamped; what is not finite is magenta.
-ByteImage to_bytes(const LightImage& image);
+/// What is behind the object.
+struct Background {
+    std::array<uint8_t, 3> srgb = {0, 0, 0};
+    bool transparent = false;
+};
+
+/// sRGB bytes of linear light, clamped; what is not finite is magenta. At an outline, object and background mix in
+/// linear light.
+ByteImage to_bytes(const LightImage& image, const Background& background = {});
 
 /// One row: the photograph, the baseline (if given), the fit, and the fit's |error| in the stored encoding times
 /// `error_factor`; a white line between them. Outside the foreground, render and error are black.

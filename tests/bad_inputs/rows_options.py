@@ -174,13 +174,25 @@ rows += [
 refuse("render fit --view {} -o new", "-1 two ''", "view = ", "choose a whole number from 0")
 refuse("render fit --view {} -o new", "3", "--view {}: tiny has views 0 to 2")
 refuse("render fit --turntable {} -o new", "0 10001 x", "turntable = ", "choose a whole number from 1 to 10000")
+refuse("render fit --size {} -o new", "9 9x x9 0x9 9x8193 9x9x9 axb -1x4 99999999999999999999x1", "size = ")
+refuse("render fit --background {} -o new", "red 1 1,2 1,2,256 -1,2,3 1,2,3,4 1,,3 nan,0,0", "background = ")
+refuse("render fit --turntable 2 --video {}", "new.avi new .mp4", "--video {}: name a file that ends in .mp4 or .webm")
 refuse("render flatfit --light {} -o new", "0,0,0 nan,0,1 inf,0,1 1e300,0,0", "--light", "a direction's length is finite and not 0")
 refuse("render flatfit --light {} -o new", "1,2 a,b,c 1,2,3,4", "--light")
 rows += [
     ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
     ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
     ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),
-    ("render flatfit --turntable 3 -o new", None, 2, "--turntable: a grid is seen from where its camera stood"),
+    ("render flatfit --turntable 2 --light 0,0,1 -o new", None, 2, "--light", "the lamp that --turntable moves"),
+    ("render flatfit --size 9x9 -o new", None, 2, "--size: over a grid"),
+    ("render fit --full-circle -o new", None, 2, "--full-circle says nothing without --turntable"),
+    ("render fit --video new.mp4", None, 2, "--video says nothing without --turntable"),
+    ("PATH=/nowhere render fit --turntable 2 --video new.mp4", None, 2, "new.mp4: ffmpeg is missing", "apt-get install ffmpeg"),
+    ("render fit --turntable 2 --video new.mp4 --background transparent", None, 2, "new.mp4: .mp4 has no transparency"),
+    ("render fit --view 1 --video new.mp4", None, 2, "--video", "--view"),
+    ("render flatfit --problems --size 9x9 -o new", None, 2, "--problems", "--size"),
+    ("render flatfit --turntable 2 -o new", None, 0, "turn001"),
+    ("render fit --turntable 2 --full-circle --size 40x30 --background 1,2,3 -o new", None, 0, "turn001", "a full circle"),
     ("render flatfit --problems --light 0,0,1 -o new", None, 2, "--problems", "--light"),
     ("render fit --all some -o new", None, 2, "all 'some'", "held-out"),
     ("render fit --all train --view 1 -o new", None, 2, "--all", "--view"),
@@ -225,6 +237,7 @@ for command, name in (
     (f"{lights} -o ''", "output"), ("render fit -o ''", "output"), ("render fit --turntable 1 -o ''", "output"),
     ("fit '' -o new", "dataset"), ("plan ''", "dataset"), ("info ''", "folder"), ("judge ''", "fit"), ("render '' -o new", "fit"),
     ("judge fit --dataset ''", "dataset"), ("render fit --dataset '' -o new", "dataset"), ("info fit --dataset ''", "dataset"),
+    ("render fit --turntable 2 --video ''", "video"),
     ("fit tiny --solver two-step --records '' -o new", "records"),
     (f"import colmap --model '' {colmap.split(' ', 2)[2]} -o new", "model"), (f"import colmap {colmap} --masks '' -o new", "masks"),
     (f"import colmap {colmap} --gains '' -o new", "gains"), (f"import colmap {colmap} --holdout '' -o new", "held-out"),
