@@ -18,7 +18,7 @@ case "$*" in *broken.mp4) echo "Unknown encoder" >&2; exit 3;; *empty.mp4) exit 
 for film; do :; done
 frames=
 while [ $# -gt 0 ]; do
-    [ "$1" != -i ] || frames=$(dirname "$2")
+    [ "$1" != -i ] || frames=$(dirname "$2" | sed 's/%%/%/g')
     echo "$1" >>"$film"
     shift
 done
@@ -163,7 +163,7 @@ class Render(ProgramTest):
         self.assertIn("a training lamp", said)
         for i in range(6):
             bright = srgb_decode(read_png(self.root / f"lamps/turn00{i}.png")[2][0] / 255) / 0.8
-            self.assertTrue(0.65 < bright < 0.85, bright)
+            self.assertTrue(0.61 < bright < 0.89, bright)
         self.refused("render", "flat-fit", "--turntable", "2", "--light", "0,0,1", "-o", "no", says=["--light", "--turntable"])
         self.refused("render", "flat-fit", "--size", "9x9", "-o", "no", says=["--size", "a pixel per texel"])
 

@@ -50,7 +50,7 @@ void add_render_options(CommandLine& command, RenderOptions& o) {
         .excludes("--view");
     command.add_flag("--full-circle", o.full_circle, "the turntable goes all around, photographs or not");
     command
-        .add_word(
+        .add_text(
             "--video", o.video,
             "FILE.mp4 or FILE.webm: the turntable as a film of 30 frames a second, by ffmpeg; --output can be left "
             "out then")
