@@ -91,11 +91,11 @@ class Parts(PartsTest):
 
     def test_every_solver_of_texel_local_models(self):
         for options in (
-            ("--model", "lambert"),
-            ("--model", "ptm"),
-            ("--model", "lafortune", "--iterations", "4"),
-            ("--model", "lafortune", "--iterations", "4", "--shadow-below", "0.2"),
-            ("--model", "lafortune", "--iterations", "4", "--solver", "two-step"),
+            ("--model", "lambert", "--prior", "none"),
+            ("--model", "ptm", "--prior", "none"),
+            ("--model", "lafortune", "--iterations", "4", "--prior", "none"),
+            ("--model", "lafortune", "--iterations", "4", "--shadow-below", "0.2", "--prior", "none"),
+            ("--model", "lafortune", "--iterations", "4", "--solver", "two-step", "--prior", "none"),
             ("--model", "lafortune", "--iterations", "4", "--solver", "tinysolver"),
             ("--model", "lafortune", "--iterations", "4", "--optimizer", "cg"),
             ("--model", "lafortune", "--iterations", "3", "--optimizer", "cg", "--engine", "compute"),

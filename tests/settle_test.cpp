@@ -123,6 +123,17 @@ TEST(Settle, LightFieldMapsHaveThreeTermsAndSmootherViewMapsButInPaperMode) {
     EXPECT_EQ(settled(dataset, {{"solver", "pca"}}).request.model.terms, plain.terms);
 }
 
+TEST(Settle, TexelsKnowTheirSurfaceWhereLevenbergMarquardtSeesAllOfIt) {
+    const Dataset dataset = grid_under_lamps(8);
+    EXPECT_EQ(settled(dataset).request.prior, PriorKind::surface);
+    EXPECT_EQ(settled(dataset, {{"prior", "none"}}).request.prior, PriorKind::none);
+    EXPECT_EQ(settled(dataset, {{"model", "ptm"}}).request.prior, PriorKind::surface);
+    EXPECT_EQ(settled(dataset, {}, true).request.prior, PriorKind::none);
+    for (const auto& [option, value] : FitSetting{{"optimizer", "cg"}, {"loss", "huber"}, {"solver", "tinysolver"}})
+        EXPECT_EQ(settled(dataset, {{"model", "lafortune"}, {option, value}}).request.prior, PriorKind::none) << option;
+    EXPECT_EQ(settled(ball_from_six_sides()).request.prior, PriorKind::none);
+}
+
 TEST(Settle, LampsAreFittedByWhatIsKnownOfTheSurface) {
     EXPECT_EQ(settled(grid_under_lamps(3)).request.model_name, "lambert");
     EXPECT_EQ(settled(grid_under_lamps(4)).request.model_name, "lafortune");

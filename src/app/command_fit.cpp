@@ -153,7 +153,7 @@ void leave(const std::string& out, const Dataset& dataset, const FitRequest& req
            const Record& begun, bool covariance = false) {
     const FitRecord& record = done.fit->record();
     require_result(record, dataset);
-    if (covariance) done.fit->find_error_bars();
+    if (covariance) done.fit->find_error_bars({});
     save(out, done, request, begun);
     const auto counts = record.status_counts();
     log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
@@ -214,7 +214,7 @@ void require_one_piece(const Dataset& dataset, const FitRequest& request, bool s
 void require_error_bars(const FitRequest& request, bool shard) {
     if (!family_of(request).has_error_bars)
         throw UserError(
-            fmt::format("--covariance: {} have no error bars; choose a texel-local model, such as lafortune",
+            fmt::format("--covariance: {} have no error bars; choose lfm or a texel-local model, such as lafortune",
                         family_of(request).name));
     if (shard) throw UserError("--covariance is of a whole fit; leave out it or --shard");
 }
@@ -239,7 +239,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
                      "fit twice: all training images, and those that the first fit does not miss by far");
     auto covariance = std::make_shared<bool>(false);
     command.add_flag("--covariance", *covariance,
-                     "maps of the parameters' standard deviations as well, of texel-local models");
+                     "maps of the parameters' standard deviations as well, of lfm and texel-local models");
     command.on_run([=, &command] {
         const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
         if (!share) {

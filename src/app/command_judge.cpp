@@ -46,8 +46,12 @@ Dataset judged_dataset(Fitted& fit, Split split) {
 Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, std::optional<int> points,
                     bool error_bars, const std::vector<const ReachableModel*>& others) {
     const auto fit = open_fit(folder, moved_to);
-    if (error_bars) fit->find_error_bars();
     const Dataset judged = judged_dataset(*fit, split);
+    if (error_bars) {
+        std::vector<View> shown;
+        for (const uint32_t view : judged.split(split != Split::train)) shown.push_back(judged.views[view]);
+        fit->find_error_bars(shown);
+    }
     std::vector<MaterialErrors> errors = fit->truth_errors();
     const SurfaceParts parts = fit->parts();
     const auto baseline = fit->baseline();
@@ -133,8 +137,14 @@ void print_judgement(const Judgement& j) {
                        m.parameters.size(), 100 * m.worst_median, 100 * m.worst_90);
             for (size_t i = 0; i < m.parameters.size(); ++i)
                 fmt::print("{}{} {:.3g} %", i ? ", " : "; each: ", m.parameters[i], 100 * m.median[i]);
-            if (m.barred > 0)
-                fmt::print("; {:.1f} % within one standard deviation of the truth", 100 * m.within_share());
+            if (const TruthShare all = m.within_all(); all.values > 0) {
+                std::vector<std::string> each;
+                for (size_t i = 0; i < m.within.size(); ++i)
+                    if (m.within[i].values > 0)
+                        each.push_back(fmt::format("{} {:.1f} %", m.parameters[i], 100 * m.within[i].share()));
+                fmt::print("; {:.1f} % of {} parameters within one standard deviation of the truth; each: {}",
+                           100 * all.share(), all.values, fmt::join(each, ", "));
+            }
         }
         fmt::print("\n");
     }
@@ -182,8 +192,8 @@ void add_judge(CommandLine& program) {
     command.add_words("--beside", o->beside,
                       "lumigraph or gaussian-process: what models reach that keep every training photograph");
     command.add_flag("--covariance", o->error_bars,
-                     "how far noise moves a texel-local model's fit, whether the errors agree, and where its colours "
-                     "can't be trusted");
+                     "how far noise moves the fit of lfm or a texel-local model, whether the errors agree, and where "
+                     "its colours can't be trusted");
     command.add_flag("--per-image", o->per_image, "a table of the images as well, worst first");
     command.add_flag("--json", o->json, "one JSON object on standard output");
     command.on_run([=] {

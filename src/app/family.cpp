@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/fit_options.h"
 #include "base/error.h"
 
 namespace radiafit {
@@ -29,8 +30,21 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views) 
     return family_of(request).plan(dataset, request, most_views);
 }
 
-void Fitted::find_error_bars() {
-    throw UserError("--covariance: only texel-local models have error bars; fit one, such as lafortune");
+void Fitted::find_error_bars(std::span<const View>) {
+    throw UserError("--covariance: this model has no error bars; fit lfm or a texel-local model, such as lafortune");
+}
+
+FitRequest fitted_request(const FitRecord& fit) {
+    FitRequest request;
+    const auto options = nlohmann::json::parse(fit.options_json.empty() ? "{}" : fit.options_json, nullptr, false);
+    if (!options.is_object()) return request;
+    for (const FitOption& option : fit_options()) {
+        if (!options.contains(option.name)) continue;
+        const auto& value = options.at(option.name);
+        const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+        if (!text.empty()) option.read(request, text);
+    }
+    return request;
 }
 
 std::vector<uint32_t> fitted_views(const Dataset& dataset, const FitRecord& fit) {

@@ -29,9 +29,10 @@ public:
     virtual std::vector<MaterialErrors> truth_errors() { return {}; }  ///< likewise
     virtual bool takes_light() const { return false; }                 ///< shows the surface under any lamp
     virtual std::optional<ProblemPicture> problems() { return {}; }    ///< where they have places on a picture
-    /// Finds how far noise moves the fit (cpu/texel_covariance.h), which contestant() and truth_errors() tell from then
-    /// on. Throws UserError where a model has no error bars.
-    virtual void find_error_bars();
+    /// Finds how far noise moves the fit (cpu/texel_covariance.h, cpu/vertex_covariance.h), which truth_errors() and,
+    /// of the views that will be shown, contestant() tell from then on. Throws UserError where a model has no error
+    /// bars.
+    virtual void find_error_bars(std::span<const View> shown);
     virtual void write_error_bars(const std::filesystem::path&) {}  ///< as maps, once they are found
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
@@ -97,6 +98,8 @@ FinishedFit finished_light_field(LightFieldFit fit, FitRun run, const Resampling
                                  const Dataset& dataset);
 FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& dataset);
 
+/// The request that a fit answers, as far as its record tells. Throws UserError.
+FitRequest fitted_request(const FitRecord& fit);
 /// FitRequest::validation of a fit. Throws UserError.
 int validation_of(const FitRecord& fit);
 /// The training views that it fitted. Throws UserError.

@@ -272,6 +272,10 @@ std::vector<FitOption> make_fit_options() {
                                "is the cosine between the surface's normal and the direction to the "
                                "camera; a residual counts as its root times itself for the loss and for "
                                "stopping"),
+         by_data(choice<PriorKind>(
+             "prior", use::prior, OF(prior), {{"none", PriorKind::none}, {"surface", PriorKind::surface}},
+             "what is known of a texel beforehand: nothing, or, by a first fit, what the texels around it are like, to "
+             "which those go that few samples tell of; default: surface, in parts and configs none")),
          choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
                       "of the optimizer and of the bounds' penalty"),
          number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
@@ -431,6 +435,7 @@ namespace {
 uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
     if (!(uses & use::optimizer)) return uses;
     if (request.levenberg_marquardt()) return uses & ~(use::bounds | use::residual | use::change | use::loss);
+    uses &= ~use::prior;
     if (request.optimizer->history) uses |= use::history;
     if (request.optimizer->learning_rate) uses |= use::learning_rate;
     return request.optimizer->stop_output_change ? uses : uses & ~use::change;

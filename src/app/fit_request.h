@@ -18,6 +18,7 @@ namespace radiafit {
 
 enum class EngineKind { cpu, fragment, compute };
 enum class DistributorKind { cpu, gl };
+enum class PriorKind { none, surface };          ///< of texels
 enum class SampleUse { cached, redistributed };  ///< of compute shaders
 enum class ImageSource { disk, disk_cold, memory, device };
 
@@ -46,7 +47,8 @@ struct FitRequest {
     int lobes = SgOptions().lobes;
     double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
-    double mu = -1;                          ///< weight of the bounds; below 0: the mode's default
+    PriorKind prior = PriorKind::none;
+    double mu = -1;  ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;
     int iterations = 25;
     int validation = 0;

@@ -7,6 +7,8 @@
 #include "app/fit_options.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "cpu/vertex_covariance.h"
+#include "fit/error_bar_maps.h"
 
 namespace radiafit {
 namespace {
@@ -37,7 +39,32 @@ public:
             o.sides ? fmt::format("sides {} to {}", least, o.surface_side) : fmt::format("side {}", o.surface_side);
         return fmt::format("{} terms, surface maps of {}, view maps of side {}", o.terms, side, o.view_side);
     }
-    Contestant contestant() override { return contestant_of(fit_, dataset().mesh); }
+    Contestant contestant() override {
+        Contestant out = contestant_of(fit_, dataset().mesh);
+        if (error_bars_)
+            out.error_bars = [this](const View& view, const auto& pixels, std::vector<ErrorBar>& bars) {
+                tell_error_bars(view, pixels, bars);
+            };
+        return out;
+    }
+    void find_error_bars(std::span<const View> shown) override {
+        const FitRequest fitted = fitted_request(fit_);
+        LfmOptions options = fit_.options;
+        options.loss = fitted.model.loss;
+        if (!(uses_of(fitted) & use::smoothness)) options.lambda_surface = options.lambda_view = options.mu = 0;
+        atlas_.emplace(surface_atlas(dataset().mesh, options));
+        FitRequest request;
+        request.space = fit_.space;
+        const SharedSamples samples = distribute(dataset(), *atlas_, request, fitted_views(dataset(), fit_));
+        for (const View& view : shown) eyes_.push_back(view.camera.center());
+        error_bars_.emplace(dataset(), *atlas_, VertexRings(dataset().mesh), samples.list, options, fit_.parameters,
+                            eyes_);
+    }
+    void write_error_bars(const fs::path& folder) override {
+        if (!error_bars_) return;
+        radiafit::write_error_bars(folder, fit_, dataset().mesh,
+                                   {error_bars_->deviation, error_bars_->noise, error_bars_->deficient});
+    }
     std::unique_ptr<Fitted> baseline() override { return mean_colours(dataset(), fit_, fit_.options); }
     const char* baseline_name() const override { return "mean colour per texel"; }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
@@ -46,7 +73,23 @@ public:
     void export_parameters(ProblemFolder& out) override { radiafit::export_parameters(fit_, dataset().mesh, out); }
 
 private:
+    void tell_error_bars(const View& view, const std::vector<RasterPixel>& pixels, std::vector<ErrorBar>& bars) const {
+        const auto eye = std::ranges::find(eyes_, view.camera.center());
+        if (eye == eyes_.end()) throw std::logic_error("error bars of a view that was not to be shown");
+        bars.assign(pixels.size(), {});
+        for (size_t i = 0; i < pixels.size(); ++i) {
+            const RasterPixel& pixel = pixels[i];
+            if (pixel.triangle == no_triangle) continue;
+            const uint32_t local = atlas_->local_at(pixel.triangle, pixel.b1, pixel.b2);
+            bars[i].fit = error_bars_->of_value(size_t(eye - eyes_.begin()), pixel.triangle, local);
+            bars[i].noise = error_bars_->noise_at(pixel.triangle, local);
+        }
+    }
+
     LightFieldFit fit_;
+    std::optional<TriangleAtlas> atlas_;  ///< with the error bars
+    std::vector<Vec3d> eyes_;             ///< whose views these tell of
+    std::optional<AllVertexErrorBars> error_bars_;
     fs::path moved_to_;
     std::optional<Dataset> own_;
     const Dataset* dataset_ = nullptr;
@@ -103,7 +146,7 @@ const Family light_field_maps = {
     .owns = [](const std::string& model) { return model == lfm_name; },
     .models = [] { return std::vector<std::string>{lfm_name}; },
     .help = "lfm is a light field map",
-    .has_error_bars = false,
+    .has_error_bars = true,
     .uses = [](const Solver& solver) { return solver.uses; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .settle = settle,

@@ -153,6 +153,7 @@ std::string settle(const Given& given, bool in_parts, const Dataset& dataset, Fi
                                command_line_of(chosen.setting), chosen.why);
     }
     family_of(request).settle(given, dataset, request);
+    if (in_parts && !given("--prior")) request.prior = PriorKind::none;  // it is of the whole surface
     request.check();
     return line;
 }

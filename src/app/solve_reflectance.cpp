@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "compute/texel_compute_engine.h"
+#include "cpu/surface_prior.h"
 #include "cpu/texel_solver.h"
 #include "fragment/texel_engine.h"
 #include "optim/optimizer.h"
@@ -64,6 +65,21 @@ void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve
     task.out.times.streaming += result.load_s;
     task.out.times.optimization = clock.wall_s() - result.load_s;
     take(std::move(result), task);
+}
+
+/// Once for what is known of the surface, and once with it. The trace is the first fit's.
+TexelResult by_levenberg_marquardt(const TexelProblem& problem, const TexelTask& task,
+                                   const std::function<void()>& progress) {
+    TexelResult first = task.solvers().solve_lm(problem, task.fit_options(), progress);
+    if (task.request.prior == PriorKind::none) return first;
+    const auto prior = learn_surface_prior(*task.options.model, *task.out.atlas, first);
+    if (!prior) return first;
+    TexelResult out = task.solvers().solve_lm(problem, task.fit_options(), {}, &*prior);
+    out.trace = std::move(first.trace);
+    out.load_s += first.load_s;
+    out.sample_iterations += first.sample_iterations;
+    for (size_t t = 0; t < out.iterations.size(); ++t) out.iterations[t] += first.iterations[t];
+    return out;
 }
 
 /// What the engine ended with, in the canonical gauge, with E itself.
@@ -177,7 +193,7 @@ void solve_texel_stream(TexelTask& task) {
     with_samples(task, [&](const TexelSource& source) {
         solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
             return task.request.levenberg_marquardt()
-                       ? task.solvers().solve_lm(problem, task.fit_options(), progress)
+                       ? by_levenberg_marquardt(problem, task, progress)
                        : task.solvers().stream(problem, task.request.optimizer_options(), task.each_iteration);
         });
     });
@@ -198,7 +214,7 @@ void solve_texel_two_step(TexelTask& task) {
         task.out.record_bytes_read = fs::file_size(BlockFile::file(folder));
         solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
             return task.request.levenberg_marquardt()
-                       ? task.solvers().solve_lm(problem, task.fit_options(), progress)
+                       ? by_levenberg_marquardt(problem, task, progress)
                        : task.solvers().solve(problem, task.request.optimizer_options(), progress);
         });
     });

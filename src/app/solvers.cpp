@@ -128,7 +128,8 @@ std::span<const Solver> solvers() {
     constexpr uint32_t of_optimizer =
         optimizer | iterations | residual | change | random_start | deflation | loss | weights;
     constexpr uint32_t texels = sides | selection | iterations | weights,
-                       texels_of_optimizer = texels | optimizer | normal_equations | bounds | residual | change | loss;
+                       texels_of_optimizer =
+                           texels | optimizer | normal_equations | prior | bounds | residual | change | loss;
     constexpr uint32_t vertex_by_vertex =
         maps_of | own_sides | objective | samples | iterations | residual | random_start;
     static constexpr Solver table[] = {

@@ -45,13 +45,15 @@ public:
             };
         return out;
     }
-    void find_error_bars() override {
+    void find_error_bars(std::span<const View>) override {
         const auto views = fitted_views(dataset(), fit_);
+        TexelOptions options = fit_.options;
+        options.loss = fitted_request(fit_).model.loss;
         FitRequest request;
         request.model.surface_side = fit_.options.surface_side;
         const SharedTexels samples = distribute_texels(dataset(), request, views);
-        const TexelLoader loader(dataset(), *atlas_, views, fit_.options);
-        error_bars_.emplace(TexelProblem{*samples.source, loader, fit_.options}, fit_.parameters);
+        const TexelLoader loader(dataset(), *atlas_, views, options);
+        error_bars_.emplace(TexelProblem{*samples.source, loader, options}, fit_.parameters);
     }
     void write_error_bars(const fs::path& folder) override {
         if (!error_bars_) return;
@@ -142,6 +144,7 @@ void settle(const std::function<bool(const char*)>& given, const Dataset& datase
     if (uses_of(request) & use::normal_equations && !given("--optimizer") && !request.model.loss.robust())
         request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !given("--iterations")) request.iterations = TexelFitOptions().iterations;
+    if (!given("--prior") && uses_of(request) & use::prior) request.prior = PriorKind::surface;
     if (!given("--surface-side") && !dataset.has_grid())
         request.model.surface_side =
             dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;

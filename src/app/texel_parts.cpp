@@ -5,6 +5,7 @@
 #include "app/parts.h"
 #include "app/solver.h"
 #include "base/error.h"
+#include "base/wording.h"
 #include "geometry/mesh_part.h"
 
 namespace radiafit {
@@ -18,6 +19,9 @@ public:
           request_(request),
           views_(fitted_views(dataset, request)),
           mesh_(std::shared_ptr<const Mesh>(), &dataset.mesh) {
+        if (request.prior != PriorKind::none)
+            throw UserError(fmt::format("{} is learned of the whole surface, in one piece; leave out it, or {} and {}",
+                                        option_name("prior surface"), option_name("memory"), option_name("shard")));
         out_.atlas = texel_atlas(dataset, request.model.surface_side);
         const uint32_t texels = out_.atlas->texel_count();
         per_place_ = dataset.has_grid() ? uint32_t(dataset.grid.width) : out_.atlas->texels_per_tile();

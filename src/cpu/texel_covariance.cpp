@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "model/influence.h"
 
 namespace radiafit {
 namespace {
@@ -26,19 +27,6 @@ struct Residual {
     double weight;        ///< least squares'
     double influence;     ///< weight psi(r)
 };
-
-/// What a squared residual s of all channels counts for: psi(r) = w(s) r, and the trace of its derivative, 3 w + 2 s
-/// w'.
-struct Influence {
-    double weight, slope;
-};
-Influence influence_of(const Loss& loss, double s) {
-    return with_loss(loss, [&](const auto& of) {
-        constexpr double step = 1e-4;
-        const double weight = of.weight(s);
-        return Influence{weight, 3 * weight + (of.weight(s * (1 + step)) - of.weight(s * (1 - step))) / step};
-    });
-}
 
 /// White's covariance of the optimum, where residuals vary each by its own variance: `inverse` is that of the normal
 /// matrix. A residual that the fit follows by the share h of its own noise shows 1 - h of its variance.
@@ -77,7 +65,7 @@ TexelErrorBars texel_error_bars(const TexelModel& model, std::span<const float> 
                 residual[Eigen::Index(c)] += double(p[3 * k + c]) * columns[k];
         }
         const double s = weight * residual.squaredNorm();
-        const Influence influence = influence_of(loss, s);
+        const Influence influence = influence_of(loss, s, 3);
         squares += influence.weight * influence.weight * s;
         slope += influence.slope;
         for (size_t c = 0; c < 3; ++c) {

@@ -23,16 +23,17 @@ struct TexelOutcome {
     Status status = Status::active;
 };
 
-/// What is known of texels before they are seen, the same of eight: adds
+/// What is known of eight texels before they are seen: adds
 ///     1/2 sum over the coefficients of weight_k (a_kc - mean_kc)^2 + 1/2 sum over the shape of weight_i (s_i -
 ///     mean_i)^2
 /// to E, so that what samples don't tell stays at the means.
 template <class Text>
 struct TexelPrior {
     static constexpr size_t B = size_t(Text::basis_count), Q = size_t(Text::shape_count);
-    std::array<std::array<double, B>, 3> mean{};  ///< [channel][basis]
+    std::array<std::array<WidePack, B>, 3> mean{};  ///< [channel][basis], of each texel
     std::array<double, B> weight{};
-    std::array<double, Q> shape_mean{}, shape_weight{};
+    std::array<WidePack, Q> shape_mean{};
+    std::array<double, Q> shape_weight{};
 };
 
 /// `Text`: a model's text with real = Pack. Every texel takes its own steps and ends by itself: which others share its
@@ -85,6 +86,7 @@ private:
     Outcomes run(const Batch& batch, const Point& start, Trace* trace, const Prior* prior) const;
     static void evaluate(const Batch& batch, Point& p, const Prior* prior);
     static void add_prior(const Prior& prior, Point& p);
+    static void add_prior(const Prior& prior, StartSums<Text>& sums);
     // Of models with a shape: templates, so that only they have them.
     template <class = Text>
     static Quadratic along_shape(const Point& p, const Prior* prior);

@@ -68,6 +68,22 @@ void TexelFit<Text>::add_prior(const Prior& prior, Point& p) {
     }
 }
 
+/// Its part of the sums that starts are chosen by.
+template <class Text>
+void TexelFit<Text>::add_prior(const Prior& prior, StartSums<Text>& sums) {
+    constexpr size_t last = size_t(B) - 1;
+    for (size_t k = 0; k < last; ++k) {
+        const WidePack weight(prior.weight[k]);
+        sums.plain[k][k] += weight;
+        for (size_t c = 0; c < 3; ++c) sums.target[k][c] += weight * prior.mean[c][k];
+    }
+    for (size_t i = 0; i < size_t(Text::start_count); ++i) {
+        const WidePack weight(prior.weight[last]);
+        sums.lobe[i][last] += weight;
+        for (size_t c = 0; c < 3; ++c) sums.lobe_target[i][c] += weight * prior.mean[c][last];
+    }
+}
+
 /// Sums at p, then the coefficients' optimum for p's shape, and the sums there.
 template <class Text>
 void TexelFit<Text>::evaluate(const Batch& batch, Point& p, const Prior* prior) {
@@ -302,7 +318,8 @@ auto TexelFit<Text>::best_start(const Batch& batch, const Prior* prior) -> Point
         best.s = starts.s;
     } else if constexpr (Q > 0) {
         const FlushSubnormals flush;
-        const StartSums<Text> sums = start_sums<Text>(batch.rows());
+        StartSums<Text> sums = start_sums<Text>(batch.rows());
+        if (prior) add_prior(*prior, sums);
         WidePack lowest(std::numeric_limits<double>::infinity());
         SmallMatrix<WidePack, B> a = sums.plain;
         std::array<std::array<WidePack, 3>, size_t(B)> target = sums.target;
@@ -319,7 +336,12 @@ auto TexelFit<Text>::best_start(const Batch& batch, const Prior* prior) -> Point
                 p.a[c] = fit.step;
                 error += fit.change;
             }
-            for (size_t j = 0; j < size_t(Q); ++j) p.s[j] = WidePack(Text::starts[i][j]);
+            for (size_t j = 0; j < size_t(Q); ++j) {
+                p.s[j] = WidePack(Text::starts[i][j]);
+                if (!prior) continue;
+                const WidePack off = p.s[j] - prior->shape_mean[j];
+                error += WidePack(0.5 * prior->shape_weight[j]) * off * off;
+            }
             // among equals the first: rounding alone would take a lobe that no sample meets
             const Mask better = error < lowest * WidePack(1 + 1e-9);
             best.take(better, p);

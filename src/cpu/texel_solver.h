@@ -10,6 +10,8 @@
 
 namespace radiafit {
 
+struct SurfacePrior;
+
 /// A texel-local model fitted to every texel of an atlas.
 struct TexelResult {
     std::vector<float> parameters;  ///< [texels][model.parameters], canonical gauge
@@ -43,9 +45,10 @@ public:
     /// Eight texels after eight texels, each to its end, by the same optimizers. `progress`: after every block.
     virtual TexelResult solve(const TexelProblem& problem, const OptimizerOptions& optimizer,
                               const std::function<void()>& progress) const = 0;
-    /// The same by batched Levenberg-Marquardt.
+    /// The same by batched Levenberg-Marquardt. prior, if given, counts beside the samples (cpu/surface_prior.h);
+    /// texels that no finite sample tells of have its means.
     virtual TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& fit,
-                                 const std::function<void()>& progress) const = 0;
+                                 const std::function<void()>& progress, const SurfacePrior* prior = nullptr) const = 0;
     /// Where optimizers begin: the best of the model's starts, for eight texels [8][parameters].
     virtual std::vector<float> start(const std::vector<std::vector<ShadedSample>>& texels) const = 0;
     /// Raw E of given parameters [texels][parameters], by which solvers that are none of these are judged alike.

@@ -1,9 +1,11 @@
 #pragma once
 #include <algorithm>
+#include <optional>
 
 #include "base/instructions.h"
 #include "base/parallel.h"
 #include "cpu/lane_engine_impl.h"
+#include "cpu/surface_prior.h"
 #include "cpu/texel_batch_loader.h"
 #include "cpu/texel_batches_impl.h"
 #include "cpu/texel_fit_impl.h"
@@ -153,30 +155,37 @@ public:
     }
 
     TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& options,
-                         const std::function<void()>& progress) const override {
+                         const std::function<void()>& progress, const SurfacePrior* known) const override {
         const Fit fit(options);
-        return for_blocks(problem, progress,
-                          [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
-                              std::vector<float> p(lanes * batches * N), errors(lanes * batches);
-                              for (size_t b = 0; b < batches; ++b) {
-                                  Trace rows;
-                                  const auto outcomes = fit.solve(w.batches[b], &rows);
-                                  trace.add(rows.rows);
-                                  for (size_t lane = 0; lane < lanes; ++lane)
-                                      std::copy_n(outcomes[lane].parameters.begin(), N, &p[(lanes * b + lane) * N]);
-                                  // its own error is E's model at the coefficients' optimum, off where that is ill-held
-                                  batch_errors(w.batches[b], p, b, problem.options.loss, errors.data());
-                                  for (size_t i = lanes * b; i < std::min(lanes * (b + 1), w.order.size()); ++i) {
-                                      const size_t t = begin + w.order[i];
-                                      const auto& o = outcomes[i % lanes];
-                                      std::copy_n(&p[i * N], N, &out.parameters[t * N]);
-                                      out.status[t] = o.status;
-                                      out.iterations[t] = uint32_t(o.iterations);
-                                      out.samples[t] = o.samples;
-                                      out.error[t] = errors[i];
-                                  }
-                              }
-                          });
+        return for_blocks(
+            problem, progress, [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
+                std::vector<float> p(lanes * batches * N), errors(lanes * batches);
+                for (size_t b = 0; b < batches; ++b) {
+                    const size_t count = std::min(lanes, w.order.size() - lanes * b);
+                    const std::span<const uint32_t> texels(&w.order[lanes * b], count);
+                    Trace rows;
+                    std::optional<typename Fit::Prior> prior;
+                    if (known) prior = prior_of(*known, begin, texels);
+                    auto outcomes = fit.solve(w.batches[b], &rows, prior ? &*prior : nullptr);
+                    trace.add(rows.rows);
+                    for (size_t lane = 0; lane < count && known; ++lane)
+                        if (auto& o = outcomes[lane]; o.status == Status::no_samples || o.status == Status::not_finite)
+                            std::ranges::copy(known->mean_of(begin + texels[lane]), o.parameters.begin());
+                    for (size_t lane = 0; lane < lanes; ++lane)
+                        std::copy_n(outcomes[lane].parameters.begin(), N, &p[(lanes * b + lane) * N]);
+                    // its own error is E's model at the coefficients' optimum, off where that is ill-held
+                    batch_errors(w.batches[b], p, b, problem.options.loss, errors.data());
+                    for (size_t i = lanes * b; i < std::min(lanes * (b + 1), w.order.size()); ++i) {
+                        const size_t t = begin + w.order[i];
+                        const auto& o = outcomes[i % lanes];
+                        std::copy_n(&p[i * N], N, &out.parameters[t * N]);
+                        out.status[t] = o.status;
+                        out.iterations[t] = uint32_t(o.iterations);
+                        out.samples[t] = o.samples;
+                        out.error[t] = errors[i];
+                    }
+                }
+            });
     }
 
     std::vector<float> start(const std::vector<std::vector<ShadedSample>>& texels) const override {
@@ -209,6 +218,21 @@ public:
     }
 
 private:
+    /// What is known of eight texels or fewer; texels: from `begin` on.
+    static typename Fit::Prior prior_of(const SurfacePrior& known, uint32_t begin, std::span<const uint32_t> texels) {
+        typename Fit::Prior out;
+        const size_t basis = out.weight.size(), shape = out.shape_weight.size();
+        std::copy_n(known.weights.begin(), basis, out.weight.begin());
+        std::copy_n(known.weights.begin() + std::ptrdiff_t(basis), shape, out.shape_weight.begin());
+        for (size_t lane = 0; lane < texels.size(); ++lane) {
+            const std::span<const float> mean = known.mean_of(begin + texels[lane]);
+            for (size_t k = 0; k < basis; ++k)
+                for (size_t c = 0; c < 3; ++c) out.mean[c][k].set(int(lane), double(mean[3 * k + c]));
+            for (size_t i = 0; i < shape; ++i) out.shape_mean[i].set(int(lane), double(mean[3 * basis + i]));
+        }
+        return out;
+    }
+
     /// Starts of a batch to `start` from texel `first` on, as many as fit.
     static void put_start(const Batch& batch, std::span<float> start, size_t first) {
         const auto of = Fit::start(batch);

@@ -43,6 +43,16 @@ public:
     void direction(size_t, const V* x, V* gradient, V* fresh_p, double error[3]) const;
     void line(size_t, const V* x, const V* d, LineLanes& sums) const;
 
+    /// The surface maps' sides; Lambda at the centre of a texel, by its place in them; and what scales the penalties.
+    std::span<const uint8_t> sides() const { return sides_; }
+    float lambda(size_t place) const { return weights_[place][0]; }
+    const LfmObjective<float>::Scale& scale() const { return scale_; }
+    /// body(footprint in the view map, weight, samples as lfm_kernels.h has them) for every image.
+    template <class Body>
+    void for_images(const Body& body) const {
+        for (size_t g = 0; g + 1 < groups_.size(); ++g) body(groups_[g].footprint, groups_[g].weight, of_group(g));
+    }
+
     uint64_t working_set_bytes() const;  ///< samples, look-ups and the optimizer's seven vectors
 
 private:

@@ -118,8 +118,8 @@ struct JudgedBeside {
 /// missing_share and psnr_with_missing (of the masks' pixels that the mesh lacks), parts [{name, psnr, ape, pixels}] if
 /// any, outliers [names] (eval/outliers.h), and, if given, baseline {psnr, ape, psnr_linear, ape_linear, parts} and
 /// beside {name: {psnr, ape, psnr_linear, ape_linear}}. A figure that is not finite is null. truth, if any:
-/// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}, within}], the latter four where comparable,
-/// the last with error bars.
+/// [{name, texels, rmse, worst_median, worst_90, median {parameter: error}, within,
+/// within_each {parameter: {values, share}}}], the latter five where comparable, the last two with error bars.
 std::string judge_json(const JudgeResult& result, const JudgeResult* baseline = nullptr,
                        std::span<const MaterialErrors> truth = {}, std::span<const JudgedBeside> beside = {});
 

@@ -91,7 +91,12 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         if (m.comparable) {
             entry["worst_median"] = m.worst_median;
             entry["worst_90"] = m.worst_90;
-            if (m.barred > 0) entry["within"] = m.within_share();
+            if (const TruthShare all = m.within_all(); all.values > 0) {
+                entry["within"] = all.share();
+                for (size_t i = 0; i < m.within.size(); ++i)
+                    entry["within_each"][m.parameters[i]] = {{"values", m.within[i].values},
+                                                             {"share", m.within[i].share()}};
+            }
             for (size_t i = 0; i < m.parameters.size(); ++i) entry["median"][m.parameters[i]] = m.median[i];
         }
         json["truth"].push_back(entry);

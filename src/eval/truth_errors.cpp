@@ -38,6 +38,12 @@ double TruthComparison::worst(std::span<const float> p, const std::array<float, 
     return worst;
 }
 
+TruthShare MaterialErrors::within_all() const {
+    TruthShare sum;
+    for (const TruthShare& share : within) sum.add(share);
+    return sum;
+}
+
 std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const ReflectanceTruth& truth,
                                          std::span<const float> deviations) {
     const TexelModel& model = *fit.options.model;
@@ -55,6 +61,7 @@ std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const Reflec
         double squared = 0, samples = 0;
         std::vector<double> worst;
         std::vector<std::vector<double>> each(n);
+        if (errors.comparable && !deviations.empty()) errors.within.resize(n);
         for (size_t t = 0; t < fit.samples.size(); ++t) {
             if (truth.material[t] != m || int(fit.samples[t]) < model.independent) continue;
             if (fit.status[t] == Status::not_finite) continue;
@@ -64,11 +71,11 @@ std::vector<MaterialErrors> truth_errors(const ReflectanceFit& fit, const Reflec
             if (!errors.comparable) continue;
             const std::span<const float> p(&fit.parameters[t * n], n);
             for (size_t i = 0; i < n; ++i) each[i].push_back(comparison.error(i, p, truth.parameters[t]));
-            for (size_t i = 0; i < n && !deviations.empty(); ++i) {
+            for (size_t i = 0; i < errors.within.size(); ++i) {
                 const double deviation = double(deviations[t * n + i]);
                 if (!(deviation > 0 && std::isfinite(deviation))) continue;
-                ++errors.barred;
-                errors.within += std::abs(double(p[i]) - comparison.truth_of(i, truth.parameters[t])) <= deviation;
+                const double off = std::abs(double(p[i]) - comparison.truth_of(i, truth.parameters[t]));
+                errors.within[i].add({1, off <= deviation});
             }
             worst.push_back(comparison.worst(p, truth.parameters[t]));
         }

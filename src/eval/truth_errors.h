@@ -34,6 +34,13 @@ private:
     bool possible_;
 };
 
+/// How many of some values lie within their error bars.
+struct TruthShare {
+    uint64_t values = 0, within = 0;
+    void add(const TruthShare& other) { values += other.values, within += other.within; }
+    double share() const { return double(within) / double(values); }
+};
+
 /// How far a fit's parameters are from a synthetic dataset's truth, in one material.
 struct MaterialErrors {
     std::string name;
@@ -45,10 +52,10 @@ struct MaterialErrors {
     double worst_90 = 0;                  ///< 90th percentile of the same
     std::vector<std::string> parameters;  ///< as the truth names them
     std::vector<double> median;           ///< [parameters] median over texels
-    /// Parameters of texels that have a standard deviation, neither held by the gauge nor untold by the samples, and
-    /// how many of them are no further than that from the truth: 0.68 of them, where error bars are true.
-    uint64_t barred = 0, within = 0;
-    double within_share() const { return double(within) / double(barred); }
+    /// [parameters] texels whose parameter has a standard deviation, neither held by the gauge nor untold by the
+    /// samples, and how many of these are no further than that from the truth: 0.68 of them, where error bars are true.
+    std::vector<TruthShare> within;
+    TruthShare within_all() const;
 };
 
 /// deviations: standard deviations of the fit's parameters, if known. Throws UserError if the truth is of another

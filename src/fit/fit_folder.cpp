@@ -11,6 +11,7 @@
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "dataset/mesh_ply.h"
+#include "fit/error_bar_maps.h"
 #include "fit/fit_json.h"
 #include "fit/fit_maps.h"
 #include "fit/folder_parts.h"
@@ -32,6 +33,19 @@ struct Shape {
     Shape(const Mesh& mesh, const LfmOptions& o)
         : atlas(surface_atlas(mesh, o)), rings(mesh), layout(rings, atlas, o.view_side, o.terms) {}
 };
+
+/// Side by side, unless they are so large that memory counts for more than time.
+void write_maps(const fs::path& folder, const std::string& prefix, const Shape& shape, std::span<const float> numbers) {
+    const size_t maps = size_t(shape.layout.terms()) * 4;
+    parallel_for(maps, written_side_by_side(shape.atlas, shape.layout) ? 1 : maps, [&](size_t job, int) {
+        const int term = int(job / 4), corner = int(job % 4);
+        if (corner < 3)
+            write_exr(folder / (prefix + surface_name(term, corner)),
+                      surface_image(shape.atlas, shape.layout, numbers, term, corner));
+        else
+            write_exr(folder / (prefix + view_name(term)), view_image(shape.layout, numbers, term));
+    });
+}
 
 }  // namespace
 
@@ -81,19 +95,16 @@ void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mes
     write_ply(mesh, place / "mesh.ply");
     write_exr(place / problems_name, problem_image(fit));
     if (fit.options.sides) write_exr(place / sides_name, side_image(*fit.options.sides));
-    // Side by side, unless they are so large that memory counts for more than time.
-    const size_t maps = size_t(fit.options.terms) * 4;
-    parallel_for(maps, written_side_by_side(shape.atlas, shape.layout) ? 1 : maps, [&](size_t job, int) {
-        const int term = int(job / 4), corner = int(job % 4);
-        if (corner < 3)
-            write_exr(place / surface_name(term, corner), surface_image(shape.atlas, shape.layout, fit, term, corner));
-        else
-            write_exr(place / view_name(term), view_image(shape.layout, fit, term));
-    });
+    write_maps(place, "", shape, fit.parameters);
     std::vector<std::string> files = names_in(place);
     files.push_back(fit_json_name);
     write_file(place / fit_json_name, fit_to_json(fit, shape.atlas, dataset_from(target.target(), fit), files));
     target.commit();
+}
+
+void write_error_bars(const fs::path& folder, const LightFieldFit& fit, const Mesh& mesh, const ErrorBarMaps& bars) {
+    write_maps(folder, "deviation_", Shape(mesh, fit.options), bars.deviation);
+    write_exr(folder / "error_bars.exr", error_bar_image(bars));
 }
 
 std::string fitted_model(const fs::path& folder) {

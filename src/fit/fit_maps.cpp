@@ -90,11 +90,11 @@ int table_rows(size_t vertices) {
     return std::max(1, int((vertices + columns - 1) / columns));
 }
 
-ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, const LightFieldFit& fit, int term,
+ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, std::span<const float> numbers, int term,
                        int corner) {
     ExrImage image = blank(atlas.width(), atlas.height(), map_channels());
     for_each_surface_texel(atlas, layout, term, corner, image.width, [&](size_t pixel, size_t parameter) {
-        for (size_t c = 0; c < 3; ++c) image.values[pixel + c] = fit.parameters[parameter + c];
+        for (size_t c = 0; c < 3; ++c) image.values[pixel + c] = numbers[parameter + c];
     });
     return image;
 }
@@ -107,12 +107,12 @@ void take_surface_image(const std::filesystem::path& path, const TriangleAtlas& 
     });
 }
 
-ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term) {
+ExrImage view_image(const LfmLayout& layout, std::span<const float> numbers, int term) {
     const size_t vertices = layout.problem_count();
     const int side = layout.view_side();
     ExrImage image = blank(table_columns(vertices) * side, table_rows(vertices) * side, map_channels());
     for_each_view_texel(layout, term, image.width, [&](size_t pixel, size_t parameter) {
-        for (size_t c = 0; c < 3; ++c) image.values[pixel + c] = fit.parameters[parameter + c];
+        for (size_t c = 0; c < 3; ++c) image.values[pixel + c] = numbers[parameter + c];
     });
     return image;
 }
@@ -163,6 +163,18 @@ ExrImage problem_image(const LightFieldFit& fit) {
         const float values[quantities] = {float(fit.status[q]), float(fit.iterations[q]), float(fit.samples[q]),
                                           fit.error[q]};
         for (size_t k = 0; k < quantities; ++k) pixel[3 * k + q % 3] = values[k];
+    }
+    return image;
+}
+
+ExrImage error_bar_image(const ErrorBarMaps& bars) {
+    const size_t vertices = bars.noise.size() / 3;
+    ExrImage image = blank(table_columns(vertices), table_rows(vertices),
+                           {"noise.R", "noise.G", "noise.B", "deficient.R", "deficient.G", "deficient.B"});
+    for (size_t q = 0; q < 3 * vertices; ++q) {
+        float* pixel = image.values.data() + q / 3 * 6 + q % 3;
+        pixel[0] = bars.noise[q];
+        pixel[3] = float(bars.deficient[q]);
     }
     return image;
 }

@@ -15,11 +15,12 @@ namespace radiafit {
 int table_columns(size_t vertices);
 int table_rows(size_t vertices);
 
-/// Surface maps of one term and corner: R, G, B in the atlas's 2-D layout; 0 where no texel is, or no map.
-ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, const LightFieldFit& fit, int term,
+/// Surface maps of one term and corner, of numbers in the layout's order: R, G, B in the atlas's 2-D layout; 0 where no
+/// texel is, or no map.
+ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, std::span<const float> numbers, int term,
                        int corner);
-/// View maps of one term: R, G, B; texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
-ExrImage view_image(const LfmLayout& layout, const LightFieldFit& fit, int term);
+/// View maps of one term, likewise: R, G, B; texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
+ExrImage view_image(const LfmLayout& layout, std::span<const float> numbers, int term);
 /// Of a map as an image, at most.
 uint64_t largest_image_bytes(const TriangleAtlas& atlas, const LfmLayout& layout);
 /// Whether write_fit() has several images in memory at a time, one per thread.
@@ -28,6 +29,8 @@ bool written_side_by_side(const TriangleAtlas& atlas, const LfmLayout& layout);
 ExrImage side_image(const std::vector<uint8_t>& sides);
 /// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
 ExrImage problem_image(const LightFieldFit& fit);
+/// noise and deficient, each .R, .G, .B, likewise.
+ExrImage error_bar_image(const ErrorBarMaps& bars);
 
 /// Of a model in texels: parameters [texels][numbers].
 ExrImage parameter_image(const Atlas& atlas, std::span<const float> parameters, const TexelMap& map);

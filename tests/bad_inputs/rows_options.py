@@ -57,6 +57,11 @@ for optimizer in ("lbfgs --history 1", "lbfgs --history 8", "adam --learning-rat
     rows.append((f"fit tiny --iterations 3 --optimizer {optimizer} -o new", None, 0, " 0 not finite"))
 for options in ("cg --history 4", "sd --learning-rate 1", "adam --history 4", "lbfgs --learning-rate 1", "adam --stop-change 1"):
     rows.append((f"fit tiny --optimizer {options} -o new", None, 2, f"{options.split()[1]} means nothing to optimizer ", "leave it out"))
+refuse("fit flat --model lafortune --prior {} -o new", "neighbours ''", "prior '{}'", "none, surface")
+for fit in ("flat --model lafortune --optimizer cg", "flat --model lafortune --loss huber", "flat --model lambert --solver ceres", "tiny"):
+    rows.append((f"fit {fit} --prior surface -o new", None, 2, "--prior means nothing to "))
+rows.append(("fit flat --model lafortune --prior surface --shard 1/2 -o new", None, 2, "--prior surface is learned of the whole surface"))
+rows.append(("fit tiny --model viewbasis --covariance -o new", None, 2, "--covariance: view bases have no error bars", "choose lfm"))
 for option in ("--clip-above", "--shadow-below"):
     refuse(f"fit flat --model lafortune {option} {{}} -o new", "-0.1 1.01 nan ''", f"{option[2:]} = ", "choose a number from 0 to 1 (0 is off)")
 refuse("fit tiny --solver pca --refills {} -o new", "-1 1000001 x ''", "refills = ", "choose a whole number from 0 to 1000000")

@@ -1,0 +1,126 @@
+#include "cpu/surface_prior.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "base/statistics.h"
+
+namespace radiafit {
+namespace {
+
+constexpr size_t texels_per_block = 128;
+constexpr size_t least_known = 16;           ///< well-determined texels that a block's own medians take
+constexpr uint32_t samples_per_column = 4;   ///< of the Jacobian, that a well-determined texel has at least
+constexpr double normal_deviation = 1.4826;  ///< over the median absolute deviation of a normal distribution
+
+class Learner {
+public:
+    Learner(const TexelModel& model, const Atlas& atlas, const TexelResult& fit)
+        : model_(model), atlas_(atlas), fit_(fit), n_(size_t(model.parameters)) {
+        for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+            if (atlas.usable(t)) usable_.push_back(t);
+        prior_.block_of.resize(atlas.texel_count());
+        prior_.parameters = n_;
+    }
+
+    std::optional<SurfacePrior> run() {
+        std::vector<double> variances;
+        size_t known = 0;
+        for (const uint32_t t : usable_) {
+            if (!well_determined(t)) continue;
+            ++known;
+            variances.push_back(2 * double(fit_.error[t]) / (3 * double(fit_.samples[t]) - double(n_)));
+        }
+        if (known < least_known) return std::nullopt;
+        divide(usable_, medians_of(usable_, std::vector<float>(n_)));
+        const double noise = median(std::move(variances));
+        const size_t basis = size_t(model_.basis);
+        for (size_t column = 0; column < basis + size_t(model_.shape); ++column) {
+            const double deviation = column < basis ? scatter(3 * column, 3) : scatter(2 * basis + column, 1);
+            prior_.weights.push_back(noise / (deviation * deviation));
+        }
+        return std::move(prior_);
+    }
+
+private:
+    float parameter(uint32_t texel, size_t i) const { return fit_.parameters[texel * n_ + i]; }
+    bool well_determined(uint32_t t) const {
+        const Status status = fit_.status[t];
+        return (status == Status::stationary || status == Status::max_iterations) &&
+               fit_.samples[t] >= samples_per_column * uint32_t(model_.independent);
+    }
+    /// A lobe's shape means nothing where it has no height.
+    double height(uint32_t t) const {
+        const size_t last = 3 * size_t(model_.basis - 1);
+        return double(parameter(t, last)) + double(parameter(t, last + 1)) + double(parameter(t, last + 2));
+    }
+    bool of_shape(size_t i) const { return i >= 3 * size_t(model_.basis); }
+    /// Those that tell coefficients, or shapes: of these the half with the highest lobes.
+    std::vector<uint32_t> telling(std::span<const uint32_t> texels, bool shape) const {
+        std::vector<uint32_t> out;
+        for (const uint32_t t : texels)
+            if (well_determined(t)) out.push_back(t);
+        if (!shape) return out;
+        std::ranges::nth_element(out, out.begin() + std::ptrdiff_t(out.size() / 2), std::ranges::greater(),
+                                 [&](uint32_t t) { return height(t); });
+        out.resize(out.size() / 2);
+        return out;
+    }
+    std::vector<float> medians_of(std::span<const uint32_t> texels, std::vector<float> otherwise) const {
+        const std::array told = {telling(texels, false), telling(texels, true)};
+        for (size_t i = 0; i < n_; ++i) {
+            std::vector<double> values;
+            for (const uint32_t t : told[of_shape(i)]) values.push_back(double(parameter(t, i)));
+            if (values.size() >= least_known) otherwise[i] = float(median(std::move(values)));
+        }
+        model_.make_canonical(otherwise);
+        return otherwise;
+    }
+    /// Halves them along their longest side until blocks are small. means: of what they are a part of.
+    void divide(std::span<uint32_t> texels, const std::vector<float>& means) {
+        if (texels.size() <= texels_per_block) {
+            const size_t block = prior_.means.size() / n_;
+            for (const uint32_t t : texels) prior_.block_of[t] = uint32_t(block);
+            prior_.means.insert(prior_.means.end(), means.begin(), means.end());
+            return;
+        }
+        Vec3f low = Vec3f::Constant(1e30f), high = -low;
+        for (const uint32_t t : texels) {
+            low = low.cwiseMin(atlas_.position(t));
+            high = high.cwiseMax(atlas_.position(t));
+        }
+        Eigen::Index axis = 0;
+        (high - low).maxCoeff(&axis);
+        const size_t half = texels.size() / 2;
+        std::ranges::nth_element(texels, texels.begin() + std::ptrdiff_t(half), {},
+                                 [&](uint32_t t) { return std::pair(atlas_.position(t)[axis], t); });
+        for (const auto part : {texels.first(half), texels.subspan(half)}) divide(part, medians_of(part, means));
+    }
+    /// Standard deviation of `count` parameters from `first` on about their blocks' means, robustly.
+    double scatter(size_t first, size_t count) const {
+        std::vector<double> off;
+        const std::vector<uint32_t> told = telling(usable_, of_shape(first));
+        for (size_t i = first; i < first + count; ++i)
+            for (const uint32_t t : told)
+                off.push_back(std::abs(double(parameter(t, i)) - double(prior_.mean_of(t)[i])));
+        constexpr double least = 1e-3;
+        return off.empty() ? 1 : std::max(least, normal_deviation * median(std::move(off)));
+    }
+
+    const TexelModel& model_;
+    const Atlas& atlas_;
+    const TexelResult& fit_;
+    size_t n_;
+    std::vector<uint32_t> usable_;
+    SurfacePrior prior_;
+};
+
+}  // namespace
+
+std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const Atlas& atlas, const TexelResult& fit) {
+    return Learner(model, atlas, fit).run();
+}
+
+}  // namespace radiafit
