@@ -93,7 +93,8 @@ TEST(SurfacePrior, LearnsMeansByPlaceAndHowFarTexelsScatter) {
     EXPECT_NEAR(prior->weights[4], std::pow(0.01 / Surface::of_exponent, 2),
                 0.1 * std::pow(0.01 / Surface::of_exponent, 2));
     for (uint32_t t = 0; t < surface.atlas->texel_count(); ++t) {
-        const auto found = prior->mean_of(t), expected = Surface::mean(t);
+        const auto found = prior->mean_of(t);
+        const auto expected = Surface::mean(t);
         for (size_t i = 0; i < surface.n; ++i)  // four standard deviations of a median of 64
             ASSERT_NEAR(found[i], expected[i], i == 8 ? 0.08 : 0.02) << t << " " << i;
     }
@@ -159,7 +160,7 @@ TEST(SurfacePrior, FewSamplesFallBackToTheTexelsAround) {
     const TexelResult alone = solvers.solve_lm(problem, {}, {});
     const auto prior = learn_surface_prior(surface.model, *surface.atlas, alone);
     ASSERT_TRUE(prior);
-    const TexelResult fit = solvers.solve_lm(problem, {}, {}, &*prior);
+    const TexelResult fit = solve_lm_with_surface(problem, *surface.atlas, {}, {});
     std::array<double, 4> off{}, off_alone{};
     std::array<size_t, 4> texels{};
     const auto far = [&](const TexelResult& of, uint32_t t) {  // of what an image from elsewhere would show
@@ -173,6 +174,9 @@ TEST(SurfacePrior, FewSamplesFallBackToTheTexelsAround) {
         EXPECT_EQ(fit.status[t], count(t) == 40 ? alone.status[t]
                                  : count(t)     ? Status::underdetermined
                                                 : Status::no_samples);
+        if (count(t) == 40) {
+            EXPECT_EQ(surface.parameters_of(fit, t), surface.parameters_of(alone, t));
+        }
         if (count(t) == 0) {
             EXPECT_EQ(surface.parameters_of(fit, t),
                       std::vector<float>(prior->mean_of(t).begin(), prior->mean_of(t).end()));
@@ -182,8 +186,6 @@ TEST(SurfacePrior, FewSamplesFallBackToTheTexelsAround) {
         ++texels[group];
         off[group] += far(fit, t), off_alone[group] += far(alone, t);
     }
-    // many samples say more than the surface: little changes
-    EXPECT_LT(off[0], 1.02 * off_alone[0]);
     // few: as far off as texels scatter, or less, where they were anywhere
     const double scatter = Surface::of_diffuse * 1.5;
     for (size_t few = 1; few < 4; ++few) {

@@ -67,19 +67,11 @@ void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve
     take(std::move(result), task);
 }
 
-/// Once for what is known of the surface, and once with it. The trace is the first fit's.
 TexelResult by_levenberg_marquardt(const TexelProblem& problem, const TexelTask& task,
                                    const std::function<void()>& progress) {
-    TexelResult first = task.solvers().solve_lm(problem, task.fit_options(), progress);
-    if (task.request.prior == PriorKind::none) return first;
-    const auto prior = learn_surface_prior(*task.options.model, *task.out.atlas, first);
-    if (!prior) return first;
-    TexelResult out = task.solvers().solve_lm(problem, task.fit_options(), {}, &*prior);
-    out.trace = std::move(first.trace);
-    out.load_s += first.load_s;
-    out.sample_iterations += first.sample_iterations;
-    for (size_t t = 0; t < out.iterations.size(); ++t) out.iterations[t] += first.iterations[t];
-    return out;
+    return task.request.prior == PriorKind::surface
+               ? solve_lm_with_surface(problem, *task.out.atlas, task.fit_options(), progress)
+               : task.solvers().solve_lm(problem, task.fit_options(), progress);
 }
 
 /// What the engine ended with, in the canonical gauge, with E itself.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t texels_per_block = 128;
 constexpr size_t least_known = 16;           ///< well-determined texels that a block's own medians take
-constexpr uint32_t samples_per_column = 4;   ///< of the Jacobian, that a well-determined texel has at least
+constexpr size_t values_per_parameter = 2;   ///< of its samples, that a well-determined texel has at least
 constexpr double normal_deviation = 1.4826;  ///< over the median absolute deviation of a normal distribution
 
 class Learner {
@@ -49,7 +49,7 @@ private:
     bool well_determined(uint32_t t) const {
         const Status status = fit_.status[t];
         return (status == Status::stationary || status == Status::max_iterations) &&
-               fit_.samples[t] >= samples_per_column * uint32_t(model_.independent);
+               3 * size_t(fit_.samples[t]) >= values_per_parameter * n_;
     }
     /// A lobe's shape means nothing where it has no height.
     double height(uint32_t t) const {
@@ -121,6 +121,28 @@ private:
 
 std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const Atlas& atlas, const TexelResult& fit) {
     return Learner(model, atlas, fit).run();
+}
+
+TexelResult solve_lm_with_surface(const TexelProblem& problem, const Atlas& atlas, const TexelFitOptions& fit,
+                                  const std::function<void()>& progress) {
+    const TexelModel& model = *problem.options.model;
+    const size_t n = size_t(model.parameters);
+    const TexelSolvers& solvers = texel_solvers(model);
+    TexelResult out = solvers.solve_lm(problem, fit, progress);
+    const auto prior = learn_surface_prior(model, atlas, out);
+    if (!prior) return out;
+    const TexelResult known = solvers.solve_lm(problem, fit, {}, &*prior);
+    for (size_t t = 0; t < out.status.size(); ++t) {
+        const bool underdetermined = out.status[t] == Status::underdetermined;
+        if (!underdetermined && out.samples[t] >= enough_samples * uint32_t(model.independent)) continue;
+        std::copy_n(&known.parameters[t * n], n, &out.parameters[t * n]);
+        out.error[t] = known.error[t];
+        out.iterations[t] += known.iterations[t];
+        if (!underdetermined) out.status[t] = known.status[t];
+    }
+    out.load_s += known.load_s;
+    out.sample_iterations += known.sample_iterations;
+    return out;
 }
 
 }  // namespace radiafit

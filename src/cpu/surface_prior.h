@@ -25,4 +25,11 @@ struct SurfacePrior {
 /// Learned from a fit without it, by texels that it determines well. None where these are few.
 std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const Atlas& atlas, const TexelResult& fit);
 
+/// Levenberg-Marquardt without the prior, and again with it for texels that few samples tell of, fewer than
+/// enough_samples for each column of the Jacobian, or that the first fit calls underdetermined; these keep that status.
+/// Iterations are those of both fits, the trace is the first one's. progress: of the first.
+TexelResult solve_lm_with_surface(const TexelProblem& problem, const Atlas& atlas, const TexelFitOptions& fit,
+                                  const std::function<void()>& progress);
+inline constexpr uint32_t enough_samples = 4;
+
 }  // namespace radiafit

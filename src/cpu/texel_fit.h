@@ -86,8 +86,9 @@ private:
     Outcomes run(const Batch& batch, const Point& start, Trace* trace, const Prior* prior) const;
     static void evaluate(const Batch& batch, Point& p, const Prior* prior);
     static void add_prior(const Prior& prior, Point& p);
-    static void add_prior(const Prior& prior, StartSums<Text>& sums);
     // Of models with a shape: templates, so that only they have them.
+    template <class T = Text>
+    static void add_prior(const Prior& prior, StartSums<T>& sums);
     template <class = Text>
     static Quadratic along_shape(const Point& p, const Prior* prior);
     template <class = Text>

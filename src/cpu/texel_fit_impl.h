@@ -70,7 +70,8 @@ void TexelFit<Text>::add_prior(const Prior& prior, Point& p) {
 
 /// Its part of the sums that starts are chosen by.
 template <class Text>
-void TexelFit<Text>::add_prior(const Prior& prior, StartSums<Text>& sums) {
+template <class T>
+void TexelFit<Text>::add_prior(const Prior& prior, StartSums<T>& sums) {
     constexpr size_t last = size_t(B) - 1;
     for (size_t k = 0; k < last; ++k) {
         const WidePack weight(prior.weight[k]);
