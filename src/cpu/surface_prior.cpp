@@ -11,9 +11,11 @@ namespace radiafit {
 namespace {
 
 constexpr size_t texels_per_block = 128;
-constexpr size_t least_known = 16;           ///< well-determined texels that a block's own medians take
-constexpr size_t values_per_parameter = 2;   ///< of its samples, that a well-determined texel has at least
-constexpr double normal_deviation = 1.4826;  ///< over the median absolute deviation of a normal distribution
+constexpr size_t least_known = 16;          ///< well-determined texels that a block's own medians take
+constexpr size_t values_per_parameter = 2;  ///< of its samples, that a well-determined texel has at least
+// A quantile of distances over that of a normal distribution's: parameters have heavy tails, which the median would not
+// see.
+constexpr double quantile_of_scatter = 0.9, normal_quantile = 1.6449;
 
 class Learner {
 public:
@@ -98,15 +100,15 @@ private:
                                  [&](uint32_t t) { return std::pair(atlas_.position(t)[axis], t); });
         for (const auto part : {texels.first(half), texels.subspan(half)}) divide(part, medians_of(part, means));
     }
-    /// Standard deviation of `count` parameters from `first` on about their blocks' means, robustly.
+    /// Standard deviation of `count` parameters from `first` on about their blocks' means.
     double scatter(size_t first, size_t count) const {
         std::vector<double> off;
         const std::vector<uint32_t> told = telling(usable_, of_shape(first));
         for (size_t i = first; i < first + count; ++i)
             for (const uint32_t t : told)
                 off.push_back(std::abs(double(parameter(t, i)) - double(prior_.mean_of(t)[i])));
-        constexpr double least = 1e-3;
-        return off.empty() ? 1 : std::max(least, normal_deviation * median(std::move(off)));
+        constexpr double least = 0.05;  // also where a gauge holds most texels at one value
+        return off.empty() ? 1 : std::max(least, quantile(std::move(off), quantile_of_scatter) / normal_quantile);
     }
 
     const TexelModel& model_;
