@@ -215,6 +215,62 @@ INSTANTIATE_TEST_SUITE_P(TermsAndLookups, Renderer,
                                             ::testing::Values(ViewLookup::bilinear, ViewLookup::nearest),
                                             ::testing::Bool()));
 
+// Maps that hold barycentric weights times a colour of each vertex, seen by view maps of 1, are a colour that is linear
+// over each triangle: interpolated maps show it between the outermost centres as it is, and within what it changes by
+// over a texel elsewhere.
+TEST(Interpolated, ShowsWhatIsLinearOnTheSurface) {
+    Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 11), 4, 60, 12);
+    for (const bool own_sides : {false, true}) {
+        LightFieldFit fit = random_fit(dataset, 1, ViewLookup::bilinear, 13, own_sides);
+        const VertexRings rings(dataset.mesh);
+        const TriangleAtlas atlas = surface_atlas(dataset.mesh, fit.options);
+        const LfmLayout layout(rings, atlas, fit.options.view_side, 1);
+        std::fill(fit.parameters.begin(), fit.parameters.end(), 1.0f);
+        const auto brightness = [&](uint32_t v) { return dataset.mesh.positions[v].x(); };
+        for (size_t v = 0; v < layout.problem_count(); ++v) {
+            size_t at = layout.offset(v);
+            for (const Corner& corner : rings.ring(v))
+                for (uint32_t local = 0; local < atlas.tile(corner.triangle).texels(); ++local, at += 4)
+                    for (size_t c = 0; c < 3; ++c)
+                        fit.parameters[at + c] =
+                            atlas.tile(corner.triangle).barycentric(local)[corner.corner] * brightness(uint32_t(v));
+        }
+        double error[2] = {};
+        for (const SurfaceLookup lookup : {SurfaceLookup::nearest, SurfaceLookup::linear}) {
+            fit.surface = lookup;
+            LfmRenderer renderer(dataset.mesh, fit);
+            Rasterizer rasterizer;
+            std::vector<float> rgb;
+            size_t inside = 0;
+            for (const View& view : dataset.views) {
+                rasterizer.draw(dataset.mesh, view.camera);
+                renderer.shade(view.camera, rasterizer.pixels(), rgb);
+                for (size_t i = 0; i < rasterizer.pixels().size(); ++i) {
+                    const RasterPixel& pixel = rasterizer.pixels()[i];
+                    if (pixel.triangle == no_triangle) continue;
+                    const auto& corners = dataset.mesh.triangles[pixel.triangle];
+                    const float b[3] = {1 - pixel.b1 - pixel.b2, pixel.b1, pixel.b2};
+                    float expected = 0, low = 1e9f, high = -1e9f;
+                    for (size_t k = 0; k < 3; ++k) {
+                        expected += b[k] * brightness(corners[k]);
+                        low = std::min(low, brightness(corners[k]));
+                        high = std::max(high, brightness(corners[k]));
+                    }
+                    const float off = std::abs(rgb[3 * i] - expected), texel = 1 / float(atlas.side(pixel.triangle));
+                    error[size_t(lookup)] += off;
+                    if (lookup == SurfaceLookup::nearest) continue;
+                    const bool between_centres = std::ranges::all_of(b, [&](float w) { return w > 0.5f * texel; });
+                    inside += between_centres;
+                    if (!between_centres && own_sides) continue;  // a neighbour's texels may be larger
+                    ASSERT_LT(off, between_centres ? 1e-5f : 2 * texel * (high - low)) << i;
+                }
+            }
+            EXPECT_EQ(inside > 1000, lookup == SurfaceLookup::linear);
+        }
+        EXPECT_LT(error[1], 0.5 * error[0]);
+    }
+}
+
 TEST(Unfitted, IsBlackWhateverItsParametersAre) {
     const Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 11), 1, 60, 12);
     LightFieldFit fit = random_fit(dataset, 1, ViewLookup::bilinear, 13);

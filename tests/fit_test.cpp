@@ -105,6 +105,7 @@ TEST_P(FitFolder, RoundTripIsExact) {
     fit.status[2] = Status::not_finite;
     fit.space = TargetSpace::linear;
     fit.options.mode = Mode::paper;
+    fit.surface = SurfaceLookup::linear;
     fit.options_json = R"({"iterations":25,"terms":2})";
     fit.provenance_json = R"({"git":"abc"})";
     fit.times_json = R"({"optimize":1.5})";
@@ -125,6 +126,7 @@ TEST_P(FitFolder, RoundTripIsExact) {
     }
     EXPECT_EQ(back.options.view_side, fit.options.view_side);
     EXPECT_EQ(back.options.lookup, fit.options.lookup);
+    EXPECT_EQ(back.surface, fit.surface);
     EXPECT_EQ(back.options.mode, fit.options.mode);
     EXPECT_EQ(back.options.lambda_surface, fit.options.lambda_surface);
     EXPECT_EQ(back.options.lambda_view, fit.options.lambda_view);
@@ -372,6 +374,11 @@ TEST_F(Corruption, AttributesAreAsLongAsTheirTypes) {
     EXPECT_TRUE(exr_attribute_fits("of another program", "anything"));
 }
 
+TEST_F(Corruption, FitWithoutASurfaceLookUpMeansTheNearest) {
+    replace_in(where / "fit.json", "\"surface_lookup\": \"nearest\",", "");
+    EXPECT_EQ(read_fit(where).fit.surface, SurfaceLookup::nearest);
+}
+
 TEST_F(Corruption, FitJson) {
     const auto edit = [&](const std::string& from, const std::string& to) {
         return [this, from, to] { replace_in(where / "fit.json", from, to); };
@@ -388,6 +395,7 @@ TEST_F(Corruption, FitJson) {
     expect("views is -1", edit("\"views\": 5", "\"views\": -1"));
     expect("nested", edit("\"options\": {}", "\"options\": " + std::string(100'000, '[') + std::string(100'000, ']')));
     expect("fit.json", edit("\"lookup\": \"bilinear\"", "\"lookup\": \"cubic\""));
+    expect("unknown surface look-up", edit("\"surface_lookup\": \"nearest\"", "\"surface_lookup\": \"cubic\""));
     expect("fit.json", edit("\"space\": \"stored\"", "\"space\": \"outer\""));
     expect("fit.json", edit("\"lambda_view\"", "\"lambda_vies\""));
     expect("surface_term0_corner", edit("\"surface_side\": 5", "\"surface_side\": 6"));

@@ -66,6 +66,7 @@ class Parts(PartsTest):
     def test_every_solver_of_light_field_maps(self):
         for options in (
             FIT,
+            (*FIT, "--surface", "nearest"),
             (*FIT, "--deflate"),
             (*FIT, "--texels-per-pixel", "1"),
             (*FIT, "--validation", "4"),
@@ -79,6 +80,8 @@ class Parts(PartsTest):
             ("--solver", "ceres", "--iterations", "2"),
             ("--solver", "pca", "--terms", "2", "--refills", "2"),
             ("--solver", "mean"),
+            ("--solver", "mean", "--surface", "linear"),
+            ("--solver", "als", "--iterations", "2", "--surface", "nearest"),
             (*FIT, "--engine", "compute"),
             (*FIT, "--engine", "compute", "--accumulate", "scatter-fixed"),
             (*FIT, "--engine", "compute", "--samples", "redistributed"),

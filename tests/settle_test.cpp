@@ -117,6 +117,14 @@ TEST(Settle, LightFieldMapsHaveThreeTermsAndSmootherViewMapsButInPaperMode) {
     const LfmOptions paper = settled(dataset, {{"mode", "paper"}}).request.model;
     EXPECT_EQ(paper.terms, plain.terms);
     EXPECT_EQ(paper.lambda_view, plain.lambda_view);
+    EXPECT_EQ(settled(dataset, {{"model", "lfm"}}).request.surface, SurfaceLookup::linear);
+    EXPECT_EQ(settled(dataset, {}).request.surface, SurfaceLookup::linear);
+    EXPECT_EQ(settled(dataset, {{"model", "sg"}}).request.surface, SurfaceLookup::linear);
+    for (const FitSetting& nearest :
+         {FitSetting{{"mode", "paper"}}, FitSetting{{"engine", "fragment"}}, FitSetting{{"solver", "mean"}},
+          FitSetting{{"engine", "compute"}, {"samples", "redistributed"}}, FitSetting{{"distributor", "gl"}},
+          FitSetting{{"surface", "nearest"}}, FitSetting{{"model", "viewbasis"}, {"surface", "nearest"}}})
+        EXPECT_EQ(settled(dataset, nearest).request.surface, SurfaceLookup::nearest) << nearest[0].second;
     const LfmOptions given = settled(dataset, {{"terms", "1"}, {"lambda_view", "0.5"}}).request.model;
     EXPECT_EQ(given.terms, 1);
     EXPECT_EQ(given.lambda_view, 0.5f);

@@ -13,6 +13,7 @@
 #include "cpu/two_step_solver.h"
 #include "model/lfm_start.h"
 #include "samples/block_file.h"
+#include "samples/interpolated_samples.h"
 #include "samples/raster_distributor.h"
 #include "scenes.h"
 #include "synthetic/synthetic.h"
@@ -46,7 +47,13 @@ Star& star() {
 struct Written {
     TemporaryFolder folder;
     RecordStatistics statistics;
-    Written(const TriangleAtlas& atlas, const RecordOptions& options) {
+    Written(const TriangleAtlas& atlas, const RecordOptions& options, SurfaceLookup surface = SurfaceLookup::nearest) {
+        if (surface == SurfaceLookup::linear) {
+            InterpolatedSampler sampler(star().dataset, atlas, options.space);
+            statistics = write_records(folder.path(), star().dataset, atlas, star().rings, star().dataset.split(false),
+                                       sampler, options);
+            return;
+        }
         const auto owned = raster_distributors(atlas);
         statistics = write_records(folder.path(), star().dataset, atlas, star().rings, star().dataset.split(false),
                                    worker_pointers(owned), options);
@@ -54,7 +61,10 @@ struct Written {
     DiskRecords records(const std::string& key = "") const { return {folder.path(), key}; }
 };
 
-SampleList list_of(const TriangleAtlas& atlas, TargetSpace space = TargetSpace::stored) {
+SampleList list_of(const TriangleAtlas& atlas, TargetSpace space = TargetSpace::stored,
+                   SurfaceLookup surface = SurfaceLookup::nearest) {
+    if (surface == SurfaceLookup::linear)
+        return interpolated_samples(star().dataset, atlas, star().dataset.split(false), space);
     const auto owned = raster_distributors(atlas);
     return build_sample_list(star().dataset, atlas, star().dataset.split(false), worker_pointers(owned), space,
                              nullptr);
@@ -91,11 +101,12 @@ TEST(DiskRecords, DoNotDependOnMemoryOrThreads) {
 }
 
 /// Direction and line sums of every vertex from its record, against the list in double.
-void against_list(const RecordOptions& records, const LfmOptions& options) {
+void against_list(const RecordOptions& records, const LfmOptions& options,
+                  SurfaceLookup surface = SurfaceLookup::nearest) {
     const TriangleAtlas atlas = surface_atlas(star().dataset.mesh, options);
-    const Written written(atlas, records);
+    const Written written(atlas, records, surface);
     const DiskRecords on_disk = written.records();
-    const SampleList list = list_of(atlas, records.space);
+    const SampleList list = list_of(atlas, records.space, surface);
     LfmProblem<double> oracle(star().dataset, atlas, star().rings, list, options);
     VertexProblem problem(star().dataset, atlas, star().rings, on_disk.views(), options);
     const ProblemStatistics expected = oracle.count();
@@ -155,6 +166,8 @@ TEST(VertexProblem, AgreesWithTheListFromCompactRecords) {
     facing.loss.weights = SampleWeights::facing;
     against_list({}, facing);
     against_list({.kind = RecordKind::full}, facing);
+    against_list({.memory = 60'000}, model(2), SurfaceLookup::linear);
+    against_list({.kind = RecordKind::full}, model(2), SurfaceLookup::linear);
 }
 TEST(VertexProblem, AgreesWithTheListFromFullRecords) {
     against_list({.kind = RecordKind::full}, model());

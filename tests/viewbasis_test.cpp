@@ -244,6 +244,7 @@ TEST(ViewBasisFit, ReadsBackAsWritten) {
     const SampleList samples = random_samples(atlas, dataset.views.size(), 0.5f, 4);
     ViewBasisFit fit;
     fit.surface_side = 5;
+    fit.surface = SurfaceLookup::linear;
     fit.basis = learn_view_basis(dataset, atlas, samples, {.rank = 3, .blocks = 4});
     auto solution = solve_view_basis(dataset, atlas, samples, fit.basis);
     fit.parameters = solution.parameters;
@@ -273,6 +274,10 @@ TEST(ViewBasisFit, ReadsBackAsWritten) {
     contestant_of(fit, atlas).shade(view, seen, one, 0);
     contestant_of(back.fit, *back.atlas).shade(view, seen, two, 0);
     EXPECT_EQ(one, two);
+    EXPECT_EQ(back.fit.surface, fit.surface);
+    fit.surface = SurfaceLookup::nearest;
+    contestant_of(fit, atlas).shade(view, seen, two, 0);
+    EXPECT_NE(one, two);
     std::filesystem::remove(place / "basis.exr");
     EXPECT_NE(user_error([&] { read_view_basis(place); }).find("basis.exr"), std::string::npos);
 }

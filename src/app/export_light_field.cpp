@@ -173,14 +173,15 @@ void write_parameters(const LfmLayout& layout, const std::vector<float>& p, cons
     view.close();
 }
 
-void tell_model(const LfmOptions& o, TargetSpace space, ProblemFolder& out) {
+void tell_model(const LfmOptions& o, TargetSpace space, SurfaceLookup surface, ProblemFolder& out) {
     using Json = nlohmann::ordered_json;
     out.tell("model", json_string(lfm_name));
     out.tell("space", json_string(space == TargetSpace::stored ? "stored" : "linear"));
     out.tell("maps", Json{{"terms", o.terms},
                           {"surface_side", o.surface_side},
                           {"view_side", o.view_side},
-                          {"lookup", to_string(o.lookup)}}
+                          {"lookup", to_string(o.lookup)},
+                          {"surface_lookup", to_string(surface)}}
                          .dump());
 }
 
@@ -192,7 +193,7 @@ void export_light_field_problems(const Dataset& dataset, const FitRequest& asked
     const FitRequest request = with_sides(asked, dataset, training);
     const Ground ground(dataset, request.model_options());
     const LfmOptions& o = ground.options;
-    tell_model(o, request.space, out);
+    tell_model(o, request.space, request.surface, out);
     out.tell_views(training, held_out);
     out.tell("objective", nlohmann::ordered_json{{"lambda_surface", o.lambda_surface},
                                                  {"mu", o.mu},
@@ -210,9 +211,7 @@ void export_light_field_problems(const Dataset& dataset, const FitRequest& asked
         write_parameters(ground.layout, lfm_start(ground.layout, statistics.mean, request.seed), "start_", out);
         write_split(ground, "training", samples, out);
     }
-    const Distributors distributors = make_distributors(ground.atlas, request);
-    write_split(ground, "held_out",
-                build_sample_list(dataset, ground.atlas, held_out, distributors.workers(), request.space), out);
+    write_split(ground, "held_out", list_samples(dataset, ground.atlas, request, held_out), out);
 }
 
 void export_parameters(const LightFieldFit& fit, const Mesh& mesh, ProblemFolder& out) {
@@ -224,7 +223,7 @@ void export_parameters(const LightFieldFit& fit, const Mesh& mesh, ProblemFolder
         const size_t v = problem / 3;  // a vertex without samples contributes nothing
         for (size_t at = layout.offset(v) + problem % 3; at < layout.view_offset(v); at += 4) p[at] = 0;
     }
-    tell_model(fit.options, fit.space, out);
+    tell_model(fit.options, fit.space, fit.surface, out);
     write_parameters(layout, p, "", out);
 }
 

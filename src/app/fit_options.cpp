@@ -304,6 +304,14 @@ std::vector<FitOption> make_fit_options() {
          choice<ViewLookup>("view", use::maps, OF(model.lookup),
                             {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}},
                             "look-up in view maps", "view look-up"),
+         by_data(choice<SurfaceLookup>(
+             "surface", use::surface_lookup, OF(surface),
+             {{"nearest", SurfaceLookup::nearest}, {"linear", SurfaceLookup::linear}},
+             "look-up in surface maps, or in a mesh's texels where colours by view direction are shown: the texel "
+             "that a point falls in, or linearly between texels' centres; light field maps are then fitted to colours "
+             "interpolated at these centres, not where OpenGL distributes; default: linear; where OpenGL distributes, "
+             "of pca and mean, in paper mode and configs nearest",
+             "surface look-up")),
          number("lambda_surface", use::smoothness, OF(model.lambda_surface), limits::weight,
                 "smoothness of surface maps"),
          by_data(number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight,
@@ -462,7 +470,8 @@ uint32_t uses_of(const FitRequest& request, bool grid) {
         uses &= ~(streamed ? use::distribution : use::images);
         if (!(uses & use::maps)) uses &= ~use::accumulation;
     }
-    if (uses & (use::passes | use::images)) uses &= ~use::own_sides;
+    if (uses & (use::passes | use::images)) uses &= ~(use::own_sides | use::surface_lookup);
+    if (uses & use::surface_lookup && request.surface == SurfaceLookup::linear) uses &= ~use::distribution;
     if (grid)
         uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | (compute ? 0u : uint32_t(use::opengl))));
     return uses;

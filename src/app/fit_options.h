@@ -41,6 +41,7 @@ enum : uint32_t {
     view_basis = 1u << 28,
     lobes = 1u << 29,
     prior = 1u << 30,            ///< of texels, by the surface's others: of Levenberg-Marquardt
+    surface_lookup = 1u << 31,   ///< shows texels of a mesh, so that they may be interpolated
     own_sides = 1u << 25,        ///< triangles' surface maps may differ in side
     accumulation = 1u << 26,     ///< compute shaders over light field maps: where samples and sums come from
     images = 1u << 27,           ///< of these, distributed in every sweep

@@ -35,6 +35,13 @@ void FitRequest::check() const {
             fmt::format("where OpenGL distributes, all surface maps have one side; leave out {}, {}, {} or {}",
                         option_name("texels-per-pixel"), option_name("engine fragment"),
                         option_name("samples redistributed"), option_name("distributor gl")));
+    if (surface == SurfaceLookup::linear && (on_fragment_engine() || redistributes()))
+        throw UserError(
+            fmt::format("{} fits colours at texels' centres, but where OpenGL distributes a texel takes a pixel; "
+                        "choose {}, or leave "
+                        "out {} or {}",
+                        option_name("surface linear"), option_name("surface nearest"), option_name("engine fragment"),
+                        option_name("samples redistributed")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }

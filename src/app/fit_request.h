@@ -5,6 +5,7 @@
 #include "compute/compute_options.h"
 #include "cpu/vertex_solver.h"
 #include "fragment/fragment_engine.h"
+#include "geometry/surface_lookup.h"
 #include "gl/context.h"
 #include "model/lfm.h"
 #include "model/texel_options.h"
@@ -43,6 +44,7 @@ struct FitRequest {
     TargetSpace space = TargetSpace::stored;
     ContextOptions context;
     LfmOptions model;  ///< its surface_side is any model's; its mode and mu are those below
+    SurfaceLookup surface = SurfaceLookup::nearest;
     ViewBasisOptions view_basis;
     int lobes = SgOptions().lobes;
     double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there

@@ -78,9 +78,10 @@ FinishedFit fit_by_view(const Dataset& dataset, const FitRequest& request, const
     return out;
 }
 
-/// Each texel stands alone: finer ones show more.
+/// Each texel stands alone: finer ones show more. Between them colours go on.
 inline void settle_by_view(const std::function<bool(const char*)>& given, const Dataset&, FitRequest& request) {
     if (!given("--surface-side")) request.model.surface_side = 12;
+    if (!given("--surface")) request.surface = SurfaceLookup::linear;
 }
 
 }  // namespace radiafit

@@ -110,6 +110,8 @@ void settle(const std::function<bool(const char*)>& given, const Dataset&, FitRe
     if (request.mode == Mode::paper || !(uses_of(request) & use::smoothness)) return;
     if (!given("--terms")) request.model.terms = 3;
     if (!given("--lambda-view")) request.model.lambda_view = 0.1f;
+    const bool distributes = request.on_fragment_engine() || request.redistributes() || given("--distributor");
+    if (!given("--surface") && !distributes) request.surface = SurfaceLookup::linear;
 }
 
 }  // namespace
@@ -136,6 +138,7 @@ std::unique_ptr<Fitted> mean_colours(const Dataset& dataset, const FitRecord& li
     FitRequest mean;
     mean.set("solver", "mean");
     mean.space = like.space;
+    mean.surface = like.surface;
     mean.model = sides;
     mean.validation = validation_of(like);
     return std::make_unique<FittedLightField>(solve(dataset, mean).fit, dataset);

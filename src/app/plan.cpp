@@ -98,16 +98,26 @@ SampleEstimate estimate_samples(const Dataset& dataset, const Atlas& atlas, cons
     return {scaled(sum.samples), scaled(sum.groups)};
 }
 
-/// The same where every texel that an image shows takes a sample of it.
+/// The same where every texel that an image shows takes a sample of it. tiles: [tiles].
 SampleEstimate estimate_interpolated(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
-                                     size_t most_views) {
+                                     size_t most_views, std::vector<uint64_t>* tiles = nullptr) {
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     const size_t step = step_between(views.size(), most_views);
     std::vector<uint32_t> some;
     for (size_t i = 0; i < views.size(); i += step) some.push_back(views[i]);
     if (some.empty()) return {};
     const SampleList seen = interpolated_samples(dataset, atlas, some, request.space);
-    return {seen.samples.size() * views.size() / some.size(), (seen.groups.size() - 1) * views.size() / some.size()};
+    const auto scaled = [&](uint64_t count) { return count * views.size() / some.size(); };
+    for (size_t t = 0; tiles && t < tiles->size(); ++t)
+        (*tiles)[t] = scaled(seen.groups[seen.tile_groups[t + 1]].first - seen.groups[seen.tile_groups[t]].first);
+    return {scaled(seen.samples.size()), scaled(seen.groups.size() - 1)};
+}
+
+/// What list_samples() finds for a light field map. tiles: [tiles].
+SampleEstimate estimate_list(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                             size_t most_views, std::vector<uint64_t>* tiles = nullptr) {
+    return request.surface == SurfaceLookup::linear ? estimate_interpolated(dataset, atlas, request, most_views, tiles)
+                                                    : estimate_samples(dataset, atlas, request, most_views, tiles);
 }
 
 /// What images that stream take of the host.
@@ -185,7 +195,7 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
     const Solver& solver = find_solver(request.solver);
     if (!solver.vertex_bytes) return;
     std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
-    if (solver.uses & use::ceres) estimate_samples(dataset, atlas, request, most_views, &tiles);
+    if (solver.uses & use::ceres) estimate_list(dataset, atlas, request, most_views, &tiles);
     const LfmLayout layout(rings, atlas, 1, 1);
     VertexShape largest;
     for (size_t v = 0; v < rings.vertex_count(); ++v) {
@@ -263,6 +273,12 @@ void add_maps(const Dataset& dataset, const TriangleAtlas& atlas, const LfmOptio
                          12 * dataset.mesh.vertex_count() + 13 * dataset.mesh.triangle_count()});
 }
 
+/// Whether all samples' colours are of 8 bits, as stored.
+bool of_8_bits(const Dataset& dataset, const FitRequest& request) {
+    return request.surface == SurfaceLookup::nearest &&
+           ImageStream(dataset, StreamSource::disk, request.space).bits() == 8;
+}
+
 }  // namespace
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t most_views) {
@@ -300,21 +316,20 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
             own * layout.parameter_count(), own * layout.size() * sizeof(float));
     const uint64_t pixels = pixels_of(dataset, views);
     if (uses & use::records) {
-        plan.memory.push_back(held_samples(request, pixels * record_bytes(request)));
-        const uint64_t samples = estimate_samples(dataset, atlas, request, most_views).samples;
+        const uint64_t samples = estimate_list(dataset, atlas, request, most_views).samples;
+        plan.memory.push_back(held_samples(request, std::max(pixels, samples) * record_bytes(request)));
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,
                              samples * record_bytes(request)});
         add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
         return plan;
     }
     if (request.on_engine(EngineKind::compute)) {
-        const auto arrays =
-            request.redistributes()
-                ? plan_redistribution(dataset, atlas, rings, layout, request.accumulate, views,
-                                      request.stream_options())
-                : plan_cached_samples(atlas, rings, layout, request.accumulate, views.size(),
-                                      estimate_samples(dataset, atlas, request, most_views).samples,
-                                      ImageStream(dataset, StreamSource::disk, request.space).bits() == 8 ? 4 : 8);
+        const auto arrays = request.redistributes()
+                                ? plan_redistribution(dataset, atlas, rings, layout, request.accumulate, views,
+                                                      request.stream_options())
+                                : plan_cached_samples(atlas, rings, layout, request.accumulate, views.size(),
+                                                      estimate_list(dataset, atlas, request, most_views).samples,
+                                                      of_8_bits(dataset, request) ? 4 : 8);
         for (const PlanRow& row : rows_of(arrays)) plan.memory.push_back(row);
         if (request.redistributes()) add_host_images(dataset, request, plan.memory);
         return plan;
@@ -325,7 +340,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
             rings.vertex_count() * views.size(), rings.vertex_count() * views.size() * footprint);
     }
     for (PlanRow& row : plan.memory) row.stages = PlanRow::while_solving | PlanRow::while_writing;
-    add_lists(dataset, atlas, layout, estimate_samples(dataset, atlas, request, most_views), request, plan.memory);
+    add_lists(dataset, atlas, layout, estimate_list(dataset, atlas, request, most_views), request, plan.memory);
     add_distributors(dataset, atlas, views, plan.memory);
     add_vertex_work(dataset, atlas, rings, request, most_views, plan.memory);
     return plan;

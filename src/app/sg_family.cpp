@@ -40,7 +40,9 @@ const Family spherical_gaussians = {
     .help = "sg is a diffuse colour and lobes about directions of view in each texel",
     .has_error_bars = false,
     .uses = [](const Solver& solver) -> uint32_t {
-        return solver.solve == solve_stream ? use::sides | use::space | use::iterations | use::lobes : 0;
+        return solver.solve == solve_stream
+                   ? use::sides | use::surface_lookup | use::space | use::iterations | use::lobes
+                   : 0;
     },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .settle =

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "fragment/gl_distributor.h"
 #include "samples/grid_distributor.h"
+#include "samples/interpolated_samples.h"
 #include "samples/projected_sides.h"
 #include "samples/raster_distributor.h"
 
@@ -43,12 +44,18 @@ Distributors make_distributors(const Atlas& any, const FitRequest& request) {
     return out;
 }
 
+SampleList list_samples(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                        const std::vector<uint32_t>& views, DistributionStatistics* statistics) {
+    if (request.surface == SurfaceLookup::linear) return interpolated_samples(dataset, atlas, views, request.space);
+    const Distributors distributors = make_distributors(atlas, request);
+    return build_sample_list(dataset, atlas, views, distributors.workers(), request.space, statistics);
+}
+
 SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          const std::vector<uint32_t>& views) {
     Stopwatch clock;
     SharedSamples out;
-    const Distributors distributors = make_distributors(atlas, request);
-    out.list = build_sample_list(dataset, atlas, views, distributors.workers(), request.space, &out.statistics);
+    out.list = list_samples(dataset, atlas, request, views, &out.statistics);
     out.seconds = clock.wall_s();
     require_seen(!out.list.samples.empty(), dataset, request);
     return out;
@@ -122,6 +129,7 @@ Dataset for_validation(Dataset dataset, int validation) {
 
 void describe_request(const FitRequest& request, FitRecord& fit) {
     fit.space = request.space;
+    fit.surface = request.surface;
     fit.solver = request.solver;
     fit.engine = (uses_of(request) & use::engine ? request : FitRequest()).text("engine");
     fit.options_json = request.json();

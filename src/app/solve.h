@@ -72,6 +72,10 @@ SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, con
 SharedSamples distribute(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          const std::vector<uint32_t>& views);
 
+/// The samples of these views that the request's fit reads, where it reads a list.
+SampleList list_samples(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                        const std::vector<uint32_t>& views, DistributionStatistics* statistics = nullptr);
+
 /// The request with model.sides chosen, by these views, if it asks for them by texels_per_pixel.
 FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vector<uint32_t>& views);
 

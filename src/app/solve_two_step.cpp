@@ -10,6 +10,7 @@
 #include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 #include "fit/fit_json.h"
+#include "samples/interpolated_samples.h"
 
 namespace radiafit {
 namespace {
@@ -28,10 +29,15 @@ uint64_t image_checksum(const Dataset& dataset) {
 }
 
 void distribute_to(const fs::path& folder, const std::string& key, FitTask& task) {
-    const Distributors distributors = make_distributors(task.atlas, task.request);
-    task.out.records = write_records(
-        folder, task.dataset, task.atlas, task.rings, task.views, distributors.workers(),
-        {.kind = task.request.record, .space = task.request.space, .memory = task.request.sort_memory, .key = key});
+    const FitRequest& request = task.request;
+    const RecordOptions options = {
+        .kind = request.record, .space = request.space, .memory = request.sort_memory, .key = key};
+    const auto write_from = [&](auto&& samples) {
+        task.out.records = write_records(folder, task.dataset, task.atlas, task.rings, task.views, samples, options);
+    };
+    if (request.surface == SurfaceLookup::linear)
+        return write_from(InterpolatedSampler(task.dataset, task.atlas, request.space));
+    write_from(make_distributors(task.atlas, request).workers());
 }
 
 void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
@@ -55,10 +61,11 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
 std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views,
                        const std::string& sides, const std::string& kind) {
     if (request.records.empty()) return "";
-    return fmt::format("dataset {}, images {:016x}, views {:016x}, surface side {}, {}, {} records, distributor {}",
-                       fingerprint(dataset).digest, image_checksum(dataset),
-                       hash_bytes(views.data(), views.size() * sizeof(uint32_t)), sides, request.text("space"), kind,
-                       request.text("distributor"));
+    return fmt::format(
+        "dataset {}, images {:016x}, views {:016x}, surface side {}, {}, {} records, {}", fingerprint(dataset).digest,
+        image_checksum(dataset), hash_bytes(views.data(), views.size() * sizeof(uint32_t)), sides,
+        request.text("space"), kind,
+        request.surface == SurfaceLookup::linear ? "interpolated" : "distributor " + request.text("distributor"));
 }
 
 void settle_cache(const fs::path& records, const FitRequest& request, FitRun& run) {

@@ -124,7 +124,8 @@ static uint64_t vertex_work(const FitRequest& request, const VertexShape& vertex
 
 std::span<const Solver> solvers() {
     using namespace use;
-    constexpr uint32_t maps_of = sides | space | maps, objective = smoothness | bounds, samples = distribution | opengl;
+    constexpr uint32_t maps_of = sides | space | maps | surface_lookup, objective = smoothness | bounds,
+                       samples = distribution | opengl;
     constexpr uint32_t of_optimizer =
         optimizer | iterations | residual | change | random_start | deflation | loss | weights;
     constexpr uint32_t texels = sides | selection | iterations | weights,
@@ -183,7 +184,7 @@ std::span<const Solver> solvers() {
         {.name = "mean",
          .help = "the trivial baseline: one mean colour per texel",
          .solve = solve_mean,
-         .uses = samples | space | sides | own_sides,
+         .uses = samples | space | sides | own_sides | surface_lookup,
          .halo = 1},
     };
     return table;

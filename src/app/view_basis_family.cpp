@@ -44,7 +44,7 @@ const Family view_bases = {
     .help = "viewbasis is colours by view direction in each texel, on a basis that is learned over the surface",
     .has_error_bars = false,
     .uses = [](const Solver& solver) -> uint32_t {
-        return solver.solve == solve_stream ? use::sides | use::space | use::view_basis : 0;
+        return solver.solve == solve_stream ? use::sides | use::surface_lookup | use::space | use::view_basis : 0;
     },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .settle = settle_by_view,

@@ -20,6 +20,7 @@ LfmRenderer::LfmRenderer(const Mesh& mesh, const LightFieldFit& fit)
     : mesh_(&mesh),
       fit_(&fit),
       atlas_(surface_atlas(mesh, fit.options)),
+      lookup_(atlas_, fit.surface),
       rings_(mesh),
       layout_(rings_, atlas_, fit.options.view_side, fit.options.terms),
       frames_(vertex_frames(mesh)),
@@ -64,22 +65,29 @@ void LfmRenderer::shade(const Camera& camera, const std::vector<RasterPixel>& pi
     const float* surface[3] = {};
     const float* view[3] = {};
     uint32_t triangle = no_triangle;  // neighbouring pixels mostly share one
+    const auto turn_to = [&](uint32_t to) {
+        if (to == triangle) return;
+        triangle = to;
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            surface[corner] = fit_->parameters.data() + layout_.map_offset(triangle, corner);
+            view[corner] = view_values(scratch, mesh_->triangles[triangle][corner], eye);
+        }
+    };
     for (size_t i = 0; i < pixels.size(); ++i) {
         const RasterPixel& pixel = pixels[i];
         if (pixel.triangle == no_triangle) continue;
-        if (pixel.triangle != triangle) {
-            triangle = pixel.triangle;
-            for (uint32_t corner = 0; corner < 3; ++corner) {
-                surface[corner] = fit_->parameters.data() + layout_.map_offset(triangle, corner);
-                view[corner] = view_values(scratch, mesh_->triangles[triangle][corner], eye);
-            }
+        const TexelMix mix = lookup_.at(pixel.triangle, pixel.b1, pixel.b2);
+        Lane colour = Lane::Zero();
+        for (const auto& [of_triangle, local, weight] : mix.entries()) {
+            turn_to(of_triangle);
+            const size_t texel = local * stride;
+            Lane sum = Lane::Zero();
+            for (int corner = 0; corner < 3; ++corner)
+                for (size_t k = 0; k < stride; k += 4)
+                    sum = sum + Text::lfm_value(load(surface[corner] + texel + k), load(view[corner] + k));
+            colour = colour + weight * sum;
         }
-        const size_t texel = atlas_.local_at(triangle, pixel.b1, pixel.b2) * stride;
-        Lane sum = Lane::Zero();
-        for (int corner = 0; corner < 3; ++corner)
-            for (size_t k = 0; k < stride; k += 4)
-                sum = sum + Text::lfm_value(load(surface[corner] + texel + k), load(view[corner] + k));
-        for (int c = 0; c < 3; ++c) rgb[3 * i + size_t(c)] = sum[c];
+        for (int c = 0; c < 3; ++c) rgb[3 * i + size_t(c)] = colour[c];
     }
 }
 

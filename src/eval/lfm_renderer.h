@@ -4,12 +4,13 @@
 #include "fit/fit_folder.h"
 #include "geometry/atlas.h"
 #include "geometry/raster.h"
+#include "geometry/surface_lookup.h"
 
 namespace radiafit {
 
-/// Shows a light field map from any camera: pixel -> texel, then the sum over the triangle's three vertices and the
-/// terms of g_k[texel] h_k(view direction of the vertex) (Eq. 14). The texel is the one the pixel's centre falls in, as
-/// in fitting.
+/// Shows a light field map from any camera: pixel -> texels, by the fit's look-up, then the sum over the triangle's
+/// three vertices and the terms of g_k[texel] h_k(view direction of the vertex) (Eq. 14) at each of these, and their
+/// mix.
 class LfmRenderer {
 public:
     /// Both must outlive the renderer. Throws std::invalid_argument when their sizes disagree.
@@ -31,6 +32,7 @@ private:
     const Mesh* mesh_;
     const LightFieldFit* fit_;
     TriangleAtlas atlas_;
+    TexelLookup lookup_;
     VertexRings rings_;
     LfmLayout layout_;
     std::vector<Frame> frames_;

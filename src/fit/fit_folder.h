@@ -9,6 +9,7 @@
 
 #include "dataset/dataset.h"
 #include "dataset/image_stream.h"
+#include "geometry/surface_lookup.h"
 #include "model/lfm.h"
 #include "model/status.h"
 #include "model/texel_options.h"
@@ -26,7 +27,8 @@ DatasetFingerprint fingerprint(const Dataset& dataset);
 
 /// What every fit says, whatever its model.
 struct FitRecord {
-    TargetSpace space = TargetSpace::stored;  ///< the space of the model's values
+    TargetSpace space = TargetSpace::stored;         ///< the space of the model's values
+    SurfaceLookup surface = SurfaceLookup::nearest;  ///< how texels of a mesh are looked up
     std::string solver, engine;
 
     // One entry per problem.

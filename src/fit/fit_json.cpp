@@ -67,8 +67,13 @@ TargetSpace space_of(const std::string& name) {
 
 /// What comes before a model's own entries, and what comes behind them.
 Json head(const FitRecord& fit, const std::string& model, int version = fit_version) {
-    return {{"format", fit_format}, {"version", version},   {"model", model},
-            {"solver", fit.solver}, {"engine", fit.engine}, {"space", space_name(fit.space)}};
+    return {{"format", fit_format},
+            {"version", version},
+            {"model", model},
+            {"solver", fit.solver},
+            {"engine", fit.engine},
+            {"space", space_name(fit.space)},
+            {"surface_lookup", to_string(fit.surface)}};
 }
 void add_tail(Json& json, const FitRecord& fit, const std::string& dataset_path,
               const std::vector<std::string>& files) {
@@ -102,6 +107,7 @@ FitPromises take_record(const Json& json, FitRecord& fit) {
     fit.solver = json.at("solver").get<std::string>();
     fit.engine = json.at("engine").get<std::string>();
     fit.space = space_of(json.at("space").get<std::string>());
+    fit.surface = surface_lookup_of(json.value("surface_lookup", "nearest"));
     const Json& statuses = json.at("problems").at("status");
     for (size_t s = 0; s < promises.status_counts.size(); ++s)
         promises.status_counts[s] = count(statuses, to_string(Status(s)));

@@ -180,7 +180,7 @@ Contestant gaussian_process_of(const Dataset& dataset, const std::vector<uint32_
                                const GaussianProcessOptions& options) {
     require_light_field(dataset);
     const auto kept = std::make_shared<KeptTexels>(dataset, views, space, options);
-    return texel_contestant(kept->atlas, space,
+    return texel_contestant(kept->atlas, SurfaceLookup::nearest, space,
                             [kept](uint32_t texel, const Vec3f& eye) { return kept->texels.colour(texel, eye); });
 }
 

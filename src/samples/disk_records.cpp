@@ -136,14 +136,20 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
                                const VertexRings& rings, const std::vector<uint32_t>& views,
                                std::vector<Distributor*> workers, const RecordOptions& options) {
     SampleCollector collector(dataset, atlas.texels_per_tile(), std::move(workers), options.space);
+    return write_records(folder, dataset, atlas, rings, views, collector, options);
+}
+
+RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
+                               const VertexRings& rings, const std::vector<uint32_t>& views, TileSampler& sampler,
+                               const RecordOptions& options) {
     WaitingItems<Sample> tiles(atlas.tile_count(), options.memory / 2, folder);
-    collect_by_block(collector, views, tiles, [&](uint32_t image, size_t tile, std::span<const Sample> samples) {
+    collect_by_block(sampler, views, tiles, [&](uint32_t image, size_t tile, std::span<const Sample> samples) {
         const auto group = std::bit_cast<Sample>(RecordGroup{image, uint32_t(samples.size())});
         tiles.add(tile, {&group, 1});
         tiles.add(tile, samples);
     });
 
-    const BlockMaker maker(dataset, atlas, rings, views, options, collector.bits(), collector.scale());
+    const BlockMaker maker(dataset, atlas, rings, views, options, sampler.bits(), sampler.scale());
     BlockFileWriter out(folder);
     std::vector<VertexRecord> records(rings.vertex_count());
     const auto held = [&](size_t v) {
@@ -159,8 +165,8 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
     append_bytes<VertexRecord>(table, records);
     out.append(table, hash_bytes(table.data(), table.size()));
     const Json description = {{"kind", options.kind == RecordKind::full ? "full" : "compact"},
-                              {"bits", collector.bits()},
-                              {"scale", collector.scale()},
+                              {"bits", sampler.bits()},
+                              {"scale", sampler.scale()},
                               {"views", views}};
     const uint64_t bytes = out.close(options.key, description.dump());
     return {bytes + tiles.bytes_written(), tiles.bytes_read(), tiles.spills()};

@@ -19,6 +19,8 @@ enum class RecordKind {
     full      ///< the paper's: target, residual, surface-map coordinate, three view-map coordinates; 56 bytes
 };
 
+class TileSampler;  // samples/image_samples.h
+
 struct RecordOptions {
     RecordKind kind = RecordKind::compact;
     TargetSpace space = TargetSpace::stored;
@@ -39,6 +41,10 @@ struct VertexRecord {
 RecordStatistics write_records(const std::filesystem::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
                                const VertexRings& rings, const std::vector<uint32_t>& views,
                                std::vector<Distributor*> workers, const RecordOptions& options);
+/// The same of what a sampler of the atlas's tiles finds, in the space of the options.
+RecordStatistics write_records(const std::filesystem::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
+                               const VertexRings& rings, const std::vector<uint32_t>& views, TileSampler& sampler,
+                               const RecordOptions& options);
 
 /// Records on disk. Reading is thread-safe.
 class DiskRecords {

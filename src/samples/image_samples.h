@@ -34,8 +34,19 @@ struct ImageSamples : ImageBlocks {
     }
 };
 
+/// Finds the samples that images leave in the tiles of triangles.
+class TileSampler {
+public:
+    virtual ~TileSampler() = default;
+    virtual int at_once() const = 0;  ///< images that are worked on side by side
+    virtual int bits() const = 0;     ///< 8: channels are multiples of 257
+    virtual float scale() const = 0;  ///< of Sample::rgb, one for all images
+    /// Image first + k of `views` to out[k].
+    virtual void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<Sample>> out) = 0;
+};
+
 /// Streams images from disk, each through a distributor.
-class SampleCollector {
+class SampleCollector final : public TileSampler {
 public:
     /// `texels_per_block`: a tile's, or of as many neighbours as else belong together, 65536 at most.
     /// `workers`: one distributor per thread to use, or a single one that is then used from the calling thread only.
@@ -43,11 +54,11 @@ public:
     SampleCollector(const Dataset& dataset, uint32_t texels_per_block, std::vector<Distributor*> workers,
                     TargetSpace space);
 
-    int at_once() const { return int(state_.size()); }  ///< images that are worked on side by side
-    int bits() const { return state_.front().stream.bits(); }
-    float scale() const { return state_.front().stream.scale16(); }  ///< of Sample::rgb, one for all images
-    /// Image first + k of `views` to out[k].
-    void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<Sample>> out);
+    int at_once() const override { return int(state_.size()); }
+    int bits() const override { return state_.front().stream.bits(); }
+    float scale() const override { return state_.front().stream.scale16(); }
+    void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<Sample>> out) override;
+    /// Of any atlas, whose blocks need not be tiles.
     void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<LinearSample>> out);
 
 private:
@@ -75,9 +86,8 @@ SampleList list_by_tile(uint32_t tiles, const std::vector<uint32_t>& views, floa
 
 /// Collects all views, a few at a time, into `waiting`: add(image, block, samples) puts there what a block takes of an
 /// image, if that is anything, in the images' order and for several blocks at a time.
-template <class T, class Add>
-void collect_by_block(SampleCollector& collector, std::span<const uint32_t> views, WaitingItems<T>& waiting,
-                      const Add& add) {
+template <class T, class Collector, class Add>
+void collect_by_block(Collector& collector, std::span<const uint32_t> views, WaitingItems<T>& waiting, const Add& add) {
     std::vector<ImageSamples<T>> images(size_t(collector.at_once()));
     for (size_t first = 0; first < views.size(); first += images.size()) {
         const size_t count = std::min(images.size(), views.size() - first);

@@ -6,18 +6,16 @@
 
 #include "base/parallel.h"
 #include "geometry/mesh_part.h"
-#include "samples/image_samples.h"
 #include "samples/surface_photograph.h"
 
 namespace radiafit {
-namespace {
 
-/// One thread's tools.
-class Interpolator {
+class InterpolatedSampler::Worker {
 public:
-    Interpolator(const TriangleAtlas& atlas, ImageStream stream) : atlas_(atlas), stream_(std::move(stream)) {}
+    Worker(const TriangleAtlas& atlas, ImageStream stream) : atlas_(atlas), stream_(std::move(stream)) {}
 
     void collect(uint32_t view, const Camera& camera, ImageSamples<Sample>& out) {
+        out = {};
         photograph_.load(stream_, view, camera, visible_mesh(atlas_.mesh()), rasterizer_);
         for (uint32_t tile = 0; tile < atlas_.tile_count(); ++tile) {
             const auto plane = atlas_.degenerate(tile) ? std::nullopt : photograph_.plane_of(atlas_.mesh(), tile);
@@ -48,19 +46,29 @@ private:
     SurfacePhotograph photograph_;
 };
 
-}  // namespace
+InterpolatedSampler::InterpolatedSampler(const Dataset& dataset, const TriangleAtlas& atlas, TargetSpace space)
+    : dataset_(&dataset), atlas_(&atlas) {
+    const ImageStream stream(dataset, StreamSource::disk, space);
+    scale_ = stream.scale16();
+    for (int i = 0; i < thread_count(); ++i) workers_.push_back(std::make_unique<Worker>(atlas, stream.another()));
+}
+InterpolatedSampler::~InterpolatedSampler() = default;
+
+int InterpolatedSampler::at_once() const { return int(workers_.size()); }
+
+void InterpolatedSampler::collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<Sample>> out) {
+    parallel_for(out.size(), 1, [&](size_t k, int worker) {
+        const uint32_t view = views[first + k];
+        workers_[size_t(worker)]->collect(view, dataset_->views[view].camera, out[k]);
+    });
+}
 
 SampleList interpolated_samples(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
                                 TargetSpace space) {
-    const ImageStream stream(dataset, StreamSource::disk, space);
-    std::vector<std::unique_ptr<Interpolator>> workers{size_t(thread_count())};
+    InterpolatedSampler sampler(dataset, atlas, space);
     std::vector<ImageSamples<Sample>> images(views.size());
-    parallel_for(views.size(), 1, [&](size_t k, int worker) {
-        auto& own = workers[size_t(worker)];
-        if (!own) own = std::make_unique<Interpolator>(atlas, stream.another());
-        own->collect(views[k], dataset.views[views[k]].camera, images[k]);
-    });
-    return list_by_tile(atlas.tile_count(), views, stream.scale16(), images);
+    sampler.collect(views, 0, images);
+    return list_by_tile(atlas.tile_count(), views, sampler.scale(), images);
 }
 
 }  // namespace radiafit

@@ -42,7 +42,7 @@ template <int lobes>
 Contestant contestant_with(const SgFit& fit, const TriangleAtlas& atlas) {
     using Text = texel_text::SphericalGaussians<float, lobes>;
     using Model = TexelLocal<Text>;
-    return texel_contestant(atlas, fit.space, [&fit, &atlas](uint32_t texel, const Vec3f& eye) {
+    return texel_contestant(atlas, fit.surface, fit.space, [&fit, &atlas](uint32_t texel, const Vec3f& eye) {
         const Frame frame = view_frame(atlas.normal(texel), fit.up);
         const Vec3f v = view_direction(frame, atlas.position(texel), eye);
         typename Model::Parameters p;

@@ -4,7 +4,7 @@
 namespace radiafit {
 
 Contestant contestant_of(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
-    return texel_contestant(atlas, fit.space, [&fit, &atlas](uint32_t texel, const Vec3f& eye) {
+    return texel_contestant(atlas, fit.surface, fit.space, [&fit, &atlas](uint32_t texel, const Vec3f& eye) {
         const Vec3f position = atlas.position(texel);
         const BlockBasis& block = fit.basis.blocks[fit.basis.block_at(position)];
         const Frame frame = view_frame(atlas.normal(texel), fit.basis.up);

@@ -81,6 +81,7 @@ for option, names, answer in (
     ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
     ("--source", "disc", "choose one of disk, disk-cold, memory, device"), ("--samples", "kept", "choose one of cached, redistributed"),
     ("--accumulate", "scatter", "choose one of gather, scatter-fixed, scatter-float"), ("--view", "linear", "choose one of bilinear, nearest"),
+    ("--surface", "bilinear", "choose one of nearest, linear"),
     ("--space", "srgb", "choose one of stored, linear"), ("--record", "fat", "choose one of compact, full"),
     ("--model", "lafortun", "choose one of lfm, "), ("--ceres", "dense", "choose one of "),
 ):  # fmt: skip
@@ -109,6 +110,10 @@ rows += [
     ("fit flat --model lambert --engine compute --optimizer cg --samples redistributed -o new", None, 2, "--samples means nothing to model lambert"),
     ("plan tiny --engine compute --samples redistributed --texels-per-pixel 1", None, 2, "all surface maps have one side", "--samples redistributed"),
     ("plan tiny --engine fragment --distributor gl", None, 2, "--distributor means nothing to engine fragment"),
+    ("fit tiny --surface linear --engine fragment -o new", None, 2, "--surface linear fits colours at texels' centres", "choose --surface nearest, or leave out --engine fragment"),
+    ("plan tiny --surface linear --engine compute --samples redistributed", None, 2, "choose --surface nearest", "--samples redistributed"),
+    ("fit tiny --model lfm --surface linear --distributor gl -o new", None, 2, "--distributor means nothing to "),
+    ("fit flat --model lafortune --surface linear -o new", None, 2, "--surface means nothing to model lafortune"),
     ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
     ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),
     ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca does not fit texel-local models", "choose one of stream, two-step, ceres, ceres-varpro, tinysolver for --model lafortune"),
