@@ -47,8 +47,8 @@ Star& star() {
 struct Written {
     TemporaryFolder folder;
     RecordStatistics statistics;
-    Written(const TriangleAtlas& atlas, const RecordOptions& options, SurfaceLookup surface = SurfaceLookup::nearest) {
-        if (surface == SurfaceLookup::linear) {
+    Written(const TriangleAtlas& atlas, const RecordOptions& options, bool interpolated = false) {
+        if (interpolated) {
             InterpolatedSampler sampler(star().dataset, atlas, options.space);
             statistics = write_records(folder.path(), star().dataset, atlas, star().rings, star().dataset.split(false),
                                        sampler, options);
@@ -61,10 +61,8 @@ struct Written {
     DiskRecords records(const std::string& key = "") const { return {folder.path(), key}; }
 };
 
-SampleList list_of(const TriangleAtlas& atlas, TargetSpace space = TargetSpace::stored,
-                   SurfaceLookup surface = SurfaceLookup::nearest) {
-    if (surface == SurfaceLookup::linear)
-        return interpolated_samples(star().dataset, atlas, star().dataset.split(false), space);
+SampleList list_of(const TriangleAtlas& atlas, TargetSpace space = TargetSpace::stored, bool interpolated = false) {
+    if (interpolated) return interpolated_samples(star().dataset, atlas, star().dataset.split(false), space);
     const auto owned = raster_distributors(atlas);
     return build_sample_list(star().dataset, atlas, star().dataset.split(false), worker_pointers(owned), space,
                              nullptr);
@@ -101,12 +99,11 @@ TEST(DiskRecords, DoNotDependOnMemoryOrThreads) {
 }
 
 /// Direction and line sums of every vertex from its record, against the list in double.
-void against_list(const RecordOptions& records, const LfmOptions& options,
-                  SurfaceLookup surface = SurfaceLookup::nearest) {
+void against_list(const RecordOptions& records, const LfmOptions& options, bool interpolated = false) {
     const TriangleAtlas atlas = surface_atlas(star().dataset.mesh, options);
-    const Written written(atlas, records, surface);
+    const Written written(atlas, records, interpolated);
     const DiskRecords on_disk = written.records();
-    const SampleList list = list_of(atlas, records.space, surface);
+    const SampleList list = list_of(atlas, records.space, interpolated);
     LfmProblem<double> oracle(star().dataset, atlas, star().rings, list, options);
     VertexProblem problem(star().dataset, atlas, star().rings, on_disk.views(), options);
     const ProblemStatistics expected = oracle.count();
@@ -166,8 +163,8 @@ TEST(VertexProblem, AgreesWithTheListFromCompactRecords) {
     facing.loss.weights = SampleWeights::facing;
     against_list({}, facing);
     against_list({.kind = RecordKind::full}, facing);
-    against_list({.memory = 60'000}, model(2), SurfaceLookup::linear);
-    against_list({.kind = RecordKind::full}, model(2), SurfaceLookup::linear);
+    against_list({.memory = 60'000}, model(2), true);
+    against_list({.kind = RecordKind::full}, model(2), true);
 }
 TEST(VertexProblem, AgreesWithTheListFromFullRecords) {
     against_list({.kind = RecordKind::full}, model());

@@ -38,8 +38,7 @@ void FitRequest::check() const {
     if (surface == SurfaceLookup::linear && (on_fragment_engine() || redistributes()))
         throw UserError(
             fmt::format("{} fits colours at texels' centres, but where OpenGL distributes a texel takes a pixel; "
-                        "choose {}, or leave "
-                        "out {} or {}",
+                        "choose {}, or leave out {} or {}",
                         option_name("surface linear"), option_name("surface nearest"), option_name("engine fragment"),
                         option_name("samples redistributed")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
