@@ -66,7 +66,7 @@ class Parts(PartsTest):
     def test_every_solver_of_light_field_maps(self):
         for options in (
             FIT,
-            (*FIT, "--surface", "nearest"),
+            (*FIT, "--surface", "linear"),
             (*FIT, "--deflate"),
             (*FIT, "--texels-per-pixel", "1"),
             (*FIT, "--validation", "4"),
@@ -81,7 +81,9 @@ class Parts(PartsTest):
             ("--solver", "pca", "--terms", "2", "--refills", "2"),
             ("--solver", "mean"),
             ("--solver", "mean", "--surface", "linear"),
-            ("--solver", "als", "--iterations", "2", "--surface", "nearest"),
+            ("--solver", "als", "--iterations", "2", "--surface", "linear"),
+            (*FIT, "--solver", "two-step", "--surface", "linear"),
+            (*FIT, "--engine", "compute", "--surface", "linear"),
             (*FIT, "--engine", "compute"),
             (*FIT, "--engine", "compute", "--accumulate", "scatter-fixed"),
             (*FIT, "--engine", "compute", "--samples", "redistributed"),

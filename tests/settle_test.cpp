@@ -117,14 +117,6 @@ TEST(Settle, LightFieldMapsHaveThreeTermsAndSmootherViewMapsButInPaperMode) {
     const LfmOptions paper = settled(dataset, {{"mode", "paper"}}).request.model;
     EXPECT_EQ(paper.terms, plain.terms);
     EXPECT_EQ(paper.lambda_view, plain.lambda_view);
-    EXPECT_EQ(settled(dataset, {{"model", "lfm"}}).request.surface, SurfaceLookup::linear);
-    EXPECT_EQ(settled(dataset, {}).request.surface, SurfaceLookup::linear);
-    EXPECT_EQ(settled(dataset, {{"model", "sg"}}).request.surface, SurfaceLookup::linear);
-    for (const FitSetting& nearest :
-         {FitSetting{{"mode", "paper"}}, FitSetting{{"engine", "fragment"}}, FitSetting{{"solver", "mean"}},
-          FitSetting{{"engine", "compute"}, {"samples", "redistributed"}}, FitSetting{{"distributor", "gl"}},
-          FitSetting{{"surface", "nearest"}}, FitSetting{{"model", "viewbasis"}, {"surface", "nearest"}}})
-        EXPECT_EQ(settled(dataset, nearest).request.surface, SurfaceLookup::nearest) << nearest[0].second;
     const LfmOptions given = settled(dataset, {{"terms", "1"}, {"lambda_view", "0.5"}}).request.model;
     EXPECT_EQ(given.terms, 1);
     EXPECT_EQ(given.lambda_view, 0.5f);
@@ -140,6 +132,24 @@ TEST(Settle, TexelsKnowTheirSurfaceWhereLevenbergMarquardtSeesAllOfIt) {
     for (const auto& [option, value] : FitSetting{{"optimizer", "cg"}, {"loss", "huber"}, {"solver", "tinysolver"}})
         EXPECT_EQ(settled(dataset, {{"model", "lafortune"}, {option, value}}).request.prior, PriorKind::none) << option;
     EXPECT_EQ(settled(ball_from_six_sides()).request.prior, PriorKind::none);
+}
+
+TEST(Settle, InterpolatesColoursByViewAndWeighsInterpolatedSamples) {
+    const Dataset dataset = ball_from_six_sides();
+    const auto request = [&](FitSetting setting) { return settled(dataset, setting).request; };
+    EXPECT_EQ(request({}).surface, SurfaceLookup::linear);  // a view basis
+    EXPECT_EQ(request({{"model", "sg"}}).surface, SurfaceLookup::linear);
+    EXPECT_EQ(request({{"model", "sg"}, {"surface", "nearest"}}).surface, SurfaceLookup::nearest);
+    EXPECT_EQ(request({{"model", "lfm"}}).surface, SurfaceLookup::nearest);
+    const auto weights = [&](FitSetting setting) {
+        setting.insert(setting.begin(), {{"model", "lfm"}, {"surface", "linear"}});
+        return request(setting).model.loss.weights;
+    };
+    EXPECT_EQ(request({{"model", "lfm"}}).model.loss.weights, SampleWeights::equal);
+    EXPECT_EQ(weights({}), SampleWeights::facing);
+    EXPECT_EQ(weights({{"weights", "equal"}}), SampleWeights::equal);
+    EXPECT_EQ(weights({{"mode", "paper"}}), SampleWeights::equal);
+    EXPECT_EQ(weights({{"solver", "als"}}), SampleWeights::equal);  // takes none
 }
 
 TEST(Settle, LampsAreFittedByWhatIsKnownOfTheSurface) {

@@ -266,12 +266,13 @@ std::vector<FitOption> make_fit_options() {
         {optimizer_option(), loss_option(),
          number("loss_scale", use::loss, OF(model.loss.scale), limits::loss_scale,
                 "residuals well below it cost their square by a robust loss; in units of pixel values"),
-         choice<SampleWeights>("weights", use::weights, OF(model.loss.weights),
-                               {{"equal", SampleWeights::equal}, {"facing", SampleWeights::facing}},
-                               "of squared residuals, in sums that stay over the number of samples: facing "
-                               "is the cosine between the surface's normal and the direction to the "
-                               "camera; a residual counts as its root times itself for the loss and for "
-                               "stopping"),
+         by_data(choice<SampleWeights>("weights", use::weights, OF(model.loss.weights),
+                                       {{"equal", SampleWeights::equal}, {"facing", SampleWeights::facing}},
+                                       "of squared residuals, in sums that stay over the number of samples: facing "
+                                       "is the cosine between the surface's normal and the direction to the "
+                                       "camera; a residual counts as its root times itself for the loss and for "
+                                       "stopping; default: equal; of light field maps with --surface linear facing, "
+                                       "but not in paper mode and configs")),
          by_data(choice<PriorKind>(
              "prior", use::prior, OF(prior), {{"none", PriorKind::none}, {"surface", PriorKind::surface}},
              "what is known of texels that few samples tell of: nothing, or, by a first fit, what the texels around "
@@ -309,8 +310,8 @@ std::vector<FitOption> make_fit_options() {
              {{"nearest", SurfaceLookup::nearest}, {"linear", SurfaceLookup::linear}},
              "look-up in surface maps, or in a mesh's texels where colours by view direction are shown: the texel "
              "that a point falls in, or linearly between texels' centres; light field maps are then fitted to colours "
-             "interpolated at these centres, not where OpenGL distributes; default: linear; where OpenGL distributes, "
-             "of pca and mean, in paper mode and configs nearest",
+             "interpolated at these centres, not where OpenGL distributes; default: nearest; of colours by view "
+             "direction linear, but not in configs",
              "surface look-up")),
          number("lambda_surface", use::smoothness, OF(model.lambda_surface), limits::weight,
                 "smoothness of surface maps"),

@@ -110,8 +110,9 @@ void settle(const std::function<bool(const char*)>& given, const Dataset&, FitRe
     if (request.mode == Mode::paper || !(uses_of(request) & use::smoothness)) return;
     if (!given("--terms")) request.model.terms = 3;
     if (!given("--lambda-view")) request.model.lambda_view = 0.1f;
-    const bool distributes = request.on_fragment_engine() || request.redistributes() || given("--distributor");
-    if (!given("--surface") && !distributes) request.surface = SurfaceLookup::linear;
+    // A pixel is a sample of what it covers, a texel's centre of every image alike: its share of pixels is the cosine.
+    if (request.surface == SurfaceLookup::linear && uses_of(request) & use::weights && !given("--weights"))
+        request.model.loss.weights = SampleWeights::facing;
 }
 
 }  // namespace

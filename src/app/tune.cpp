@@ -52,6 +52,7 @@ std::vector<Candidate> under_fixed_light() {
          {{"terms", {"1", "2", "3", "4", "6"}},
           {"lambda_surface", {"1e-4", "3e-4", "1e-3", "3e-3", "1e-2"}},
           {"lambda_view", {"0.01", "0.03", "0.1", "0.3", "1"}},
+          {"surface", {"nearest", "linear"}},
           losses,
           loss_scales}}};
 }

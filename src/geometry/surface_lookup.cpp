@@ -1,8 +1,6 @@
 #include "geometry/surface_lookup.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <stdexcept>
 
 #include "geometry/raster.h"
@@ -11,14 +9,6 @@ namespace radiafit {
 namespace {
 
 using Weights = std::array<float, 3>;  // of a triangle's corners
-
-int border_mode() {
-    static const int mode = [] {
-        const char* s = std::getenv("RADIAFIT_BORDER");
-        return s ? s[0] : 'b';
-    }();
-    return mode;
-}
 
 /// Of a place in a tile, in the lattice whose corners are the centres of the tile's corner texels. Centres are evenly
 /// spaced there; on the triangle those of the halved cells along the diagonal lie a little nearer to the others. Below
@@ -100,7 +90,7 @@ TexelMix TexelLookup::at(uint32_t triangle, float b1, float b2) const {
     for (size_t c = 0; c < 3; ++c)
         if (const float m = -lattice[c] * float(side - 1); m > 0) beyond[c] = m / (m + at[c] * float(side));
     float own = 1;
-    for (uint32_t c = 0; c < 3 && border_mode() == 'b'; ++c) {
+    for (uint32_t c = 0; c < 3; ++c) {
         const uint32_t other = across_[triangle][c];
         if (beyond[c] == 0 || other == no_triangle) continue;
         const float next = std::max(beyond[(c + 1) % 3], beyond[(c + 2) % 3]);
