@@ -108,6 +108,26 @@ class Parts(PartsTest):
         ):
             self.merged_like_whole("ornament", *options)
 
+    def test_colours_by_view_direction(self):
+        for options in (
+            ("--model", "viewbasis"),
+            ("--model", "viewbasis", "--rank", "4", "--blocks", "1", "--surface-side", "5", "--space", "linear"),
+            ("--model", "viewbasis", "--rank", "28", "--blocks", "30", "--validation", "4", "--noise", "2e-3"),
+            ("--model", "sg", "--surface-side", "5"),
+            ("--model", "sg", "--lobes", "2", "--iterations", "3", "--surface-side", "6", "--validation", "4"),
+        ):
+            self.merged_like_whole("star", *options)
+
+    def test_memory_cuts_a_view_basis(self):
+        fit = ("fit", "star", "--rank", "6")  # chosen by the data, in parts as well
+        self.good(*fit, "-o", "one")
+        done = self.good(*fit, "--memory", "BOUND", "-o", "bounded")
+        self.assertRegex(done.stderr, "part 2 of [2-9]")
+        self.assertEqual(self.maps("one"), self.maps("bounded"))
+        planned = self.good("plan", "star", "--rank", "6", "--memory", "BOUND").stdout
+        self.assertRegex(planned, r"in [2-9] parts, .*while learning, .* for a part")
+        self.refused(*fit, "--memory", "151M", "-o", "none", says=["too little", "--memory"])
+
     def test_memory_cuts_a_fit_and_resumes_it(self):
         fit = ("fit", "star", *FIT, "--engine", "compute")  # which holds vectors of all vertices
         done = self.good(*fit, "--memory", "149M", "-o", "bounded")
@@ -215,6 +235,13 @@ class Ranks(PartsTest):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(self.maps("whole"), self.maps(f"ranks-{count}"))
             self.assertFalse((self.root / f"ranks-{count}.parts").exists())
+
+    def test_ranks_share_a_view_basis(self):
+        fit = ("fit", "star", "--model", "viewbasis", "--rank", "4")
+        self.good(*fit, "-o", "one")
+        done = self.mpirun(2, *fit, "-o", "ranks")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.maps("one"), self.maps("ranks"))
 
     def test_results_come_to_rank_0_where_it_has_no_disk_in_common(self):
         # each rank in a folder of its own, as on machines without a common disk

@@ -102,7 +102,6 @@ TEST(Settle, LightThatStaysIsFittedByAViewBasisUnlessOptionsAskForMore) {
         EXPECT_EQ(other.line, "") << option;
     }
     EXPECT_EQ(settled(dataset, {{"lobes", "2"}}).request.model_name, "sg");
-    EXPECT_EQ(settled(dataset, {}, true).request.model_name, "lfm");
     const Settled named = settled(dataset, {{"model", "sg"}});
     EXPECT_EQ(named.request.model_name, "sg");
     EXPECT_EQ(named.line, "");

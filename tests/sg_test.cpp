@@ -191,5 +191,35 @@ TEST_F(SgSurface, WhatNobodySeesHasTheMeanColourAndNoLobes) {
     EXPECT_GT(unseen, 10);
 }
 
+// Two parts of the samples sum up to the whole, and colour what none of them shows as it does.
+TEST_F(SgSurface, PartsKnowTheMeanColourTogether) {
+    samples = random_samples(atlas, 20, 0.02f, 4);
+    const auto whole = solve_sg(dataset, atlas, samples, mean_up(dataset), {.lobes = 1});
+    ColourSum sum;
+    for (const bool second : {false, true}) {
+        SampleList part = samples;
+        const size_t half = samples.samples.size() / 2;
+        part.samples.assign(samples.samples.begin() + ptrdiff_t(second ? half : 0),
+                            second ? samples.samples.end() : samples.samples.begin() + ptrdiff_t(half));
+        for (SampleGroup& group : part.groups)
+            group.first = second ? std::max(group.first, half) - half : std::min<uint64_t>(group.first, half);
+        sum.add(solve_sg(dataset, atlas, part, mean_up(dataset), {.lobes = 1}).colours);
+    }
+    EXPECT_EQ(sum.rgb, whole.colours.rgb);
+    EXPECT_EQ(sum.mean(), whole.colours.mean());
+    auto coloured = whole.parameters;
+    colour_unseen(atlas, whole.samples, 1, Vec3f::Constant(-1), coloured);
+    size_t changed = 0;
+    for (size_t i = 0; i < coloured.size(); ++i) {
+        if (coloured[i] == whole.parameters[i]) continue;
+        ++changed;
+        EXPECT_EQ(coloured[i], -1);
+        EXPECT_EQ(whole.parameters[i], whole.colours.mean()[Eigen::Index(i % size_t(sg_parameters(1)))]);
+    }
+    EXPECT_GT(changed, 0u);
+    colour_unseen(atlas, whole.samples, 1, sum.mean(), coloured);
+    EXPECT_EQ(coloured, whole.parameters);
+}
+
 }  // namespace
 }  // namespace radiafit::testing

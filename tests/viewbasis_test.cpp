@@ -3,12 +3,15 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "base/parallel.h"
 #include "eval/pixel_areas.h"
 #include "fit_scene.h"
 #include "geometry/ray_cast.h"
 #include "samples/interpolated_samples.h"
+#include "viewbasis/basis_texels.h"
 #include "viewbasis/learn_view_basis.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
@@ -188,6 +191,64 @@ TEST(ViewBasis, IsTheSameByAnyNumberOfThreads) {
         return solution.parameters;
     };
     EXPECT_EQ(fitted(1), fitted(3));
+}
+
+// Samples of the texels that it says alone give the same basis.
+TEST(ViewBasis, IsLearnedFromFewTexels) {
+    Surface surface(9);
+    const ViewBasisOptions options{.rank = 5, .blocks = 4, .texels = 70};
+    const ViewBasis all = learn_view_basis(surface.dataset, surface.atlas, surface.samples, options);
+    const std::vector<bool> mask = learned_from(surface.atlas, options);
+    const auto looked_at = uint64_t(std::ranges::count(mask, true));
+    EXPECT_GT(looked_at, 70u);
+    EXPECT_LT(looked_at, surface.atlas.used_texels());
+    SampleList few = surface.samples;
+    few.samples.clear();
+    for (uint32_t tile = 0; tile < few.tile_count(); ++tile)
+        for (uint32_t g = few.tile_groups[tile]; g < few.tile_groups[tile + 1]; ++g) {
+            few.groups[g].first = few.samples.size();
+            for (const Sample& s : surface.samples.of_group(g))
+                if (mask[tile * surface.atlas.texels_per_tile() + s.local]) few.samples.push_back(s);
+        }
+    few.groups.back().first = few.samples.size();
+    ASSERT_LT(few.samples.size(), surface.samples.samples.size());
+    const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, few, options);
+    EXPECT_EQ(stored_basis(basis).numbers, stored_basis(all).numbers);
+    EXPECT_EQ(stored_basis(basis).json, stored_basis(all).json);
+}
+
+// All usable texels are in their blocks, once each, where there are few; else they are drawn from all of the surface.
+TEST(ViewBasis, DrawsTexelsEvenly) {
+    const Mesh mesh = troubled_mesh(4, 6, 5);
+    const TriangleAtlas whole(mesh, 6);
+    const BasisTexels all = draw_basis_texels(whole, 1'000'000, 30);
+    std::set<std::pair<uint32_t, uint32_t>> seen;
+    ASSERT_EQ(all.of_block.size(), all.cubes.size());
+    ASSERT_GT(all.cubes.size(), 5u);
+    EXPECT_TRUE(std::ranges::is_sorted(all.cubes));
+    for (size_t b = 0; b < all.cubes.size(); ++b)
+        for (const auto& [tile, local] : all.of_block[b]) {
+            EXPECT_EQ(cube_at(whole.position(tile, local), all.origin, all.cube), all.cubes[b]);
+            EXPECT_FALSE(whole.degenerate(tile));
+            EXPECT_TRUE(seen.emplace(tile, local).second);
+        }
+    size_t usable = 0;
+    for (uint32_t t = 0; t < whole.texel_count(); ++t) usable += whole.usable(t);
+    EXPECT_EQ(seen.size(), usable);
+    EXPECT_EQ(all.everywhere.size(), usable);
+
+    constexpr size_t few = 400;
+    const BasisTexels some = draw_basis_texels(whole, few, 30);
+    std::map<uint32_t, int> of_tile;
+    std::set<std::pair<uint32_t, uint32_t>> once;
+    for (const auto& [tile, local] : some.everywhere) {
+        ++of_tile[tile];
+        EXPECT_TRUE(once.emplace(tile, local).second);
+    }
+    EXPECT_EQ(once.size(), few);
+    const size_t tiles = usable / TriangleTile::texels_of(6);
+    EXPECT_GT(of_tile.size(), tiles * 9 / 10);  // 10 or so of each
+    EXPECT_TRUE(draw_basis_texels(whole, few, 1).of_block.empty());
 }
 
 TEST(ViewBasis, TexelsThatNobodySeesHaveTheMean) {

@@ -29,6 +29,7 @@ std::string stages_of(const PlanRow& row) {
     if (row.stages == PlanRow::while_all) return "";
     std::string names;
     for (const auto& [stage, name] : {std::pair{PlanRow::while_distributing, "distributing"},
+                                      {PlanRow::while_learning, "learning"},
                                       {PlanRow::while_solving, "solving"},
                                       {PlanRow::while_writing, "writing"}})
         if (row.stages & stage) names += names.empty() ? name : std::string(", ") + name;
@@ -212,11 +213,13 @@ void add_plan(CommandLine& program) {
                        seconds->distributing, seconds->solving);
         show("on disk", planned.disk);
         if (needs_parts(dataset, *request)) {
-            Needs needs;
             const auto whole = family_of(*request).divide(dataset, *request);
-            const size_t parts = count_parts(*whole, {}, *request, needs);
-            fmt::print("in {} parts, {} of memory at most and {} of disk\n", parts, readable_bytes(needs.memory),
-                       readable_bytes(needs.disk));
+            const PartNeeds needs = count_parts(*whole, {}, *request);
+            const std::string learning =
+                needs.learning ? readable_bytes(needs.learning) + " while learning, " : std::string();
+            fmt::print("in {} parts, {} of memory at most ({}{} for a part, {} to put them together) and {} of disk\n",
+                       needs.parts, readable_bytes(needs.memory), learning, readable_bytes(needs.part),
+                       readable_bytes(needs.merging), readable_bytes(needs.disk));
         }
         if (!planned.paper.empty()) show("paper layout (Section 6.3; the accounting is ours)", planned.paper);
     });

@@ -12,14 +12,18 @@
 namespace radiafit {
 namespace {
 
-/// Whether a fit of any family by this solver does.
+/// Whether a fit of the family by this solver does, or one of any family.
+bool takes(const Family& family, const Solver& solver, const FitOption& option) {
+    const uint32_t uses = family.uses(solver);
+    return uses != 0 && option.means_something(family, uses);
+}
 bool any_takes(const Solver& solver, const FitOption& option) {
-    return std::ranges::any_of(families(), [&](const Family* family) { return family->uses(solver) & option.uses; });
+    return std::ranges::any_of(families(), [&](const Family* family) { return takes(*family, solver, option); });
 }
 
 /// "two-step, ceres; engine fragment", or "every fit".
 std::string takers(const FitOption& option) {
-    if (option.uses == 0) return "every fit";
+    if (option.uses == 0 && option.families.empty()) return "every fit";
     std::vector<std::string> all;
     for (const EngineKind engine : {EngineKind::cpu, EngineKind::fragment, EngineKind::compute})
         if (engine_uses(engine) & option.uses) {
@@ -33,10 +37,10 @@ std::string takers(const FitOption& option) {
         std::vector<std::string> names;
         for (const Solver& solver : solvers()) {
             const uint32_t uses = family->uses(solver);
-            const bool takes = uses & option.uses;
-            if (takes) names.emplace_back(solver.name);
-            if (takes && std::ranges::find(of_all, solver.name) == of_all.end()) of_all.emplace_back(solver.name);
-            alike = alike && (takes || !uses || !any_takes(solver, option));
+            const bool it_takes = takes(*family, solver, option);
+            if (it_takes) names.emplace_back(solver.name);
+            if (it_takes && std::ranges::find(of_all, solver.name) == of_all.end()) of_all.emplace_back(solver.name);
+            alike = alike && (it_takes || !uses || !any_takes(solver, option));
         }
         if (!names.empty()) of_one.push_back(fmt::format("{}: {}", family->name, fmt::join(names, ", ")));
     }

@@ -11,7 +11,7 @@
 namespace radiafit {
 
 namespace {
-constexpr const Family* all[] = {&light_field_maps, &view_bases, &spherical_gaussians, &texel_local_models};
+constexpr const Family* all[] = {&view_bases, &light_field_maps, &spherical_gaussians, &texel_local_models};
 
 const Family& family_of(const std::string& model) {
     return **std::ranges::find_if(all, [&](const Family* family) { return family->owns(model); });

@@ -4,8 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "app/fit_options.h"
 #include "app/problem_folder.h"
 #include "app/solver.h"
+#include "app/tune_candidate.h"
 #include "eval/judge.h"
 #include "report/problem_picture.h"
 
@@ -50,17 +52,34 @@ struct FinishedFit {
 
 class Divided;
 
+/// Whether the user gave an option, such as "--optimizer".
+using Given = std::function<bool(const char* flag)>;
+
+/// A model for a dataset, with options that suit it.
+struct Chosen {
+    FitSetting setting;                ///< the model first
+    std::function<std::string()> why;  ///< by the data; null: options that are given leave no choice
+};
+
 struct Family {
     const char* name;                        ///< in messages
     bool (*owns)(const std::string& model);  ///< by its name in requests and in fit.json
     std::vector<std::string> (*models)();    ///< their names
     const char* help;                        ///< of the models, after "--model"
-    bool has_error_bars;                     ///< Fitted::find_error_bars()
+    std::vector<FitOption> (*options)() = [] { return std::vector<FitOption>(); };  ///< its own; equal rows stand once
+    bool has_error_bars;                                                            ///< Fitted::find_error_bars()
     uint32_t (*uses)(const Solver& solver);  ///< what a solver does with this family; 0: it fits no such
     /// The space of images that are streamed with 16 bits; none where a fit reads the values themselves.
     std::optional<TargetSpace> (*streamed)(const FitRequest& request);
-    /// What the user left open and the dataset decides. given: whether the user gave an option, such as "--optimizer".
-    void (*settle)(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request);
+    /// For users who name no model; nothing: none of its models suits the dataset.
+    std::optional<Chosen> (*choose)(const Given& given, const Dataset& dataset);
+    /// What the user left open and the dataset decides.
+    void (*settle)(const Given& given, const Dataset& dataset, FitRequest& request);
+    /// What `tune` tries of it; none: none of its models suits the dataset.
+    std::vector<TuneCandidate> (*candidates)(const Dataset& dataset);
+    /// A fit in seconds that predicts well what photographs show that it has not seen, by which imports check them;
+    /// empty: none of its fits is so.
+    FitSetting (*quick)() = [] { return FitSetting(); };
     Plan (*plan)(const Dataset& dataset, const FitRequest& request, size_t most_views);
     FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
     /// For a fit in parts (app/parts.h).
@@ -71,6 +90,7 @@ struct Family {
     std::unique_ptr<Fitted> (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
 };
 extern const Family light_field_maps, texel_local_models, view_bases, spherical_gaussians;
+/// In the order of preference where a dataset and the options given leave a choice.
 std::span<const Family* const> families();
 
 const Family& family_of(const FitRequest& request);
@@ -88,8 +108,14 @@ void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
-Plan plan_view_basis(const Dataset& dataset, const FitRequest& request, size_t most_views);
-Plan plan_sg(const Dataset& dataset, const FitRequest& request, size_t most_views);
+
+/// Of lamps that move, by what is known of the surface and by how many images show it:
+///     normals of the plane, all seen from one direction, 16 images or more: ptm, whose six coefficients need no normal
+///     4 images or more: lafortune
+///     fewer: lambert
+/// all without saturated pixels and cast shadows (--clip-above 0.98 --shadow-below 0.1).
+std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& dataset);
+std::vector<TuneCandidate> texel_candidates(const Dataset& dataset);
 
 std::unique_ptr<Divided> divide_light_field(const Dataset& dataset, const FitRequest& request);
 std::unique_ptr<Divided> divide_texels(const Dataset& dataset, const FitRequest& request);

@@ -4,107 +4,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
-#include "app/choose.h"
 #include "app/family.h"
 #include "app/limits.h"
+#include "app/option_rows.h"
 #include "base/error.h"
 
 namespace radiafit {
 namespace {
 
-using Json = nlohmann::json;
-
-std::string dumped(const Json& value) {
-    return value.dump(-1, ' ', false, Json::error_handler_t::replace);  // names may be no UTF-8
-}
-
-std::string with_dashes(std::string name) {
-    std::replace(name.begin(), name.end(), '_', '-');
-    return name;
-}
-
-FitOption option(const char* name, uint32_t uses, const char* help) {
-    FitOption o;
-    o.name = name;
-    o.flag = "--" + with_dashes(name);
-    o.help = help;
-    o.uses = uses;
-    return o;
-}
-
-// Members are named by functions, so that those of members can be, too.
-
-/// One of several names. `what` is what messages call it.
-template <class Choice, class Member>
-FitOption choice(const char* name, uint32_t uses, Member member, std::vector<std::pair<std::string, Choice>> choices,
-                 const char* help, const char* what = nullptr) {
-    FitOption o = option(name, uses, help);
-    std::vector<std::string> names;
-    for (const auto& c : choices) names.push_back(c.first);
-    o.type = "NAME";
-    o.values = fmt::format("{}", fmt::join(names, ", "));
-    o.read = [member, choices, what = std::string(what ? what : name)](FitRequest& r, const std::string& text) {
-        member(r) = choose(what, text, choices);
-    };
-    o.text = [member, choices](const FitRequest& r) {
-        const auto found = std::ranges::find(choices, member(r), &std::pair<std::string, Choice>::second);
-        return found->first;
-    };
-    o.json = [text = o.text](const FitRequest& r) { return dumped(text(r)); };
-    return o;
-}
-
-template <class Member, class Number>
-FitOption number(const char* name, uint32_t uses, Member member, const Range<Number>& range, const char* help,
-                 const char* flag = nullptr) {
-    FitOption o = option(name, uses, help);
-    if (flag) o.flag = flag;
-    const std::string plain = o.flag.substr(2);
-    o.type = std::is_integral_v<Number> ? "INT" : "FLOAT";
-    o.values = advice(range).substr(std::string("choose ").size());
-    o.read = [member, range, plain](FitRequest& r, const std::string& text) {
-        using T = std::remove_cvref_t<decltype(member(r))>;
-        member(r) = static_cast<T>(parse_number(plain, text, range));
-    };
-    o.text = [member](const FitRequest& r) { return fmt::format("{}", member(r)); };
-    o.json = [member](const FitRequest& r) { return dumped(member(r)); };
-    o.check = [member, range, plain](const FitRequest& r) { require(plain, Number(member(r)), range); };
-    return o;
-}
-
-/// Any text; `valid` may throw UserError.
-template <class Member>
-FitOption text(const char* name, uint32_t uses, Member member, const char* values, std::string help,
-               void (*valid)(const std::string&) = nullptr) {
-    FitOption o = option(name, uses, "");
-    o.help = std::move(help);
-    o.values = values;
-    o.read = [member, valid](FitRequest& r, const std::string& value) {
-        if (valid) valid(value);
-        member(r) = value;
-    };
-    if (valid) o.check = [member, valid](const FitRequest& r) { valid(member(r)); };
-    o.text = [member](const FitRequest& r) { return member(r); };
-    o.json = [member](const FitRequest& r) { return dumped(member(r)); };
-    return o;
-}
-
-FitOption flag(const char* name, uint32_t uses, bool FitRequest::*member, const char* flag, const char* help) {
-    FitOption o = option(name, uses, help);
-    o.flag = flag;
-    o.values = "true, false";
-    o.flag_value = member;
-    o.read = [member, plain = std::string(name)](FitRequest& r, const std::string& text) {
-        r.*member = choose<bool>(plain, text, {{"true", true}, {"false", false}});
-    };
-    o.text = [member](const FitRequest& r) { return r.*member ? "true" : "false"; };
-    o.json = o.text;
-    return o;
-}
+using rows::by_data, rows::choice, rows::dumped, rows::flag, rows::number, rows::option, rows::text;
 
 /// For a table whose entries have a name: throws UserError if none has this one.
 void check_name(const char* what, const std::string& name, const auto& table) {
@@ -161,12 +72,6 @@ FitOption memory_option() {
     o.read = [](FitRequest& r, const std::string& text) { r.memory = text == "any" ? 0 : parse_bytes("memory", text); };
     o.text = [](const FitRequest& r) { return r.memory ? bytes_text(r.memory) : "any"; };
     o.json = [text = o.text](const FitRequest& r) { return dumped(text(r)); };
-    return o;
-}
-
-/// An option whose default a command line takes from the dataset (app/settle.h), as its help says.
-FitOption by_data(FitOption o) {
-    o.hide_default = true;
     return o;
 }
 
@@ -240,6 +145,15 @@ FitOption records_option() {
 
 #define OF(member) \
     [](auto& r) -> auto& { return r.member; }
+
+/// Rows of options that the family has alone, or that one before it has as well.
+void add_own(const Family& family, std::vector<FitOption>& all) {
+    for (FitOption& o : family.options()) {
+        auto row = std::ranges::find(all, o.name, &FitOption::name);
+        if (row == all.end()) row = all.insert(row, std::move(o));
+        row->families.push_back(&family);
+    }
+}
 
 std::vector<FitOption> make_fit_options() {
     std::vector<FitOption> all;
@@ -318,15 +232,7 @@ std::vector<FitOption> make_fit_options() {
          by_data(number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight,
                         "smoothness of view maps; default: 0.1, in paper mode and configs 0.001")),
          mu_option()});
-    add("View bases and spherical Gaussians",
-        {number("rank", use::view_basis, OF(view_basis.rank), limits::rank,
-                "functions of the view direction: three times as many numbers per texel"),
-         number("noise", use::view_basis | use::lobes, OF(view_basis.noise), limits::noise_variance,
-                "variance of a residual, white being 1: how far samples count against what is known of the surface"),
-         number("blocks", use::view_basis, OF(view_basis.blocks), limits::blocks,
-                "about so many parts of the surface have a basis of their own"),
-         number("lobes", use::lobes, OF(lobes), limits::lobes,
-                "spherical Gaussians of a texel: six numbers each, besides three of the diffuse colour")});
+    for (const Family* family : families()) add_own(*family, all);
     add("Samples",
         {number(
              "clip_above", use::selection, OF(clip_above), limits::share,
@@ -432,10 +338,16 @@ std::function<bool(const char*)> given_by(const FitSetting& setting) {
 
 bool takes_given(const std::function<bool(const char*)>& given, const FitRequest& request) {
     if (family_of(request).uses(find_solver(request.solver)) == 0) return false;
+    const Family& family = family_of(request);
     const uint32_t uses = uses_of(request);
     return std::ranges::all_of(fit_options(), [&](const FitOption& o) {
-        return o.uses == 0 || o.uses & uses || !given(o.first_flag().c_str());
+        return o.means_something(family, uses) || !given(o.first_flag().c_str());
     });
+}
+
+bool FitOption::means_something(const Family& family, uint32_t does) const {
+    if (!families.empty() && std::ranges::find(families, &family) == families.end()) return false;
+    return uses == 0 || uses & does;
 }
 
 namespace {
@@ -484,7 +396,7 @@ void reject_idle_options(const FitRequest& request, bool grid) {
     plain.mode = request.mode;  // mu's default depends on it
     for (const FitOption& o : fit_options()) {
         const FitRequest defaults = o.name == "mode" ? FitRequest() : plain;
-        if (o.uses == 0 || o.uses & uses || o.json(request) == o.json(defaults)) continue;
+        if (o.means_something(family_of(request), uses) || o.json(request) == o.json(defaults)) continue;
         std::string what = "solver " + request.solver;
         if (uses & use::optimizer && request.optimizer && o.uses & (use::history | use::learning_rate | use::change))
             what = "optimizer " + request.text("optimizer");

@@ -8,8 +8,11 @@
 #include "app/fit_request.h"
 
 /// The options of a fit: one table. From it come the command line of fit and plan, fit.json, options in experiments'
-/// configs, the refusal of options that mean nothing to a fit, and docs/options.md.
+/// configs, the refusal of options that mean nothing to a fit, and docs/options.md. A family's own rows come from the
+/// family (app/family.h).
 namespace radiafit {
+
+struct Family;
 
 /// What a fit does, as far as options are about it: bits, of which solvers and engines state theirs.
 namespace use {
@@ -38,10 +41,8 @@ enum : uint32_t {
     learning_rate = 1u << 21,
     loss = 1u << 22,
     weights = 1u << 23,
-    view_basis = 1u << 28,
-    lobes = 1u << 29,
-    prior = 1u << 30,            ///< of texels, by the surface's others: of Levenberg-Marquardt
-    surface_lookup = 1u << 31,   ///< shows texels of a mesh, so that they may be interpolated
+    prior = 1u << 28,            ///< of texels, by the surface's others: of Levenberg-Marquardt
+    surface_lookup = 1u << 29,   ///< shows texels of a mesh, so that they may be interpolated
     own_sides = 1u << 25,        ///< triangles' surface maps may differ in side
     accumulation = 1u << 26,     ///< compute shaders over light field maps: where samples and sums come from
     images = 1u << 27,           ///< of these, distributed in every sweep
@@ -54,9 +55,10 @@ struct FitOption {
     std::string flag;   ///< on the command line: "--surface-side"; "--deflate,!--joint" of a switch
     std::string group;  ///< under which --help and docs/options.md list it
     std::string help;
-    std::string values;         ///< "paper, modern", "a whole number from 1 to 16", "a folder"
-    std::string type = "TEXT";  ///< in --help
-    uint32_t uses = 0;          ///< means something to fits that do one of these; 0: to every fit
+    std::string values;                   ///< "paper, modern", "a whole number from 1 to 16", "a folder"
+    std::string type = "TEXT";            ///< in --help
+    uint32_t uses = 0;                    ///< means something to fits that do one of these; 0: to every fit
+    std::vector<const Family*> families;  ///< that have it alone; none: it is no family's own
     bool hide_default = false;
     bool FitRequest::*flag_value = nullptr;  ///< of a switch
     /// Throws UserError.
@@ -66,6 +68,8 @@ struct FitOption {
     std::function<void(const FitRequest& request)> check;        ///< of a number's range; throws UserError
 
     std::string first_flag() const { return flag.substr(0, flag.find(',')); }  ///< "--deflate"
+    /// To a fit of the family that does what these bits of `use` say.
+    bool means_something(const Family& family, uint32_t does) const;
 };
 std::span<const FitOption> fit_options();
 /// Throws UserError, telling the nearest name.
@@ -73,7 +77,7 @@ const FitOption& find_fit_option(const std::string& name);
 
 /// Options by their names in the table, with values as FitRequest::set() takes them.
 using FitSetting = std::vector<std::pair<std::string, std::string>>;
-/// As the command line has them: "--model viewbasis --rank 28".
+/// As the command line has them: "--model lfm --terms 3".
 std::string command_line_of(const FitSetting& setting);
 /// The other way. Throws UserError for options that there are not, and for one without its value.
 FitSetting parse_setting(const std::string& command_line);

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <string>
 
+#include "app/own_options.h"
 #include "compute/compute_options.h"
 #include "cpu/vertex_solver.h"
 #include "fragment/fragment_engine.h"
@@ -12,8 +13,6 @@
 #include "optim/optimizer.h"
 #include "reference/ceres_solver.h"
 #include "samples/disk_records.h"
-#include "sg/solve_sg.h"
-#include "viewbasis/learn_view_basis.h"
 
 namespace radiafit {
 
@@ -45,8 +44,6 @@ struct FitRequest {
     ContextOptions context;
     LfmOptions model;  ///< its surface_side is any model's; its mode and mu are those below
     SurfaceLookup surface = SurfaceLookup::nearest;
-    ViewBasisOptions view_basis;
-    int lobes = SgOptions().lobes;
     double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
     PriorKind prior = PriorKind::none;
@@ -62,6 +59,7 @@ struct FitRequest {
     uint64_t sort_memory = uint64_t(1) << 30;  ///< bytes
     std::string records;                       ///< empty: they go again
     int refills = 0;
+    OwnOptions of_families;  ///< see own()
 
     std::filesystem::path scratch;  ///< where records go that don't stay; empty: the folder for such files
     bool cold = false;              ///< records leave the page cache between the steps
@@ -69,6 +67,16 @@ struct FitRequest {
     int left_out = 0;               ///< of OptimizerOptions; model.mends are others
     float first_step = 1;           ///< likewise
     bool cull = true;               ///< of FragmentOptions
+
+    /// A family's own options, by the type of their struct.
+    template <class Block>
+    const Block& own() const {
+        return of_families.get<Block>();
+    }
+    template <class Block>
+    Block& own() {
+        return of_families.get<Block>();
+    }
 
     /// The option by its name in the table. Throws UserError for a value that it does not take.
     FitRequest& set(const std::string& option, const std::string& value);

@@ -2,26 +2,53 @@
 #include <fmt/format.h>
 
 #include "app/family.h"
-#include "app/fit_options.h"
-#include "app/parts.h"
+#include "app/option_rows.h"
+#include "app/part_result.h"
+#include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/wording.h"
 #include "samples/interpolated_samples.h"
 
-/// What the families of colours by view direction, texel by texel, have in common: `Fit` is a FitRecord with
-/// surface_side and parameters in a TriangleAtlas, with write_fit() and contestant_of(); `Words` says describe(fit,
-/// atlas), and what it calls itself where it has no problems to export.
+/// What the families of colours by view direction, texel by texel, have in common. `Model` says what is special to one:
+///
+///     using Fit = ...;                 // a FitRecord with surface_side and parameters in a TriangleAtlas, with
+///                                      // write_fit() and contestant_of()
+///     static constexpr const char* have;   // "a view basis has"
+///     static std::string describe(const Fit&, const TriangleAtlas&);
+///     static size_t numbers(const FitRequest&);  // of a texel
+///
+///     /// Fills what all texels have in common, and tells of it in `out`. It may look at samples of those texels alone
+///     /// that looked_at() names, which is empty where it looks at none.
+///     static std::vector<bool> looked_at(const TriangleAtlas&, const FitRequest&);
+///     static void begin(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&,
+///                       FinishedFit& out);
+///     /// Of a fit as begin() left it, the problems and the parameters, texel by texel.
+///     static void solve(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&);
+///
+///     /// What parts keep besides (PartResult::own); put together, part after part, into the whole's fit; and what is
+///     /// left to do when all are there. take() may throw std::exception for a part of another fit.
+///     static void keep(const Fit& part, PartResult& out);
+///     static void take(const PartResult& part, Fit& whole);
+///     static void complete(const TriangleAtlas&, Fit& whole);
+///
+///     /// Of parts: bytes of what all have in common, and what is held while begin() finds it; none where it looks at
+///     no
+///     /// samples.
+///     static uint64_t common_bytes(const FitRequest&);
+///     static std::vector<PlanRow> plan_begin(const Dataset&, const TriangleAtlas&, const FitRequest&, size_t
+///     most_views);
 namespace radiafit {
 
-template <class Words>
+template <class Model>
 [[noreturn]] void refuse_export() {
-    throw UserError(fmt::format("{} no problems to export; choose lfm or a texel-local model", Words::have));
+    throw UserError(fmt::format("{} no problems to export; choose lfm or a texel-local model", Model::have));
 }
 
-template <class Fit, class Words>
+template <class Model>
 class FittedByView : public Fitted {
 public:
+    using Fit = typename Model::Fit;
     FittedByView(Fit fit, std::unique_ptr<TriangleAtlas> atlas, const Dataset& dataset)
         : fit_(std::move(fit)), atlas_(std::move(atlas)), dataset_(&dataset) {}
     /// Stored: fit, atlas and dataset, as they were read.
@@ -34,7 +61,7 @@ public:
 
     FitRecord& record() override { return fit_; }
     const Dataset& dataset() override { return *dataset_; }
-    std::string description() const override { return Words::describe(fit_, *atlas_); }
+    std::string description() const override { return Model::describe(fit_, *atlas_); }
     Contestant contestant() override { return contestant_of(fit_, *atlas_); }
     std::unique_ptr<Fitted> baseline() override {
         LfmOptions sides;
@@ -46,7 +73,7 @@ public:
                const std::function<void(const std::filesystem::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }
-    void export_parameters(ProblemFolder&) override { refuse_export<Words>(); }
+    void export_parameters(ProblemFolder&) override { refuse_export<Model>(); }
 
 private:
     Fit fit_;
@@ -55,33 +82,50 @@ private:
     const Dataset* dataset_;
 };
 
-/// solve(atlas, samples, fit, out) fills the fit's problems and parameters, and what `out` tells of them.
-template <class Fit, class Words, class Solve>
-FinishedFit fit_by_view(const Dataset& dataset, const FitRequest& request, const Solve& solve) {
+/// Of the whole surface, or of a part with the whole's normals.
+std::unique_ptr<TriangleAtlas> by_view_atlas(const Dataset& dataset, const FitRequest& request);
+
+template <class Model>
+FinishedFit fit_by_view(const Dataset& dataset, const FitRequest& request) {
     request.check();
     require_light_field(dataset);
     const Stopwatch clock;
     FinishedFit out;
-    Fit fit;
+    typename Model::Fit fit;
     fit.surface_side = request.model.surface_side;
-    auto atlas = std::make_unique<TriangleAtlas>(dataset.mesh, fit.surface_side);
+    auto atlas = by_view_atlas(dataset, request);
     const SampleList samples = interpolated_samples(dataset, *atlas, fitted_views(dataset, request), request.space);
     require_seen(!samples.samples.empty(), dataset, request);
     out.run.times.distribution = clock.wall_s();
     const Stopwatch solving;
-    solve(*atlas, samples, fit, out);
+    Model::begin(dataset, *atlas, samples, request, fit, out);
+    Model::solve(dataset, *atlas, samples, request, fit);
     out.run.times.optimization = solving.wall_s();
     describe_request(request, fit);
     set_dataset(fit, dataset);
     out.run.times.total = clock.wall_s();
-    out.fit = std::make_unique<FittedByView<Fit, Words>>(std::move(fit), std::move(atlas), dataset);
+    out.fit = std::make_unique<FittedByView<Model>>(std::move(fit), std::move(atlas), dataset);
     return out;
 }
 
+/// Options that these families have in common.
+struct ByViewOptions {
+    double noise = 6e-4;  ///< variance of a residual, in units of white
+};
+inline constexpr const char* by_view_group = "View bases and spherical Gaussians";
+FitOption noise_option();
+/// The rows, in their group.
+std::vector<FitOption> by_view_options(std::vector<FitOption> rows);
+
 /// Each texel stands alone: finer ones show more. Between them colours go on.
-inline void settle_by_view(const std::function<bool(const char*)>& given, const Dataset&, FitRequest& request) {
-    if (!given("--surface-side")) request.model.surface_side = 12;
-    if (!given("--surface")) request.surface = SurfaceLookup::linear;
-}
+void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& request);
+/// What a search tries of them.
+Ladder noise_ladder();
+Ladder side_ladder();
+/// Of n numbers per texel.
+Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n);
+/// While so many of the atlas's texels are looked at alone: their samples, and what finds them.
+void add_samples_of_some(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
+                         size_t most_views, uint64_t texels, std::vector<PlanRow>& rows);
 
 }  // namespace radiafit

@@ -33,16 +33,19 @@ bool small(const Dataset& dataset, const FitRequest& request) {
     return total_bytes(plan(dataset, request, views_to_count_samples_on).memory) <= available_memory() / 2;
 }
 
-/// A small view basis: mean colours would take an image that looks into the gloss for one that was exposed longer.
-FitRequest fit_for_gains() {
-    FitRequest request;
-    request.set("model", "viewbasis").set("rank", "6").set("surface_side", "4").set("validation", "8");
-    return request;
+/// The first family's that has one.
+std::optional<FitRequest> quick_fit() {
+    for (const Family* family : families()) {
+        if (family->quick().empty()) continue;
+        FitRequest request;
+        for (const auto& [option, value] : family->quick()) request.set(option, value);
+        return request.set("validation", "8");
+    }
+    return {};
 }
 
 /// Of every eighth training photograph, as stored, predicted with its gain by a fit of the others.
-double error_left_out(const Dataset& dataset) {
-    const FitRequest request = fit_for_gains();
+double error_left_out(const Dataset& dataset, const FitRequest& request) {
     const FinishedFit done = family_of(request).fit(dataset, request);
     Dataset left_out = dataset;
     left_out.views.clear();
@@ -80,13 +83,14 @@ std::optional<GainBenefit> gain_benefit(const Dataset& dataset) {
     };
     constexpr size_t least_images = 16;  // two are left out
     if (dataset.light_moves() || dataset.split(false).size() < least_images) return {};
-    if (!any([](const Gain& gain) { return gain != 1; }) || !small(dataset, fit_for_gains())) return {};
+    const auto request = quick_fit();
+    if (!request || !any([](const Gain& gain) { return gain != 1; }) || !small(dataset, *request)) return {};
     try {
-        const double without = error_left_out(with_gains(dataset, [](const Gain&) { return Gain(); }));
+        const double without = error_left_out(with_gains(dataset, [](const Gain&) { return Gain(); }), *request);
         GainBenefit benefit;
-        benefit.lowered = 1 - error_left_out(dataset) / without;
+        benefit.lowered = 1 - error_left_out(dataset, *request) / without;
         if (any([](const Gain& gain) { return !gain.uniform(); }))
-            benefit.lowered_by_one_for_all = 1 - error_left_out(with_gains(dataset, one_for_all)) / without;
+            benefit.lowered_by_one_for_all = 1 - error_left_out(with_gains(dataset, one_for_all), *request) / without;
         return benefit;
     } catch (const UserError&) {
         return {};

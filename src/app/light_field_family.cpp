@@ -104,7 +104,7 @@ FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
 
 /// What does well on captures and synthetic objects alike, beyond the paper's: few photographs show a vertex, and view
 /// maps want to be smoother than surface maps.
-void settle(const std::function<bool(const char*)>& given, const Dataset&, FitRequest& request) {
+void settle(const Given& given, const Dataset&, FitRequest& request) {
     if (request.texels_per_pixel > 0 && given("--surface-side"))
         throw UserError("--texels-per-pixel chooses surface maps' sides; leave out --surface-side");
     if (request.mode == Mode::paper || !(uses_of(request) & use::smoothness)) return;
@@ -113,6 +113,24 @@ void settle(const std::function<bool(const char*)>& given, const Dataset&, FitRe
     // A pixel is a sample of what it covers, a texel's centre of every image alike: its share of pixels is the cosine.
     if (request.surface == SurfaceLookup::linear && uses_of(request) & use::weights && !given("--weights"))
         request.model.loss.weights = SampleWeights::facing;
+}
+
+std::optional<Chosen> choose(const Given&, const Dataset& dataset) {
+    if (dataset.light_moves()) return {};
+    return Chosen{{{"model", lfm_name}}, nullptr};
+}
+
+std::vector<TuneCandidate> candidates(const Dataset& dataset) {
+    if (dataset.light_moves()) return {};
+    const FitSetting start = {{"model", lfm_name}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}};
+    FitSetting robust = start;
+    robust.emplace_back("loss", "huber");
+    std::vector<Ladder> ladders = {{"terms", {"1", "2", "3", "4", "6"}},
+                                   {"lambda_surface", {"1e-4", "3e-4", "1e-3", "3e-3", "1e-2"}},
+                                   {"lambda_view", {"0.01", "0.03", "0.1", "0.3", "1"}},
+                                   {"surface", {"nearest", "linear"}}};
+    for (Ladder& ladder : loss_ladders()) ladders.push_back(std::move(ladder));
+    return {{{start, robust}, std::move(ladders)}};
 }
 
 }  // namespace
@@ -153,7 +171,9 @@ const Family light_field_maps = {
     .has_error_bars = true,
     .uses = [](const Solver& solver) { return solver.uses; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
+    .choose = choose,
     .settle = settle,
+    .candidates = candidates,
     .plan = plan_light_field,
     .fit = fit_light_field,
     .divide = divide_light_field,

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* format = "radiafit-part";
-constexpr int version = 1;
+constexpr int version = 2;
 
 // The file: bytes of the description, the description as JSON, filled up with blanks to a multiple of eight, the arrays
 // one after another, and the checksum of all that.
@@ -36,6 +36,7 @@ void for_arrays(Result& result, const Each& each) {
     each("iterations", result.iterations);
     each("samples", result.samples);
     each("error", result.error);
+    each("own", result.own);
 }
 
 template <class T>
@@ -70,6 +71,7 @@ void write_part_result(const fs::path& file, const std::string& key, const PartR
     for_arrays(result, [&](const char* name, const auto& values) { description[name] = values.size(); });
     description["terms"] = result.terms;
     description["view_side"] = result.view_side;
+    description["own_json"] = result.own_json;
     description["run"] = Json::parse(result.run_json);
     std::string text = description.dump();
     text.resize((text.size() + 7) / 8 * 8, ' ');
@@ -111,6 +113,7 @@ PartResult read_part_result(const fs::path& file, const std::string& key) {
         });
         result.terms = description.at("terms");
         result.view_side = description.at("view_side");
+        result.own_json = description.at("own_json");
         result.run_json = description.at("run").dump();
     } catch (const Json::exception&) {
         throw_damaged(file);

@@ -17,6 +17,8 @@ struct PartResult {
     std::vector<Status> status;
     std::vector<uint32_t> iterations, samples;
     std::vector<float> error;
+    std::vector<float> own;        ///< what its family keeps of a part besides
+    std::string own_json = "{}";   ///< likewise
     int terms = 0, view_side = 0;  ///< of a light field map: a solver may fit a smaller one than it was asked for
     std::string run_json;          ///< of the part's solver: run_to_json()
 };

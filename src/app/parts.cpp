@@ -186,30 +186,39 @@ std::vector<std::vector<uint32_t>> parts_of(const Divided& whole, const Shard& s
     return out;
 }
 
-size_t count_parts(const Divided& whole, const Shard& shard, const FitRequest& request, Needs& needs) {
+uint64_t Divided::learning_bytes(size_t) const { return 0; }
+
+PartNeeds count_parts(const Divided& whole, const Shard& shard, const FitRequest& request) {
     constexpr size_t looked_at = 6;
+    PartNeeds needs;
+    const auto require_memory = [&](uint64_t bytes, const std::string& what) {
+        if (request.memory > 0 && bytes > request.memory)
+            throw UserError(fmt::format("{} are too little {}; give {} more", readable_bytes(request.memory), what,
+                                        option_name("memory")));
+    };
     const uint64_t merging = shard.count == 1 ? with_program(whole.merge_bytes(size_t(-1))) : 0;
-    if (request.memory > 0 && merging > request.memory)
-        throw UserError(fmt::format("{} are too little to put the fit together, which takes {}; give {} more",
-                                    readable_bytes(request.memory), readable_bytes(merging), option_name("memory")));
-    for (size_t count = 1;;) {
-        const auto parts = parts_of(whole, shard, count);
-        uint64_t most = 0;
+    require_memory(merging, fmt::format("to put the fit together, which takes {}", readable_bytes(merging)));
+    if (const uint64_t learning = whole.learning_bytes(views_to_count_samples_on))
+        needs.learning = with_program(learning + whole.held_bytes());
+    require_memory(needs.learning, fmt::format("to learn what all of the surface has in common, which takes {}",
+                                               readable_bytes(needs.learning)));
+    for (;;) {
+        const auto parts = parts_of(whole, shard, needs.parts);
+        needs.part = 0;
         for (size_t k = 0; k < parts.size(); k += std::max<size_t>(1, parts.size() / looked_at)) {
             const Part part = whole.cut(parts[k]);
             const Plan planned = plan(part.dataset, part.request, views_to_count_samples_on);
-            most = std::max(most, with_program(total_bytes(planned.memory) + whole.held_bytes()));
-            needs.disk = std::max(needs.disk, 2 * count * total_bytes(planned.disk));
+            needs.part = std::max(needs.part, with_program(total_bytes(planned.memory) + whole.held_bytes()));
+            needs.disk = std::max(needs.disk, 2 * needs.parts * total_bytes(planned.disk));
         }
-        if (shard.count == 1) most = std::max(most, with_program(whole.merge_bytes(count)));
-        needs.memory = most;
-        if (request.memory == 0 || most <= request.memory) return count;
-        if (parts.size() < count || 16 * count > whole.places().size())
-            throw UserError(fmt::format("{} are too little even for {} parts, which take {}; give {} more",
-                                        readable_bytes(request.memory), count, readable_bytes(most),
-                                        option_name("memory")));
-        const double over = double(most) / double(request.memory);
-        count = std::max(count + 1, size_t(double(count) * std::min(over, 4.0)));
+        if (shard.count == 1) needs.merging = with_program(whole.merge_bytes(needs.parts));
+        needs.memory = std::max({needs.learning, needs.part, needs.merging});
+        if (request.memory == 0 || needs.memory <= request.memory) return needs;
+        if (parts.size() < needs.parts || 16 * needs.parts > whole.places().size())
+            require_memory(needs.memory,
+                           fmt::format("even for {} parts, which take {}", needs.parts, readable_bytes(needs.memory)));
+        const double over = double(needs.memory) / double(request.memory);
+        needs.parts = std::max(needs.parts + 1, size_t(double(needs.parts) * std::min(over, 4.0)));
     }
 }
 
@@ -228,8 +237,8 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
     if (size_t(shard.count) > whole->places().size())
         throw UserError(fmt::format("shard {}/{}: {} has {} places to cut at; choose fewer shards", shard.index,
                                     shard.count, dataset.folder.string(), whole->places().size()));
-    Needs needs;
-    const auto parts = parts_of(*whole, shard, count_parts(*whole, shard, request, needs));
+    const PartNeeds needs = count_parts(*whole, shard, request);
+    const auto parts = parts_of(*whole, shard, needs.parts);
     announce_needs(name_of(shard), needs, folder, force);
     fs::create_directories(folder);
     const std::vector<std::string> files = solve_parts(*whole, parts, key, folder);

@@ -30,9 +30,13 @@ public:
     virtual std::span<const uint64_t> weights() const = 0;
     /// The part of these places, ascending.
     virtual Part cut(std::span<const uint32_t> places) const = 0;
+    /// What all parts have in common is learned from the whole before the first.
     virtual PartResult solve(const Part& part) const = 0;
-    /// Bytes that are held beside a part: the whole surface, and what it takes to cut it.
+    /// Bytes that are held beside a part: the whole surface, what it takes to cut it, and what parts have in common.
     virtual uint64_t held_bytes() const = 0;
+    /// Bytes that learning that takes besides, samples counted on `most_views` views; 0 where there is nothing to
+    /// learn.
+    virtual uint64_t learning_bytes(size_t most_views) const;
     /// Likewise while the whole fit is put together and written, results of `parts` parts one at a time.
     virtual uint64_t merge_bytes(size_t parts) const = 0;
 
@@ -83,8 +87,13 @@ FinishedFit merge_shards(const Dataset& dataset, const FitRequest& request,
 
 /// The parts of a shard.
 std::vector<std::vector<uint32_t>> parts_of(const Divided& whole, const Shard& shard, size_t parts);
-/// The fewest parts that are each within request.memory by their plans, and what they need: of memory the largest, of
-/// disk all of them and the fit. Throws UserError if no number of parts is.
-size_t count_parts(const Divided& whole, const Shard& shard, const FitRequest& request, Needs& needs);
+/// What a number of parts needs: of memory the most at a time, of disk all of them and the fit.
+struct PartNeeds : Needs {
+    size_t parts = 1;
+    uint64_t learning = 0, part = 0,
+             merging = 0;  ///< memory by stage, each with the program; 0: there is no such stage
+};
+/// The fewest parts that keep within request.memory by their plans. Throws UserError if no number of parts does.
+PartNeeds count_parts(const Divided& whole, const Shard& shard, const FitRequest& request);
 
 }  // namespace radiafit

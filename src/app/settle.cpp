@@ -9,17 +9,9 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "geometry/raster.h"
-#include "sg/sg_fit.h"
-#include "viewbasis/view_basis_fit.h"
 
 namespace radiafit {
 namespace {
-
-using Given = std::function<bool(const char*)>;
-
-// Measured on captures with some of their images left out (datasets/captures.md).
-constexpr double least_images_of_ptm = 16, least_images_of_lafortune = 4;
-constexpr const char *clip_above = "0.98", *shadow_below = "0.1";
 
 /// The camera at a size at which drawing the mesh costs little.
 Camera small_camera(Camera camera) {
@@ -61,52 +53,22 @@ bool sees(const Camera& camera, const Rasterizer& raster, const Place& place, do
 }
 
 /// The request with a model of this name.
-FitRequest of_model(FitRequest request, const char* name) {
+FitRequest of_model(FitRequest request, const std::string& name) {
     request.model_name = name;
     return request;
 }
 
-struct Chosen {
-    FitSetting setting;  ///< the model first
-    std::string why;     ///< by the data; empty: the options that are given leave no choice
-};
-
-Chosen under_light_that_stays(const Given& given, bool in_parts, const Dataset& dataset, const FitRequest& request) {
-    const auto chosen = [](const char* model, std::string why) { return Chosen{{{"model", model}}, std::move(why)}; };
-    if (in_parts) return chosen(lfm_name, "");
-    if (!given("--solver") && takes_given(given, of_model(request, view_basis_name)))
-        return chosen(view_basis_name, fmt::format("light that stays, a median of {:.3g} training views per texel",
-                                                   views_per_texel(dataset)));
-    const bool gaussians =
-        !takes_given(given, of_model(request, lfm_name)) && takes_given(given, of_model(request, sg_name));
-    return chosen(gaussians ? sg_name : lfm_name, "");
-}
-
-/// No more is known of the surface than its plane.
-bool flat(const Grid& grid) {
-    const Vec3f plane = grid.normal().cast<float>();
-    return std::ranges::all_of(grid.texel_normals,
-                               [&](const Vec3f& n) { return n.isZero() || n.dot(plane) > 1 - 1e-6f; });
-}
-
-bool one_direction(const Dataset& dataset) {
-    const auto& first = dataset.views.front().camera_direction;
-    return first && std::ranges::all_of(dataset.views, [&](const View& view) {
-               return view.camera_direction && view.camera_direction->dot(*first) > 1 - 1e-9;
-           });
-}
-
-Chosen under_lamps(const Dataset& dataset) {
-    const double images = views_per_texel(dataset);
-    const std::string seen = fmt::format("a median of {:.3g} training images per texel", images);
-    FitSetting setting = {{"model", ""}, {"clip_above", clip_above}, {"shadow_below", shadow_below}};
-    const auto chosen = [&](const char* model, const std::string& why) {
-        setting.front().second = model;
-        return Chosen{setting, "lamps that move, " + why};
-    };
-    if (dataset.has_grid() && flat(dataset.grid) && one_direction(dataset) && images >= least_images_of_ptm)
-        return chosen("ptm", fmt::format("no normals but the plane's, {}", seen));
-    return chosen(images >= least_images_of_lafortune ? "lafortune" : "lambert", seen);
+/// Of the models that suit the dataset the first that takes what is given; else the one that is fitted by default, so
+/// that errors are about it, or the only one.
+std::optional<Chosen> chosen_model(const Given& given, const Dataset& dataset, const FitRequest& request) {
+    std::optional<Chosen> otherwise;
+    for (const Family* family : families()) {
+        std::optional<Chosen> chosen = family->choose(given, dataset);
+        if (!chosen) continue;
+        if (takes_given(given, of_model(request, chosen->setting.front().second))) return chosen;
+        if (!otherwise || family->owns(FitRequest().model_name)) otherwise = std::move(chosen);
+    }
+    return otherwise;
 }
 
 }  // namespace
@@ -142,15 +104,13 @@ FitRequest settled_request(const FitSetting& setting, const Dataset& dataset) {
 
 std::string settle(const Given& given, bool in_parts, const Dataset& dataset, FitRequest& request) {
     std::string line;
-    if (!given("--model")) {
-        Chosen chosen =
-            dataset.light_moves() ? under_lamps(dataset) : under_light_that_stays(given, in_parts, dataset, request);
-        std::erase_if(chosen.setting,
+    if (auto chosen = given("--model") ? std::nullopt : chosen_model(given, dataset, request)) {
+        std::erase_if(chosen->setting,
                       [&](const auto& option) { return given(find_fit_option(option.first).flag.c_str()); });
-        for (const auto& [option, value] : chosen.setting) request.set(option, value);
-        if (!chosen.why.empty())
+        for (const auto& [option, value] : chosen->setting) request.set(option, value);
+        if (chosen->why)
             line = fmt::format("chosen by the data: {} ({}); --model and tune choose otherwise",
-                               command_line_of(chosen.setting), chosen.why);
+                               command_line_of(chosen->setting), chosen->why());
     }
     family_of(request).settle(given, dataset, request);
     if (in_parts && !given("--prior")) request.prior = PriorKind::none;  // it is of the whole surface

@@ -16,17 +16,9 @@ double views_per_texel(const Dataset& dataset);
 /// open. Throws UserError.
 FitRequest settled_request(const FitSetting& setting, const Dataset& dataset);
 
-/// Chooses the model where none is given, then has its family choose the rest (Family::settle), and checks the request.
-/// given: whether the user gave an option, such as "--terms". in_parts: the fit has to go in parts, which only some
-/// families do. Throws UserError.
-///
-/// Light that stays: view bases, unless a solver is given, or an option that means nothing to them but something to
-/// light field maps, or to spherical Gaussians. Lamps that move, by what is known of the surface and by how many images
-/// show it:
-///     normals of the plane, all seen from one direction, 16 images or more: ptm, whose six coefficients need no normal
-///     4 images or more: lafortune
-///     fewer: lambert
-/// all without saturated pixels and cast shadows (--clip-above 0.98 --shadow-below 0.1), as far as these are not given.
+/// Chooses the model where none is given (Family::choose), then has its family choose the rest (Family::settle), and
+/// checks the request. given: whether the user gave an option, such as "--terms". in_parts: the fit has to go in parts,
+/// which takes no prior of the whole surface. Throws UserError.
 ///
 /// Returns what was chosen and why, for people; empty where options that are given left no choice.
 std::string settle(const std::function<bool(const char*)>& given, bool in_parts, const Dataset& dataset,

@@ -1,35 +1,72 @@
 #include <fmt/format.h>
 
-#include "app/fitted_by_view.h"
+#include <nlohmann/json.hpp>
+
+#include "app/by_view_parts.h"
 #include "sg/sg_fit.h"
+#include "viewbasis/texel_views.h"
 
 namespace radiafit {
 namespace {
 
-struct SgWords {
+SgOptions options_of(const FitRequest& request) {
+    SgOptions options = request.own<SgOptions>();
+    options.noise = request.own<ByViewOptions>().noise;
+    options.iterations = request.iterations;
+    return options;
+}
+
+struct SgModel {
+    using Fit = SgFit;
     static constexpr const char* have = "spherical Gaussians have";
-    static std::string describe(const SgFit& fit, const TriangleAtlas& atlas) {
+    static std::string describe(const Fit& fit, const TriangleAtlas& atlas) {
         return fmt::format("diffuse colour and {} spherical Gaussian{}, {} numbers in each of {} texels", fit.lobes,
                            fit.lobes == 1 ? "" : "s", sg_parameters(fit.lobes), atlas.used_texels());
     }
-};
+    static size_t numbers(const FitRequest& request) { return size_t(sg_parameters(options_of(request).lobes)); }
 
-FinishedFit fit_sg(const Dataset& dataset, const FitRequest& request) {
-    const auto solve = [&](const TriangleAtlas& atlas, const SampleList& samples, SgFit& fit, FinishedFit& out) {
-        fit.lobes = request.lobes;
+    static std::vector<bool> looked_at(const TriangleAtlas&, const FitRequest&) { return {}; }
+    static void begin(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList&, const FitRequest& request,
+                      Fit& fit, FinishedFit& out) {
+        fit.lobes = options_of(request).lobes;
         fit.up = mean_up(dataset);
-        SgSolution solution =
-            solve_sg(dataset, atlas, samples, fit.up,
-                     {.lobes = request.lobes, .noise = request.view_basis.noise, .iterations = request.iterations});
+        out.note = fmt::format("{} texels, ", atlas.used_texels());
+    }
+    static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
+                      const FitRequest& request, Fit& fit) {
+        SgSolution solution = solve_sg(dataset, atlas, samples, fit.up, options_of(request));
         fit.parameters = std::move(solution.parameters);
         fit.samples = std::move(solution.samples);
         fit.error = std::move(solution.error);
         fit.iterations = std::move(solution.iterations);
         fit.status = std::move(solution.status);
-        out.note = fmt::format("{} texels, ", atlas.used_texels());
-    };
-    return fit_by_view<SgFit, SgWords>(dataset, request, solve);
-}
+        fit.colours = solution.colours;
+    }
+
+    static void keep(const Fit& fit, PartResult& out) {
+        const ColourSum& sum = fit.colours;
+        out.own_json = nlohmann::json{{"lobes", fit.lobes},
+                                      {"up", numbers_of(fit.up)},
+                                      {"rgb", sum.rgb},
+                                      {"samples", sum.samples},
+                                      {"scale", double(sum.scale)}}
+                           .dump();
+    }
+    static void take(const PartResult& part, Fit& whole) {
+        const auto own = nlohmann::json::parse(part.own_json);
+        whole.lobes = own.at("lobes");
+        whole.up = vector_of(own.at("up"));
+        whole.colours.add({.rgb = own.at("rgb"), .samples = own.at("samples"), .scale = own.at("scale")});
+    }
+    static void complete(const TriangleAtlas& atlas, Fit& whole) {
+        colour_unseen(atlas, whole.samples, whole.lobes, whole.colours.mean(), whole.parameters);
+    }
+
+    static uint64_t common_bytes(const FitRequest&) { return 0; }
+    static std::vector<PlanRow> plan_begin(const Dataset&, const TriangleAtlas&, const FitRequest&, size_t) {
+        return {};
+    }
+};
 
 }  // namespace
 
@@ -38,27 +75,39 @@ const Family spherical_gaussians = {
     .owns = [](const std::string& model) { return model == sg_name; },
     .models = [] { return std::vector<std::string>{sg_name}; },
     .help = "sg is a diffuse colour and lobes about directions of view in each texel",
+    .options =
+        [] {
+            return by_view_options(
+                {noise_option(), rows::number("lobes", 0, rows::own(&SgOptions::lobes), limits::lobes,
+                                              "spherical Gaussians of a texel: six numbers each, besides three of the "
+                                              "diffuse colour")});
+        },
     .has_error_bars = false,
     .uses = [](const Solver& solver) -> uint32_t {
-        return solver.solve == solve_stream
-                   ? use::sides | use::surface_lookup | use::space | use::iterations | use::lobes
-                   : 0;
+        return solver.solve == solve_stream ? use::sides | use::surface_lookup | use::space | use::iterations : 0;
     },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
+    .choose = [](const Given&, const Dataset& dataset) -> std::optional<Chosen> {
+        if (dataset.light_moves()) return {};
+        return Chosen{{{"model", sg_name}}, nullptr};
+    },
     .settle =
         [](const auto& given, const Dataset& dataset, FitRequest& request) {
             settle_by_view(given, dataset, request);
             if (!given("--iterations")) request.iterations = SgOptions().iterations;  // more gain nothing that is seen
         },
-    .plan = plan_sg,
-    .fit = fit_sg,
-    .divide = [](const Dataset&, const FitRequest&) -> std::unique_ptr<Divided> {
-        throw UserError(fmt::format("spherical Gaussians are fitted in one piece; leave out {} and {}",
-                                    option_name("memory"), option_name("shard")));
+    .candidates = [](const Dataset& dataset) -> std::vector<TuneCandidate> {
+        if (dataset.light_moves()) return {};
+        return {
+            {{{{"model", sg_name}, {"lobes", "4"}}}, {{"lobes", {"1", "2", "3", "4"}}, noise_ladder(), side_ladder()}}};
     },
-    .export_problems = [](const Dataset&, const FitRequest&, ProblemFolder&) { refuse_export<SgWords>(); },
+    .plan = [](const Dataset& dataset, const FitRequest& request,
+               size_t most_views) { return plan_by_view(dataset, request, most_views, SgModel::numbers(request)); },
+    .fit = fit_by_view<SgModel>,
+    .divide = divide_by_view<SgModel>,
+    .export_problems = [](const Dataset&, const FitRequest&, ProblemFolder&) { refuse_export<SgModel>(); },
     .open = [](const std::filesystem::path& folder, const std::filesystem::path& moved_to) -> std::unique_ptr<Fitted> {
-        return std::make_unique<FittedByView<SgFit, SgWords>>(read_sg(folder, moved_to));
+        return std::make_unique<FittedByView<SgModel>>(read_sg(folder, moved_to));
     },
 };
 

@@ -107,8 +107,15 @@ struct PlanRow {
     std::string array, shape;
     uint64_t count, bytes;
     unsigned stages = while_all;  ///< sum of those that hold it
-    /// A fit finds its samples, solves, and writes maps.
-    enum Stages : unsigned { while_distributing = 1, while_solving = 2, while_writing = 4, while_all = 7 };
+    /// A fit finds its samples, learns what all of its problems have in common (not every family does), solves, and
+    /// writes maps.
+    enum Stages : unsigned {
+        while_distributing = 1,
+        while_learning = 2,
+        while_solving = 4,
+        while_writing = 8,
+        while_all = 15
+    };
 };
 /// Of the stage that holds most.
 uint64_t total_bytes(const std::vector<PlanRow>& rows);

@@ -140,7 +140,7 @@ FinishedFit fit_reflectance(const Dataset& dataset, const FitRequest& request) {
 }
 
 /// Levenberg-Marquardt where it can, and a side for the texels: that of the mesh's normals.
-void settle(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request) {
+void settle(const Given& given, const Dataset& dataset, FitRequest& request) {
     if (uses_of(request) & use::normal_equations && !given("--optimizer") && !request.model.loss.robust())
         request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !given("--iterations")) request.iterations = TexelFitOptions().iterations;
@@ -178,7 +178,9 @@ const Family texel_local_models = {
         if (request.on_fragment_engine()) return TargetSpace::linear;
         return std::nullopt;
     },
+    .choose = choose_texel_model,
     .settle = settle,
+    .candidates = texel_candidates,
     .plan = plan_texels,
     .fit = fit_reflectance,
     .divide = divide_texels,

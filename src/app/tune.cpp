@@ -17,58 +17,6 @@
 namespace radiafit {
 namespace {
 
-/// What is tried of an option, in order, besides where a search begins.
-struct Ladder {
-    const char* option;
-    std::vector<const char*> values;
-    bool (*means_something)(const FitRequest& request) = [](const FitRequest&) { return true; };
-};
-
-struct Candidate {
-    std::vector<FitSetting> starts;
-    std::vector<Ladder> ladders;
-};
-
-/// Robust losses, for solvers that take them, and where residuals begin to count less.
-const Ladder losses = {"loss", {"square", "huber", "cauchy"}},
-             loss_scales = {"loss_scale", {"0.02", "0.05", "0.1", "0.2"}, [](const FitRequest&request) {
-                                return request.model.loss.robust();
-                            }};
-
-const std::vector<const char*> noises = {"1.5e-4", "3e-4", "6e-4", "1.2e-3", "2.4e-3"}, sides = {"8", "12", "16"};
-
-/// Models of surfaces under light that stays, by what they are told apart by.
-std::vector<Candidate> under_fixed_light() {
-    return {
-        {{{{"model", "viewbasis"}, {"rank", "10"}}, {{"model", "viewbasis"}, {"rank", "28"}}},
-         {{"rank", {"4", "6", "10", "15", "20", "28"}},
-          {"noise", noises},
-          {"surface_side", sides},
-          {"blocks", {"1", "100", "400", "1600"}}}},
-        {{{{"model", "sg"}, {"lobes", "4"}}},
-         {{"lobes", {"1", "2", "3", "4"}}, {"noise", noises}, {"surface_side", sides}}},
-        {{{{"model", "lfm"}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}},
-          {{"model", "lfm"}, {"terms", "3"}, {"lambda_surface", "1e-3"}, {"lambda_view", "0.1"}, {"loss", "huber"}}},
-         {{"terms", {"1", "2", "3", "4", "6"}},
-          {"lambda_surface", {"1e-4", "3e-4", "1e-3", "3e-3", "1e-2"}},
-          {"lambda_view", {"0.01", "0.03", "0.1", "0.3", "1"}},
-          {"surface", {"nearest", "linear"}},
-          losses,
-          loss_scales}}};
-}
-
-std::vector<Candidate> under_lamps() {
-    const std::vector<Ladder> ladders = {
-        {"clip_above", {"0", "0.9", "0.98"}}, {"shadow_below", {"0", "0.05", "0.1", "0.2"}}, losses, loss_scales};
-    std::vector<Candidate> out;
-    for (const char* model : {"lafortune", "ptm", "lambert"})
-        out.push_back({{{{"model", model}},
-                        {{"model", model}, {"clip_above", "0.98"}, {"shadow_below", "0.1"}},
-                        {{"model", model}, {"clip_above", "0.98"}, {"shadow_below", "0.1"}, {"loss", "huber"}}},
-                       ladders});
-    return out;
-}
-
 const std::string& value_of(const FitSetting& setting, const std::string& option, const std::string& otherwise) {
     for (const auto& [name, value] : setting)
         if (name == option) return value;
@@ -99,8 +47,11 @@ public:
         : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
 
     std::vector<TriedSetting> run() {
-        const auto candidates = with_fixed(dataset_.views[0].light ? under_lamps() : under_fixed_light());
-        for (const Candidate& candidate : candidates)
+        std::vector<TuneCandidate> all;
+        for (const Family* family : families())
+            for (TuneCandidate& candidate : family->candidates(dataset_)) all.push_back(std::move(candidate));
+        const std::vector<TuneCandidate> candidates = with_fixed(all);
+        for (const TuneCandidate& candidate : candidates)
             for (const FitSetting& start : candidate.starts) attempt(start);
         while (climb(candidates)) {
         }
@@ -114,9 +65,9 @@ private:
     }
 
     /// The candidates that take all fixed options, with these in place of what they would try of them.
-    std::vector<Candidate> with_fixed(const std::vector<Candidate>& candidates) const {
-        std::vector<Candidate> out;
-        for (Candidate candidate : candidates) {
+    std::vector<TuneCandidate> with_fixed(const std::vector<TuneCandidate>& candidates) const {
+        std::vector<TuneCandidate> out;
+        for (TuneCandidate candidate : candidates) {
             const std::string model = candidate.starts.front().front().second;
             for (FitSetting& start : candidate.starts)
                 for (const auto& [option, value] : options_.fixed) start = with(std::move(start), option, value);
@@ -158,10 +109,10 @@ private:
     }
 
     /// Tries what stands beside the best setting, option by option; whether that led to a better one.
-    bool climb(const std::vector<Candidate>& candidates) {
+    bool climb(const std::vector<TuneCandidate>& candidates) {
         const TriedSetting before = best();
         const std::string& model = before.setting.front().second;
-        for (const Candidate& candidate : candidates) {
+        for (const TuneCandidate& candidate : candidates) {
             if (candidate.starts.front().front().second != model) continue;
             for (const Ladder& ladder : candidate.ladders) {
                 const FitSetting from = best().setting;

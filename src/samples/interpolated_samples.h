@@ -18,8 +18,9 @@ namespace radiafit {
 /// of those that do likewise.
 class InterpolatedSampler final : public TileSampler {
 public:
-    /// Both must outlive it.
-    InterpolatedSampler(const Dataset& dataset, const TriangleAtlas& atlas, TargetSpace space);
+    /// All must outlive it. texels: [texel_count()], those to be looked at; null: all.
+    InterpolatedSampler(const Dataset& dataset, const TriangleAtlas& atlas, TargetSpace space,
+                        const std::vector<bool>* texels = nullptr);
     ~InterpolatedSampler() override;
     int at_once() const override;
     int bits() const override { return 16; }
@@ -30,12 +31,22 @@ private:
     class Worker;
     const Dataset* dataset_;
     const TriangleAtlas* atlas_;
+    const std::vector<bool>* texels_;
     float scale_;
     std::vector<std::unique_ptr<Worker>> workers_;  ///< of each thread
 };
 
 /// All that it finds in these views.
 SampleList interpolated_samples(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
-                                TargetSpace space = TargetSpace::stored);
+                                TargetSpace space = TargetSpace::stored, const std::vector<bool>* texels = nullptr);
+
+/// How many there are, without holding more than an image's for each thread. tiles, if given: [tile_count()], those of
+/// each tile are added to it.
+struct InterpolatedCounts {
+    uint64_t samples = 0;
+    uint64_t groups = 0;  ///< pairs of a tile and an image of which it takes samples
+};
+InterpolatedCounts count_interpolated(const Dataset& dataset, const TriangleAtlas& atlas,
+                                      const std::vector<uint32_t>& views, std::vector<uint64_t>* tiles = nullptr);
 
 }  // namespace radiafit

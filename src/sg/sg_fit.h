@@ -18,6 +18,7 @@ struct SgFit : FitRecord {
     int lobes = 4;
     Vec3f up = Vec3f::UnitY();
     std::vector<float> parameters;  ///< as SgSolution's
+    ColourSum colours;              ///< of all samples; not stored with the fit
 };
 
 /// As those of fit/fit_folder.h.

@@ -1,5 +1,7 @@
 #include "sg/solve_sg.h"
 
+#include <algorithm>
+
 #include "base/parallel.h"
 #include "cpu/texel_fit_impl.h"
 #include "sg/sg_text.h"
@@ -91,17 +93,21 @@ private:
     std::vector<Vec3f> positions_;
 };
 
-Vec3f mean_colour(const SampleList& samples) {
-    Vec3d sum = Vec3d::Zero();
-    for (const Sample& s : samples.samples) sum += Vec3d(s.rgb[0], s.rgb[1], s.rgb[2]);
-    return (double(samples.scale) / double(std::max<size_t>(1, samples.samples.size())) * sum).cast<float>();
+ColourSum sum_of(const SampleList& samples) {
+    ColourSum sum;
+    sum.scale = samples.scale;
+    sum.samples = samples.samples.size();
+    for (const Sample& s : samples.samples)
+        for (size_t c = 0; c < 3; ++c) sum.rgb[c] += s.rgb[c];
+    return sum;
 }
 
 template <int lobes>
 void solve_tiles(const TriangleAtlas& atlas, const SampleList& samples, const TexelViewReader& reader, const Vec3f& up,
                  const SgOptions& options, const std::function<void()>& progress, SgSolution& out) {
     std::vector<TileSolver<lobes>> solvers(size_t(thread_count()), {atlas, samples, reader, up, options});
-    const Vec3f elsewhere = mean_colour(samples);
+    out.colours = sum_of(samples);
+    const Vec3f elsewhere = out.colours.mean();
     parallel_for(atlas.tile_count(), 16, [&](size_t tile, int worker) {
         if (!atlas.degenerate(uint32_t(tile))) solvers[size_t(worker)].solve(uint32_t(tile), elsewhere, out);
         if (progress) progress();
@@ -113,6 +119,28 @@ void solve_tiles(const TriangleAtlas& atlas, const SampleList& samples, const Te
 void check_options(const SgOptions& options) {
     radiafit::require("lobes", options.lobes, limits::lobes);
     radiafit::require("noise", options.noise, limits::lobe_noise);
+}
+
+void ColourSum::add(const ColourSum& other) {
+    for (size_t c = 0; c < 3; ++c) rgb[c] += other.rgb[c];
+    samples += other.samples;
+    scale = other.scale;
+}
+
+Vec3f ColourSum::mean() const {
+    const Vec3d sum{double(rgb[0]), double(rgb[1]), double(rgb[2])};
+    return (double(scale) / double(std::max<uint64_t>(1, samples)) * sum).cast<float>();
+}
+
+void colour_unseen(const TriangleAtlas& atlas, std::span<const uint32_t> samples, int lobes, const Vec3f& colour,
+                   std::vector<float>& parameters) {
+    const size_t n = size_t(sg_parameters(lobes)), per_tile = atlas.texels_per_tile();
+    for (uint32_t tile = 0; tile < atlas.tile_count(); ++tile) {
+        const auto seen = samples.subspan(tile * per_tile, per_tile);
+        if (atlas.degenerate(tile) || std::ranges::any_of(seen, [](uint32_t count) { return count > 0; })) continue;
+        for (size_t texel = tile * per_tile; texel < tile * per_tile + atlas.tile(tile).texels(); ++texel)
+            std::copy_n(colour.data(), 3, &parameters[texel * n]);
+    }
 }
 
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,

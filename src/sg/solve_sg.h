@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "base/range.h"
@@ -26,6 +28,16 @@ void check_options(const SgOptions& options);
 
 constexpr int sg_parameters(int lobes) { return 3 + 6 * lobes; }
 
+/// Of the colours of all samples; exact, so that parts of a surface add up to the whole.
+struct ColourSum {
+    std::array<uint64_t, 3> rgb{};  ///< of Sample::rgb
+    uint64_t samples = 0;
+    float scale = 0;  ///< SampleList::scale, the same for all parts
+
+    void add(const ColourSum& other);
+    Vec3f mean() const;
+};
+
 struct SgSolution {
     /// [texels][3 + 6 lobes]: d, then a of every lobe, then (x, y, log lambda) of every lobe. Where nothing was seen,
     /// d is the mean colour of the triangle, or of the surface, and a is 0.
@@ -33,6 +45,7 @@ struct SgSolution {
     std::vector<uint32_t> samples, iterations;  ///< [texels]
     std::vector<float> error;                   ///< [texels] 1/2 sum w r^2, and what the prior adds
     std::vector<Status> status;                 ///< [texels]
+    ColourSum colours;
 };
 
 /// Of every texel the parameters of least 1/2 sum over samples of w |y - m(v)|^2 and prior: d about the triangle's mean
@@ -40,5 +53,10 @@ struct SgSolution {
 /// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads.
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
                     const SgOptions& options, const std::function<void()>& progress = {});
+
+/// Gives texels of triangles that no image shows this colour, as solve_sg() does by the mean of its own samples.
+/// samples: SgSolution's.
+void colour_unseen(const TriangleAtlas& atlas, std::span<const uint32_t> samples, int lobes, const Vec3f& colour,
+                   std::vector<float>& parameters);
 
 }  // namespace radiafit

@@ -2,14 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "base/parallel.h"
 #include "base/range.h"
-#include "base/rng.h"
+#include "viewbasis/basis_texels.h"
 
 namespace radiafit {
 namespace {
@@ -17,9 +15,7 @@ namespace {
 using Matrix = Eigen::Matrix<double, view_terms, view_terms>;
 using Means = Eigen::Matrix<double, view_terms, 3>;
 
-constexpr int texels_per_block = 200;
 constexpr double common_texels = 100;  // that the common prior counts for in a block's covariance
-constexpr uint64_t draw_seed = 1;
 
 /// Of a texel's polynomial coefficients, each channel's: N(mean, covariance).
 struct Prior {
@@ -108,47 +104,21 @@ BlockBasis basis_of(const Prior& prior, const Moments& sums, int rank) {
     return out;
 }
 
-struct Place {
-    uint32_t tile, local;
-};
-
-/// At most `count` of the places, evenly.
-std::vector<Place> drawn(std::vector<Place> places, size_t count, uint64_t seed) {
-    if (places.size() <= count) return places;
-    Rng rng(draw_seed, seed);
-    for (size_t i = 0; i < count; ++i) std::swap(places[i], places[i + rng.index(uint32_t(places.size() - i))]);
-    places.resize(count);
-    return places;
-}
-
-/// Usable texels by cube.
-std::map<std::array<int32_t, 3>, std::vector<Place>> by_cube(const TriangleAtlas& atlas, const ViewBasis& basis) {
-    std::map<std::array<int32_t, 3>, std::vector<Place>> out;
-    for (uint32_t t = 0; t < atlas.tile_count(); ++t)
-        for (uint32_t l = 0; l < atlas.tile(t).texels() && !atlas.degenerate(t); ++l)
-            out[cube_at(atlas.position(t, l), basis.origin, basis.cube)].push_back({t, l});
-    return out;
-}
-
-/// Side of cubes of which about so many hold some of the surface.
-float cube_side(const TriangleAtlas& atlas, int blocks) {
-    if (blocks <= 1) return 0;
-    double area = 0;
-    const Mesh& mesh = atlas.mesh();
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const Vec3d origin = mesh.positions[a].cast<double>();
-        area +=
-            0.5 * (mesh.positions[b].cast<double>() - origin).cross(mesh.positions[c].cast<double>() - origin).norm();
-    }
-    return float(std::sqrt(1.5 * area / blocks));  // a plane across a cube at random has about 1.5 times a face's area
-}
-
 }  // namespace
 
 void check_options(const ViewBasisOptions& o) {
     radiafit::require("rank", o.rank, limits::rank);
     radiafit::require("noise", o.noise, limits::noise_variance);
     radiafit::require("blocks", o.blocks, limits::blocks);
+}
+
+std::vector<bool> learned_from(const TriangleAtlas& atlas, const ViewBasisOptions& options) {
+    check_options(options);
+    return draw_basis_texels(atlas, size_t(options.texels), options.blocks).mask(atlas);
+}
+
+uint64_t most_learned_from(const ViewBasisOptions& options) {
+    return uint64_t(options.texels) + texels_per_block * uint64_t(options.blocks);
 }
 
 ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
@@ -158,14 +128,13 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
     basis.rank = options.rank;
     basis.noise = float(options.noise);
     basis.up = mean_up(dataset);
-    basis.cube = cube_side(atlas, options.blocks);
-    basis.origin = atlas.mesh().positions.empty() ? Vec3f(Vec3f::Zero()) : atlas.mesh().positions[0];
-    for (const Vec3f& p : atlas.mesh().positions) basis.origin = basis.origin.cwiseMin(p);
+    BasisTexels texels = draw_basis_texels(atlas, size_t(options.texels), options.blocks);
+    basis.cube = texels.cube;
+    basis.origin = texels.origin;
     const TexelViewReader reader(dataset, atlas, samples, basis.up);
-    const auto places = by_cube(atlas, basis);
 
     // Sums over chunks of texels, added up in their order.
-    const auto moments = [&](const Prior& prior, const std::vector<Place>& of) {
+    const auto moments = [&](const Prior& prior, const std::vector<BasisTexels::Place>& of) {
         constexpr size_t chunk = 64;
         std::vector<Moments> parts((of.size() + chunk - 1) / chunk);
         const Expectation expectation(prior, options.noise);
@@ -180,28 +149,21 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
         for (const Moments& part : parts) sums.add(part);
         return sums;
     };
-    std::vector<Place> everywhere;
-    for (const auto& [cube, all] : places) everywhere.insert(everywhere.end(), all.begin(), all.end());
-    everywhere = drawn(std::move(everywhere), size_t(options.texels), 0);
     Prior common = vague_prior();
     for (int round = 0; round < options.rounds; ++round)
-        common = maximized(common, moments(common, everywhere), nullptr);
-    if (basis.cube == 0 || places.empty()) {
+        common = maximized(common, moments(common, texels.everywhere), nullptr);
+    if (texels.of_block.empty()) {
         basis.cubes = {{0, 0, 0}};
-        basis.blocks = {basis_of(common, moments(common, everywhere), options.rank)};
+        basis.blocks = {basis_of(common, moments(common, texels.everywhere), options.rank)};
         return basis;
     }
-    std::vector<std::vector<Place>> of_block;
-    for (const auto& [cube, all] : places) {
-        basis.cubes.push_back(cube);
-        of_block.push_back(drawn(all, texels_per_block, 1 + of_block.size()));
-    }
-    basis.blocks.resize(of_block.size());
-    parallel_for(of_block.size(), 1, [&](size_t block, int) {
+    basis.cubes = std::move(texels.cubes);
+    basis.blocks.resize(texels.of_block.size());
+    parallel_for(texels.of_block.size(), 1, [&](size_t block, int) {
         Prior prior = common;
         for (int round = 0; round < options.rounds; ++round)
-            prior = maximized(prior, moments(prior, of_block[block]), &common);
-        basis.blocks[block] = basis_of(prior, moments(prior, of_block[block]), options.rank);
+            prior = maximized(prior, moments(prior, texels.of_block[block]), &common);
+        basis.blocks[block] = basis_of(prior, moments(prior, texels.of_block[block]), options.rank);
     });
     return basis;
 }

@@ -23,8 +23,13 @@ void check_options(const ViewBasisOptions& options);
 
 /// By expectation and maximization over texels drawn evenly from the surface: first means and covariance of all
 /// polynomial coefficients, for the whole surface, then block by block from there; the basis is what the covariance
-/// has of the most variance. The same for any number of threads.
+/// has of the most variance. The same for any number of threads. It looks at samples of learned_from() alone.
 ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                            const ViewBasisOptions& options);
+
+/// [texel_count()] The texels that it looks at. Whatever the size of the surface, they are no more than
+/// most_learned_from().
+std::vector<bool> learned_from(const TriangleAtlas& atlas, const ViewBasisOptions& options);
+uint64_t most_learned_from(const ViewBasisOptions& options);  ///< about so many
 
 }  // namespace radiafit

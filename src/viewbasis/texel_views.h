@@ -13,7 +13,9 @@ inline Vec3f view_direction(const Frame& frame, const Vec3f& position, const Vec
     return frame.to_local((eye - position).normalized());
 }
 /// Of a sample seen in this direction: the cosine with the normal, at least a little.
-inline float view_sample_weight(const Vec3f& direction) { return std::max(direction.z(), 0.05f); }
+inline float view_sample_weight(const Vec3f& direction) {
+    return view_text::ViewPolynomials<float>::view_weight({direction.x(), direction.y(), direction.z()});
+}
 
 /// What the cameras of a sample list see of a texel.
 struct TexelViews {

@@ -14,16 +14,8 @@ Frame view_frame(const Vec3f& normal, const Vec3f& up) {
 }
 
 ViewTerms view_polynomials(const Vec3f& direction) {
-    float x[view_degree + 1] = {1, direction.x()}, y[view_degree + 1] = {1, direction.y()};
-    for (int i = 2; i <= view_degree; ++i) {
-        x[i] = 2 * direction.x() * x[i - 1] - x[i - 2];
-        y[i] = 2 * direction.y() * y[i - 1] - y[i - 2];
-    }
-    ViewTerms b;
-    int at = 0;
-    for (int degree = 0; degree <= view_degree; ++degree)
-        for (int j = 0; j <= degree; ++j) b[at++] = x[degree - j] * y[j];
-    return b;
+    const auto terms = view_text::ViewPolynomials<float>::view_terms({direction.x(), direction.y(), direction.z()});
+    return ViewTerms::Map(terms.x);
 }
 
 std::array<int32_t, 3> cube_at(const Vec3f& position, const Vec3f& origin, float side) {

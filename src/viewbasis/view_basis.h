@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "viewbasis/view_text.h"
 
 /// Colours of a texel as its cameras see them, without a lamp: functions of the view direction in the texel's frame,
 ///     y_c(v) = m_c . b(v) + sum over k < rank of z_kc (u_k . b(v)),
@@ -13,8 +14,9 @@
 /// z ~ N(0, I) (empirical Bayes): a texel that few cameras see falls back to what its neighbourhood does.
 namespace radiafit {
 
-inline constexpr int view_degree = 6;
-inline constexpr int view_terms = (view_degree + 1) * (view_degree + 2) / 2;  ///< 28
+inline constexpr int view_degree = view_text::ViewPolynomials<float>::degree;
+inline constexpr int view_terms = view_text::ViewPolynomials<float>::term_count;
+static_assert(view_terms == (view_degree + 1) * (view_degree + 2) / 2);
 inline constexpr int most_rank = view_terms;
 
 using ViewTerms = Eigen::Matrix<float, view_terms, 1>;
@@ -22,7 +24,8 @@ using ViewTerms = Eigen::Matrix<float, view_terms, 1>;
 /// The normal, and the two directions across it, one as near to `up` as can be. All unit vectors.
 Frame view_frame(const Vec3f& normal, const Vec3f& up);
 
-/// b: products T_i(x) T_j(y) of Chebyshev polynomials, i + j <= 6, of a unit direction in a view_frame().
+/// b: products T_i(x) T_j(y) of Chebyshev polynomials, i + j <= 6, of a unit direction in a view_frame()
+/// (shaders/model/view_basis.glsl).
 ViewTerms view_polynomials(const Vec3f& direction);
 
 /// What a block of the surface has in common.

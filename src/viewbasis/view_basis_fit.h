@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "eval/contestant.h"
@@ -18,6 +20,16 @@ struct ViewBasisFit : FitRecord {
     ViewBasis basis;
     std::vector<float> parameters;  ///< z: [texels][rank][3]
 };
+
+/// A basis as fits and parts of fits store it.
+struct StoredBasis {
+    std::string json;            ///< all but the blocks' numbers
+    std::vector<float> numbers;  ///< [blocks][28][3 + rank]: the three channels' means, then the functions
+};
+StoredBasis stored_basis(const ViewBasis& basis);
+/// The same the other way round; throw std::runtime_error or what nlohmann throws.
+ViewBasis described_basis(const std::string& json);
+void take_numbers(std::span<const float> numbers, ViewBasis& basis);
 
 /// As those of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, const ViewBasisFit& fit, const TriangleAtlas& atlas,
