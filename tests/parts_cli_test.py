@@ -110,21 +110,21 @@ class Parts(PartsTest):
 
     def test_colours_by_view_direction(self):
         for options in (
-            ("--model", "viewbasis"),
+            ("--model", "viewbasis", "--blocks", "10", "--surface-side", "6"),
             ("--model", "viewbasis", "--rank", "4", "--blocks", "1", "--surface-side", "5", "--space", "linear"),
-            ("--model", "viewbasis", "--rank", "28", "--blocks", "30", "--validation", "4", "--noise", "2e-3"),
+            ("--model", "viewbasis", "--rank", "28", "--blocks", "8", "--surface-side", "4", "--validation", "4", "--noise", "2e-3"),
             ("--model", "sg", "--surface-side", "5"),
             ("--model", "sg", "--lobes", "2", "--iterations", "3", "--surface-side", "6", "--validation", "4"),
         ):
             self.merged_like_whole("star", *options)
 
     def test_memory_cuts_a_view_basis(self):
-        fit = ("fit", "star", "--rank", "6")  # chosen by the data, in parts as well
+        fit = ("fit", "star", "--rank", "6", "--blocks", "20")  # chosen by the data, in parts as well
         self.good(*fit, "-o", "one")
         done = self.good(*fit, "--memory", "BOUND", "-o", "bounded")
         self.assertRegex(done.stderr, "part 2 of [2-9]")
         self.assertEqual(self.maps("one"), self.maps("bounded"))
-        planned = self.good("plan", "star", "--rank", "6", "--memory", "BOUND").stdout
+        planned = self.good("plan", "star", "--rank", "6", "--blocks", "20", "--memory", "BOUND").stdout
         self.assertRegex(planned, r"in [2-9] parts, .*while learning, .* for a part")
         self.refused(*fit, "--memory", "151M", "-o", "none", says=["too little", "--memory"])
 
@@ -237,7 +237,7 @@ class Ranks(PartsTest):
             self.assertFalse((self.root / f"ranks-{count}.parts").exists())
 
     def test_ranks_share_a_view_basis(self):
-        fit = ("fit", "star", "--model", "viewbasis", "--rank", "4")
+        fit = ("fit", "star", "--model", "viewbasis", "--rank", "4", "--blocks", "5", "--surface-side", "6")
         self.good(*fit, "-o", "one")
         done = self.mpirun(2, *fit, "-o", "ranks")
         self.assertEqual(done.returncode, 0, done.stderr)
