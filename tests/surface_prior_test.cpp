@@ -40,7 +40,7 @@ Dataset lamps(size_t images, uint64_t seed) {
 
 /// Lafortune's parameters scattered about a mean that is another on the right than on the left.
 struct Surface {
-    static constexpr double of_diffuse = 0.02, of_exponent = 0.1;
+    static constexpr double of_diffuse = 0.06, of_exponent = 0.1;
     const TexelModel& model = *find_texel_model("lafortune");
     size_t n = size_t(model.parameters);
     Dataset dataset;
@@ -96,7 +96,7 @@ TEST(SurfacePrior, LearnsMeansByPlaceAndHowFarTexelsScatter) {
         const auto found = prior->mean_of(t);
         const auto expected = Surface::mean(t);
         for (size_t i = 0; i < surface.n; ++i)  // four standard deviations of a median of 64
-            ASSERT_NEAR(found[i], expected[i], i == 8 ? 0.08 : 0.02) << t << " " << i;
+            ASSERT_NEAR(found[i], expected[i], i == 8 ? 0.08 : 0.05) << t << " " << i;
     }
 }
 

@@ -29,8 +29,8 @@ void write_texel_fit(const std::filesystem::path& folder, const FitRecord& fit, 
                      const Atlas& atlas, std::span<const TexelMap> maps, std::span<const float> parameters,
                      const std::function<void(const std::filesystem::path& temporary_folder)>& add_files);
 
-/// Standard deviations of a texel-local model's fit: the parameters' [texels][model.parameters], samples' [texels], and
-/// how many directions the samples don't tell [texels].
+/// Standard deviations of a fit: the parameters' in their order, [problems] a sample's, and [problems] how many
+/// directions are not told.
 struct ErrorBarMaps {
     std::span<const float> deviation, noise;
     std::span<const uint32_t> deficient;
