@@ -66,4 +66,4 @@ fi
 [ -n "$picture" ] || exit 0
 "$root/datasets/scripts/tune_and_fit.sh" "$out/cards" "$out/cards-fit" 20
 "$root/datasets/scripts/labelled_sheet.py" "$out/cards-fit" "$out/cards.png" \
-    'MaterialGAN (Guo et al., SIGGRAPH Asia 2020): "cards-blue", for research use'
+    'MaterialGAN (Guo et al., SIGGRAPH Asia 2020): "cards-blue", for research use' --panel 225

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """A picture for readers: a held-out photograph, a baseline, a fit and four times its error, each panel labelled, with the
 PSNR of that view, and a caption below. Of the sheet that `radiafit render` makes, scaled down, labelled by gnuplot.
-Usage: labelled_sheet.py FIT OUTPUT.png CAPTION [--words WORDS] [--view I] [--beside FIT WORDS]
+Usage: labelled_sheet.py FIT OUTPUT.png CAPTION [--words WORDS] [--view I] [--beside FIT WORDS] [--panel PIXELS]
 --words: what the fit is called, default its model. --view: as render's. --beside: another fit of the dataset in the baseline's place.
+--panel: width of a panel, at most what it is in the sheet.
 $RADIAFIT is the program (default build/release/src/app/radiafit)."""
 import argparse
+import itertools
 import json
+import math
 import os
 import pathlib
 import re
@@ -18,7 +21,6 @@ from png_rows import read_png, write_png
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RADIAFIT = os.environ.get("RADIAFIT", str(ROOT / "build/release/src/app/radiafit"))
 GAP = 4  # pixels between panels, in render's sheet and here
-WIDEST = 345  # of a panel, pixels: a wider one is scaled down by a whole number
 ABOVE, BELOW = 26, 24  # pixels for labels and for the caption
 
 LINEAR = [v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in (i / 255 for i in range(256))]
@@ -46,18 +48,29 @@ def run(*command):
     return done
 
 
-def scaled(rows, left, width, factor):
-    """Means in linear light of factor x factor pixels of the panel that begins at column `left`, as rows of bytes."""
-    out = []
-    for top in range(0, len(rows) - factor + 1, factor):
-        sums = [0.0] * (3 * (width // factor))
-        for row in rows[top : top + factor]:
-            light = [LINEAR[v] for v in row[3 * left : 3 * (left + width // factor * factor)]]
-            for shift in range(factor):
-                for channel in range(3):
-                    part = light[3 * shift + channel :: 3 * factor]
-                    sums[channel::3] = [a + b for a, b in zip(sums[channel::3], part)]
-        out.append(bytes(BYTES[round(STEPS * s / factor**2)] for s in sums))
+def scaled(rows, left, width, panel):
+    """The panel that begins at column `left`, `panel` pixels wide: means in linear light of the area of each, by sums up to
+    its edges. As rows of bytes."""
+    step = width / panel
+    edges = [min(step * i, width - 1e-9) for i in range(panel + 1)]
+
+    def across(row):
+        """Of each channel, sums between the edges."""
+        out = [0.0] * (3 * panel)
+        for channel in range(3):
+            light = [LINEAR[v] for v in row[3 * left + channel : 3 * (left + width) : 3]]
+            sums = [0.0, *itertools.accumulate(light)]
+            upto = [sums[int(x)] + (x - int(x)) * light[int(x)] for x in edges]
+            out[channel::3] = [b - a for a, b in zip(upto, upto[1:])]
+        return out
+
+    narrow, out = [across(row) for row in rows], []
+    for i in range(int(len(rows) / step)):
+        total = [0.0] * (3 * panel)
+        for y in range(int(step * i), min(len(rows), math.ceil(step * (i + 1)))):
+            share = min(y + 1, step * (i + 1)) - max(y, step * i)
+            total = [a + share * b for a, b in zip(total, narrow[y])]
+        out.append(bytes(BYTES[min(STEPS, round(STEPS * s / step**2))] for s in total))
     return out
 
 
@@ -80,8 +93,8 @@ class Sheet:
         _, _, self.rows = read_png(folder / "view_sheet.png")
         self.width = (len(self.rows[0]) // 3 - 3 * GAP) // 4
 
-    def panel(self, i, factor):
-        return scaled(self.rows, i * (self.width + GAP), self.width, factor)
+    def panel(self, i, width):
+        return scaled(self.rows, i * (self.width + GAP), self.width, width)
 
 
 def main():
@@ -90,19 +103,20 @@ def main():
         parser.add_argument(name)
     parser.add_argument("--view", type=int)
     parser.add_argument("--beside", nargs=2)
+    parser.add_argument("--panel", type=int, default=270)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
         sheet = Sheet(given.fit, given.view, place)
-        factor = -(-sheet.width // WIDEST)
-        panels = [sheet.panel(i, factor) for i in range(4)]
+        width = min(given.panel, sheet.width)
+        panels = [sheet.panel(i, width) for i in range(4)]
         beside = f"{sheet.baseline}: {sheet.baseline_psnr:.1f} dB"
         if given.beside:
             other = Sheet(given.beside[0], given.view, place)
             if (other.name, other.width) != (sheet.name, sheet.width):
                 sys.exit(f"{given.beside[0]} and {given.fit} show different views")
-            panels[1], beside = other.panel(2, factor), f"{given.beside[1]}: {other.psnr:.1f} dB"
-        height, width = len(panels[0]), len(panels[0][0]) // 3
+            panels[1], beside = other.panel(2, width), f"{given.beside[1]}: {other.psnr:.1f} dB"
+        height = len(panels[0])
         rows = [(b"\xff" * 3 * GAP).join(parts) for parts in zip(*panels)]
         whole = len(rows[0]) // 3
         write_png(place / "panels.png", whole, 8, 2, rows)

@@ -10,8 +10,8 @@ namespace radiafit {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double blur = pi / 9;                  // of azimuth: standard deviation of the Gaussian
-constexpr double highest = 80 * pi / 180;        // above, an azimuth says nothing of where a place is
+constexpr double blur = pi / 9;                  // of direction: standard deviation of the Gaussian
+constexpr double highest = 89 * pi / 180;        // above, an azimuth says nothing of where a place is
 constexpr double widest_field = 100 * pi / 180;  // of view: beyond, a picture is all distortion
 
 struct Place {
@@ -45,21 +45,27 @@ struct Run {
 
 /// Where the most places stand with no wide gap between them.
 Run longest_run(const std::vector<Place>& places) {
-    std::vector<double> azimuths;
+    std::vector<Place> round;
     for (const Place& p : places)
-        if (std::abs(p.elevation) <= highest) azimuths.push_back(p.azimuth);
-    if (azimuths.empty()) return {0, 2 * pi};  // all around the axis
-    std::ranges::sort(azimuths);
-    const size_t n = azimuths.size();
-    for (size_t i = 0; i <= n; ++i) azimuths.push_back(azimuths[i] + 2 * pi);
-    const auto gap_after = [&](size_t i) { return azimuths[i + 1] - azimuths[i] > widest_gap; };
-    Run best{azimuths[0], azimuths[0] + 2 * pi};
+        if (std::abs(p.elevation) <= highest) round.push_back(p);
+    if (round.empty()) return {0, 2 * pi};  // all around the axis
+    std::ranges::sort(round, {}, &Place::azimuth);
+    const size_t n = round.size();
+    for (size_t i = 0; i <= n; ++i) {
+        round.push_back(round[i]);
+        round.back().azimuth += 2 * pi;
+    }
+    const auto gap_after = [&](size_t i) {
+        const double along = std::cos(0.5 * (round[i].elevation + round[i + 1].elevation));
+        return along * (round[i + 1].azimuth - round[i].azimuth) > widest_gap;
+    };
+    Run best{round[0].azimuth, round[0].azimuth + 2 * pi};
     size_t most = 0;
     for (size_t first = 1; first <= n; ++first) {
         if (!gap_after(first - 1)) continue;
         size_t last = first;
         while (!gap_after(last)) ++last;  // at first - 1 + n at the latest
-        if (last - first + 1 > most) most = last - first + 1, best = {azimuths[first], azimuths[last]};
+        if (last - first + 1 > most) most = last - first + 1, best = {round[first].azimuth, round[last].azimuth};
     }
     return best;
 }
@@ -68,9 +74,9 @@ Run longest_run(const std::vector<Place>& places) {
 Place typical(const std::vector<Place>& places, double azimuth, double above) {
     double weights = 0, elevation = 0, squares = 0, distance = 0;
     for (const Place& p : places) {
-        const double apart = std::remainder(p.azimuth - azimuth, 2 * pi) / blur;
-        // Near the axis a place is as near to any azimuth; and everything counts a little.
-        const double weight = std::exp(-0.5 * apart * apart) + 1e-9 + (std::abs(p.elevation) > highest ? 0.1 : 0);
+        const double round = std::cos(p.elevation);  // of its parallel, against the equator
+        const double apart = round * std::remainder(p.azimuth - azimuth, 2 * pi) / blur;
+        const double weight = round * std::exp(-0.5 * apart * apart) + 1e-9;  // everything counts a little
         weights += weight;
         elevation += weight * p.elevation;
         squares += weight * p.elevation * p.elevation;

@@ -14,13 +14,13 @@ struct ClosedPath {
 };
 
 /// A path of `count` places past `given` ones, which are relative to the centre, around `axis` (unit).
-/// Azimuths without a gap of more than `widest_gap` make a run: if they go all around, the path is a circle; else it
-/// goes along the run with the most places and back, so that it ends where it begins. Height and distance are, at each
-/// azimuth, the weighted mean of those of the given places (a Gaussian of azimuth); there and back differ by a standard
-/// deviation of heights up and down. full_circle: a circle whatever was given. `given` may not be empty, nor hold the
-/// centre.
+/// Places without a gap of more than `widest_gap` between the next two by azimuth, along their parallel, make a run: if
+/// it goes all around, the path is a circle; else it goes along the run with the most places and back, so that it ends
+/// where it begins. Height and distance are, at each azimuth, the mean of those of the given places, weighted by a
+/// Gaussian of their distance along their parallel; there and back differ by a standard deviation of heights up and
+/// down. full_circle: a circle whatever was given. `given` may not be empty, nor hold the centre.
 ClosedPath closed_path(std::span<const Vec3d> given, const Vec3d& axis, int count, bool full_circle);
-inline constexpr double widest_gap = 1.0471975511965976;  ///< 60 degrees
+inline constexpr double widest_gap = 1.0471975511965976;  ///< 60 degrees, of direction: near the axis of more azimuth
 
 /// The direction that is up in the pictures of most of the views; a unit vector.
 Vec3d up_of(std::span<const View> views);
