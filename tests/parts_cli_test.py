@@ -119,14 +119,14 @@ class Parts(PartsTest):
             self.merged_like_whole("star", *options)
 
     def test_memory_cuts_a_view_basis(self):
-        fit = ("fit", "star", "--rank", "6", "--blocks", "20")  # chosen by the data, in parts as well
-        self.good(*fit, "-o", "one")
-        done = self.good(*fit, "--memory", "BOUND", "-o", "bounded")
+        options = ("star", "--rank", "2", "--blocks", "2", "--surface-side", "40")  # chosen by the data, in parts as well
+        self.good("fit", *options, "-o", "one")
+        done = self.good("fit", *options, "--memory", "165M", "-o", "bounded")
         self.assertRegex(done.stderr, "part 2 of [2-9]")
         self.assertEqual(self.maps("one"), self.maps("bounded"))
-        planned = self.good("plan", "star", "--rank", "6", "--blocks", "20", "--memory", "BOUND").stdout
-        self.assertRegex(planned, r"in [2-9] parts, .*while learning, .* for a part")
-        self.refused(*fit, "--memory", "151M", "-o", "none", says=["too little", "--memory"])
+        planned = self.good("plan", *options, "--memory", "165M").stdout
+        self.assertRegex(planned, r"in [2-9] parts, .* while learning, .* for a part")
+        self.refused("fit", *options, "--memory", "151M", "-o", "none", says=["too little", "--memory"])
 
     def test_memory_cuts_a_fit_and_resumes_it(self):
         fit = ("fit", "star", *FIT, "--engine", "compute")  # which holds vectors of all vertices
