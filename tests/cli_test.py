@@ -188,7 +188,7 @@ class Defaults(CommandLine):
         self.assertIn("chosen by the data: --model viewbasis (", self.good("plan", "star").stdout)
 
     def test_options_choose_the_model_that_takes_them(self):
-        for options, model in ((["--iterations", "1"], "lfm"), (["--memory", "4G"], "lfm"), (["--lobes", "1"], "sg")):
+        for options, model in ((["--iterations", "1"], "lfm"), (["--lobes", "1"], "sg")):
             fit, said = self.fitted(*options)
             self.assertEqual(fit["model"], model, options)
             self.assertNotIn("chosen by the data", said)

@@ -40,7 +40,10 @@ void add_problems(CommandLine& exporter, const Invocation& invocation) {
         Record record = make_record(invocation.argc, invocation.argv);
         const Dataset dataset = open_dataset(*folder);
         record.datasets->push_back(dataset_note(dataset));
-        const auto given = [&](const std::string& option) { return option == "--optimizer" || command.given(option); };
+        // A problem has neither: they are for who solves it to choose.
+        const auto given = [&](const std::string& option) {
+            return option == "--optimizer" || option == "--prior" || command.given(option);
+        };
         family_of(*request).settle(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         problems.tell_dataset(dataset.name, fingerprint(dataset));

@@ -83,7 +83,7 @@ for option, names, answer in (
     ("--accumulate", "scatter", "choose one of gather, scatter-fixed, scatter-float"), ("--view", "linear", "choose one of bilinear, nearest"),
     ("--surface", "bilinear", "choose one of nearest, linear"),
     ("--space", "srgb", "choose one of stored, linear"), ("--record", "fat", "choose one of compact, full"),
-    ("--model", "lafortun", "choose one of lfm, "), ("--ceres", "dense", "choose one of "),
+    ("--model", "lafortun", "choose one of viewbasis, lfm, "), ("--ceres", "dense", "choose one of "),
 ):  # fmt: skip
     refuse(f"fit tiny {option} {{}} -o new", names, "'{}' does not exist", answer)
 refuse("fit tiny --context {} -o new", "glx ''", "context '{}' does not exist; choose one of egl, osmesa")
