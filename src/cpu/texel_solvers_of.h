@@ -155,7 +155,7 @@ public:
     }
 
     TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& options,
-                         const std::function<void()>& progress, const SurfacePrior* known) const override {
+                         const std::function<void()>& progress, const SurfacePrior* known = nullptr) const override {
         const Fit fit(options);
         return for_blocks(
             problem, progress, [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
