@@ -7,6 +7,7 @@
 #include "app/problem_folder.h"
 #include "app/solver.h"
 #include "eval/judge.h"
+#include "publish/page_model.h"
 #include "report/problem_picture.h"
 
 /// The families of models: light field maps, texel-local models, view bases, spherical Gaussians. What commands ask of
@@ -33,6 +34,8 @@ public:
     /// on. Throws UserError where a model has no error bars.
     virtual void find_error_bars();
     virtual void write_error_bars(const std::filesystem::path&) {}  ///< as maps, once they are found
+    /// What a page needs to show it; this fit must outlive that.
+    virtual PageModel page() = 0;
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;

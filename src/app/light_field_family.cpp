@@ -7,6 +7,7 @@
 #include "app/fit_options.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "publish/pages.h"
 
 namespace radiafit {
 namespace {
@@ -40,6 +41,7 @@ public:
     Contestant contestant() override { return contestant_of(fit_, dataset().mesh); }
     std::unique_ptr<Fitted> baseline() override { return mean_colours(dataset(), fit_, fit_.options); }
     const char* baseline_name() const override { return "mean colour per texel"; }
+    PageModel page() override { return page_model_of(fit_, dataset().mesh); }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, dataset().mesh, add_files);
     }

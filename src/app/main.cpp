@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     add_tune(program);
     add_judge(program);
     add_render(program);
+    add_publish(program);
     add_devices(program);
     add_options(program);
     int status = 0;

@@ -6,6 +6,7 @@
 
 #include "eval/contestant.h"
 #include "fit/fit_folder.h"
+#include "fit/texel_fit.h"
 #include "sg/solve_sg.h"
 
 namespace radiafit {
@@ -19,6 +20,9 @@ struct SgFit : FitRecord {
     Vec3f up = Vec3f::UnitY();
     std::vector<float> parameters;  ///< as SgSolution's
 };
+
+/// Where parameters stand in images.
+std::vector<TexelMap> sg_maps(int lobes);
 
 /// As those of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, const SgFit& fit, const TriangleAtlas& atlas,

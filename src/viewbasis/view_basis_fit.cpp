@@ -18,12 +18,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* basis_name = "basis.exr";
 
-std::vector<TexelMap> maps_of(const ViewBasis& basis) {
-    std::vector<TexelMap> maps;
-    for (int k = 0; k < basis.rank; ++k) maps.push_back({fmt::format("z{:02}.exr", k), {"R", "G", "B"}, 3 * size_t(k)});
-    return maps;
-}
-
 /// Block after block, 28 rows each: the means of the three channels, then the functions.
 ExrImage basis_image(const ViewBasis& basis) {
     ExrImage image{3 + basis.rank, view_terms * int(basis.blocks.size()), {"coefficient"}, {}, {}};
@@ -76,6 +70,12 @@ void take_notes(const std::string& model, const std::string& own_json, ViewBasis
 }
 
 }  // namespace
+
+std::vector<TexelMap> maps_of(const ViewBasis& basis) {
+    std::vector<TexelMap> maps;
+    for (int k = 0; k < basis.rank; ++k) maps.push_back({fmt::format("z{:02}.exr", k), {"R", "G", "B"}, 3 * size_t(k)});
+    return maps;
+}
 
 void write_fit(const std::filesystem::path& folder, const ViewBasisFit& fit, const TriangleAtlas& atlas,
                const std::function<void(const std::filesystem::path&)>& add_files) {

@@ -6,6 +6,7 @@
 
 #include "eval/contestant.h"
 #include "fit/fit_folder.h"
+#include "fit/texel_fit.h"
 #include "viewbasis/learn_view_basis.h"
 
 namespace radiafit {
@@ -18,6 +19,9 @@ struct ViewBasisFit : FitRecord {
     ViewBasis basis;
     std::vector<float> parameters;  ///< z: [texels][rank][3]
 };
+
+/// Where z stands in images.
+std::vector<TexelMap> maps_of(const ViewBasis& basis);
 
 /// As those of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, const ViewBasisFit& fit, const TriangleAtlas& atlas,
