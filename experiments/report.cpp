@@ -89,9 +89,9 @@ std::string page(Experiment& experiment, const RunFolders& folders, const fs::pa
         main << element("section", {{"id", section.id}, {"aria-labelledby", fmt::format("{}-title", section.id)}},
                         element("h2", {{"id", fmt::format("{}-title", section.id)}}, section.title) << section.inside);
     const fs::path texts = experiment.root() / "experiments" / "page";
-    Html head = element("meta", Attributes{{"charset", "utf-8"}});
-    head << element("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}})
-         << element("meta", {{"name", "color-scheme"}, {"content", "light dark"}})
+    Html head = empty_element("meta", {{"charset", "utf-8"}});
+    head << empty_element("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}})
+         << empty_element("meta", {{"name", "color-scheme"}, {"content", "light dark"}})
          << element("title", "radiafit: report") << style_sheet(read_file(texts / "page.css", "style sheet"));
     Html body = element("a", {{"class", "skip"}, {"href", "#main"}}, "To the claims");
     body << introduction(profile) << contents(sections) << element("main", {{"id", "main"}}, main)

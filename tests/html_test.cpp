@@ -33,7 +33,7 @@ TEST(Html, ElementsNest) {
     for (const char* item : {"one", "two"}) list << element("li", item);
     EXPECT_EQ(element("ul", list).source(), "<ul><li>one</li>\n<li>two</li>\n</ul>\n");
     EXPECT_EQ((Html("see ") << element("a", {{"href", "#x"}}, "this") << ".").source(), "see <a href=\"#x\">this</a>.");
-    EXPECT_EQ(element("img", {{"alt", ""}}).source(), "<img alt=\"\">\n");
+    EXPECT_EQ(empty_element("img", {{"alt", ""}}).source(), "<img alt=\"\">\n");
 }
 
 TEST(Html, WhatIsNoElementIsRefused) {
@@ -42,6 +42,7 @@ TEST(Html, WhatIsNoElementIsRefused) {
     EXPECT_THROW(element("p", {{"a b", "1"}}, "x"), std::logic_error);
     EXPECT_THROW(element("p", {{"id", "1"}, {"id", "2"}}, "x"), std::logic_error);
     EXPECT_THROW(element("img", "x"), std::logic_error);
+    EXPECT_THROW(empty_element("p", {}), std::logic_error);
     EXPECT_THROW(style_sheet("p::after { content: '</STYLE>' }"), std::logic_error);
     EXPECT_THROW(script("const text = '</script>';"), std::logic_error);
     EXPECT_THROW(script("const text = '<!-- <script>';"), std::logic_error);

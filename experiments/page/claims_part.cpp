@@ -110,7 +110,10 @@ Html finding_part(const Finding& f) {
 Html claims_summary(std::span<const ClaimFindings> claims) {
     std::vector<HtmlRow> rows;
     for (size_t i = 0; i < claims.size(); ++i) {
-        const auto lines = claims[i].lines();
+        auto lines = claims[i].lines();
+        // What other machines have of a smaller scale stands in full below.
+        if (std::ranges::any_of(lines, [](const auto& line) { return line.judged; }))
+            std::erase_if(lines, [](const auto& line) { return !line.judged; });
         for (const auto& line : lines) rows.push_back(row_of(claims[i], i, line, lines.size() > 1));
     }
     Html part = counts(claims);

@@ -79,10 +79,10 @@ Html image(const std::filesystem::path& files, const std::string& alt) {
     const std::string svg = read_file(files.string() + ".svg", "figure"),
                       png = read_file(files.string() + ".png", "figure");
     const bool sharp = svg.size() <= largest_svg || svg.size() <= png.size();
-    return element("img", {{"src", sharp ? data_uri("image/svg+xml", svg) : data_uri("image/png", png)},
-                           {"alt", alt},
-                           {"width", std::to_string(png_side(png, 16))},
-                           {"height", std::to_string(png_side(png, 20))}});
+    return empty_element("img", {{"src", sharp ? data_uri("image/svg+xml", svg) : data_uri("image/png", png)},
+                                 {"alt", alt},
+                                 {"width", std::to_string(png_side(png, 16))},
+                                 {"height", std::to_string(png_side(png, 20))}});
 }
 
 }  // namespace radiafit

@@ -72,6 +72,19 @@ bool within_a_line(std::string_view name) {
     return std::ranges::find(names, name) != names.end();
 }
 
+std::string start_tag(std::string_view name, const Attributes& attributes) {
+    check_name(name);
+    std::string source = fmt::format("<{}", name);
+    for (auto attribute = attributes.begin(); attribute != attributes.end(); ++attribute) {
+        const auto& [key, value] = *attribute;
+        check_name(key);
+        if (std::any_of(attributes.begin(), attribute, [&](const auto& other) { return other.first == key; }))
+            throw std::logic_error(fmt::format("<{}> has two attributes '{}'", name, key));
+        source += fmt::format(" {}=\"{}\"", key, escaped(value));
+    }
+    return source + '>';
+}
+
 bool ends(std::string_view text, std::string_view element) {
     std::string lower(text);
     std::ranges::transform(lower, lower.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
@@ -89,22 +102,14 @@ Html Html::raw(std::string source) {
 }
 
 Html element(std::string_view name, const Attributes& attributes, const Html& inside) {
-    check_name(name);
-    std::string source = fmt::format("<{}", name);
-    for (auto attribute = attributes.begin(); attribute != attributes.end(); ++attribute) {
-        const auto& [key, value] = *attribute;
-        check_name(key);
-        if (std::any_of(attributes.begin(), attribute, [&](const auto& other) { return other.first == key; }))
-            throw std::logic_error(fmt::format("<{}> has two attributes '{}'", name, key));
-        source += fmt::format(" {}=\"{}\"", key, escaped(value));
-    }
-    source += '>';
-    if (!has_no_content(name))
-        source += fmt::format("{}</{}>", inside.source(), name);
-    else if (!inside.empty())
-        throw std::logic_error(fmt::format("<{}> has no content", name));
-    if (!within_a_line(name)) source += '\n';
-    return Html::raw(std::move(source));
+    if (has_no_content(name)) throw std::logic_error(fmt::format("<{}> has no content", name));
+    return Html::raw(fmt::format("{}{}</{}>{}", start_tag(name, attributes), inside.source(), name,
+                                 within_a_line(name) ? "" : "\n"));
+}
+
+Html empty_element(std::string_view name, const Attributes& attributes) {
+    if (!has_no_content(name)) throw std::logic_error(fmt::format("<{}> has content", name));
+    return Html::raw(start_tag(name, attributes) + "\n");
 }
 
 Html style_sheet(std::string_view css) {

@@ -26,6 +26,7 @@ public:
 private:
     static Html raw(std::string source);
     friend Html element(std::string_view, const std::vector<std::pair<std::string, std::string>>&, const Html&);
+    friend Html empty_element(std::string_view, const std::vector<std::pair<std::string, std::string>>&);
     friend Html style_sheet(std::string_view);
     friend Html script(std::string_view);
 
@@ -36,9 +37,12 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 /// <name attributes>inside</name>, with a line break behind what is no part of a line of text. Throws std::logic_error
 /// for a name that is none (lower-case letters, digits, dashes), for one that stands twice among the attributes, and
-/// for content of an element that has none, such as img.
-Html element(std::string_view name, const Attributes& attributes, const Html& inside = {});
+/// for an element that has no content, such as img.
+Html element(std::string_view name, const Attributes& attributes, const Html& inside);
 inline Html element(std::string_view name, const Html& inside) { return element(name, {}, inside); }
+
+/// One that has none. Throws std::logic_error for others, and likewise.
+Html empty_element(std::string_view name, const Attributes& attributes);
 
 /// <style> and <script> with text that is ours. Throw std::logic_error for one that ends the element by itself.
 Html style_sheet(std::string_view css);
