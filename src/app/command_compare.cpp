@@ -196,11 +196,8 @@ void add_compare(CommandLine& program, int& status) {
     command.add_text("after", o->after, "likewise: what is held against it").required();
     command.add_word("--only", o->only, "experiments whose names contain this");
     command.add_flag("--all", o->all, "what is the same, too");
-    command.add_flag("--json", o->json, "one JSON object on standard output");
-    command.on_run([=, &status] {
-        if (o->json) set_quiet(true);
-        status = compare(*o);
-    });
+    add_json(command, o->json);
+    command.on_run([=, &status] { status = compare(*o); });
 }
 
 }  // namespace radiafit

@@ -9,14 +9,19 @@
 
 #include "app/commands.h"
 #include "app/family.h"
+#include "app/fit_key.h"
 #include "app/fit_on_ranks.h"
 #include "app/fit_options.h"
+#include "app/limits.h"
 #include "app/parts.h"
 #include "app/ranks.h"
 #include "app/settle.h"
+#include "app/unfinished.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "base/record.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
@@ -30,9 +35,10 @@ void add_fit_option(CommandLine& c, FitRequest& r, const std::string& name) {
     if (o.flag_value)
         c.add_flag(o.flag, r.*o.flag_value, help).group(o.group);
     else
-        c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help, [&r, &o](const std::string& text) {
-             o.read(r, text);
-         }).group(o.group);
+        c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help,
+              [&r, &o](const std::string& text) { o.read(r, text); })
+            .choices(o.choices)
+            .group(o.group);
 }
 
 void add_fit_options(CommandLine& c, FitRequest& r) {
@@ -148,24 +154,79 @@ Record begin_record(const Dataset& dataset, const Invocation& invocation) {
     return begun;
 }
 
+/// What a command is told beside the request's options.
+struct FitCommand {
+    std::string dataset, out, shard;
+    bool force = false, leave_out_outliers = false, covariance = false, resume = false, json = false;
+};
+
+/// What a fit came to, on standard output.
+void print_json(const std::string& out, const FinishedFit& done, const FitRequest& request) {
+    const FitRecord& record = done.fit->record();
+    const auto counts = record.status_counts();
+    nlohmann::ordered_json json = {{"fit", out},
+                                   {"model", request.text("model")},
+                                   {"solver", request.label()},
+                                   {"seconds", done.run.times.total},
+                                   {"problems", record.status.size()},
+                                   {"without_samples", counts[size_t(Status::no_samples)]},
+                                   {"not_finite", counts[size_t(Status::not_finite)]}};
+    if (const auto& rows = done.run.trace.rows; !rows.empty()) {
+        json["error_at_start"] = rows.front().error;
+        json["error"] = rows.back().error;
+    }
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
 /// Checks what a fit came to, writes it and says so.
-void leave(const std::string& out, const Dataset& dataset, const FitRequest& request, FinishedFit done,
-           const Record& begun, bool covariance = false) {
+void leave(const FitCommand& command, const Dataset& dataset, const FitRequest& request, FinishedFit done,
+           const Record& begun) {
     const FitRecord& record = done.fit->record();
     require_result(record, dataset);
-    if (covariance) done.fit->find_error_bars();
-    save(out, done, request, begun);
+    if (command.covariance) done.fit->find_error_bars();
+    save(command.out, done, request, begun);
+    if (command.json) return print_json(command.out, done, request);
     const auto counts = record.status_counts();
     log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
                          summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
-                         counts[size_t(Status::not_finite)], out));
+                         counts[size_t(Status::not_finite)], command.out));
+}
+
+/// As a shell takes it.
+std::string quoted(const std::string& word) {
+    const bool plain = !word.empty() && word.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                            "0123456789_./:=,+-%@") == std::string::npos;
+    if (plain) return word;
+    std::string out = "'";
+    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+/// What a fit that was stopped says: how it goes on.
+std::string how_to_go_on(const std::filesystem::path& parts, const Invocation& invocation) {
+    if (!anything_unfinished(parts)) return "nothing was finished: the same command begins anew";
+    std::string command;
+    bool resumes = false;
+    for (int i = 0; i < invocation.argc; ++i) {
+        command += quoted(invocation.argv[i]) + " ";
+        resumes = resumes || invocation.argv[i] == std::string("--resume");
+    }
+    return fmt::format("what is finished is kept in {}; to go on: {}{}", parts.string(), command,
+                       resumes ? "" : "--resume");
+}
+
+/// A fit in one piece, which keeps what is finished.
+FinishedFit fit_keeping(const Dataset& dataset, FitRequest request, Journal& journal) {
+    request.journal = std::shared_ptr<Journal>(std::shared_ptr<void>(), &journal);
+    return family_of(request).fit(dataset, request);
 }
 
 /// A fit of all training images, unless judged by it some of them are outliers: then one of the others.
-FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
+FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request, Journal& first, Journal& second) {
     std::vector<std::string> outliers;
     {
-        FinishedFit all = family_of(request).fit(dataset, request);
+        FinishedFit all = fit_keeping(dataset, request, first);
         const Dataset fitted = for_validation(dataset, request.validation);
         outliers = outlying_images(judge(all.fit->contestant(), fitted, Split::train));
         if (outliers.empty()) {
@@ -175,29 +236,49 @@ FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
     }
     request.leave_out = fmt::format("{}", fmt::join(outliers, ","));
     log_info(fmt::format("left out, since a fit misses them by far more than the others: {}", request.leave_out));
-    return family_of(request).fit(dataset, request);
+    return fit_keeping(dataset, request, second);
 }
 
-/// In one piece; or in parts, on one machine or on all that mpirun chose, which OUT.parts keeps until all are there.
-void fit(const std::string& out, const Dataset& dataset, FitRequest request, const Invocation& invocation, bool force,
-         bool leave_out_outliers, bool covariance) {
-    const Record begun = begin_record(dataset, invocation);
-    const std::filesystem::path parts = std::filesystem::path(out).concat(".parts");
-    if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
-        auto done = fit_on_ranks(*ranks, dataset, request, parts, force);
-        if (!done) return;
-        leave(out, dataset, request, std::move(*done), begun, covariance);
-    } else if (!needs_parts(dataset, request)) {
-        announce_plan(out, dataset, request, force);
-        FinishedFit done =
-            leave_out_outliers ? fit_without_outliers(dataset, request) : family_of(request).fit(dataset, request);
-        return leave(out, dataset, request, std::move(done), begun, covariance);
-    } else {
-        fit_shard(dataset, request, {}, parts, force);
-        leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun, covariance);
+void fit_in_one_piece(const FitCommand& command, const Dataset& dataset, FitRequest request, const Record& begun,
+                      const std::filesystem::path& parts, const std::string& key) {
+    announce_plan(command.out, dataset, request, command.force);
+    Journal whole(parts / "whole.journal", key, request.checkpoint_s);
+    const KeepOnFailure keep(whole);
+    if (!command.leave_out_outliers)
+        return leave(command, dataset, request, fit_keeping(dataset, request, whole), begun);
+    Journal others(parts / "without-outliers.journal", key, request.checkpoint_s);
+    const KeepOnFailure keep_others(others);
+    FinishedFit done = fit_without_outliers(dataset, request, whole, others);
+    leave(command, dataset, request, std::move(done), begun);
+}
+
+/// On one machine, in one piece or in parts.
+void fit_alone(const FitCommand& command, const Dataset& dataset, const FitRequest& request,
+               const Invocation& invocation, const Record& begun, const std::filesystem::path& parts) {
+    const std::string key = fit_key(dataset, request);
+    settle_unfinished(parts, key, command.resume);
+    try {
+        if (!needs_parts(dataset, request)) return fit_in_one_piece(command, dataset, request, begun, parts, key);
+        fit_shard(dataset, request, {}, parts, command.force);
+        leave(command, dataset, request, merge_shards(dataset, request, {parts}), begun);
+    } catch (Interrupted& stop) {
+        stop.note = how_to_go_on(parts, invocation);
+        throw;
     }
-    std::error_code ignored;
-    std::filesystem::remove_all(parts, ignored);
+}
+
+/// Alone, or on all machines that mpirun chose. OUT.parts keeps what is finished until the fit is there.
+void fit(const FitCommand& command, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
+    const Record begun = begin_record(dataset, invocation);
+    const std::filesystem::path parts = unfinished_folder(command.out);
+    if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
+        auto done = fit_on_ranks(*ranks, dataset, request, parts, command.force);
+        if (!done) return;
+        leave(command, dataset, request, std::move(*done), begun);
+    } else {
+        fit_alone(command, dataset, request, invocation, begun, parts);
+    }
+    remove_unfinished(parts);
 }
 
 /// What --leave-out-outliers asks of a fit. Throws UserError.
@@ -223,63 +304,67 @@ void require_error_bars(const FitRequest& request, bool shard) {
 
 void add_fit(CommandLine& program, const Invocation& invocation) {
     auto request = std::make_shared<FitRequest>();
-    auto folder = std::make_shared<std::string>();
-    auto out = std::make_shared<std::string>();
-    auto shard = std::make_shared<std::string>();
-    auto force = std::make_shared<bool>(false);
-    auto leave_out_outliers = std::make_shared<bool>(false);
+    auto o = std::make_shared<FitCommand>();
     CommandLine& command = program.add_command("fit", "fit a model to a packed dataset");
-    command.add_text("dataset", *folder, "packed dataset").required();
+    command.add_text("dataset", o->dataset, "packed dataset").required();
     add_fit_options(command, *request);
-    command.add_text("-o,--output", *out, "folder of the fit, or of the shard").required();
-    command.add_text("--shard", *shard,
+    command.add_text("-o,--output", o->out, "folder of the fit, or of the shard").required();
+    command.add_text("--shard", o->shard,
                      "2/7: only the second of seven shares of the surface, into a folder for radiafit merge");
-    add_force(command, *force);
-    command.add_flag("--leave-out-outliers", *leave_out_outliers,
+    command.add_flag("--resume", o->resume,
+                     "go on from what a fit that was stopped left in OUTPUT.parts, and refuse it if it is of another");
+    command.add_number("--checkpoint", request->checkpoint_s, limits::checkpoint,
+                       "seconds after which what is finished goes to OUTPUT.parts again");
+    add_force(command, o->force);
+    command.add_flag("--leave-out-outliers", o->leave_out_outliers,
                      "fit twice: all training images, and those that the first fit does not miss by far");
-    auto covariance = std::make_shared<bool>(false);
-    command.add_flag("--covariance", *covariance,
+    command.add_flag("--covariance", o->covariance,
                      "maps of the parameters' standard deviations as well, of texel-local models");
+    add_json(command, o->json);
     command.on_run([=, &command] {
-        const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
+        const std::optional<Shard> share = o->shard.empty() ? std::nullopt : std::optional(parse_shard(o->shard));
+        std::optional<OutputLock> lock;  // ranks lock what they have in common
+        if (started_together() == 1) lock.emplace(o->out);
         if (!share) {
-            check_fit_target(*out);
+            check_fit_target(o->out);
             // an output that cannot be written shows now, not at the end
-            const AtomicFolder tried(*out, AtomicFolder::Existing::replace);
+            const AtomicFolder tried(o->out, AtomicFolder::Existing::replace);
         }
-        check_apart(*out, request->records);
-        request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
-        const Dataset dataset = open_dataset(*folder);
+        check_apart(o->out, request->records);
+        request->scratch = (std::filesystem::absolute(o->out) / "").parent_path().parent_path();
+        const Dataset dataset = open_dataset(o->dataset);
         const auto given = [&](const char* option) { return command.given(option); };
         const std::string chosen =
             settle(given, share || given("--memory") || started_together() > 1, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
-        if (*leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
-        if (*covariance) require_error_bars(*request, share.has_value());
+        if (o->leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
+        if (o->covariance) require_error_bars(*request, share.has_value());
         if (!chosen.empty()) log_info(chosen);
         warn_about_range(dataset, *request);
         if (share)
-            fit_shard(dataset, *request, *share, *out, *force);
+            fit_shard(dataset, *request, *share, o->out, o->force);
         else
-            fit(*out, dataset, *request, invocation, *force, *leave_out_outliers, *covariance);
+            fit(*o, dataset, *request, invocation);
     });
 }
 
 void add_merge(CommandLine& program, const Invocation& invocation) {
     auto folders = std::make_shared<std::vector<std::string>>();
     auto moved_to = std::make_shared<std::string>();
-    auto out = std::make_shared<std::string>();
+    auto o = std::make_shared<FitCommand>();
     CommandLine& command = program.add_command("merge", "put the shards of a fit together");
     command.add_rest("shards", *folders, "folders that radiafit fit --shard wrote, all of one fit").required();
     command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
-    command.add_text("-o,--output", *out, "folder of the fit").required();
+    command.add_text("-o,--output", o->out, "folder of the fit").required();
+    add_json(command, o->json);
     command.on_run([=] {
-        check_fit_target(*out);
-        { const AtomicFolder tried(*out, AtomicFolder::Existing::replace); }
+        const OutputLock lock(o->out);
+        check_fit_target(o->out);
+        { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));
         const Record begun = begin_record(dataset, invocation);
-        leave(*out, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
+        leave(*o, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
               begun);
     });
 }

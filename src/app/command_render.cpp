@@ -15,6 +15,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "capture/png_file.h"
 #include "eval/render.h"
 
@@ -248,6 +249,7 @@ void check_output(const RenderOptions& o) {
 void render_fit(const RenderOptions& o) {
     check_output(o);
     check_pixel_points(o.pixel_points);
+    const OutputLock lock(stem_of(o.output));
     const auto fit = open_fit(o.fit, o.dataset);
     if (!o.light.empty() && !fit->takes_light())
         throw UserError("--light: a light field map keeps the light it was photographed under");
@@ -272,6 +274,7 @@ void add_render(CommandLine& program) {
         .hide_default()
         .excludes("--view");
     command.add_word("--all", o->all, "held-out or train: every such view, into a folder, each beside its photograph")
+        .choices({"held-out", "train"})
         .hide_default()
         .excludes("--view")
         .excludes("--turntable");

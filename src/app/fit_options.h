@@ -52,9 +52,10 @@ struct FitOption {
     std::string flag;   ///< on the command line: "--surface-side"; "--deflate,!--joint" of a switch
     std::string group;  ///< under which --help and docs/options.md list it
     std::string help;
-    std::string values;         ///< "paper, modern", "a whole number from 1 to 16", "a folder"
-    std::string type = "TEXT";  ///< in --help
-    uint32_t uses = 0;          ///< means something to fits that do one of these; 0: to every fit
+    std::string values;                ///< "paper, modern", "a whole number from 1 to 16", "a folder"
+    std::vector<std::string> choices;  ///< where values are names
+    std::string type = "TEXT";         ///< in --help
+    uint32_t uses = 0;                 ///< means something to fits that do one of these; 0: to every fit
     bool hide_default = false;
     bool FitRequest::*flag_value = nullptr;  ///< of a switch
     /// Throws UserError.

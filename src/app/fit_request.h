@@ -1,7 +1,9 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 
+#include "base/journal.h"
 #include "compute/compute_options.h"
 #include "cpu/vertex_solver.h"
 #include "fragment/fragment_engine.h"
@@ -59,12 +61,14 @@ struct FitRequest {
     std::string records;                       ///< empty: they go again
     int refills = 0;
 
-    std::filesystem::path scratch;  ///< where records go that don't stay; empty: the folder for such files
-    bool cold = false;              ///< records leave the page cache between the steps
-    bool part = false;              ///< fits a part of a surface (app/parts.h), which may be unseen
-    int left_out = 0;               ///< of OptimizerOptions; model.mends are others
-    float first_step = 1;           ///< likewise
-    bool cull = true;               ///< of FragmentOptions
+    std::filesystem::path scratch;     ///< where records go that don't stay; empty: the folder for such files
+    std::shared_ptr<Journal> journal;  ///< of what is finished, by solvers whose problems end one after another
+    double checkpoint_s = 10;          ///< how often what is finished goes to disk; 0: never
+    bool cold = false;                 ///< records leave the page cache between the steps
+    bool part = false;                 ///< fits a part of a surface (app/parts.h), which may be unseen
+    int left_out = 0;                  ///< of OptimizerOptions; model.mends are others
+    float first_step = 1;              ///< likewise
+    bool cull = true;                  ///< of FragmentOptions
 
     /// The option by its name in the table. Throws UserError for a value that it does not take.
     FitRequest& set(const std::string& option, const std::string& value);

@@ -88,6 +88,19 @@ void write_part_result(const fs::path& file, const std::string& key, const PartR
     out.commit();
 }
 
+std::optional<std::string> part_key(const fs::path& file) {
+    const InputFile in(file);
+    uint64_t size = 0;
+    if (in.size() < sizeof size) return {};
+    in.read(&size, 0, sizeof size);
+    if (size > in.size() - sizeof size) return {};
+    std::string text(size, ' ');
+    in.read(text.data(), sizeof size, size);
+    const Json description = nested_deeper(text, 100) ? Json() : Json::parse(text, nullptr, false);
+    if (!description.is_object() || !description.contains("key") || !description.at("key").is_string()) return {};
+    return description.at("key").get<std::string>();
+}
+
 PartResult read_part_result(const fs::path& file, const std::string& key) {
     Reader in(file);
     uint64_t hash = hash_start, size = 0;

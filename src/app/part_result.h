@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ private:
 /// One file, which appears whole or not at all (docs/formats.md). `key`: all that decides what the result is. Throws
 /// UserError when the disk is full or the folder not writable.
 void write_part_result(const std::filesystem::path& file, const std::string& key, const PartResult& result);
+/// The key of a file, whose other bytes aren't looked at; none where its beginning is damaged.
+std::optional<std::string> part_key(const std::filesystem::path& file);
 /// Throws UserError for a damaged file, or one of another key.
 PartResult read_part_result(const std::filesystem::path& file, const std::string& key);
 

@@ -14,7 +14,8 @@ void solve_pca(FitTask& task) {
     Stopwatch optimization;
     const LfmLayout layout = task.layout();
     Progress progress("vertices", layout.problem_count());
-    PcaFit fit = pca_solver(resampler, layout, task.request.refills, [&] { progress.advance(); });
+    PcaFit fit = pca_solver(
+        resampler, layout, task.request.refills, [&] { progress.advance(); }, task.request.journal.get());
     progress.finish();
     task.out.times.optimization = optimization.wall_s();
     task.out.resampling = fit.resampling;

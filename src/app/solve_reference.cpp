@@ -18,11 +18,11 @@ void solve_by_vertices(FitTask& task, const VertexSolver& solver) {
     Stopwatch clock;
     const LfmVertices vertices(task.dataset, task.atlas, task.rings, samples, task.options);
     Progress progress("vertices", vertices.layout().problem_count());
-    RunsResult result = solve_vertices(vertices, task.request.seed,
-                                       [&](const LfmVertex& vertex, std::span<Lanes<double>> p, VertexRun& run) {
-                                           solver(vertex, p, run);
-                                           progress.advance();
-                                       });
+    const auto solve = [&](const LfmVertex& vertex, std::span<Lanes<double>> p, VertexRun& run) {
+        solver(vertex, p, run);
+        progress.advance();
+    };
+    RunsResult result = solve_vertices(vertices, task.request.seed, solve, nullptr, task.request.journal.get());
     progress.finish();
     FitOutcome& out = task.out;
     out.times.optimization = clock.wall_s();

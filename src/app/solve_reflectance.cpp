@@ -59,7 +59,8 @@ void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve
     Stopwatch clock;
     const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
     Progress progress("texels", source.block_count());
-    TexelResult result = solve(TexelProblem{source, loader, task.options}, [&] { progress.advance(); });
+    TexelResult result =
+        solve(TexelProblem{source, loader, task.options, task.request.journal.get()}, [&] { progress.advance(); });
     progress.finish();
     task.out.times.streaming += result.load_s;
     task.out.times.optimization = clock.wall_s() - result.load_s;
@@ -113,17 +114,18 @@ void solve_fragment(TexelTask& task) {
     take_sweeps(engine.times(), clock.wall_s(), task.dataset, task.out);
 }
 
-/// body(first texel, how many, their samples): eight texels at a time, or what is left of a block, on all cores.
-/// Returns the seconds that reading and shading took, per core.
-template <class Body>
-double for_eights(const TexelProblem& problem, const std::function<void()>& block_done, const Body& body) {
+/// body(first texel, how many, their samples): eight texels at a time, or what is left of a block, on all cores; blocks
+/// that the problem's journal has are read by fields(visit, first texel, how many) instead. Returns the seconds that
+/// reading and shading took, per core.
+template <class Fields, class Body>
+double for_eights(const TexelProblem& problem, const std::function<void()>& block_done, const Fields& fields,
+                  const Body& body) {
     constexpr size_t eight = 8;
     std::vector<double> load_s(size_t(thread_count()), 0);
-    parallel_for(problem.source.block_count(), 1, [&](size_t block, int worker) {
+    const auto solve_block = [&](uint32_t begin, int worker) {
         Stopwatch clock;
         TexelSamples samples;
         std::vector<std::vector<ShadedSample>> shaded(eight);
-        const uint32_t begin = uint32_t(block) * TexelSource::block;
         problem.source.read(begin, samples);
         load_s[size_t(worker)] += clock.wall_s();
         const size_t count = samples.first.size() - 1;
@@ -137,6 +139,13 @@ double for_eights(const TexelProblem& problem, const std::function<void()>& bloc
             load_s[size_t(worker)] += clock.wall_s();
             body(begin + first, std::min(eight, count - first), shaded);
         }
+    };
+    parallel_for(problem.source.block_count(), 1, [&](size_t block, int worker) {
+        const uint32_t begin = uint32_t(block) * TexelSource::block;
+        const size_t count = std::min<size_t>(TexelSource::block, problem.source.texel_count() - begin);
+        once(
+            problem.journal, block, [&](auto& visit) { fields(visit, begin, count); },
+            [&] { solve_block(begin, worker); });
         if (block_done) block_done();
     });
     double sum = 0;
@@ -165,7 +174,8 @@ std::vector<float> starts_of(const TexelProblem& problem) {
     const TexelSolvers& solvers = texel_solvers(*problem.options.model);
     const size_t n = size_t(problem.options.model->parameters);
     std::vector<float> out(problem.source.texel_count() * n);
-    for_eights(problem, {}, [&](size_t first, size_t count, const auto& shaded) {
+    const auto no_fields = [](auto&, size_t, size_t) {};
+    for_eights(problem, {}, no_fields, [&](size_t first, size_t count, const auto& shaded) {
         std::copy_n(solvers.start(shaded).begin(), count * n, &out[first * n]);
     });
     return out;
@@ -215,7 +225,9 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, Cer
     out.status.assign(texels, Status::no_samples);
     out.iterations.assign(texels, 0);
     out.samples.assign(texels, 0);
-    const double load_s = for_eights(problem, progress, [&](size_t first, size_t count, const auto& shaded) {
+    out.error.assign(texels, 0);
+    const auto fields = [&](auto& visit, size_t begin, size_t count) { out.visit_texels(visit, begin, count, n); };
+    const double load_s = for_eights(problem, progress, fields, [&](size_t first, size_t count, const auto& shaded) {
         const std::vector<float> start = task.solvers().start(shaded);
         for (size_t i = 0; i < count; ++i) {
             const size_t t = first + i;

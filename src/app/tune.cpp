@@ -95,17 +95,25 @@ public:
     Search(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried)
         : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
 
-    std::vector<TriedSetting> run() {
-        const auto candidates = dataset_.views[0].light ? under_lamps() : under_fixed_light();
-        for (const Candidate& candidate : candidates)
-            for (const FitSetting& start : candidate.starts) attempt(start);
-        while (climb(candidates)) {
+    std::vector<TriedSetting> run(std::optional<Interrupted>* stopped) {
+        try {
+            search();
+        } catch (const Interrupted& interrupted) {
+            if (!stopped) throw;
+            *stopped = interrupted;
         }
         std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
         return all_;
     }
 
 private:
+    void search() {
+        const auto candidates = dataset_.views[0].light ? under_lamps() : under_fixed_light();
+        for (const Candidate& candidate : candidates)
+            for (const FitSetting& start : candidate.starts) attempt(start);
+        while (climb(candidates)) {
+        }
+    }
     const TriedSetting& best() const { return *std::ranges::max_element(all_, {}, &TriedSetting::psnr); }
 
     FitRequest request_of(const FitSetting& setting) const {
@@ -174,10 +182,11 @@ int left_out_every(const Dataset& dataset, const TuneOptions& options) {
 }
 
 std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
-                               const std::function<void(const TriedSetting&)>& tried) {
+                               const std::function<void(const TriedSetting&)>& tried,
+                               std::optional<Interrupted>* stopped) {
     require("seconds", options.seconds, limits::tune_seconds);
     require("validation", options.validation, limits::tune_validation);
-    return Search(dataset, {options.seconds, left_out_every(dataset, options)}, tried).run();
+    return Search(dataset, {options.seconds, left_out_every(dataset, options)}, tried).run(stopped);
 }
 
 }  // namespace radiafit

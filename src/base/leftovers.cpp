@@ -31,7 +31,7 @@ bool may_be_left(const TemporaryName& name) {
 
 struct Leftover {
     fs::path path;
-    fs::path target;  ///< whose place a replaced one gave up; empty for an unfinished one
+    fs::path target;  ///< whose place a replaced one gave up; empty for an unfinished one, or a lock's file
 };
 
 std::vector<Leftover> leftovers_in(const fs::path& folder) {
@@ -39,6 +39,7 @@ std::vector<Leftover> leftovers_in(const fs::path& folder) {
     std::error_code error;
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
         const std::string name = at->path().filename().string();
+        if (name.starts_with(fmt::format("{}-", lock_prefix))) found.push_back({at->path(), {}});
         if (const auto unfinished = parse_temporary_name(name, unfinished_prefix); may_be_left(unfinished))
             found.push_back({at->path(), {}});
         if (const auto replaced = parse_temporary_name(name, replaced_prefix); may_be_left(replaced))

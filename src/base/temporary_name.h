@@ -12,6 +12,7 @@ namespace radiafit {
 
 inline constexpr std::string_view unfinished_prefix = ".radiafit-tmp";  ///< on its way to NAME
 inline constexpr std::string_view replaced_prefix = ".radiafit-old";    ///< stood under NAME until a moment ago
+inline constexpr std::string_view lock_prefix = ".radiafit-lock";       ///< PREFIX-NAME: a run writes NAME
 
 /// A new name in `folder`.
 std::filesystem::path temporary_name(const std::filesystem::path& folder, const std::string& name,

@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 
+#include "base/journal.h"
 #include "cpu/texel_fit.h"
 #include "model/texel_options.h"
 #include "optim/optimizer.h"
@@ -22,6 +23,16 @@ struct TexelResult {
     uint64_t engine_bytes = 0;
     uint64_t sample_iterations = 0;  ///< samples times iterations, over all texels
     double load_s = 0;               ///< reading samples and shading them; over the threads
+
+    /// Hands what there is of texels [begin, begin + count) to visit(), for a journal (once()).
+    template <class Visit>
+    void visit_texels(Visit& visit, size_t begin, size_t count, size_t per_texel) {
+        visit(std::span(parameters).subspan(begin * per_texel, count * per_texel));
+        visit(std::span(status).subspan(begin, count));
+        visit(std::span(iterations).subspan(begin, count));
+        visit(std::span(samples).subspan(begin, count));
+        visit(std::span(error).subspan(begin, count));
+    }
 };
 
 /// Where texels' samples come from, and what counts.
@@ -29,6 +40,7 @@ struct TexelProblem {
     const TexelSource& source;
     const TexelLoader& loader;
     const TexelOptions& options;
+    Journal* journal = nullptr;  ///< of blocks that are finished, for solvers that end one after another
 };
 
 using TexelHook = std::function<void(int iteration, const std::function<void(std::span<float>)>& read_errors)>;

@@ -67,19 +67,26 @@ class TexelSolversOf final : public TexelSolvers {
         for (size_t t = 0; t < count; ++t) errors[first + t] = batch.count(int(t)) ? float(error[int(t)]) : 0.0f;
     }
 
-    /// work(worker, block's first texel, batches, trace of the block) for every block, in parallel.
+    /// work(worker, block's first texel, batches, trace of the block) for every block, in parallel, but those that
+    /// `journal` has.
     template <class Work>
-    static TexelResult for_blocks(const TexelProblem& problem, const std::function<void()>& progress,
+    static TexelResult for_blocks(const TexelProblem& problem, Journal* journal, const std::function<void()>& progress,
                                   const Work& work) {
         TexelResult out = empty_result(problem.source.texel_count());
         std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
         std::vector<TraceSum> traces(problem.source.block_count());
         parallel_for(traces.size(), 1, [&](size_t block, int worker) {
-            if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>();
-            Worker& w = *workers[size_t(worker)];
             const uint32_t begin = uint32_t(block) * TexelSource::block;
-            const size_t batches = w.load(problem.source, problem.loader, begin);
-            work(w, begin, batches, traces[block], out);
+            const auto fields = [&](auto& visit) {
+                out.visit_texels(visit, begin, std::min<size_t>(TexelSource::block, out.status.size() - begin), N);
+                visit(traces[block].rows());
+            };
+            once(journal, block, fields, [&] {
+                if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>();
+                Worker& w = *workers[size_t(worker)];
+                const size_t batches = w.load(problem.source, problem.loader, begin);
+                work(w, begin, batches, traces[block], out);
+            });
             if (progress) progress();
         });
         TraceSum sum;
@@ -136,26 +143,27 @@ public:
 
     TexelResult solve(const TexelProblem& problem, const OptimizerOptions& optimizer,
                       const std::function<void()>& progress) const override {
-        return for_blocks(
-            problem, progress, [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
-                for (size_t b = 0; b < batches; ++b) {
-                    const std::span<const Batch> one(&w.batches[b], 1);
-                    Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
-                    Engine engine(texels);
-                    engine.count();
-                    std::vector<float> start(engine.problem_count() * N);
-                    put_start(w.batches[b], start, 0);
-                    engine.reset(start);
-                    trace.add(optimize(engine, optimizer).rows);
-                    take(engine, problem.options, one, out, [&](size_t i) { return begin + w.order[lanes * b + i]; });
-                }
-            });
+        return for_blocks(problem, problem.journal, progress,
+                          [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
+                              for (size_t b = 0; b < batches; ++b) {
+                                  const std::span<const Batch> one(&w.batches[b], 1);
+                                  Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
+                                  Engine engine(texels);
+                                  engine.count();
+                                  std::vector<float> start(engine.problem_count() * N);
+                                  put_start(w.batches[b], start, 0);
+                                  engine.reset(start);
+                                  trace.add(optimize(engine, optimizer).rows);
+                                  take(engine, problem.options, one, out,
+                                       [&](size_t i) { return begin + w.order[lanes * b + i]; });
+                              }
+                          });
     }
 
     TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& options,
                          const std::function<void()>& progress) const override {
         const Fit fit(options);
-        return for_blocks(problem, progress,
+        return for_blocks(problem, problem.journal, progress,
                           [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
                               std::vector<float> p(lanes * batches * N), errors(lanes * batches);
                               for (size_t b = 0; b < batches; ++b) {
@@ -192,7 +200,7 @@ public:
                               double* load_s) const override {
         std::vector<float> out(problem.source.texel_count());
         const TexelResult visit =
-            for_blocks(problem, {}, [&](Worker& w, uint32_t begin, size_t batches, TraceSum&, TexelResult&) {
+            for_blocks(problem, nullptr, {}, [&](Worker& w, uint32_t begin, size_t batches, TraceSum&, TexelResult&) {
                 std::vector<float> p(w.order.size() * N), e(w.order.size());
                 for (size_t i = 0; i < w.order.size(); ++i)
                     std::copy_n(&parameters[(begin + w.order[i]) * N], N, &p[i * N]);

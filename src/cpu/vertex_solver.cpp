@@ -14,8 +14,13 @@ struct Worker {
     std::unique_ptr<VertexSource> source;
     VertexProblem problem;
     LaneEngine<VertexProblem> engine{problem};
-    uint64_t sample_iterations = 0, largest_working_set = 0;
     Worker(std::unique_ptr<VertexSource> s, const VertexProblem& fresh) : source(std::move(s)), problem(fresh) {}
+};
+
+/// Of a chunk, besides its part of the solution.
+struct Chunk {
+    TraceSum trace;
+    uint64_t sample_iterations = 0, largest_working_set = 0;
 };
 
 class ListSource final : public VertexSource {
@@ -39,30 +44,44 @@ VertexSolution solve_vertices(const LfmLayout& layout, ProblemStatistics statist
     out.parameters = lfm_start(layout, statistics.mean, options.seed);
     out.outcomes.resize(3 * vertices);
     std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
-    std::vector<TraceSum> traces((vertices + chunk - 1) / chunk);
-    parallel_for(traces.size(), 1, [&](size_t c, int worker) {
-        auto& mine = workers[size_t(worker)];
-        if (!mine) mine = std::make_unique<Worker>(sources(), fresh);
-        const size_t begin = c * chunk, end = std::min(begin + chunk, vertices);
-        mine->source->begin(begin, end);
+    std::vector<Chunk> chunks((vertices + chunk - 1) / chunk);
+    const auto solve = [&](Chunk& its, Worker& mine, size_t begin, size_t end) {
+        mine.source->begin(begin, end);
         for (size_t v = begin; v < end; ++v) {
-            mine->source->load(v, mine->problem);
-            mine->engine.count();
-            const Trace trace = optimize_terms(mine->engine, options.optimizer, fresh.options().terms, options.deflate,
+            mine.source->load(v, mine.problem);
+            mine.engine.count();
+            const Trace trace = optimize_terms(mine.engine, options.optimizer, fresh.options().terms, options.deflate,
                                                {out.parameters.data() + layout.offset(v), layout.block_size(v)});
-            mine->engine.outcomes({out.outcomes.data() + 3 * v, 3});
-            traces[c].add(trace.rows);
-            mine->sample_iterations += uint64_t(statistics.samples[v]) * uint64_t(trace.rows.back().iteration);
-            mine->largest_working_set = std::max(mine->largest_working_set, mine->problem.working_set_bytes());
-            if (progress) progress();
+            mine.engine.outcomes({out.outcomes.data() + 3 * v, 3});
+            its.trace.add(trace.rows);
+            its.sample_iterations += uint64_t(statistics.samples[v]) * uint64_t(trace.rows.back().iteration);
+            its.largest_working_set = std::max(its.largest_working_set, mine.problem.working_set_bytes());
         }
+    };
+    parallel_for(chunks.size(), 1, [&](size_t c, int worker) {
+        const size_t begin = c * chunk, end = std::min(begin + chunk, vertices);
+        const auto fields = [&](auto& visit) {
+            const size_t from = layout.offset(begin), last = end - 1;
+            visit(std::span(out.parameters).subspan(from, layout.offset(last) + layout.block_size(last) - from));
+            visit(std::span(out.outcomes).subspan(3 * begin, 3 * (end - begin)));
+            visit(chunks[c].trace.rows());
+            visit(chunks[c].sample_iterations);
+            visit(chunks[c].largest_working_set);
+        };
+        once(options.journal.get(), c, fields, [&] {
+            auto& mine = workers[size_t(worker)];
+            if (!mine) mine = std::make_unique<Worker>(sources(), fresh);
+            solve(chunks[c], *mine, begin, end);
+        });
+        for (size_t v = begin; progress && v < end; ++v) progress();
     });
-    out.trace = sum_over_threads(traces, thread_count());
-    for (const auto& worker : workers) {
-        if (!worker) continue;
-        out.sample_iterations += worker->sample_iterations;
-        out.largest_working_set = std::max(out.largest_working_set, worker->largest_working_set);
+    std::vector<TraceSum> traces;
+    for (Chunk& c : chunks) {
+        traces.push_back(std::move(c.trace));
+        out.sample_iterations += c.sample_iterations;
+        out.largest_working_set = std::max(out.largest_working_set, c.largest_working_set);
     }
+    out.trace = sum_over_threads(traces, thread_count());
     out.statistics = std::move(statistics);
     return out;
 }

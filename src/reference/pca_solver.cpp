@@ -18,15 +18,14 @@ TruncatedSvd factorize(Eigen::MatrixXd& a, const Eigen::MatrixXd& invented, int 
 }  // namespace
 
 PcaFit pca_solver(const RingResampler& resampler, const LfmLayout& layout, int refills,
-                  const std::function<void()>& vertex_done) {
+                  const std::function<void()>& vertex_done, Journal* journal) {
     const std::vector<uint32_t>& view_texels = resampler.view_texels();
     const size_t stride = layout.stride();
     PcaFit fit;
     fit.parameters.assign(layout.size(), 0.0f);
     std::vector<ResamplingCounts> counts(layout.problem_count());
     std::vector<DenseLightField> scratch(static_cast<size_t>(thread_count()));
-    parallel_for(layout.problem_count(), 1, [&](size_t v, int worker) {
-        DenseLightField& field = scratch[size_t(worker)];
+    const auto solve = [&](size_t v, DenseLightField& field) {
         const bool seen = resampler.resample(v, field);
         for (size_t c = 0; c < 3 && seen; ++c) {
             const TruncatedSvd svd = factorize(field.channel[c], field.invented, layout.terms(), refills);
@@ -41,6 +40,13 @@ PcaFit pca_solver(const RingResampler& resampler, const LfmLayout& layout, int r
             }
         }
         counts[v] = field.counts;
+    };
+    parallel_for(layout.problem_count(), 1, [&](size_t v, int worker) {
+        const auto fields = [&](auto& visit) {
+            visit(std::span(fit.parameters).subspan(layout.offset(v), layout.block_size(v)));
+            visit(counts[v]);
+        };
+        once(journal, v, fields, [&] { solve(v, scratch[size_t(worker)]); });
         if (vertex_done) vertex_done();
     });
     for (const ResamplingCounts& c : counts) fit.resampling += c;

@@ -2,6 +2,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/journal.h"
 #include "model/lfm.h"
 #include "reference/ring_resampler.h"
 
@@ -17,8 +18,8 @@ struct PcaFit {
 /// joint over the ring, so that its triangles share view maps. A vertex that no image sees keeps zeros.
 /// refills: how often invented entries are set to what the terms say there and the factorization is refined on it; 0
 /// is the published method, with invented entries as RingResampler leaves them.
-/// vertex_done is called after every vertex, from any thread.
+/// vertex_done is called after every vertex, from any thread; `journal` keeps those that are finished.
 PcaFit pca_solver(const RingResampler& resampler, const LfmLayout& layout, int refills,
-                  const std::function<void()>& vertex_done = {});
+                  const std::function<void()>& vertex_done = {}, Journal* journal = nullptr);
 
 }  // namespace radiafit

@@ -73,22 +73,35 @@ void require_modern_penalty(const LfmOptions& model, const char* solver) {
 }
 
 RunsResult solve_vertices(const LfmVertices& vertices, uint64_t seed, const VertexSolver& solver,
-                          const std::vector<uint32_t>* chosen) {
+                          const std::vector<uint32_t>* chosen, Journal* journal) {
     const LfmLayout& layout = vertices.layout();
     const ProblemStatistics& statistics = vertices.statistics();
     RunsResult out{lfm_start(layout, statistics.mean, seed), std::vector<VertexRun>(layout.problem_count())};
     parallel_for(chosen ? chosen->size() : layout.problem_count(), 1, [&](size_t i, int) {
         const size_t v = chosen ? (*chosen)[i] : i;
         if (statistics.samples[v] == 0) return;
-        LfmVertex vertex;
-        vertices.gather(v, vertex);
         float* block = &out.parameters[layout.offset(v)];
-        std::vector<Lanes<double>> p(vertex.size());
-        for (size_t j = 0; j < p.size(); ++j)
-            for (int c = 0; c < 4; ++c) p[j][c] = double(block[4 * j + size_t(c)]);
-        solver(vertex, p, out.runs[v]);
-        for (size_t j = 0; j < p.size(); ++j)
-            for (int c = 0; c < 4; ++c) block[4 * j + size_t(c)] = float(p[j][c]);
+        VertexRun& run = out.runs[v];
+        const auto fields = [&](auto& visit) {
+            visit(std::span(block, layout.block_size(v)));
+            for (VertexRun::Channel& c : run.channel) {
+                visit(c.error);
+                visit(c.time_s);
+                visit(c.status);
+            }
+            visit(run.joint);
+            visit(run.setup_s);
+        };
+        once(journal, v, fields, [&] {
+            LfmVertex vertex;
+            vertices.gather(v, vertex);
+            std::vector<Lanes<double>> p(vertex.size());
+            for (size_t j = 0; j < p.size(); ++j)
+                for (int c = 0; c < 4; ++c) p[j][c] = double(block[4 * j + size_t(c)]);
+            solver(vertex, p, run);
+            for (size_t j = 0; j < p.size(); ++j)
+                for (int c = 0; c < 4; ++c) block[4 * j + size_t(c)] = float(p[j][c]);
+        });
     });
     return out;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/journal.h"
 #include "optim/trace.h"
 #include "reference/lfm_vertex.h"
 
@@ -73,9 +74,9 @@ using VertexSolver = std::function<void(const LfmVertex& vertex, std::span<Lanes
 void require_modern_penalty(const LfmOptions& model, const char* solver);
 
 /// From lfm_start(seed), every vertex with samples, or the chosen ones; the others keep the start. Threads over
-/// vertices.
+/// vertices. `journal` keeps those that are finished.
 RunsResult solve_vertices(const LfmVertices& vertices, uint64_t seed, const VertexSolver& solver,
-                          const std::vector<uint32_t>* chosen = nullptr);
+                          const std::vector<uint32_t>* chosen = nullptr, Journal* journal = nullptr);
 
 /// Row k: the sum of E_t after k iterations of every problem, and the time to it summed over vertices, set-up included,
 /// divided by the number of threads.
