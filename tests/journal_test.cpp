@@ -50,15 +50,14 @@ TEST(Journal, NothingIsWrittenBeforeItsTimeOrWhereItIsOff) {
     EXPECT_FALSE(stands(folder.path() / "b.journal"));
 }
 
-TEST(Journal, AnExceptionHasItWritten) {
+TEST(Journal, ASignalHasItWritten) {
     const TemporaryFolder folder;
-    try {
-        Journal journal(folder.path() / "a.journal", "key", 1000);
-        const KeepOnFailure keep(journal);
+    Journal journal(folder.path() / "a.journal", "key", 1000);
+    const auto work = [&]() -> int {
         journal.keep(1, "one");
-        throw 1;
-    } catch (int) {
-    }
+        throw Interrupted{2, {}};
+    };
+    EXPECT_THROW(keeping(journal, work), Interrupted);
     EXPECT_EQ(Journal(folder.path() / "a.journal", "key", 1).find(1), "one");
 }
 

@@ -54,9 +54,7 @@ TEST(OutputLock, AKilledRunsIsNoObstacleAndGoes) {
     EXPECT_TRUE(stands(folder.path() / ".radiafit-lock-out"));
 }
 
-TEST(OutputLock, AFolderThatCanNotBeWrittenIsNoErrorHere) {
-    const OutputLock nowhere("/proc/out"), nameless("");
-}
+TEST(OutputLock, AFolderThatCanNotBeWrittenIsNoErrorHere) { const OutputLock nowhere("/proc/out"), nameless(""); }
 
 }  // namespace
 }  // namespace radiafit

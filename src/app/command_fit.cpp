@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/commands.h"
@@ -12,6 +11,7 @@
 #include "app/fit_key.h"
 #include "app/fit_on_ranks.h"
 #include "app/fit_options.h"
+#include "app/leave_fit.h"
 #include "app/limits.h"
 #include "app/parts.h"
 #include "app/ranks.h"
@@ -47,6 +47,12 @@ void add_fit_options(CommandLine& c, FitRequest& r) {
 
 namespace {
 
+/// What a command is told beside the request's options.
+struct FitCommand : FitTarget {
+    std::string dataset, shard;
+    bool force = false, leave_out_outliers = false, resume = false;
+};
+
 /// Throws UserError if the fit's folder and the records' lie one inside the other.
 void check_apart(const std::string& output, const std::string& records) {
     if (records.empty()) return;
@@ -57,43 +63,6 @@ void check_apart(const std::string& output, const std::string& records) {
     if (a.starts_with(b) || b.starts_with(a))
         throw UserError(
             fmt::format("{}: the records' folder and the fit's lie one inside the other; choose another", records));
-}
-
-/// A fit's times and provenance, as JSON, into it.
-nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const FitRequest& request, Record record) {
-    record.gl_vendor = run.gl_vendor;
-    record.gl_renderer = run.gl_renderer;
-    record.gl_version = run.gl_version;
-    fit.provenance_json = record_json(record);
-    const FitTimes& t = run.times;
-    nlohmann::ordered_json times = {
-        {"distribution_s", t.distribution},
-        {"streaming_s", t.streaming},
-        {"optimization_s", t.optimization},
-        {"total_s", t.total},
-        {"sweep_cpu_ms_per_image", run.sweep_cpu_ms_per_image},
-        {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
-    };
-    if (!run.accumulation.empty()) times["accumulation"] = run.accumulation;
-    if (uses_of(request) & use::records)
-        times["records"] = {
-            {"bytes_written", run.records.bytes_written}, {"waiting_bytes_read", run.records.bytes_read},
-            {"waiting_parts", run.records.waiting_parts}, {"bytes_read", run.record_bytes_read},
-            {"cached_share", run.record_cached_share},    {"sample_iterations", run.sample_iterations},
-            {"working_set_bytes", run.working_set_bytes},
-        };
-    return times;
-}
-
-/// Throws UserError for a fit that means nothing.
-void require_result(const FitRecord& fit, const Dataset& dataset) {
-    const auto counts = fit.status_counts();
-    const uint64_t broken = counts[size_t(Status::not_finite)], empty = counts[size_t(Status::no_samples)];
-    if (broken > 0 && broken + empty == fit.status.size())
-        throw UserError(
-            fmt::format("{}: none of {} problems came to a finite result ({} have no samples): check the "
-                        "images' values, gains and lights",
-                        dataset.folder.string(), fit.status.size(), empty));
 }
 
 /// Streamed images have 16 bits up to the largest value of all: one hot pixel, or one gain, leaves other images few.
@@ -117,29 +86,6 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
                         dataset.folder.string(), brightest->name, largest, darkest->name, smallest));
 }
 
-/// Everything a fit leaves, in one folder.
-void save(const std::string& folder, FinishedFit& done, const FitRequest& request, const Record& begun) {
-    FitRecord& fit = done.fit->record();
-    auto times = describe_run(fit, done.run, request, begun);
-    if (!done.times_json.empty()) times.update(nlohmann::ordered_json::parse(done.times_json));
-    fit.times_json = times.dump();
-    done.fit->write(folder, [&](const std::filesystem::path& inside) {
-        write_file(inside / "trace.csv", trace_csv(done.run.trace, request.label(), fit.engine));
-        done.fit->write_error_bars(inside);
-    });
-}
-
-/// "cg-modern in 3.2 s: error 1 -> 0.1 (all 25 iterations used, the last lowered the error by 0.02 %), ".
-std::string summary_of(const FitRun& run, const FitRequest& request, const FitRecord& fit) {
-    const auto counts = fit.status_counts();
-    const uint64_t problems = fit.status.size() - counts[size_t(Status::no_samples)];
-    std::string line = fmt::format("{} in {:.1f} s: ", request.label(), run.times.total);
-    if (run.trace.rows.empty()) return line;
-    line += fmt::format("error {:.6g} -> {:.6g}", run.trace.rows.front().error, run.trace.rows.back().error);
-    const std::string ending = ending_of(run.trace, counts[size_t(Status::max_iterations)], problems);
-    return line + (ending.empty() ? ", " : fmt::format(" ({}), ", ending));
-}
-
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
     constexpr size_t views_to_count_samples_on = 8;
@@ -154,72 +100,10 @@ Record begin_record(const Dataset& dataset, const Invocation& invocation) {
     return begun;
 }
 
-/// What a command is told beside the request's options.
-struct FitCommand {
-    std::string dataset, out, shard;
-    bool force = false, leave_out_outliers = false, covariance = false, resume = false, json = false;
-};
-
-/// What a fit came to, on standard output.
-void print_json(const std::string& out, const FinishedFit& done, const FitRequest& request) {
-    const FitRecord& record = done.fit->record();
-    const auto counts = record.status_counts();
-    nlohmann::ordered_json json = {{"fit", out},
-                                   {"model", request.text("model")},
-                                   {"solver", request.label()},
-                                   {"seconds", done.run.times.total},
-                                   {"problems", record.status.size()},
-                                   {"without_samples", counts[size_t(Status::no_samples)]},
-                                   {"not_finite", counts[size_t(Status::not_finite)]}};
-    if (const auto& rows = done.run.trace.rows; !rows.empty()) {
-        json["error_at_start"] = rows.front().error;
-        json["error"] = rows.back().error;
-    }
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-}
-
-/// Checks what a fit came to, writes it and says so.
-void leave(const FitCommand& command, const Dataset& dataset, const FitRequest& request, FinishedFit done,
-           const Record& begun) {
-    const FitRecord& record = done.fit->record();
-    require_result(record, dataset);
-    if (command.covariance) done.fit->find_error_bars();
-    save(command.out, done, request, begun);
-    if (command.json) return print_json(command.out, done, request);
-    const auto counts = record.status_counts();
-    log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
-                         summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
-                         counts[size_t(Status::not_finite)], command.out));
-}
-
-/// As a shell takes it.
-std::string quoted(const std::string& word) {
-    const bool plain = !word.empty() && word.find_first_not_of(
-                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                            "0123456789_./:=,+-%@") == std::string::npos;
-    if (plain) return word;
-    std::string out = "'";
-    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
-/// What a fit that was stopped says: how it goes on.
-std::string how_to_go_on(const std::filesystem::path& parts, const Invocation& invocation) {
-    if (!anything_unfinished(parts)) return "nothing was finished: the same command begins anew";
-    std::string command;
-    bool resumes = false;
-    for (int i = 0; i < invocation.argc; ++i) {
-        command += quoted(invocation.argv[i]) + " ";
-        resumes = resumes || invocation.argv[i] == std::string("--resume");
-    }
-    return fmt::format("what is finished is kept in {}; to go on: {}{}", parts.string(), command,
-                       resumes ? "" : "--resume");
-}
-
 /// A fit in one piece, which keeps what is finished.
 FinishedFit fit_keeping(const Dataset& dataset, FitRequest request, Journal& journal) {
     request.journal = std::shared_ptr<Journal>(std::shared_ptr<void>(), &journal);
-    return family_of(request).fit(dataset, request);
+    return keeping(journal, [&] { return family_of(request).fit(dataset, request); });
 }
 
 /// A fit of all training images, unless judged by it some of them are outliers: then one of the others.
@@ -243,11 +127,9 @@ void fit_in_one_piece(const FitCommand& command, const Dataset& dataset, FitRequ
                       const std::filesystem::path& parts, const std::string& key) {
     announce_plan(command.out, dataset, request, command.force);
     Journal whole(parts / "whole.journal", key, request.checkpoint_s);
-    const KeepOnFailure keep(whole);
     if (!command.leave_out_outliers)
         return leave(command, dataset, request, fit_keeping(dataset, request, whole), begun);
     Journal others(parts / "without-outliers.journal", key, request.checkpoint_s);
-    const KeepOnFailure keep_others(others);
     FinishedFit done = fit_without_outliers(dataset, request, whole, others);
     leave(command, dataset, request, std::move(done), begun);
 }
@@ -262,7 +144,7 @@ void fit_alone(const FitCommand& command, const Dataset& dataset, const FitReque
         fit_shard(dataset, request, {}, parts, command.force);
         leave(command, dataset, request, merge_shards(dataset, request, {parts}), begun);
     } catch (Interrupted& stop) {
-        stop.note = how_to_go_on(parts, invocation);
+        stop.note = how_to_go_on(parts, invocation.argc, invocation.argv);
         throw;
     }
 }

@@ -22,6 +22,13 @@ std::string text_of(const Json& options, const std::string& name) {
     if (value.is_string()) return fmt::format("'{}'", value.get<std::string>());
     return value.is_null() ? "unknown" : value.dump();
 }
+
+/// The revision, and of one that was changed since, which program it is.
+std::string program_name() {
+    const std::string revision = git_revision();
+    if (!revision.ends_with("-dirty")) return revision;
+    return fmt::format("{}-{:016x}", revision, file_checksum("/proc/self/exe"));
+}
 }  // namespace
 
 bool decides_result(const std::string& option) {
@@ -33,7 +40,8 @@ std::string fit_key(const Dataset& dataset, const FitRequest& request) {
     Json options = Json::object();
     for (const FitOption& o : fit_options())
         if (decides_result(o.name)) options[o.name] = Json::parse(o.json(request));
-    return Json{{"program", git_revision()},
+    return Json{{"program", program_name()},
+                {"compiler", make_record(0, nullptr).compiler},
                 {"dataset", fingerprint(dataset).digest},
                 {"images", dataset_checksum(dataset)},
                 {"options", options}}
@@ -51,6 +59,7 @@ std::string difference_of_keys(const std::string& there, const std::string& here
     const auto differ = [&](const char* what) { return a.value(what, Json()) != b.value(what, Json()); };
     if (differ("program"))
         found.push_back(fmt::format("the program is {} there, {} here", text_of(a, "program"), text_of(b, "program")));
+    if (differ("compiler")) found.push_back("the program was compiled otherwise");
     if (differ("dataset"))
         found.push_back("it is of another dataset");
     else if (differ("images"))

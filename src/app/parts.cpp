@@ -109,8 +109,7 @@ std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std
         log_info(fmt::format("part {} of {}: {} of {} places, {} views", k + 1, parts.size(), parts[k].size(),
                              whole.places().size(), part.dataset.split(false).size()));
         part.request.journal = std::make_shared<Journal>(journal, key, part.request.checkpoint_s);
-        const KeepOnFailure keep(*part.request.journal);
-        write_part_result(file, key, whole.solve(part));
+        write_part_result(file, key, keeping(*part.request.journal, [&] { return whole.solve(part); }));
         fs::remove(journal);
         malloc_trim(0);  // what the part's small pieces took, back to the system
     }

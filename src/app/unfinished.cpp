@@ -35,6 +35,17 @@ std::vector<fs::path> files_in(const fs::path& folder) {
     return out;
 }
 
+/// As a shell takes it.
+std::string quoted(const std::string& word) {
+    const bool plain = !word.empty() && word.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                            "0123456789_./:=,+-%@") == std::string::npos;
+    if (plain) return word;
+    std::string out = "'";
+    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
 }  // namespace
 
 fs::path unfinished_folder(const fs::path& out) {
@@ -67,6 +78,18 @@ void settle_unfinished(const fs::path& folder, const std::string& key, bool resu
 }
 
 bool anything_unfinished(const fs::path& folder) { return !files_in(folder).empty(); }
+
+std::string how_to_go_on(const fs::path& folder, int argc, const char* const* argv) {
+    if (!anything_unfinished(folder)) return "nothing was finished: the same command begins anew";
+    std::string command;
+    bool resumes = false;
+    for (int i = 0; i < argc; ++i) {
+        command += quoted(argv[i]) + " ";
+        resumes = resumes || argv[i] == std::string("--resume");
+    }
+    return fmt::format("what is finished is kept in {}; to go on: {}{}", folder.string(), command,
+                       resumes ? "" : "--resume");
+}
 
 void remove_unfinished(const fs::path& folder) {
     std::error_code ignored;

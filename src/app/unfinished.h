@@ -19,6 +19,9 @@ void settle_unfinished(const std::filesystem::path& folder, const std::string& k
 /// Whether something is there to go on from.
 bool anything_unfinished(const std::filesystem::path& folder);
 
+/// For the last line of a fit that was stopped: what is kept, and the command that goes on. argv: its own command line.
+std::string how_to_go_on(const std::filesystem::path& folder, int argc, const char* const* argv);
+
 /// All that radiafit wrote there; the folder, too, unless it holds something else.
 void remove_unfinished(const std::filesystem::path& folder);
 

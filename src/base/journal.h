@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/interrupt.h"
 
 /// What long work has finished, kept on disk as it goes on: work in independent blocks, each with a number, of which a
 /// run that was stopped does not do again those that are kept (docs/reliability.md, docs/formats.md).
@@ -56,20 +56,16 @@ private:
     bool given_up_ = false;
 };
 
-/// As long as it lives, an exception has the journal written on its way: a signal's, or that of a full disk.
-class KeepOnFailure {
-public:
-    explicit KeepOnFailure(Journal& journal) : journal_(&journal) {}
-    ~KeepOnFailure() {
-        if (std::uncaught_exceptions() > before_) journal_->flush();
+/// work(), which a signal (interrupt.h) ends with the journal written.
+template <class Work>
+auto keeping(Journal& journal, const Work& work) {
+    try {
+        return work();
+    } catch (const Interrupted&) {
+        journal.flush();
+        throw;
     }
-    KeepOnFailure(const KeepOnFailure&) = delete;
-    KeepOnFailure& operator=(const KeepOnFailure&) = delete;
-
-private:
-    Journal* journal_;
-    int before_ = std::uncaught_exceptions();
-};
+}
 
 /// A number, or a struct of numbers.
 template <class T>

@@ -1,4 +1,5 @@
-// What an interrupted fit kept. Checksums guard its blocks; here they are put right, so that what lies behind them is met.
+// What an interrupted fit kept. Checksums guard its blocks; here they are put right, so that what lies behind them is
+// met.
 #include <cstring>
 #include <fstream>
 
