@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
 
 #include "base/log.h"
@@ -23,9 +24,14 @@ void end_by_default(int number) {
 }
 
 void note_signal(int number) {
+    const int error = errno;  // the code that is interrupted may be about to look at it
     came = number;
     for (const int caught : {SIGINT, SIGTERM}) end_by_default(caught);
-    if (!quiet()) write_to_stderr("\nends after the current step; once more ends at once\n");
+    if (!quiet()) {
+        if (isatty(STDERR_FILENO)) write_to_stderr("\n");  // behind a bar, or ^C
+        write_to_stderr("ends after the current step; once more ends at once\n");
+    }
+    errno = error;
 }
 
 }  // namespace
