@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
                 [](const std::string& text) { set_thread_count(parse_number("threads", text, limits::threads)); });
     const Invocation invocation{argc, argv};
     add_generate(program);
+    add_capture(program);
     add_import(program, invocation);
     add_info(program);
     add_plan(program);
