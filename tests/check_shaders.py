@@ -15,7 +15,9 @@ after the #version line, and where the name of a file is a definition's, that in
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, with
 LOBE_COUNT 1 and 2 where they ask for it, and any other .glsl file that no stage reaches is an error: it would be untested.
 Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslangValidator."""
+import concurrent.futures
 import itertools
+import os
 import pathlib
 import re
 import shutil
@@ -185,15 +187,18 @@ def check(root):
     shaders = pathlib.Path(root) / "shaders"
     names = sorted(path.relative_to(shaders).as_posix() for path in shaders.rglob("*") if path.is_file())
     errors, count, reached = [], 0, set()
+    stages = []
     for name in names:
         suffix = pathlib.PurePosixPath(name).suffix
         if suffix in STAGES:
-            stage_errors, stage_count, stage_files = check_stage(shaders, name)
+            stages.append(name)
+        elif suffix != ".glsl":
+            errors.append(f"shaders/{name}: the name ends in none of .vert .frag .comp .glsl")
+    with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:  # each waits for its compiler
+        for stage_errors, stage_count, stage_files in threads.map(lambda name: check_stage(shaders, name), stages):
             errors += stage_errors
             count += stage_count
             reached |= stage_files
-        elif suffix != ".glsl":
-            errors.append(f"shaders/{name}: the name ends in none of .vert .frag .comp .glsl")
     for name in names:
         if not name.endswith(".glsl"):
             continue
