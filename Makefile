@@ -6,6 +6,7 @@
 #   BUILD=FOLDER                   where to build
 #   COUNT=3, SEED=1                how much `make check` disturbs each command, and when
 #   PYTHON=/usr/bin/python3        of `make peers`: the one that has PyTorch
+#   RUNS=FOLDER, OUTPUT=build/report  of `make report`: the runs to draw it from, and where it goes then
 #   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
 PROFILE ?= standard
 ONLY ?=
@@ -16,10 +17,12 @@ JOBS ?= $(shell nproc)
 BENCH_DATASET ?= datasets/packed/star-standard
 BENCH_FLAGS ?=
 PYTHON ?= /usr/bin/python3
+RUNS ?=
+OUTPUT ?= build/report
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check clang fuzz faults sanitized experiments compare bench radiafit-bench peers smoke configure packages \
+.PHONY: build test check clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
     format format-check archive clean
 
 build: configure
@@ -67,6 +70,12 @@ experiments: configure
 	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \
 	    cmake --build $(BUILD) --parallel $(JOBS) --target radiafit $$names
 	@scripts/run-experiments.sh $(BUILD) $(PROFILE) $(ONLY)
+
+# Every claim, figure and table on one page, from the runs that there are, without running any again; docs/report.md.
+report: configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target claims report
+	@for name in claims report; do $(BUILD)/experiments/$$name --profile $(PROFILE) \
+	    $(if $(RUNS),--set 'results="$(RUNS)"' --output $(OUTPUT)) || exit; done
 
 # What differs from the runs that came with the checkout; docs/compare.md.
 compare: configure

@@ -17,27 +17,13 @@
 #include "base/wording.h"
 #include "dataset/checksums.h"
 #include "gl/context.h"
-#include "report/figures.h"
-#include "report/row_files.h"
+#include "show_rows.h"
 
 namespace radiafit {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A caption that is longer than a figure is wide: broken behind the part ("one; two; three") that ends nearest to its
-/// middle.
-std::string in_two_lines(std::string caption) {
-    constexpr size_t widest = 120;
-    if (caption.size() <= widest) return caption;
-    const auto off_middle = [&](size_t at) { return std::abs(double(at) - double(caption.size()) / 2); };
-    size_t best = std::string::npos;
-    for (size_t at = caption.find("; "); at != std::string::npos; at = caption.find("; ", at + 1))
-        if (best == std::string::npos || off_middle(at) < off_middle(best)) best = at;
-    if (best != std::string::npos) caption[best + 1] = '\n';
-    return caption;
-}
 
 bool is_checkout(const fs::path& folder) {
     return folder_stands(folder / "experiments") && folder_stands(folder / "paper_figs");
@@ -130,30 +116,15 @@ ResultFolder Experiment::open_results(const std::string& device) const {
     return ResultFolder(results(), name_, is_software_renderer(device) ? device + ", " + record_.cpu : device, record);
 }
 
-std::vector<fs::path> Experiment::show(const fs::path& rows, const std::string& caption, const fs::path& folder) const {
-    fs::create_directories(folder);
-    std::vector<fs::path> shown;
-    if (const fs::path table = rows / (name_ + ".md"); fs::exists(table)) {
-        shown.push_back(folder / table.filename());
-        write_file(shown.back(), read_file(table, "table"));
-    }
-    const fs::path script = root_ / "paper_figs" / (name_ + ".gp");
-    if (fs::exists(script)) {
-        draw_figure(script, folder / name_, {{"rows", rows.string()}, {"caption", in_two_lines(caption)}});
-        for (const char* extension : {".svg", ".png"}) shown.push_back(folder / (name_ + extension));
-    }
-    return shown;
-}
-
 void Experiment::finish(ResultFolder& results, const std::string& caption) const {
     const std::string dated = fmt::format("{}; {}", caption, utc_now().substr(0, 10));
     results.record().more.emplace_back("caption", json_string(dated));
     std::vector<fs::path> shown;
     if (standard_ || !output_.empty()) {
         results.commit();
-        shown = show(results.path(), dated, figures());
+        shown = show_rows(root_, name_, results.path(), dated, figures());
     } else {
-        shown = show(results.path(), dated, results.path());
+        shown = show_rows(root_, name_, results.path(), dated, results.path());
         const fs::path hidden = results.path();
         results.commit();
         for (fs::path& file : shown) file = results.path() / file.lexically_relative(hidden);
@@ -166,12 +137,8 @@ void Experiment::redraw(const fs::path& folder) const {
     const RunRecord run = read_run(folder);
     if (run.experiment != name_)
         throw UserError(fmt::format("{}: a run of {}, not of {}", folder.string(), run.experiment, name_));
-    if (run.caption.empty())
-        throw UserError(fmt::format("{}: of an older version; run the experiment again", folder.string()));
-    const fs::path target = output_.empty() ? fs::current_path() : output_;
-    const AtomicFolder unpacked(target / (name_ + "-rows"));  // goes again
-    for (const std::string& file : run_files(folder)) write_file(unpacked.path() / file, read_run_file(run, file));
-    for (const fs::path& file : show(unpacked.path(), run.caption, target)) log_info("figure: " + file.string());
+    for (const fs::path& file : show_run(root_, run, output_.empty() ? fs::current_path() : output_))
+        log_info("figure: " + file.string());
 }
 
 bool Experiment::finished_before() const {

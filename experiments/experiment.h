@@ -68,9 +68,6 @@ public:
 private:
     /// The record names it, once.
     Dataset noted(Dataset dataset) const;
-    /// Shows a run's rows in a folder; returns what it made.
-    std::vector<std::filesystem::path> show(const std::filesystem::path& rows, const std::string& caption,
-                                            const std::filesystem::path& folder) const;
     void redraw(const std::filesystem::path& run) const;
     bool finished_before() const;
 

@@ -228,6 +228,13 @@ std::vector<double> sums(const std::vector<std::vector<double>>& seconds, size_t
     return out;
 }
 
+/// Of the repetitions.
+double median_to_101(const Contestant& c, size_t vertex) {
+    std::vector<double> seconds;
+    for (const auto& repetition : c.to_101) seconds.push_back(repetition[vertex]);
+    return median(seconds);
+}
+
 /// Seconds to the tolerance over another's, on the vertices that both took.
 struct Ratio {
     double all = 0;     ///< of the sums
@@ -235,13 +242,8 @@ struct Ratio {
 };
 Ratio ratio(const Contestant& c, const Contestant& unit) {
     const size_t count = std::min(c.vertices(), unit.vertices());
-    const auto of_vertex = [](const Contestant& one, size_t v) {
-        std::vector<double> seconds;
-        for (const auto& repetition : one.to_101) seconds.push_back(repetition[v]);
-        return median(seconds);
-    };
     std::vector<double> ratios;
-    for (size_t v = 0; v < count; ++v) ratios.push_back(of_vertex(c, v) / of_vertex(unit, v));
+    for (size_t v = 0; v < count; ++v) ratios.push_back(median_to_101(c, v) / median_to_101(unit, v));
     return {median(sums(c.to_101, count)) / median(sums(unit.to_101, count)), median(ratios)};
 }
 
@@ -309,6 +311,21 @@ void write_problems(const ResultFolder& results, const Options& o, const std::ve
     problems.commit();
 }
 
+/// What the performance profile of the report is of: a vertex's three problems are solved, and timed, together.
+void write_vertices(const ResultFolder& results, const Options& o, const std::vector<Summary>& table,
+                    const std::vector<Vertex>& vertices) {
+    CsvWriter rows(results.path() / "vertices.csv", {"solver", "setting", "vertex", "reached", "seconds_to_101"});
+    for (const Summary& s : table) {
+        const Contestant& c = *s.contestant;
+        for (size_t v = 0; v < c.vertices(); ++v) {
+            const Reached r = reached(c.runs[v], vertices[v], o.tolerance);
+            rows.row({c.solver, c.setting, std::to_string(vertices[v].id),
+                      std::to_string(std::ranges::count(r.reached, true)), fmt::format("{:.6g}", median_to_101(c, v))});
+        }
+    }
+    rows.commit();
+}
+
 /// The sums over a solver's vertices that the medians of solvers.csv are of.
 void write_repetitions(const ResultFolder& results, const std::vector<Summary>& table) {
     CsvWriter repetitions(results.path() / "repetitions.csv",
@@ -362,6 +379,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
     }
     rows.commit();
     write_problems(results, o, table, vertices);
+    write_vertices(results, o, table, vertices);
     write_repetitions(results, table);
     log_info("time until a vertex's three problems are within the tolerance of the least error\n" + text.text());
     const auto ceres =

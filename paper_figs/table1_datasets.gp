@@ -2,21 +2,23 @@
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 datasets = rows . '/datasets.csv'
-names = system(sprintf("awk -F, 'NR > 1 {print $1}' '%s'", datasets))
-field(name, column) = real(system(sprintf("awk -F, -v name='%s' -v column='%s' 'NR == 1 {for (i = 1; i <= NF; ++i) if ($i == column) at = i} $1 == name {print $at}' '%s'", name, column, datasets)))
-n = words(names)
+# of the i-th dataset and way to choose sides
+text(i, column) = system(sprintf("awk -F, -v row=%d -v column='%s' 'NR == 1 {for (i = 1; i <= NF; ++i) if ($i == column) at = i} NR == row + 1 {print $at}' '%s'", i, column, datasets))
+field(i, column) = real(text(i, column))
+n = int(system(sprintf("awk 'END {print NR - 1}' '%s'", datasets)))
 if (terminal eq 'svg') {
-    set terminal svg size 380 * n,800 font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 410 * n,800 font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 380 * n,800 font 'DejaVu Sans,11'
+    set terminal pngcairo size 410 * n,800 font 'DejaVu Sans,11'
 }
 set output output
 set multiplot title "{/:Bold Datasets, and how many samples their texels get}\n" . caption
-left(i) = (i - 1.0) / n + 0.065
+left(i) = (i - 1.0) / n + 0.04
 right(i) = real(i) / n - 0.02
 count(x) = x < 9999.5 ? sprintf('%d', x) : x < 999999.5 ? sprintf('%.3g thousand', x / 1e3) : sprintf('%.3g million', x / 1e6)
 do for [i=1:n] {
-    name = word(names, i)
+    name = text(i, 'dataset')
+    own_sides = text(i, 'sides') eq 'own'
     set lmargin at screen left(i)
     set rmargin at screen right(i)
     set tmargin at screen 0.82
@@ -28,13 +30,13 @@ do for [i=1:n] {
     unset label
     set size ratio -1
     set autoscale
-    set title sprintf("{/:Bold %s}: %d triangles,\n%d images, %.1f MB;\n%s problems, %s parameters", name, field(name, 'triangles'), \
-        field(name, 'images'), field(name, 'image_bytes') / 1e6, count(field(name, 'problems')), count(field(name, 'parameters')))
+    set title sprintf("{/:Bold %s}%s: %d triangles,\n%d images, %.1f MB;\n%s problems, %s parameters", name, own_sides ? ', sides by size' : '', field(i, 'triangles'), \
+        field(i, 'images'), field(i, 'image_bytes') / 1e6, count(field(i, 'problems')), count(field(i, 'parameters')))
     unset xlabel
     unset ylabel
     plot rows . '/' . name . '.png' binary filetype=png with rgbimage
-    middle = field(name, 'median_samples_per_texel')
-    file = rows . '/' . name . '_samples_per_texel.csv'
+    middle = field(i, 'median_samples_per_texel')
+    file = rows . '/' . name . (own_sides ? '_own_sides' : '') . '_samples_per_texel.csv'
     stats file using 2 every ::1 nooutput name 'texels'
     set size noratio
     set tmargin at screen 0.365
@@ -44,7 +46,7 @@ do for [i=1:n] {
     set ytics nomirror
     set grid lc rgb '#dddddd'
     set title sprintf("%.2f texels per covered pixel; %.0f %% of\nthe pixels are taken; a texel gets %g samples\n(median), and %.1f %% of them get none", \
-        field(name, 'texels_per_pixel'), 100 * field(name, 'kept_share'), middle, 100 * field(name, 'without_samples_share'))
+        field(i, 'texels_per_pixel'), 100 * field(i, 'kept_share'), middle, 100 * field(i, 'without_samples_share'))
     set xlabel 'samples of a texel'
     if (i == 1) { set ylabel 'texels with at most so many, %' offset 1 }
     set xrange [0:(middle < 10 ? 30 : 3 * middle)]

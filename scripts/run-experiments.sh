@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs the experiments one after another: one per experiments/NAME.toml, table1_datasets and fig7_convergence first,
-# claims (which reads the others' results) last.
+# claims and report (which read the others' results) last.
 # Usage: run-experiments.sh BUILD PROFILE [ONLY]    ONLY: a part of the names to run, such as fig7
 #        run-experiments.sh --list [ONLY]           prints the names in order
 # An experiment that fails doesn't keep the others from running; the exit status is that of the first failure. The paper
@@ -13,8 +13,8 @@ names() {  # in order, those that contain $1
     set -- "${1:-}" "$(for config in experiments/*.toml; do basename "$config" .toml; done | sort)"
     {
         printf '%s\n' table1_datasets fig7_convergence
-        printf '%s\n' "$2" | grep -vxE 'table1_datasets|fig7_convergence|claims' || true
-        echo claims
+        printf '%s\n' "$2" | grep -vxE 'table1_datasets|fig7_convergence|claims|report' || true
+        printf '%s\n' claims report
     } | while read -r name; do
         [ -f "experiments/$name.toml" ] || continue
         case $name in *"$1"*) echo "$name" ;; esac
@@ -48,8 +48,8 @@ if [ "$profile" = paper ]; then
     resume=--resume
     python3 -B scripts/profile-needs.py "$profile" $list >&2
 fi
-figures=paper_figs
-[ "$profile" = standard ] || figures=paper_figs/$profile
+figures=paper_figs page=results/report/index.html
+[ "$profile" = standard ] || figures=paper_figs/$profile page=results/report/$profile/index.html
 
 started=$(date +%s)
 first_failure=0
@@ -78,5 +78,6 @@ for name in $list; do
         [ -f "$run" ] && echo "$(basename "$(dirname "$run")") $(dirname "$run")"
     done | sort | tail -n 1 | cut -d ' ' -f 2-)
     [ -z "$newest" ] || echo "  $newest/  (rows)"
+    [ "$name" != report ] || echo "  $page  (all of it on one page, for a browser)"
 done
 exit "$first_failure"

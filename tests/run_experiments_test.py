@@ -56,11 +56,12 @@ class RunExperiments(Tree):
         return log.read_text(encoding="utf-8").splitlines() if log.exists() else []
 
     def test_order_arguments_and_where_to_look(self):
-        self.make("claims", "streaming", "fig7_convergence", "fig8_time", "table1_datasets")
+        self.make("claims", "report", "streaming", "fig7_convergence", "fig8_time", "table1_datasets")
         result = self.run_script("build", "smoke")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(self.log(), [f"{name} --config experiments/{name}.toml --profile smoke" for name in
-                                      ("table1_datasets", "fig7_convergence", "fig8_time", "streaming", "claims")])
+                                      ("table1_datasets", "fig7_convergence", "fig8_time", "streaming", "claims", "report")])
+        self.assertIn("  results/report/smoke/index.html  (", result.stdout)
         self.assertIn("  paper_figs/smoke/fig7_convergence.svg\n", result.stdout)
         self.assertNotIn(".gp", result.stdout)
         self.assertIn("  results/streaming/cpu-20240102T000000Z/20240102T000000Z-abc/", result.stdout)
@@ -85,7 +86,7 @@ class RunExperiments(Tree):
         self.assertIn("paper_figs/smoke/fig2_good.svg", result.stdout)
 
     def test_the_paper_profile_tells_its_needs_and_goes_on_where_it_was_broken_off(self):
-        self.make("fig7_convergence", "fig8_time", "streaming")
+        self.make("fig7_convergence", "fig8_time", "streaming", "claims", "report")
         for name, minutes, bytes in (("fig7_convergence", 60, 3e9), ("fig8_time", 90, 2e9)):
             folder = self.root / "results/reference" / name / "cpu/20240101T000000Z-abc"
             folder.mkdir(parents=True)

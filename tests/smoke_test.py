@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 """Smoke of one experiment: at the smoke profile, in a temporary folder, it leaves its figures, and rows that can be true.
 
-Arguments: the experiment's program, the checkout, radiafit.
+Arguments: the experiment's program, the checkout, radiafit, the report's program, the claims'.
 """
 import csv
 import json
 import math
 import pathlib
-import shutil
 import statistics
 import struct
 import unittest
 
 from cli_fixture import ProgramTest, snapshot, take_arguments
+from report_page import check_page, copy_sources
 
-CHECKOUT = RADIAFIT = None
+CHECKOUT = RADIAFIT = REPORT = CLAIMS = None
 
 
 def read_rows(path):
@@ -32,10 +32,7 @@ def number(text):
 class Smoke(ProgramTest):
     def setUp(self):
         self.name = self.program.name
-        for folder, ending in (("experiments", ".toml"), ("paper_figs", ".gp")):
-            (self.root / folder).mkdir(exist_ok=True)
-            for file in (CHECKOUT / folder).glob("*" + ending):
-                shutil.copy(file, self.root / folder)
+        copy_sources(CHECKOUT, self.root)
         self.config = self.root / "experiments" / f"{self.name}.toml"
 
     def run_experiment(self, *more):
@@ -75,7 +72,18 @@ class Smoke(ProgramTest):
         # radiafit compare knows every column, and can match the rows
         told = json.loads(self.good("compare", runs[0].parent, runs[0].parent, "--json", program=RADIAFIT).stdout)
         self.assertLessEqual(set(told["verdicts"]), {"SAME", "UNCLEAR"})
+        self.check_report()
         self.assertFalse([path for path in snapshot(self.root) if pathlib.Path(path).name.startswith(".tmp")])
+
+    def check_report(self):
+        """The report has this experiment's figure and tables, from the rows that it has just written."""
+        for program, name in ((CLAIMS, "claims"), (REPORT, "report")):
+            self.good("--config", f"experiments/{name}.toml", "--profile", "smoke", program=program)
+        claims = json.loads((self.root / "results/claims-smoke.json").read_text())["claims"]
+        article = check_page(self, self.root / "results/report/smoke/index.html", claims).one("article", id=self.name)
+        self.assertEqual(len(list(article.all("img"))), int((self.root / "paper_figs" / f"{self.name}.gp").exists()))
+        self.assertTrue(list(article.all("table")))
+        self.assertNotIn("not run the", article.text())
 
     def check_gl(self, record, renderers):
         """The record names the one OpenGL that made rows, and none where none did."""
@@ -225,6 +233,12 @@ class Smoke(ProgramTest):
             self.assertEqual({r["vertices"] for r in repeated}, {row["vertices"]})
             self.assertEqual(min(float(r["seconds_to_101"]) for r in repeated), float(row["seconds_to_101_least"]))
             reached = [p for p in own if p["reached"] == "1"]
+            vertices = [v for v in tables["vertices"] if (v["solver"], v["setting"]) == (row["solver"], row["setting"])]
+            self.assertEqual([v["vertex"] for v in vertices], [p["vertex"] for p in own[::3]])
+            self.assertEqual([int(v["reached"]) for v in vertices],
+                             [sum(int(p["reached"]) for p in own[i : i + 3]) for i in range(0, len(own), 3)])
+            if len(repeated) <= 2:  # their median is their mean then, and that of sums the sum of those
+                self.assertAlmostEqual(sum(float(v["seconds_to_101"]) for v in vertices) / float(row["seconds_to_101"]), 1, delta=1e-3)
             self.assertAlmostEqual(float(row["reached_share"]), len(reached) / len(own), places=4)
             self.assertGreaterEqual(float(row["final_over_best_median"]), 1)
             self.assertLessEqual(float(row["seconds_to_101"]), float(row["seconds_total"]) * 1.001)
@@ -526,5 +540,5 @@ class Smoke(ProgramTest):
 
 
 if __name__ == "__main__":
-    ProgramTest.program, CHECKOUT, RADIAFIT = take_arguments(3)
+    ProgramTest.program, CHECKOUT, RADIAFIT, REPORT, CLAIMS = take_arguments(5)
     unittest.main()

@@ -140,4 +140,12 @@ nlohmann::ordered_json Judgement::json() const {
     return list;
 }
 
+Table Judgement::table() const {
+    Table table({"measured", "value", "95 % interval", "asked for", "so it"});
+    for (const Measure& m : measures)
+        table.add({m.of, m.value_text(), m.interval_text(), no_rule.empty() ? m.bound.text(m.unit) : "",
+                   no_rule.empty() ? to_string(m.outcome()) : ""});
+    return table;
+}
+
 }  // namespace radiafit

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/statistics.h"
+#include "report/table.h"
 
 /// A claim is judged by figures with 95 % intervals, each against a bound: what lies wholly within the bound holds,
 /// what lies wholly outside does not, and what straddles it is undecided.
@@ -81,6 +82,8 @@ struct Judgement {
     /// Why the verdict is no plain yes or no; empty where it is.
     std::string reason() const;
     nlohmann::ordered_json json() const;
+    /// The measures for people.
+    Table table() const;
 };
 
 }  // namespace radiafit

@@ -195,6 +195,7 @@ const std::vector<TableRules>& all_rules() {
          {keys("solver setting vertex channel"), exact("reached"), iterations("iterations_to_101 iterations"),
           errors("error best_error")},
          partial},
+        {"solvers", "vertices.csv", {keys("solver setting vertex"), exact("reached"), told("seconds_to_101")}, partial},
         {"solvers",
          "repetitions.csv",
          {keys("solver setting"), repetition("repetition"), work("vertices"), times("seconds_to_101 seconds_total")}},

@@ -31,19 +31,17 @@ void Table::add(std::vector<std::string> fields) {
     rows_.push_back(std::move(fields));
 }
 
+bool Table::numeric(size_t column) const {
+    const auto empty = [&](const Line& row) { return row[column].empty(); };
+    return !std::ranges::all_of(rows_, empty) &&
+           std::ranges::all_of(rows_, [&](const Line& row) { return empty(row) || starts_like_number(row[column]); });
+}
+
 std::vector<Table::Column> Table::columns(const std::vector<Line>& lines) const {
     std::vector<Column> result;
     for (size_t i = 0; i < header_.size(); i++) {
-        Column column{.width = 3, .right = false};  // three: the least a Markdown rule takes
-        bool empty = true;
-        bool numbers = true;
-        for (size_t k = 0; k < lines.size(); k++) {
-            column.width = std::max(column.width, length(lines[k][i]));
-            if (k == 0 || lines[k][i].empty()) continue;  // the header says nothing about its column
-            empty = false;
-            numbers = numbers && starts_like_number(lines[k][i]);
-        }
-        column.right = numbers && !empty;
+        Column column{.width = 3, .right = numeric(i)};  // three: the least a Markdown rule takes
+        for (const Line& line : lines) column.width = std::max(column.width, length(line[i]));
         result.push_back(column);
     }
     return result;

@@ -10,6 +10,10 @@ public:
     explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
     /// As many fields as the header has, or std::logic_error. UTF-8; a character counts as one column.
     void add(std::vector<std::string> fields);
+    const std::vector<std::string>& header() const { return header_; }
+    const std::vector<std::vector<std::string>>& rows() const { return rows_; }
+    /// Whether the column is set to the right.
+    bool numeric(size_t column) const;
 
     /// Aligned with spaces, a rule under the header, no trailing blanks.
     std::string text() const;

@@ -1,0 +1,63 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "report/finished_runs.h"
+#include "rules.h"
+
+namespace radiafit {
+class Experiment;
+
+/// Claims are judged at the paper's scale; figures of a smaller profile stand beside and decide nothing.
+inline constexpr const char* judged_profile = "paper";
+
+/// Where runs lie, by an experiment's config (`results`), and then those that came with the checkout.
+struct RunFolders {
+    std::filesystem::path results, reference;
+    std::filesystem::path checkout;  ///< runs are named from it on
+
+    explicit RunFolders(Experiment& experiment);
+    /// The newest run of each device in the first of both that has any.
+    std::vector<RunRecord> newest(const std::string& experiment, const std::string& profile) const;
+};
+
+/// What one run says of one claim.
+struct Finding {
+    const Claim* claim;
+    std::string profile, run;  ///< its folder; empty: there is none
+    Judgement judgement;
+
+    bool judged() const { return profile == judged_profile; }
+    std::string verdict() const;
+    /// What the rule says of the figures, whatever their scale.
+    std::string by_the_rule() const { return judgement.verdict(); }
+    std::string reason() const;
+};
+
+/// All that is found of one claim; at least one finding of the judged profile, that nothing was run if so.
+struct ClaimFindings {
+    const Claim* claim;
+    std::vector<Finding> judged;   ///< of each device
+    std::vector<Finding> smaller;  ///< of another profile, which was asked for; none if that is the judged one
+
+    /// In short, of one renderer: what was found at the paper's scale or, for want of that, at a smaller one.
+    struct Line {
+        const Finding* judged;   ///< null: there is none
+        const Finding* smaller;  ///< likewise
+        std::string found() const;
+        std::string verdict() const { return judged ? judged->verdict() : "not run"; }
+        std::string at_smaller_scale() const { return smaller ? smaller->by_the_rule() : ""; }
+        const std::string& renderer() const { return (judged ? judged : smaller)->judgement.renderer; }
+    };
+    /// One of each renderer that either profile has figures of; one if there are none.
+    std::vector<Line> lines() const;
+    /// The judged ones first.
+    std::vector<const Finding*> all() const;
+};
+
+/// In the order of the claims.
+std::vector<ClaimFindings> find_claims(const RunFolders& folders, const std::string& profile);
+
+}  // namespace radiafit

@@ -1,0 +1,158 @@
+#include "claims_part.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "pieces.h"
+#include "report/html_table.h"
+
+namespace radiafit {
+namespace {
+
+/// In the order of interest, and what each says.
+constexpr std::array<std::pair<const char*, const char*>, 5> verdicts = {{
+    {"holds", "the whole 95 % interval of every figure lies within what the rule asks for"},
+    {"does not hold", "an interval lies wholly apart from it"},
+    {"undecided", "an interval straddles the rule's bound, or there were too few repetitions for one"},
+    {"not comparable", "the claim is about something that these runs are not of, such as a graphics chip's time"},
+    {"not run", "no rows to judge from"},
+}};
+
+size_t rank(const std::string& verdict) {
+    return size_t(std::ranges::find(verdicts, verdict, [](const auto& pair) { return pair.first; }) - verdicts.begin());
+}
+
+std::string run_name(const Finding& f) { return std::filesystem::path(f.run).filename().string(); }
+
+/// Names of runs begin with their time.
+const Finding& newest(const ClaimFindings& claim) { return *std::ranges::max_element(claim.judged, {}, run_name); }
+
+Html counts(std::span<const ClaimFindings> claims) {
+    Html list;
+    for (const auto& [verdict, meaning] : verdicts) {
+        const auto count =
+            std::ranges::count_if(claims, [&](const ClaimFindings& c) { return newest(c).verdict() == verdict; });
+        Html item = element("b", {{"class", "count"}}, std::to_string(count));
+        item << " " << verdict_mark(verdict) << " " << element("small", meaning);
+        list << element("li", item);
+    }
+    return element("ul", {{"class", "counts"}}, list);
+}
+
+/// The figures that a verdict is of, so many at most.
+Html measured(const Finding* finding) {
+    constexpr size_t most = 4;
+    if (!finding) return {};
+    const auto& measures = finding->judgement.measures;
+    Html list;
+    for (size_t i = 0; i < std::min(most, measures.size()); ++i) {
+        const Measure& m = measures[i];
+        list << element("li", Html(m.of + ": ")
+                                  << element("b", m.value_text()) << fmt::format(" ({})", m.interval_text()));
+    }
+    if (measures.size() > most)
+        list << element("li",
+                        link(fmt::format("#{}", finding->claim->id), fmt::format("{} more", measures.size() - most)));
+    return list.empty() ? list : element("ul", {{"class", "figures"}}, list);
+}
+
+HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Line& line, bool name_renderer) {
+    const Finding* told = line.judged && !line.judged->judgement.measures.empty() ? line.judged : line.smaller;
+    Html mark = verdict_mark(line.verdict());
+    if (name_renderer) mark << element("small", line.renderer());
+    Html figures = measured(told);
+    if (told && !told->judged()) figures << element("small", fmt::format("{} profile", told->profile));
+    const Finding* reasoned = line.judged ? line.judged : line.smaller;
+    const auto label = [](const char* name, Attributes more = {}) {
+        more.emplace_back("data-label", name);
+        return more;
+    };
+    const std::string order = fmt::format("{:02}", place);
+    return {{{link(fmt::format("#{}", claim.claim->id), claim.claim->id), {{"data-sort", order}}},
+             {claim.claim->states, label("The paper states")},
+             {claim.claim->section, label("Section")},
+             {mark, label("Verdict", {{"data-sort", std::to_string(rank(line.verdict()))}})},
+             {figures, label("Measured")},
+             {line.at_smaller_scale(), label("By the rule, at smaller scale")},
+             {reasoned ? reasoned->reason() : "", label("Why")}},
+            {{"data-verdict", line.verdict()}}};
+}
+
+Html finding_part(const Finding& f) {
+    const Judgement& j = f.judgement;
+    Html about = verdict_mark(f.verdict());
+    about << fmt::format(" {} profile", f.profile);
+    if (!f.run.empty()) about << "; " << j.renderer << "; " << element("code", f.run);
+    Html part = element("p", about);
+    if (const std::string reason = f.reason(); !reason.empty())
+        part << element("p", element("b", "Why: ") << reason << ".");
+    if (!f.judged() && !f.run.empty())
+        part << element("p", Html("By the rule alone: ") << verdict_mark(f.by_the_rule()));
+    if (!j.sentence.empty()) part << element("p", j.sentence);
+    if (!j.measures.empty()) part << scroll_box(fmt::format("{}, measured", f.claim->id), html_table({}, j.table()));
+    Html beside;
+    for (const std::string& line : j.beside) beside << element("li", line);
+    if (!beside.empty()) part << element("p", "Beside it:") << element("ul", beside);
+    return element("div",
+                   {{"class", "finding"},
+                    {"data-claim", f.claim->id},
+                    {"data-profile", f.profile},
+                    {"data-run", f.run},
+                    {"data-verdict", f.verdict()},
+                    {"data-by-the-rule", f.by_the_rule()}},
+                   part);
+}
+
+}  // namespace
+
+Html claims_summary(std::span<const ClaimFindings> claims) {
+    std::vector<HtmlRow> rows;
+    for (size_t i = 0; i < claims.size(); ++i) {
+        auto lines = claims[i].lines();
+        // What other machines have of a smaller scale stands in full below.
+        if (std::ranges::any_of(lines, [](const auto& line) { return line.judged; }))
+            std::erase_if(lines, [](const auto& line) { return !line.judged; });
+        for (const auto& line : lines) rows.push_back(row_of(claims[i], i, line, lines.size() > 1));
+    }
+    Html part = counts(claims);
+    part << html_table(
+        "Each claim, judged at the paper's scale; in brackets intervals of 95 %. Rules and reasons: the claim's link.",
+        {"Claim", "The paper states", "Section", "Verdict", "Measured", "By the rule, at smaller scale", "Why"}, rows,
+        {}, {{"class", "claims sortable"}, {"id", "claims-table"}});
+    return part;
+}
+
+Html claims_in_full(std::span<const ClaimFindings> claims) {
+    Html part;
+    for (const ClaimFindings& found : claims) {
+        const Claim& claim = *found.claim;
+        Html article = element("h3", fmt::format("{}: {}", claim.id, claim.states));
+        article << element("p", {{"class", "source"}},
+                           Html(fmt::format("The paper, Section {}; judged from ", claim.section))
+                               << link(fmt::format("#{}", claim.experiment), claim.experiment));
+        article << element("p", element("b", "Rule: ") << claim.rule << ".");
+        for (const Finding& f : found.judged) article << finding_part(f);
+        Html smaller;
+        for (const Finding& f : found.smaller) smaller << finding_part(f);
+        if (!smaller.empty())
+            article << element("details", element("summary", fmt::format("{} profile", found.smaller.front().profile))
+                                              << smaller);
+        part << element("article", {{"class", "claim"}, {"id", claim.id}}, article);
+    }
+    return part;
+}
+
+Html claims_of(std::span<const ClaimFindings> claims, const std::string& experiment) {
+    Html items;
+    for (const ClaimFindings& found : claims) {
+        const Claim& claim = *found.claim;
+        if (experiment != claim.experiment) continue;
+        items << element("li", link(fmt::format("#{}", claim.id), claim.id)
+                                   << " " << verdict_mark(newest(found).verdict()) << " " << claim.states);
+    }
+    return items.empty() ? items : element("ul", {{"class", "judged"}}, items);
+}
+
+}  // namespace radiafit

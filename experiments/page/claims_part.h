@@ -1,0 +1,17 @@
+#pragma once
+#include <span>
+#include <string>
+
+#include "claims/findings.h"
+#include "report/html.h"
+
+namespace radiafit {
+
+/// How many claims have which verdict, by their newest runs, and one line of each claim.
+Html claims_summary(std::span<const ClaimFindings> claims);
+/// Each claim with its rule, and what every run found.
+Html claims_in_full(std::span<const ClaimFindings> claims);
+/// The claims that are judged from an experiment's rows, with their verdicts; empty if none are.
+Html claims_of(std::span<const ClaimFindings> claims, const std::string& experiment);
+
+}  // namespace radiafit

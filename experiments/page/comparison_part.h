@@ -1,0 +1,10 @@
+#pragma once
+#include "claims/findings.h"
+#include "report/html.h"
+
+namespace radiafit {
+
+/// What differs between the runs that came with the checkout and those of the results, as `radiafit compare` tells it.
+Html comparison_part(const RunFolders& folders);
+
+}  // namespace radiafit

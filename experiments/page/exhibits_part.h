@@ -1,0 +1,19 @@
+#pragma once
+#include <span>
+
+#include "claims/findings.h"
+#include "exhibits.h"
+#include "report/html.h"
+
+namespace radiafit {
+
+/// The runs that the report shows of an experiment: the newest of each device, at the paper's scale first, then of the
+/// given profile.
+std::vector<RunRecord> shown_runs(const RunFolders& folders, const std::string& experiment, const std::string& profile);
+
+/// Every figure and table, drawn anew from its rows, beside what the paper says and the claims that are judged from it.
+/// What a run lacks, or cannot be drawn, is told in its place. `scratch`: a folder for files that go again.
+Html exhibits_part(const RunFolders& folders, const std::string& profile, std::span<const ClaimFindings> claims,
+                   const std::filesystem::path& scratch);
+
+}  // namespace radiafit

@@ -1,0 +1,122 @@
+// One page of everything that the experiments found: each claim with its verdict, every figure and table beside what
+// the paper says of it, a performance profile of the solvers, what differs from the reference, and with what it was all
+// made. Nothing is measured here: claims are judged, and figures drawn, from the runs that there are. The page needs no
+// other file.
+#include <fmt/format.h>
+
+#include <set>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/read_file.h"
+#include "claims/findings.h"
+#include "experiment.h"
+#include "page/claims_part.h"
+#include "page/comparison_part.h"
+#include "page/environment_part.h"
+#include "page/exhibits.h"
+#include "page/exhibits_part.h"
+#include "page/pieces.h"
+#include "page/profile_part.h"
+
+namespace radiafit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double heaviest_mb = 10;
+
+/// A part of the page under its own heading.
+struct Section {
+    const char* id;
+    const char* title;
+    Html inside;
+};
+
+std::vector<RunRecord> all_shown(const RunFolders& folders, const std::string& profile) {
+    std::vector<RunRecord> runs;
+    for (const Exhibit& exhibit : exhibits())
+        for (RunRecord& run : shown_runs(folders, exhibit.experiment, profile)) runs.push_back(std::move(run));
+    return runs;
+}
+
+Html contents(const std::vector<Section>& sections) {
+    Html list;
+    for (const Section& section : sections) list << element("li", link(fmt::format("#{}", section.id), section.title));
+    Html figures;
+    for (const Exhibit& exhibit : exhibits())
+        figures << element("li", link(fmt::format("#{}", exhibit.experiment), exhibit.title));
+    return element("nav", {{"aria-label", "Contents"}},
+                   element("h2", "Contents")
+                       << element("ol", list) << element("p", "Figures and tables:") << element("ul", figures));
+}
+
+Html introduction(const std::string& profile) {
+    Html header = element("h1", "The paper’s claims, figures and tables, measured again");
+    header << element(
+        "p",
+        Html("radiafit reproduces K. E. Hillesland, S. Molinov and R. Grzeszczuk, ")
+            << element("i",
+                       "Nonlinear Optimization Framework for Image-Based Modeling on Programmable "
+                       "Graphics Hardware")
+            << " (SIGGRAPH 2003). This page puts what the paper says beside what was measured here. Claims are judged "
+               "by fixed rules from rows at the paper’s scale; other profiles’ figures stand beside and decide "
+               "nothing. The paper’s captures are not public: its models are replaced by synthetic stand-ins of "
+               "the same size. Some of its values are not in our text of the paper; then this page says so.");
+    header << element("p", {{"class", "source"}},
+                      Html(fmt::format("Drawn on {}, {} profile, by revision {}. Drawn again by ",
+                                       utc_now().substr(0, 10), profile, git_revision()))
+                          << command_line(profile == "standard" ? "make report" : "make report PROFILE=" + profile));
+    return element("header", header);
+}
+
+std::string page(Experiment& experiment, const RunFolders& folders, const fs::path& scratch) {
+    const std::string& profile = experiment.profile();
+    const std::vector<ClaimFindings> claims = find_claims(folders, profile);
+    const std::vector<RunRecord> runs = all_shown(folders, profile);
+    const std::vector<Section> sections = {
+        {"claims", "The claims", claims_summary(claims)},
+        {"figures", "Figures and tables", exhibits_part(folders, profile, claims, scratch)},
+        {"performance-profile", "Performance profile of the solvers",
+         performance_part(folders, profile, scratch / "profile")},
+        {"rules", "Every claim: rule, figures and reason", claims_in_full(claims)},
+        {"comparison", "Against the reference", comparison_part(folders)},
+        {"environment", "Machines, builds and runs", environment_part(runs, folders.checkout)},
+    };
+    Html main;
+    for (const Section& section : sections)
+        main << element("section", {{"id", section.id}, {"aria-labelledby", fmt::format("{}-title", section.id)}},
+                        element("h2", {{"id", fmt::format("{}-title", section.id)}}, section.title) << section.inside);
+    const fs::path texts = experiment.root() / "experiments" / "page";
+    Html head = empty_element("meta", {{"charset", "utf-8"}});
+    head << empty_element("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}})
+         << empty_element("meta", {{"name", "color-scheme"}, {"content", "light dark"}})
+         << element("title", "radiafit: report") << style_sheet(read_file(texts / "page.css", "style sheet"));
+    Html body = element("a", {{"class", "skip"}, {"href", "#main"}}, "To the claims");
+    body << introduction(profile) << contents(sections) << element("main", {{"id", "main"}}, main)
+         << script(read_file(texts / "page.js", "script"));
+    return html_page(head, body);
+}
+
+void write_report(Experiment& experiment) {
+    const RunFolders folders(experiment);
+    if (!experiment.standard() && experiment.results() == experiment.root() / "results")
+        throw UserError(
+            "the report in `results` is of the standard configuration; say by --output where this one goes");
+    const bool own_folder = experiment.profile() != "standard" && experiment.standard();
+    const fs::path folder = experiment.results() / "report" / (own_folder ? experiment.profile() : "");
+    const AtomicFolder scratch(fs::temp_directory_path() / "radiafit-report");
+    const std::string text = page(experiment, folders, scratch.path());
+    fs::create_directories(folder);
+    write_file(folder / "index.html", text);
+    const double megabytes = double(text.size()) / 1e6;
+    if (megabytes > heaviest_mb)
+        log_warning(fmt::format("the report weighs {:.1f} MB; fewer runs of other devices make it lighter", megabytes));
+    log_info(fmt::format("report: {} ({:.1f} MB)", (folder / "index.html").string(), megabytes));
+}
+
+}  // namespace
+}  // namespace radiafit
+
+int main(int argc, char** argv) { return radiafit::run_experiment("report", argc, argv, radiafit::write_report); }
