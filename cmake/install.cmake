@@ -34,3 +34,19 @@ if(TARGET radiafit_mpi)
   install(TARGETS radiafit_mpi LIBRARY DESTINATION lib/radiafit)
 endif()
 set_target_properties(radiafit PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/radiafit")
+
+# Its manual page and completions, which it prints itself.
+set(pages ${PROJECT_BINARY_DIR}/pages)
+add_custom_command(
+  OUTPUT ${pages}/radiafit.1 ${pages}/radiafit ${pages}/_radiafit ${pages}/radiafit.fish
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${pages}
+  COMMAND radiafit options --man > ${pages}/radiafit.1
+  COMMAND radiafit completion bash > ${pages}/radiafit
+  COMMAND radiafit completion zsh > ${pages}/_radiafit
+  COMMAND radiafit completion fish > ${pages}/radiafit.fish
+  DEPENDS radiafit VERBATIM)
+add_custom_target(pages ALL DEPENDS ${pages}/radiafit.1)
+install(FILES ${pages}/radiafit.1 DESTINATION share/man/man1)
+install(FILES ${pages}/radiafit DESTINATION share/bash-completion/completions)
+install(FILES ${pages}/_radiafit DESTINATION share/zsh/site-functions)
+install(FILES ${pages}/radiafit.fish DESTINATION share/fish/vendor_completions.d)

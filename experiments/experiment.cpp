@@ -10,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/failure.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/read_file.h"
@@ -72,6 +73,7 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv) : na
     if (!run_.empty()) return;
     config_ = std::make_unique<Config>(config, profile_, overrides);
     record_ = make_record(argc, argv);
+    lock_ = std::make_unique<OutputLock>(results() / name_);
     AtomicFolder(results() / name_ / "probe");  // a folder that can't be written shows before any work
 }
 
@@ -236,10 +238,13 @@ int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body) {
     name_options_by_flag();
     prepare_standard_streams();
+    catch_interrupts();
     try {
         Experiment experiment(name, argc, argv);
         if (!experiment.done()) body(experiment);
         return 0;
+    } catch (const Interrupted& interrupted) {
+        end_interrupted(name, interrupted);
     } catch (const std::exception& e) {
         const Failure failure = describe(e);
         log_error(name, failure.line);

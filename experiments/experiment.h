@@ -8,6 +8,7 @@
 
 #include "app/solve.h"
 #include "base/config.h"
+#include "base/output_lock.h"
 #include "base/record.h"
 #include "eval/judge.h"
 #include "report/result_folder.h"
@@ -74,6 +75,7 @@ private:
     std::string name_, profile_ = "standard";
     std::filesystem::path root_, output_, run_;
     bool standard_ = true, resume_ = false;
+    std::unique_ptr<OutputLock> lock_;  ///< of its results: two runs at once would measure each other
     std::unique_ptr<Config> config_;
     Record record_;
 };

@@ -3,8 +3,8 @@
 # claims and report (which read the others' results) last.
 # Usage: run-experiments.sh BUILD PROFILE [ONLY]    ONLY: a part of the names to run, such as fig7
 #        run-experiments.sh --list [ONLY]           prints the names in order
-# An experiment that fails doesn't keep the others from running; the exit status is that of the first failure. The paper
-# profile, which takes hours, says before it starts what it needs, and goes on where it was broken off: what this revision has
+# An experiment that fails doesn't keep the others from running; the exit status is that of the first failure. Ctrl-C ends
+# the one that runs, SIGTERM to this script lets it end, and either leaves out the rest; what is done stays. The paper profile, which takes hours, says before it starts what it needs, and goes on where it was broken off: what this revision has
 # run already is not run again.
 set -eu
 cd "$(dirname "$0")/.."
@@ -54,11 +54,18 @@ figures=paper_figs page=results/report/index.html
 started=$(date +%s)
 first_failure=0
 failed=""
+begun=""
+stopped=""
+trap 'stopped=130' INT
+trap 'stopped=143' TERM
 for name in $list; do
+    [ -z "$stopped" ] || break
+    begun="$begun $name"
     echo "== $name ($profile)" >&2
     status=0
     "$build/experiments/$name" --config "experiments/$name.toml" --profile "$profile" $resume </dev/null ||
         status=$?
+    case $status in 130 | 143) stopped=$status ;; esac
     if [ "$status" != 0 ]; then
         echo "$name failed with status $status" >&2
         failed="$failed $name"
@@ -70,6 +77,7 @@ echo
 echo "took $(($(date +%s) - started)) s; where to look:"
 for name in $list; do
     case " $failed " in *" $name "*) echo "  $name: failed" && continue ;; esac
+    case " $begun " in *" $name "*) ;; *) echo "  $name: not run" && continue ;; esac
     for drawn in "$figures/$name".*; do
         case $drawn in *.gp | *'*') ;; *) echo "  $drawn" ;; esac
     done
@@ -80,4 +88,4 @@ for name in $list; do
     [ -z "$newest" ] || echo "  $newest/  (rows)"
     [ "$name" != report ] || echo "  $page  (all of it on one page, for a browser)"
 done
-exit "$first_failure"
+exit "${stopped:-$first_failure}"

@@ -71,6 +71,12 @@ class Install(unittest.TestCase):
         program = self.folder / "prefix" / "bin" / "radiafit"
         self.assertIn("radiafit", run(program, "--version", cwd=self.folder))
 
+    def test_the_manual_page_and_completions_are_there(self):
+        share = self.folder / "prefix" / "share"
+        self.assertTrue((share / "man/man1/radiafit.1").read_text().startswith(".TH RADIAFIT 1 "))
+        for name in ("bash-completion/completions/radiafit", "zsh/site-functions/_radiafit", "fish/vendor_completions.d/radiafit.fish"):
+            self.assertIn("--surface-side" if "fish" not in name else "-l surface-side", (share / name).read_text(), name)
+
     def test_an_incomplete_model_is_told_what_it_lacks(self):
         text = (source / "examples" / "own_model.glsl").read_text(encoding="utf-8")
         lacking = {

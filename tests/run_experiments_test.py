@@ -15,7 +15,7 @@ EXPERIMENT = """#!/bin/sh
 name=$(basename "$0")
 echo "$name $*" >> log
 [ -t 0 ] && exit 9
-case $name in *broken*) exit 3 ;; esac
+case $name in *broken*) exit 3 ;; *stopped*) kill -INT $$ ;; esac
 for time in 20240101T000000Z 20240102T000000Z; do
     mkdir -p "results/$name/cpu-$time/$time-abc"
     touch "results/$name/cpu-$time/$time-abc/run.json"
@@ -84,6 +84,15 @@ class RunExperiments(Tree):
         self.assertEqual(result.returncode, 3)
         self.assertIn("fig1_broken: failed", result.stdout)
         self.assertIn("paper_figs/smoke/fig2_good.svg", result.stdout)
+
+    def test_a_signal_ends_it_and_what_is_done_stays(self):
+        self.make("fig1_good", "fig2_stopped", "fig3_later")
+        result = self.run_script("build", "smoke")
+        self.assertEqual(result.returncode, 130)
+        self.assertEqual(len(self.log()), 2)
+        self.assertIn("paper_figs/smoke/fig1_good.svg", result.stdout)
+        self.assertIn("fig2_stopped: failed", result.stdout)
+        self.assertIn("fig3_later: not run", result.stdout)
 
     def test_the_paper_profile_tells_its_needs_and_goes_on_where_it_was_broken_off(self):
         self.make("fig7_convergence", "fig8_time", "streaming", "claims", "report")

@@ -118,11 +118,8 @@ void add_compare(CommandLine& program, int& status) {
     command.add_text("after", o->after, "likewise: what is held against it").required();
     command.add_word("--only", o->only, "experiments whose names contain this");
     command.add_flag("--all", o->all, "what is the same, too");
-    command.add_flag("--json", o->json, "one JSON object on standard output");
-    command.on_run([=, &status] {
-        if (o->json) set_quiet(true);
-        status = run_compare(*o);
-    });
+    add_json(command, o->json);
+    command.on_run([=, &status] { status = run_compare(*o); });
 }
 
 }  // namespace radiafit

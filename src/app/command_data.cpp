@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/commands.h"
 #include "app/family.h"
@@ -13,6 +14,8 @@
 #include "app/settle.h"
 #include "base/error.h"
 #include "base/leftovers.h"
+#include "base/log.h"
+#include "base/output_lock.h"
 #include "base/printable.h"
 #include "base/read_file.h"
 #include "base/resources.h"
@@ -37,6 +40,53 @@ std::string stages_of(const PlanRow& row) {
 }
 
 using Json = nlohmann::ordered_json;
+
+void print_rows(const char* title, const std::vector<PlanRow>& rows) {
+    const bool staged = std::ranges::any_of(rows, [](const PlanRow& r) { return r.stages != PlanRow::while_all; });
+    Table table(staged ? std::vector<std::string>{"array", "shape", "count", "MB", "while"}
+                       : std::vector<std::string>{"array", "shape", "count", "MB"});
+    const auto add = [&](std::vector<std::string> cells, const std::string& stages) {
+        if (staged) cells.push_back(stages);
+        table.add(cells);
+    };
+    for (const PlanRow& r : rows)
+        add({r.array, r.shape, std::to_string(r.count), fmt::format("{:.2f}", double(r.bytes) / 1e6)}, stages_of(r));
+    add({staged ? "most at a time" : "total", "", "", fmt::format("{:.2f}", double(total_bytes(rows)) / 1e6)}, "");
+    fmt::print("{}\n{}\n", title, table.text());
+}
+
+void print_plan(const std::string& chosen, const Plan& planned, const std::optional<PlannedSeconds>& seconds,
+                const std::optional<PartNeeds>& parts) {
+    if (!chosen.empty()) fmt::print("{}\n\n", chosen);
+    print_rows("this program", planned.memory);
+    if (seconds)
+        fmt::print("seconds on this machine, by a few images and vertices: distributing {:.3g}, solving {:.3g}\n\n",
+                   seconds->distributing, seconds->solving);
+    print_rows("on disk", planned.disk);
+    if (parts) {
+        const std::string learning =
+            parts->learning ? readable_bytes(parts->learning) + " while learning, " : std::string();
+        fmt::print("in {} parts, {} of memory at most ({}{} for a part, {} to put them together) and {} of disk\n",
+                   parts->parts, readable_bytes(parts->memory), learning, readable_bytes(parts->part),
+                   readable_bytes(parts->merging), readable_bytes(parts->disk));
+    }
+    if (!planned.paper.empty()) print_rows("paper layout (Section 6.3; the accounting is ours)", planned.paper);
+}
+
+void print_plan_json(const Plan& planned, const std::optional<PlannedSeconds>& seconds,
+                     const std::optional<PartNeeds>& parts) {
+    const auto rows_of = [](const std::vector<PlanRow>& rows) {
+        Json out = Json::array();
+        for (const PlanRow& r : rows)
+            out.push_back({{"array", r.array}, {"shape", r.shape}, {"count", r.count}, {"bytes", r.bytes}});
+        return Json{{"most_bytes", total_bytes(rows)}, {"arrays", out}};
+    };
+    Json json = {{"memory", rows_of(planned.memory)}, {"disk", rows_of(planned.disk)}};
+    if (seconds) json["seconds"] = {{"distributing", seconds->distributing}, {"solving", seconds->solving}};
+    if (parts) json["parts"] = {{"count", parts->parts}, {"memory_bytes", parts->memory}, {"disk_bytes", parts->disk}};
+    if (!planned.paper.empty()) json["paper_layout"] = rows_of(planned.paper);
+    fmt::print("{}\n", json.dump(2));
+}
 
 void print_fit(Fitted& fit, bool json) {
     const FitRecord& f = fit.record();
@@ -64,6 +114,16 @@ void print_fit(Fitted& fit, bool json) {
 
 void add_force(CommandLine& command, bool& force) {
     command.add_flag("--force", force, "go on though memory or disk will not suffice");
+}
+
+void add_json(CommandLine& command, bool& json) {
+    command.add_switch(
+        "--json",
+        [&json] {
+            json = true;
+            set_quiet(true);
+        },
+        "one JSON object on standard output");
 }
 
 void print_dataset(const Dataset& d, bool json) {
@@ -118,10 +178,14 @@ void add_generate(CommandLine& program) {
     auto options = std::make_shared<SyntheticOptions>();
     auto out = std::make_shared<std::string>();
     auto force = std::make_shared<bool>(false);
+    auto json = std::make_shared<bool>(false);
     CommandLine& command =
         program.add_command("generate", "make a synthetic dataset (a stand-in for one of the paper's)");
-    command.add_word("shape", options->shape, "star, bust or ornament").hide_default().required();
-    command.add_word("--scale", options->scale, "smoke, standard or paper");
+    command.add_word("shape", options->shape, "star, bust or ornament")
+        .choices({"star", "bust", "ornament"})
+        .hide_default()
+        .required();
+    command.add_word("--scale", options->scale, "smoke, standard or paper").choices({"smoke", "standard", "paper"});
     command.add_number("--seed", options->seed, limits::seed, "of everything random");
     command.add_number("--subdivide", options->subdivide, limits::subdivide,
                        "star and bust: each triangle in so many times so many equal ones, of the same photographs");
@@ -145,10 +209,12 @@ void add_generate(CommandLine& program) {
     for (CommandOption& option : of_ornament) option.group("ornament");
     command.add_text("-o,--output", *out, "folder of the packed dataset").required();
     add_force(command, *force);
+    add_json(command, *json);
     command.on_run([=] {
+        const OutputLock lock(*out);
         announce_needs("generate", synthetic_needs(*options), *out, *force);
         generate_synthetic(*options, *out);
-        print_dataset(open_dataset(*out), false);
+        print_dataset(open_dataset(*out), *json);
     });
 }
 
@@ -159,7 +225,7 @@ void add_info(CommandLine& program) {
     CommandLine& command = program.add_command("info", "what a dataset or fit is, checked whole");
     command.add_text("folder", *folder, "DATASET or FIT").required();
     command.add_text("--dataset", *moved_to, "where a fit's dataset is now, if it moved");
-    command.add_flag("--json", *json, "one JSON object on standard output");
+    add_json(command, *json);
     command.on_run([=] {
         const std::filesystem::path path(*folder);
         restore_interrupted(path);
@@ -181,47 +247,27 @@ void add_info(CommandLine& program) {
 void add_plan(CommandLine& program) {
     auto request = std::make_shared<FitRequest>();
     auto folder = std::make_shared<std::string>();
+    auto json = std::make_shared<bool>(false);
     CommandLine& command = program.add_command("plan", "bytes of each array before anything is allocated");
     command.add_text("dataset", *folder, "packed dataset").required();
     add_fit_options(command, *request);
+    add_json(command, *json);
     command.on_run([=, &command] {
         const Dataset dataset = open_dataset(*folder);
         const auto given = [&](const char* option) { return command.given(option); };
         const std::string chosen = settle(given, given("--memory"), dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
-        if (!chosen.empty()) fmt::print("{}\n\n", chosen);
-        const auto show = [](const char* title, const std::vector<PlanRow>& rows) {
-            const bool staged =
-                std::ranges::any_of(rows, [](const PlanRow& r) { return r.stages != PlanRow::while_all; });
-            Table table(staged ? std::vector<std::string>{"array", "shape", "count", "MB", "while"}
-                               : std::vector<std::string>{"array", "shape", "count", "MB"});
-            const auto add = [&](std::vector<std::string> cells, const std::string& stages) {
-                if (staged) cells.push_back(stages);
-                table.add(cells);
-            };
-            for (const PlanRow& r : rows)
-                add({r.array, r.shape, std::to_string(r.count), fmt::format("{:.2f}", double(r.bytes) / 1e6)},
-                    stages_of(r));
-            add({staged ? "most at a time" : "total", "", "", fmt::format("{:.2f}", double(total_bytes(rows)) / 1e6)},
-                "");
-            fmt::print("{}\n{}\n", title, table.text());
-        };
         const Plan planned = plan(dataset, *request);
-        show("this program", planned.memory);
-        if (const auto seconds = plan_seconds(dataset, *request))
-            fmt::print("seconds on this machine, by a few images and vertices: distributing {:.3g}, solving {:.3g}\n\n",
-                       seconds->distributing, seconds->solving);
-        show("on disk", planned.disk);
+        const auto seconds = plan_seconds(dataset, *request);
+        std::optional<PartNeeds> parts;
         if (needs_parts(dataset, *request)) {
             const auto whole = family_of(*request).divide(dataset, *request);
-            const PartNeeds needs = count_parts(*whole, {}, *request);
-            const std::string learning =
-                needs.learning ? readable_bytes(needs.learning) + " while learning, " : std::string();
-            fmt::print("in {} parts, {} of memory at most ({}{} for a part, {} to put them together) and {} of disk\n",
-                       needs.parts, readable_bytes(needs.memory), learning, readable_bytes(needs.part),
-                       readable_bytes(needs.merging), readable_bytes(needs.disk));
+            parts = count_parts(*whole, {}, *request);
         }
-        if (!planned.paper.empty()) show("paper layout (Section 6.3; the accounting is ours)", planned.paper);
+        if (*json)
+            print_plan_json(planned, seconds, parts);
+        else
+            print_plan(chosen, planned, seconds, parts);
     });
 }
 

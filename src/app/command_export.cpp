@@ -9,6 +9,7 @@
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "dataset/checksums.h"
 
 namespace radiafit {
@@ -36,6 +37,7 @@ void add_problems(CommandLine& exporter, const Invocation& invocation) {
     command.add_text("-o,--output", *out, "folder of the problems").required();
     command.on_run([=, &command] {
         request->check();
+        const OutputLock lock(*out);
         ProblemFolder problems(*out, "radiafit-problems");
         Record record = make_record(invocation.argc, invocation.argv);
         const Dataset dataset = open_dataset(*folder);
@@ -63,6 +65,7 @@ void add_parameters(CommandLine& exporter, const Invocation& invocation) {
     command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
     command.add_text("-o,--output", *out, "folder of the parameters").required();
     command.on_run([=] {
+        const OutputLock lock(*out);
         ProblemFolder parameters(*out, "radiafit-parameters");
         const Record record = make_record(invocation.argc, invocation.argv);
         const auto fit = open_fit(*folder, *moved_to);

@@ -4,19 +4,24 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/commands.h"
 #include "app/family.h"
+#include "app/fit_key.h"
 #include "app/fit_on_ranks.h"
 #include "app/fit_options.h"
+#include "app/leave_fit.h"
+#include "app/limits.h"
 #include "app/parts.h"
 #include "app/ranks.h"
 #include "app/settle.h"
+#include "app/unfinished.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "base/record.h"
 #include "base/resources.h"
 #include "dataset/checksums.h"
@@ -30,9 +35,10 @@ void add_fit_option(CommandLine& c, FitRequest& r, const std::string& name) {
     if (o.flag_value)
         c.add_flag(o.flag, r.*o.flag_value, help).group(o.group);
     else
-        c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help, [&r, &o](const std::string& text) {
-             o.read(r, text);
-         }).group(o.group);
+        c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help,
+              [&r, &o](const std::string& text) { o.read(r, text); })
+            .choices(o.choices)
+            .group(o.group);
 }
 
 void add_fit_options(CommandLine& c, FitRequest& r) {
@@ -40,6 +46,12 @@ void add_fit_options(CommandLine& c, FitRequest& r) {
 }
 
 namespace {
+
+/// What a command is told beside the request's options.
+struct FitCommand : FitTarget {
+    std::string dataset, shard;
+    bool force = false, leave_out_outliers = false, resume = false;
+};
 
 /// Throws UserError if the fit's folder and the records' lie one inside the other.
 void check_apart(const std::string& output, const std::string& records) {
@@ -51,43 +63,6 @@ void check_apart(const std::string& output, const std::string& records) {
     if (a.starts_with(b) || b.starts_with(a))
         throw UserError(
             fmt::format("{}: the records' folder and the fit's lie one inside the other; choose another", records));
-}
-
-/// A fit's times and provenance, as JSON, into it.
-nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const FitRequest& request, Record record) {
-    record.gl_vendor = run.gl_vendor;
-    record.gl_renderer = run.gl_renderer;
-    record.gl_version = run.gl_version;
-    fit.provenance_json = record_json(record);
-    const FitTimes& t = run.times;
-    nlohmann::ordered_json times = {
-        {"distribution_s", t.distribution},
-        {"streaming_s", t.streaming},
-        {"optimization_s", t.optimization},
-        {"total_s", t.total},
-        {"sweep_cpu_ms_per_image", run.sweep_cpu_ms_per_image},
-        {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
-    };
-    if (!run.accumulation.empty()) times["accumulation"] = run.accumulation;
-    if (uses_of(request) & use::records)
-        times["records"] = {
-            {"bytes_written", run.records.bytes_written}, {"waiting_bytes_read", run.records.bytes_read},
-            {"waiting_parts", run.records.waiting_parts}, {"bytes_read", run.record_bytes_read},
-            {"cached_share", run.record_cached_share},    {"sample_iterations", run.sample_iterations},
-            {"working_set_bytes", run.working_set_bytes},
-        };
-    return times;
-}
-
-/// Throws UserError for a fit that means nothing.
-void require_result(const FitRecord& fit, const Dataset& dataset) {
-    const auto counts = fit.status_counts();
-    const uint64_t broken = counts[size_t(Status::not_finite)], empty = counts[size_t(Status::no_samples)];
-    if (broken > 0 && broken + empty == fit.status.size())
-        throw UserError(
-            fmt::format("{}: none of {} problems came to a finite result ({} have no samples): check the "
-                        "images' values, gains and lights",
-                        dataset.folder.string(), fit.status.size(), empty));
 }
 
 /// Streamed images have 16 bits up to the largest value of all: one hot pixel, or one gain, leaves other images few.
@@ -111,29 +86,6 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
                         dataset.folder.string(), brightest->name, largest, darkest->name, smallest));
 }
 
-/// Everything a fit leaves, in one folder.
-void save(const std::string& folder, FinishedFit& done, const FitRequest& request, const Record& begun) {
-    FitRecord& fit = done.fit->record();
-    auto times = describe_run(fit, done.run, request, begun);
-    if (!done.times_json.empty()) times.update(nlohmann::ordered_json::parse(done.times_json));
-    fit.times_json = times.dump();
-    done.fit->write(folder, [&](const std::filesystem::path& inside) {
-        write_file(inside / "trace.csv", trace_csv(done.run.trace, request.label(), fit.engine));
-        done.fit->write_error_bars(inside);
-    });
-}
-
-/// "cg-modern in 3.2 s: error 1 -> 0.1 (all 25 iterations used, the last lowered the error by 0.02 %), ".
-std::string summary_of(const FitRun& run, const FitRequest& request, const FitRecord& fit) {
-    const auto counts = fit.status_counts();
-    const uint64_t problems = fit.status.size() - counts[size_t(Status::no_samples)];
-    std::string line = fmt::format("{} in {:.1f} s: ", request.label(), run.times.total);
-    if (run.trace.rows.empty()) return line;
-    line += fmt::format("error {:.6g} -> {:.6g}", run.trace.rows.front().error, run.trace.rows.back().error);
-    const std::string ending = ending_of(run.trace, counts[size_t(Status::max_iterations)], problems);
-    return line + (ending.empty() ? ", " : fmt::format(" ({}), ", ending));
-}
-
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
     constexpr size_t views_to_count_samples_on = 8;
@@ -146,19 +98,6 @@ Record begin_record(const Dataset& dataset, const Invocation& invocation) {
     Record begun = make_record(invocation.argc, invocation.argv);
     begun.datasets->push_back(dataset_note(dataset));
     return begun;
-}
-
-/// Checks what a fit came to, writes it and says so.
-void leave(const std::string& out, const Dataset& dataset, const FitRequest& request, FinishedFit done,
-           const Record& begun, bool covariance = false) {
-    const FitRecord& record = done.fit->record();
-    require_result(record, dataset);
-    if (covariance) done.fit->find_error_bars({});
-    save(out, done, request, begun);
-    const auto counts = record.status_counts();
-    log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
-                         summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
-                         counts[size_t(Status::not_finite)], out));
 }
 
 /// A fit of all training images, unless judged by it some of them are outliers: then one of the others.
@@ -178,26 +117,44 @@ FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
     return family_of(request).fit(dataset, request);
 }
 
-/// In one piece; or in parts, on one machine or on all that mpirun chose, which OUT.parts keeps until all are there.
-void fit(const std::string& out, const Dataset& dataset, FitRequest request, const Invocation& invocation, bool force,
-         bool leave_out_outliers, bool covariance) {
-    const Record begun = begin_record(dataset, invocation);
-    const std::filesystem::path parts = std::filesystem::path(out).concat(".parts");
-    if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
-        auto done = fit_on_ranks(*ranks, dataset, request, parts, force);
-        if (!done) return;
-        leave(out, dataset, request, std::move(*done), begun, covariance);
-    } else if (!needs_parts(dataset, request)) {
-        announce_plan(out, dataset, request, force);
-        FinishedFit done =
-            leave_out_outliers ? fit_without_outliers(dataset, request) : family_of(request).fit(dataset, request);
-        return leave(out, dataset, request, std::move(done), begun, covariance);
-    } else {
-        fit_shard(dataset, request, {}, parts, force);
-        leave(out, dataset, request, merge_shards(dataset, request, {parts}), begun, covariance);
+/// On one machine, in one piece or in parts; `parts` keeps what is finished.
+void fit_alone(const FitCommand& command, const Dataset& dataset, FitRequest request, const Record& begun,
+               const std::filesystem::path& parts) {
+    const std::string key = fit_key(dataset, request);
+    settle_unfinished(parts, key, command.resume);
+    if (needs_parts(dataset, request)) {
+        fit_shard(dataset, request, {}, parts, command.force);
+        return leave(command, dataset, request, merge_shards(dataset, request, {parts}), begun);
     }
-    std::error_code ignored;
-    std::filesystem::remove_all(parts, ignored);
+    announce_plan(command.out, dataset, request, command.force);
+    request.journal =
+        std::make_shared<Journal>(parts / ("whole" + std::string(journal_extension)), key, request.checkpoint_s);
+    FinishedFit done =
+        command.leave_out_outliers ? fit_without_outliers(dataset, request) : family_of(request).fit(dataset, request);
+    leave(command, dataset, request, std::move(done), begun);
+}
+
+/// Alone, or on all machines that mpirun chose. OUT.parts keeps what is finished until the fit is there.
+void fit(const FitCommand& command, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
+    const Record begun = begin_record(dataset, invocation);
+    const std::filesystem::path parts = unfinished_folder(command.out);
+    if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
+        auto done = fit_on_ranks(*ranks, dataset, request, parts, command.force);
+        if (!done) return;
+        leave(command, dataset, request, std::move(*done), begun);
+    } else {
+        try {
+            fit_alone(command, dataset, request, begun, parts);
+        } catch (Interrupted& stop) {
+            stop.note =
+                anything_unfinished(parts)
+                    ? fmt::format("{} keeps what is finished; the same command with --resume goes on from there",
+                                  parts.string())
+                    : "nothing was finished: the same command begins anew";
+            throw;
+        }
+    }
+    remove_unfinished(parts);
 }
 
 /// What --leave-out-outliers asks of a fit. Throws UserError.
@@ -223,63 +180,67 @@ void require_error_bars(const FitRequest& request, bool shard) {
 
 void add_fit(CommandLine& program, const Invocation& invocation) {
     auto request = std::make_shared<FitRequest>();
-    auto folder = std::make_shared<std::string>();
-    auto out = std::make_shared<std::string>();
-    auto shard = std::make_shared<std::string>();
-    auto force = std::make_shared<bool>(false);
-    auto leave_out_outliers = std::make_shared<bool>(false);
+    auto o = std::make_shared<FitCommand>();
     CommandLine& command = program.add_command("fit", "fit a model to a packed dataset");
-    command.add_text("dataset", *folder, "packed dataset").required();
+    command.add_text("dataset", o->dataset, "packed dataset").required();
     add_fit_options(command, *request);
-    command.add_text("-o,--output", *out, "folder of the fit, or of the shard").required();
-    command.add_text("--shard", *shard,
+    command.add_text("-o,--output", o->out, "folder of the fit, or of the shard").required();
+    command.add_text("--shard", o->shard,
                      "2/7: only the second of seven shares of the surface, into a folder for radiafit merge");
-    add_force(command, *force);
-    command.add_flag("--leave-out-outliers", *leave_out_outliers,
+    command.add_flag("--resume", o->resume,
+                     "go on from what a fit that was stopped left in OUTPUT.parts, and refuse it if it is of another");
+    command.add_number("--checkpoint", request->checkpoint_s, limits::checkpoint,
+                       "seconds after which what is finished goes to OUTPUT.parts again");
+    add_force(command, o->force);
+    command.add_flag("--leave-out-outliers", o->leave_out_outliers,
                      "fit twice: all training images, and those that the first fit does not miss by far");
-    auto covariance = std::make_shared<bool>(false);
-    command.add_flag("--covariance", *covariance,
+    command.add_flag("--covariance", o->covariance,
                      "maps of the parameters' standard deviations as well, of lfm and texel-local models");
+    add_json(command, o->json);
     command.on_run([=, &command] {
-        const std::optional<Shard> share = shard->empty() ? std::nullopt : std::optional(parse_shard(*shard));
+        const std::optional<Shard> share = o->shard.empty() ? std::nullopt : std::optional(parse_shard(o->shard));
+        std::optional<OutputLock> lock;  // ranks lock what they have in common
+        if (started_together() == 1) lock.emplace(o->out);
         if (!share) {
-            check_fit_target(*out);
+            check_fit_target(o->out);
             // an output that cannot be written shows now, not at the end
-            const AtomicFolder tried(*out, AtomicFolder::Existing::replace);
+            const AtomicFolder tried(o->out, AtomicFolder::Existing::replace);
         }
-        check_apart(*out, request->records);
-        request->scratch = (std::filesystem::absolute(*out) / "").parent_path().parent_path();
-        const Dataset dataset = open_dataset(*folder);
+        check_apart(o->out, request->records);
+        request->scratch = (std::filesystem::absolute(o->out) / "").parent_path().parent_path();
+        const Dataset dataset = open_dataset(o->dataset);
         const auto given = [&](const char* option) { return command.given(option); };
         const std::string chosen =
             settle(given, share || given("--memory") || started_together() > 1, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
-        if (*leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
-        if (*covariance) require_error_bars(*request, share.has_value());
+        if (o->leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
+        if (o->covariance) require_error_bars(*request, share.has_value());
         if (!chosen.empty()) log_info(chosen);
         warn_about_range(dataset, *request);
         if (share)
-            fit_shard(dataset, *request, *share, *out, *force);
+            fit_shard(dataset, *request, *share, o->out, o->force);
         else
-            fit(*out, dataset, *request, invocation, *force, *leave_out_outliers, *covariance);
+            fit(*o, dataset, *request, invocation);
     });
 }
 
 void add_merge(CommandLine& program, const Invocation& invocation) {
     auto folders = std::make_shared<std::vector<std::string>>();
     auto moved_to = std::make_shared<std::string>();
-    auto out = std::make_shared<std::string>();
+    auto o = std::make_shared<FitCommand>();
     CommandLine& command = program.add_command("merge", "put the shards of a fit together");
     command.add_rest("shards", *folders, "folders that radiafit fit --shard wrote, all of one fit").required();
     command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
-    command.add_text("-o,--output", *out, "folder of the fit").required();
+    command.add_text("-o,--output", o->out, "folder of the fit").required();
+    add_json(command, o->json);
     command.on_run([=] {
-        check_fit_target(*out);
-        { const AtomicFolder tried(*out, AtomicFolder::Existing::replace); }
+        const OutputLock lock(o->out);
+        check_fit_target(o->out);
+        { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));
         const Record begun = begin_record(dataset, invocation);
-        leave(*out, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
+        leave(*o, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
               begun);
     });
 }

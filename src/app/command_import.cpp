@@ -5,6 +5,7 @@
 #include "app/image_checks.h"
 #include "app/limits.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "capture/import.h"
 #include "capture/import_lights.h"
 
@@ -15,14 +16,14 @@ constexpr const char* holdout_help =
     "every:N, every:N+K, random:N, random:N:SEED, spread:N (over directions), none, or a file of image names";
 
 /// What an import has to say, and what its dataset is.
-void tell(const auto& report, const std::string& out) {
+void tell(const auto& report, const std::string& out, bool json) {
     for (const std::string& note : report.notes) log_warning(note);
     for (const std::string& remark : report.remarks) log_info(remark);
     const Dataset dataset = open_dataset(out);
     if (const auto benefit = gain_benefit(dataset)) log_info(describe_gains(*benefit));
     const std::string suspicious = describe_suspicious(suspicious_images(dataset));
     if (!suspicious.empty()) log_warning(suspicious);
-    print_dataset(dataset, false);
+    print_dataset(dataset, json);
 }
 
 /// A format of calibrations: all of them take the same options.
@@ -48,6 +49,7 @@ constexpr CalibrationFormat calibration_formats[] = {
 void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     auto options = std::make_shared<ImportOptions>();
     auto out = std::make_shared<std::string>();
+    auto json = std::make_shared<bool>(false);
     options->holdout = format.holdout;
     CommandLine& import = command.add_command(format.name, format.help);
     import.add_text("--model", options->model, format.model_help).required();
@@ -64,15 +66,18 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_text("--name", options->name, "of the dataset");
     import.add_text("-o,--output", *out, "folder of the packed dataset").required();
     add_force(import, options->force);
+    add_json(import, *json);
     import.on_run([=] {
-        const ImportReport report = format.import(*options, *out);
-    tell(report, *out);
+        const OutputLock lock(*out);
+    const ImportReport report = format.import(*options, *out);
+    tell(report, *out, *json);
 });
 }  // namespace
 
 void add_lights(CommandLine& command) {
     auto options = std::make_shared<LightImportOptions>();
     auto out = std::make_shared<std::string>();
+    auto json = std::make_shared<bool>(false);
     CommandLine& lights = command.add_command(
         "lights", "images that show one surface pixel on pixel, under a lamp each: a fixed camera, or a flat sample");
     lights.add_text("--images", options->images, "folder of the images").required();
@@ -94,16 +99,19 @@ void add_lights(CommandLine& command) {
         "picture of normals: x right, y up, z towards the camera; or flat; default: computed from the images if the "
         "lamps are distant, else flat");
     lights.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    lights.add_word("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear");
+    lights.add_word("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear")
+        .choices({"linear", "srgb", "auto"});
     lights.add_choice("--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
                       "bits per channel that the images must have: 8, 16, 32 (floats)");
     lights.add_text("--holdout,--held-out", options->holdout, holdout_help);
     lights.add_text("--name", options->name, "of the dataset");
     lights.add_text("-o,--output", *out, "folder of the packed dataset").required();
     add_force(lights, options->force);
+    add_json(lights, *json);
     lights.on_run([=] {
+        const OutputLock lock(*out);
         const LightImportReport report = import_lights(*options, *out);
-        tell(report, *out);
+        tell(report, *out, *json);
     });
 }
 

@@ -186,21 +186,22 @@ void add_judge(CommandLine& program) {
     auto o = std::make_shared<Options>();
     CommandLine& command = program.add_command("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
     command.add_text("fit", o->fit, "folder of the fit").required();
-    command.add_word("--split", o->split, "train, test or validation");
+    command.add_word("--split", o->split, "train, test or validation").choices({"train", "test", "validation"});
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
     add_pixel_points(command, o->pixel_points);
-    command.add_words("--beside", o->beside,
-                      "lumigraph or gaussian-process: what models reach that keep every training photograph");
+    command
+        .add_words("--beside", o->beside,
+                   "lumigraph or gaussian-process: what models reach that keep every training photograph")
+        .choices({"lumigraph", "gaussian-process"});
     command.add_flag("--covariance", o->error_bars,
                      "how far noise moves the fit of lfm or a texel-local model, whether the errors agree, and where "
                      "its colours can't be trusted");
     command.add_flag("--per-image", o->per_image, "a table of the images as well, worst first");
-    command.add_flag("--json", o->json, "one JSON object on standard output");
+    add_json(command, o->json);
     command.on_run([=] {
         const Split split = choose_split(o->split);
         check_pixel_points(o->pixel_points);
         const std::vector<const ReachableModel*> others = reachable_by_name(o->beside);
-        if (o->json) set_quiet(true);
         const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, o->error_bars, others);
         if (o->json)
             fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth, j.beside));

@@ -54,6 +54,10 @@ std::string plain_name(const std::string& names) {
     return last.substr(last.find_first_not_of('-'));
 }
 
+CommandOption& CommandOption::choices(std::vector<std::string> names) {
+    *choices_ = std::move(names);
+    return *this;
+}
 CommandOption& CommandOption::required() {
     option_->required();
     return *this;
@@ -100,12 +104,34 @@ bool CommandLine::parse(int argc, const char* const* argv) {
 
 bool CommandLine::given(const std::string& name) const { return app_->count(name) > 0; }
 
+CommandOption CommandLine::described(CLI::Option& option) { return CommandOption(option, choices_[&option]); }
+
+CommandDescription CommandLine::describe() const {
+    CommandDescription out{app_->get_name(), app_->get_description(), {}, {}};
+    for (const CLI::Option* option : app_->get_options()) {
+        OptionDescription o;
+        for (const std::string& name : option->get_snames()) o.names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames()) o.names.push_back("--" + name);
+        o.positional = o.names.empty();
+        if (o.positional) o.names.push_back(option->get_name());
+        if (option->get_type_size() != 0) o.type = option->get_type_name();
+        o.default_text = option->get_default_str();
+        o.help = option->get_description();
+        o.group = option->get_group() == "Options" ? "" : option->get_group();
+        o.required = option->get_required();
+        if (const auto found = choices_.find(option); found != choices_.end()) o.choices = found->second;
+        out.options.push_back(std::move(o));
+    }
+    for (const auto& command : commands_) out.commands.push_back(command->describe());
+    return out;
+}
+
 CommandOption CommandLine::add(const std::string& name, const std::string& type, const std::string& default_text,
                                const std::string& help, const std::function<void(const std::string&)>& read) {
     CLI::Option* option = app_->add_option_function<std::string>(name, read, help);
     option->type_name(type);
     if (!default_text.empty()) option->default_str(default_text);
-    return CommandOption(*option);
+    return described(*option);
 }
 
 CommandOption CommandLine::add_word(const std::string& name, std::string& value, const std::string& help) {
@@ -114,21 +140,26 @@ CommandOption CommandLine::add_word(const std::string& name, std::string& value,
 
 CommandOption CommandLine::add_words(const std::string& name, std::vector<std::string>& values,
                                      const std::string& help) {
-    return CommandOption(*app_->add_option(name, values, help)->allow_extra_args(false));
+    return described(*app_->add_option(name, values, help)->allow_extra_args(false));
 }
 
 CommandOption CommandLine::add_rest(const std::string& name, std::vector<std::string>& values,
                                     const std::string& help) {
-    return CommandOption(*app_->add_option(name, values, help)->expected(1, 1 << 20));
+    return described(*app_->add_option(name, values, help)->expected(1, 1 << 20));
 }
 
 CommandOption CommandLine::add_numbers(const std::string& name, std::vector<double>& values, int count,
                                        const std::string& help) {
-    return CommandOption(*app_->add_option(name, values, help)->expected(count)->delimiter(','));
+    return described(*app_->add_option(name, values, help)->expected(count)->delimiter(','));
 }
 
 CommandOption CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
-    return CommandOption(*app_->add_flag(name, value, help));
+    return described(*app_->add_flag(name, value, help));
+}
+
+CommandOption CommandLine::add_switch(const std::string& name, const std::function<void()>& act,
+                                      const std::string& help) {
+    return described(*app_->add_flag_callback(name, act, help));
 }
 
 }  // namespace radiafit

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -24,10 +25,25 @@ namespace radiafit {
 /// "--surface-side" is "surface-side" in messages; of "-o,--output" the last name is the plain one.
 std::string plain_name(const std::string& names);
 
+/// What there is of a command line, for pages and completions.
+struct OptionDescription {
+    std::vector<std::string> names;    ///< "-o", "--output"; of a positional argument its name
+    std::string type, default_text;    ///< "INT", "FLOAT", "TEXT", "NAME"; empty of a flag
+    std::string help, group;           ///< group: empty for the command's own
+    std::vector<std::string> choices;  ///< where values are names
+    bool positional = false, required = false;
+};
+struct CommandDescription {
+    std::string name, about;
+    std::vector<OptionDescription> options;
+    std::vector<CommandDescription> commands;
+};
+
 /// An option or positional argument of a command.
 class CommandOption {
 public:
-    explicit CommandOption(CLI::Option& option) : option_(&option) {}
+    CommandOption(CLI::Option& option, std::vector<std::string>& choices) : option_(&option), choices_(&choices) {}
+    CommandOption& choices(std::vector<std::string> names);  ///< for completions: values that there are
     CommandOption& required();
     CommandOption& excludes(const std::string& other);  ///< an option of the same command, named before
     CommandOption& hide_default();                      ///< of one that stands for "not given"
@@ -35,6 +51,7 @@ public:
 
 private:
     CLI::Option* option_;
+    std::vector<std::string>* choices_;
 };
 
 /// A program, or one of its commands.
@@ -54,6 +71,7 @@ public:
     /// False where only help or the version was asked for, and printed. Throws UserError: one line with what is wrong,
     /// the nearest name that exists, and the cure; and whatever a command throws.
     bool parse(int argc, const char* const* argv);
+    CommandDescription describe() const;
     /// Whether an option stands in the command line.
     bool given(const std::string& name) const;
 
@@ -72,6 +90,8 @@ public:
     CommandOption add_numbers(const std::string& name, std::vector<double>& values, int count, const std::string& help);
     /// "--yes" or "--yes,!--no".
     CommandOption add_flag(const std::string& name, bool& value, const std::string& help);
+    /// A flag that does something as it is read.
+    CommandOption add_switch(const std::string& name, const std::function<void()>& act, const std::string& help);
 
     /// A number. `value` may have a narrower type than the range, or be optional.
     template <class T, class Number>
@@ -95,18 +115,23 @@ public:
     template <class Choice>
     CommandOption add_choice(const std::string& name, Choice& value,
                              std::vector<std::pair<std::string, Choice>> choices, const std::string& help) {
+        std::vector<std::string> names;
+        for (const auto& choice : choices) names.push_back(choice.first);
         return add(name, "NAME", "", help,
                    [&value, choices = std::move(choices), plain = plain_name(name)](const std::string& text) {
                        value = choose(plain, text, choices);
-                   });
+                   })
+            .choices(std::move(names));
     }
 
 private:
     explicit CommandLine(CLI::App& app);
+    CommandOption described(CLI::Option& option);
 
     std::unique_ptr<CLI::App> own_;  ///< of a program
     CLI::App* app_;
     std::vector<std::unique_ptr<CommandLine>> commands_;
+    std::map<const CLI::Option*, std::vector<std::string>> choices_;
 };
 
 }  // namespace radiafit

@@ -1,13 +1,16 @@
-// options: the reference page of a fit's options, made from their table.
+// options: the reference page of a fit's options, made from their table; and the manual page of all commands.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "app/commands.h"
 #include "app/family.h"
 #include "app/fit_options.h"
+#include "app/man_page.h"
+#include "base/record.h"
 
 namespace radiafit {
 namespace {
@@ -83,7 +86,15 @@ void print_options() {
 }  // namespace
 
 void add_options(CommandLine& program) {
-    program.add_command("options", "every option of fit and plan, as a Markdown page").on_run(print_options);
+    auto man = std::make_shared<bool>(false);
+    CommandLine& command = program.add_command("options", "every option of fit and plan, as a Markdown page");
+    command.add_flag("--man", *man, "every command, as a manual page: radiafit options --man | man -l -");
+    command.on_run([man, &program] {
+        if (*man)
+            fmt::print("{}", man_page(program.describe(), project_version()));
+        else
+            print_options();
+    });
 }
 
 }  // namespace radiafit

@@ -14,6 +14,7 @@
 #include "app/turntable.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 
 namespace radiafit {
 namespace {
@@ -125,6 +126,7 @@ void render_problems(const RenderOptions& o, Fitted& fit) {
 void render_fit(const RenderOptions& o) {
     check_render_output(o);
     check_pixel_points(o.pixel_points);
+    const OutputLock lock(picture_stem(o.output));
     const auto fit = open_fit(o.fit, o.dataset);
     if (!o.light.empty() && !fit->takes_light())
         throw UserError("--light: a light field map keeps the light it was photographed under");

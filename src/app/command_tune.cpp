@@ -3,11 +3,14 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/commands.h"
 #include "app/image_checks.h"
 #include "app/tune.h"
+#include "base/interrupt.h"
 #include "base/log.h"
+#include "base/standard_streams.h"
 
 namespace radiafit {
 namespace {
@@ -52,25 +55,33 @@ void add_tune(CommandLine& program) {
     command.add_number("--seconds", o->tune.seconds, limits::tune_seconds, "about how long it may take");
     command.add_number("--validation", o->tune.validation, limits::tune_validation,
                        "every n-th training view is left out, to judge by");
-    command.add_flag("--json", o->json, "one JSON object on standard output");
+    add_json(command, o->json);
     for (const FitOption& option : fit_options())
         if (may_be_fixed(option)) add_fit_option(command, o->fixed, option.name);
     command.on_run([=, &command] {
-        if (o->json) set_quiet(true);
         for (const FitOption& option : fit_options())
             if (may_be_fixed(option) && command.given(option.first_flag()))
                 o->tune.fixed.emplace_back(option.name, option.text(o->fixed));
         const Dataset dataset = open_dataset(o->dataset);
-        const auto all = tune(dataset, o->tune, [](const TriedSetting& t) {
-            log_info(fmt::format("{:.2f} dB in {:.1f} s: {}", t.psnr, t.seconds, command_line_of(t.setting)));
-        });
+        std::optional<Interrupted> stopped;
+        const auto all = tune(
+            dataset, o->tune,
+            [](const TriedSetting& t) {
+                log_info(fmt::format("{:.2f} dB in {:.1f} s: {}", t.psnr, t.seconds, command_line_of(t.setting)));
+            },
+            &stopped);
+        if (stopped && all.empty()) throw Interrupted(*stopped);
         if (o->json)
             print_json(o->dataset, all);
         else {
-            const std::string suspicious = describe_suspicious(suspicious_images(dataset));
+            const std::string suspicious = stopped ? "" : describe_suspicious(suspicious_images(dataset));
             if (!suspicious.empty()) log_warning(suspicious);
             print_table(o->dataset, all, left_out_every(dataset, o->tune));
         }
+        if (!stopped) return;
+        finish_standard_output();
+        stopped->note = fmt::format("the best of {} that were tried are printed", all.size());
+        throw Interrupted(*stopped);
     });
 }
 

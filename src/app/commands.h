@@ -25,8 +25,12 @@ void add_tune(CommandLine& program);
 void add_render(CommandLine& program);
 void add_devices(CommandLine& program);
 void add_options(CommandLine& program);
+void add_completion(CommandLine& program);
 /// `status`: what the program shall end with where runs differ.
 void add_compare(CommandLine& program, int& status);
+
+/// --json, of the commands that tell results: one object on standard output, and no messages.
+void add_json(CommandLine& command, bool& json);
 
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/failure.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "base/read_file.h"
 #include "gl/context.h"
 
@@ -54,6 +55,8 @@ std::optional<FinishedFit> fit_on_ranks(Ranks& ranks, const Dataset& dataset, co
                                         const fs::path& folder, bool force) {
     try {
         if (ranks.rank() > 0) set_quiet(true);
+        std::optional<OutputLock> lock;
+        if (ranks.rank() == 0) lock.emplace(folder);
         FitRequest request = asked;
         choose_device(ranks, request);
         std::vector<fs::path> folders;

@@ -26,6 +26,12 @@ void check_name(const char* what, const std::string& name, const auto& table) {
 void check_solver(const std::string& name) { check_name("solver", name, solvers()); }
 void check_ceres(const std::string& name) { check_name("ceres setting", name, ceres_settings()); }
 
+/// Of an option whose values are a table's names.
+FitOption one_of(FitOption o, const auto& table) {
+    for (const auto& entry : table) o.choices.emplace_back(entry.name);
+    return o;
+}
+
 /// "name: help; name: help".
 std::string explained(const auto& table) {
     std::string all;
@@ -164,7 +170,7 @@ std::vector<FitOption> make_fit_options() {
         }
     };
     add("What is fitted, and by what",
-        {model_option(), text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver),
+        {model_option(), one_of(text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver), solvers()),
          choice<EngineKind>(
              "engine", use::engine, OF(engine),
              {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
@@ -279,7 +285,8 @@ std::vector<FitOption> make_fit_options() {
          sort_memory_option(), records_option(),
          number("refills", use::refills, OF(refills), limits::refills,
                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms"),
-         text("ceres", use::ceres, OF(ceres), "a name", explained(ceres_settings()), check_ceres)});
+         one_of(text("ceres", use::ceres, OF(ceres), "a name", explained(ceres_settings()), check_ceres),
+                ceres_settings())});
     return all;
 }
 

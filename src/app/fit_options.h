@@ -56,6 +56,7 @@ struct FitOption {
     std::string group;  ///< under which --help and docs/options.md list it
     std::string help;
     std::string values;                   ///< "paper, modern", "a whole number from 1 to 16", "a folder"
+    std::vector<std::string> choices;     ///< where values are names
     std::string type = "TEXT";            ///< in --help
     uint32_t uses = 0;                    ///< means something to fits that do one of these; 0: to every fit
     std::vector<const Family*> families;  ///< that have it alone; none: it is no family's own

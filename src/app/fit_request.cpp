@@ -66,7 +66,7 @@ OptimizerOptions FitRequest::optimizer_options() const {
 }
 
 VertexSolverOptions FitRequest::vertex_solver_options() const {
-    return {.optimizer = optimizer_options(), .deflate = deflate, .seed = seed};
+    return {.optimizer = optimizer_options(), .deflate = deflate, .seed = seed, .journal = journal.get()};
 }
 
 LfmOptions FitRequest::model_options() const {

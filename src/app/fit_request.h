@@ -1,8 +1,10 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "app/own_options.h"
+#include "base/journal.h"
 #include "compute/compute_options.h"
 #include "cpu/vertex_solver.h"
 #include "fragment/fragment_engine.h"
@@ -61,12 +63,14 @@ struct FitRequest {
     int refills = 0;
     OwnOptions of_families;  ///< see own()
 
-    std::filesystem::path scratch;  ///< where records go that don't stay; empty: the folder for such files
-    bool cold = false;              ///< records leave the page cache between the steps
-    bool part = false;              ///< fits a part of a surface (app/parts.h), which may be unseen
-    int left_out = 0;               ///< of OptimizerOptions; model.mends are others
-    float first_step = 1;           ///< likewise
-    bool cull = true;               ///< of FragmentOptions
+    std::filesystem::path scratch;     ///< where records go that don't stay; empty: the folder for such files
+    std::shared_ptr<Journal> journal;  ///< of what is finished, by solvers whose problems end one after another
+    double checkpoint_s = 10;          ///< how often what is finished goes to disk; 0: never
+    bool cold = false;                 ///< records leave the page cache between the steps
+    bool part = false;                 ///< fits a part of a surface (app/parts.h), which may be unseen
+    int left_out = 0;                  ///< of OptimizerOptions; model.mends are others
+    float first_step = 1;              ///< likewise
+    bool cull = true;                  ///< of FragmentOptions
 
     /// A family's own options, by the type of their struct.
     template <class Block>

@@ -14,6 +14,7 @@ constexpr Range<int> refills{0, 1'000'000};
 constexpr Range<int> validation{0, 1'000'000, "0 is off, and 1 would leave nothing to fit"};
 constexpr Range<double> threshold{0, 1e6, "0 is off"};
 constexpr Range<double> texels_per_pixel{0, 1000, "0 is off"};
+constexpr Range<double> checkpoint{0, 1e6, "0 is never"};
 constexpr Range<int> history{1, 8};
 constexpr Range<double> learning_rate{1e-6, 10};
 constexpr Range<uint64_t> seed{0, std::numeric_limits<uint64_t>::max()};

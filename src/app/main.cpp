@@ -2,6 +2,7 @@
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/failure.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/record.h"
@@ -19,6 +20,8 @@ int main(int argc, char** argv) {
                         "radiafit " + project_version() + " (" + git_revision() + ")");
     program.add("--threads", "INT", "0", "threads to use; 0 is all cores",
                 [](const std::string& text) { set_thread_count(parse_number("threads", text, limits::threads)); });
+    program.add_switch(
+        "--quiet", [] { set_quiet(true); }, "no messages and bars on standard error, only warnings and errors");
     const Invocation invocation{argc, argv};
     add_generate(program);
     add_import(program, invocation);
@@ -32,12 +35,16 @@ int main(int argc, char** argv) {
     add_render(program);
     add_devices(program);
     add_options(program);
+    add_completion(program);
     int status = 0;
     add_compare(program, status);
+    catch_interrupts();
     try {
         program.parse(argc, argv);
         finish_standard_output();
         return status;
+    } catch (const Interrupted& interrupted) {
+        end_interrupted("radiafit", interrupted);
     } catch (const std::exception& e) {
         const Failure failure = describe(e);
         log_error("radiafit", standard_output_failed() ? standard_output_failure() : failure.line);

@@ -39,10 +39,9 @@ template <class Choice, class Member>
 FitOption choice(const char* name, uint32_t uses, Member member, std::vector<std::pair<std::string, Choice>> choices,
                  const char* help, const char* what = nullptr) {
     FitOption o = option(name, uses, help);
-    std::vector<std::string> names;
-    for (const auto& c : choices) names.push_back(c.first);
+    for (const auto& c : choices) o.choices.push_back(c.first);
     o.type = "NAME";
-    o.values = fmt::format("{}", fmt::join(names, ", "));
+    o.values = fmt::format("{}", fmt::join(o.choices, ", "));
     o.read = [member, choices, what = std::string(what ? what : name)](FitRequest& r, const std::string& text) {
         member(r) = choose(what, text, choices);
     };

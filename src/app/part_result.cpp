@@ -64,6 +64,24 @@ private:
     uint64_t at_ = 0, left_;
 };
 
+/// What a file begins with, and the hash up to its end.
+struct Head {
+    Json description;
+    uint64_t hash;
+};
+
+Head read_head(Reader& in, const fs::path& file) {
+    uint64_t size = 0;
+    in.read(&size, sizeof size);
+    in.check_left(size, 1);
+    std::string text(size, ' ');
+    in.read(text.data(), size);
+    if (nested_deeper(text, 100)) throw_damaged(file);
+    Json description = Json::parse(text, nullptr, false);
+    if (!description.is_object()) throw_damaged(file);
+    return {std::move(description), hash_bytes(text.data(), size, hash_bytes(&size, sizeof size))};
+}
+
 }  // namespace
 
 void write_part_result(const fs::path& file, const std::string& key, const PartResult& result) {
@@ -90,17 +108,16 @@ void write_part_result(const fs::path& file, const std::string& key, const PartR
     out.commit();
 }
 
+std::string part_key(const fs::path& file) {
+    Reader in(file);
+    const Json key = read_head(in, file).description.value("key", Json());
+    if (!key.is_string()) throw_damaged(file);
+    return key;
+}
+
 PartResult read_part_result(const fs::path& file, const std::string& key) {
     Reader in(file);
-    uint64_t hash = hash_start, size = 0;
-    in.read(&size, sizeof size);
-    hash = hash_bytes(&size, sizeof size, hash);
-    in.check_left(size, 1);
-    std::string text(size, ' ');
-    in.read(text.data(), size);
-    hash = hash_bytes(text.data(), size, hash);
-    if (nested_deeper(text, 100)) throw_damaged(file);
-    const Json description = Json::parse(text, nullptr, false);
+    auto [description, hash] = read_head(in, file);
     PartResult result;
     try {
         if (description.at("format") != format || description.at("version") != version) throw_damaged(file);

@@ -42,6 +42,8 @@ private:
 /// One file, which appears whole or not at all (docs/formats.md). `key`: all that decides what the result is. Throws
 /// UserError when the disk is full or the folder not writable.
 void write_part_result(const std::filesystem::path& file, const std::string& key, const PartResult& result);
+/// The key of a file, of which only the beginning is read. Throws UserError where that is damaged.
+std::string part_key(const std::filesystem::path& file);
 /// Throws UserError for a damaged file, or one of another key.
 PartResult read_part_result(const std::filesystem::path& file, const std::string& key);
 

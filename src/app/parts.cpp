@@ -9,17 +9,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/fit_key.h"
 #include "app/fit_options.h"
+#include "app/unfinished.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/nesting.h"
 #include "base/read_file.h"
-#include "base/record.h"
 #include "base/resources.h"
 #include "base/wording.h"
-#include "dataset/checksums.h"
 #include "geometry/mesh_part.h"
 
 namespace radiafit {
@@ -32,24 +32,6 @@ constexpr const char* format = "radiafit-shard";
 constexpr int version = 1;
 
 constexpr size_t views_to_count_samples_on = 8;
-
-/// Options that decide how a fit goes about it, and nothing of its result.
-bool decides_result(const FitOption& option) {
-    static constexpr std::string_view others[] = {"memory", "sort_memory", "records", "device"};
-    return std::ranges::find(others, option.name) == std::end(others);
-}
-
-/// All that decides a fit's result.
-std::string key_of(const Dataset& dataset, const FitRequest& request) {
-    Json options = Json::object();
-    for (const FitOption& o : fit_options())
-        if (decides_result(o)) options[o.name] = Json::parse(o.json(request));
-    return Json{{"program", git_revision()},
-                {"dataset", fingerprint(dataset).digest},
-                {"images", dataset_checksum(dataset)},
-                {"options", options}}
-        .dump();
-}
 
 std::string digest_of(std::span<const uint32_t> units) {
     return fmt::format("{:016x}", hash_bytes(units.data(), units.size_bytes()));
@@ -80,7 +62,7 @@ std::optional<Json> read_note(const fs::path& folder) {
 FitRequest request_from(const Json& options) {
     FitRequest request;
     for (const FitOption& o : fit_options()) {
-        if (!decides_result(o)) continue;
+        if (!decides_result(o.name)) continue;
         const Json& value = options.at(o.name);
         const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
         if (!text.empty()) o.read(request, text);
@@ -96,9 +78,12 @@ void check_shard_folder(const fs::path& folder, const std::string& key, const Sh
         note && (note->value("key", "") != key || note->value("shard", Json()) != Json{shard.index, shard.count}))
         throw UserError(fmt::format("{}: holds {} of another fit, or another shard; choose another folder",
                                     folder.string(), name_of(shard)));
+    if (const std::string why = why_not_resumable(folder, key); !why.empty())
+        throw UserError(fmt::format("{}: {}; choose another folder", folder.string(), why));
     for (const auto& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
-        if (name != shard_json_name && !name.starts_with("part-") && !name.starts_with("."))
+        if (name != shard_json_name && !name.starts_with("part-") && !name.starts_with(".") &&
+            !name.ends_with(journal_extension))
             throw UserError(
                 fmt::format("{}: holds '{}', which is no part of a fit; choose another folder", folder.string(), name));
     }
@@ -112,9 +97,10 @@ std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std
                                      const std::string& key, const fs::path& folder) {
     std::vector<std::string> files;
     for (size_t k = 0; k < parts.size(); ++k) {
-        const Part part = whole.cut(parts[k]);
-        files.push_back(fmt::format("part-{}.bin", digest_of(part.units)));
-        const fs::path file = folder / files.back();
+        Part part = whole.cut(parts[k]);
+        const std::string name = "part-" + digest_of(part.units);
+        files.push_back(name + ".bin");
+        const fs::path file = folder / files.back(), journal = folder / (name + journal_extension);
         if (stands(file)) {
             read_part_result(file, key);
             log_info(fmt::format("part {} of {} is there", k + 1, parts.size()));
@@ -122,7 +108,9 @@ std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std
         }
         log_info(fmt::format("part {} of {}: {} of {} places, {} views", k + 1, parts.size(), parts[k].size(),
                              whole.places().size(), part.dataset.split(false).size()));
+        part.request.journal = std::make_shared<Journal>(journal, key, part.request.checkpoint_s);
         write_part_result(file, key, whole.solve(part));
+        fs::remove(journal);
         malloc_trim(0);  // what the part's small pieces took, back to the system
     }
     return files;
@@ -229,7 +217,7 @@ bool needs_parts(const Dataset& dataset, const FitRequest& request) {
 
 void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& shard, const fs::path& folder,
                bool force) {
-    const std::string key = key_of(dataset, request);
+    const std::string key = fit_key(dataset, request);
     check_shard_folder(folder, key, shard);
     if (const auto note = read_note(folder))
         return log_info(fmt::format("{} is there: {}", name_of(shard), folder.string()));
@@ -276,7 +264,7 @@ ShardNote read_shard(const fs::path& folder) {
 }
 
 FinishedFit merge_shards(const Dataset& dataset, const FitRequest& request, const std::vector<fs::path>& folders) {
-    const std::string key = key_of(dataset, request);
+    const std::string key = fit_key(dataset, request);
     const auto whole = family_of(request).divide(dataset, request);
     std::map<int, fs::path> have;
     int count = 0;

@@ -56,6 +56,7 @@ void add_render_options(CommandLine& command, RenderOptions& o) {
             "out then")
         .excludes("--view");
     command.add_word("--all", o.all, "held-out or train: every such view, into a folder, each beside its photograph")
+        .choices({"held-out", "train"})
         .hide_default()
         .excludes("--view")
         .excludes("--turntable");

@@ -34,7 +34,7 @@ struct SgModel {
     }
     static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                       const FitRequest& request, Fit& fit) {
-        SgSolution solution = solve_sg(dataset, atlas, samples, fit.up, options_of(request));
+        SgSolution solution = solve_sg(dataset, atlas, samples, fit.up, options_of(request), request.journal.get());
         fit.parameters = std::move(solution.parameters);
         fit.samples = std::move(solution.samples);
         fit.error = std::move(solution.error);

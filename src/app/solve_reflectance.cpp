@@ -60,7 +60,8 @@ void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve
     Stopwatch clock;
     const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
     Progress progress("texels", source.block_count());
-    TexelResult result = solve(TexelProblem{source, loader, task.options}, [&] { progress.advance(); });
+    TexelResult result =
+        solve(TexelProblem{source, loader, task.options, task.request.journal.get()}, [&] { progress.advance(); });
     progress.finish();
     task.out.times.streaming += result.load_s;
     task.out.times.optimization = clock.wall_s() - result.load_s;

@@ -46,7 +46,19 @@ public:
     Search(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried)
         : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
 
-    std::vector<TriedSetting> run() {
+    std::vector<TriedSetting> run(std::optional<Interrupted>* stopped) {
+        try {
+            search();
+        } catch (const Interrupted& interrupted) {
+            if (!stopped) throw;
+            *stopped = interrupted;
+        }
+        std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
+        return all_;
+    }
+
+private:
+    void search() {
         std::vector<TuneCandidate> all;
         for (const Family* family : families())
             for (TuneCandidate& candidate : family->candidates(dataset_)) all.push_back(std::move(candidate));
@@ -55,11 +67,8 @@ public:
             for (const FitSetting& start : candidate.starts) attempt(start);
         while (climb(candidates)) {
         }
-        std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
-        return all_;
     }
 
-private:
     bool is_fixed(const std::string& option) const {
         return std::ranges::any_of(options_.fixed, [&](const auto& o) { return o.first == option; });
     }
@@ -145,10 +154,11 @@ int left_out_every(const Dataset& dataset, const TuneOptions& options) {
 }
 
 std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
-                               const std::function<void(const TriedSetting&)>& tried) {
+                               const std::function<void(const TriedSetting&)>& tried,
+                               std::optional<Interrupted>* stopped) {
     require("seconds", options.seconds, limits::tune_seconds);
     require("validation", options.validation, limits::tune_validation);
-    return Search(dataset, {options.seconds, left_out_every(dataset, options), options.fixed}, tried).run();
+    return Search(dataset, {options.seconds, left_out_every(dataset, options), options.fixed}, tried).run(stopped);
 }
 
 }  // namespace radiafit

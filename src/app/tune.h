@@ -1,9 +1,11 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/fit_options.h"
+#include "base/interrupt.h"
 #include "base/range.h"
 #include "dataset/dataset.h"
 
@@ -32,9 +34,11 @@ struct TriedSetting {
 };
 
 /// Fits of the models that the dataset's kind of light allows, then of settings beside the best one's, option by
-/// option, as long as one is better by 0.02 dB and time is left. Best first. `tried`: after each. Throws UserError
-/// where nothing can be fitted or judged.
+/// option, as long as one is better by 0.02 dB and time is left. Best first. `tried`: after each. A signal ends it with
+/// what was tried so far, and comes to stand in `stopped`, if given. Throws UserError where nothing can be fitted or
+/// judged.
 std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
-                               const std::function<void(const TriedSetting&)>& tried = {});
+                               const std::function<void(const TriedSetting&)>& tried = {},
+                               std::optional<Interrupted>* stopped = nullptr);
 
 }  // namespace radiafit

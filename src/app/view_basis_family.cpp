@@ -35,9 +35,9 @@ struct ViewBasisModel {
         out.times_json = nlohmann::json{{"learning_s", clock.wall_s()}}.dump();
         out.note = fmt::format("basis learned in {:.1f} s, ", clock.wall_s());
     }
-    static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const FitRequest&,
-                      Fit& fit) {
-        ViewBasisSolution solution = solve_view_basis(dataset, atlas, samples, fit.basis);
+    static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
+                      const FitRequest& request, Fit& fit) {
+        ViewBasisSolution solution = solve_view_basis(dataset, atlas, samples, fit.basis, request.journal.get());
         fit.parameters = std::move(solution.parameters);
         fit.samples = std::move(solution.samples);
         fit.error = std::move(solution.error);

@@ -1,9 +1,9 @@
 #pragma once
 #include <filesystem>
 
-/// What processes that were killed leave behind, and how the next ones know it. Nothing catches signals: a run that is
-/// interrupted leaves its hidden names (temporary_name.h) as one that crashes does, and the next that writes into the
-/// same folder removes them. A process holds a lock (flock) on each as long as it lives.
+/// What processes that were killed leave behind, and how the next ones know it. A run that is killed or crashes leaves
+/// its hidden names (temporary_name.h), and the next that writes into the same folder removes them. A process holds a
+/// lock (flock) on each as long as it lives.
 namespace radiafit {
 
 /// Locks a file or a folder until the descriptor is closed or the process dies. -1: it is gone, another holds it, or

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/clock.h"
 #include "base/printable.h"
@@ -21,10 +22,24 @@ std::atomic<bool> is_quiet{false};
 std::mutex output_mutex;
 bool bar_on_screen = false;  // guarded by output_mutex: a message first clears the bar's line
 
+bool set_to(const char* variable, std::string_view value) {
+    const char* text = std::getenv(variable);
+    return text && text == value;
+}
+
+/// One that moves its cursor.
 bool on_terminal() {
-    static const bool terminal = isatty(STDERR_FILENO) != 0;
+    static const bool terminal = isatty(STDERR_FILENO) != 0 && !set_to("TERM", "dumb");
     return terminal;
 }
+
+/// no-color.org: NO_COLOR, whatever it says.
+bool in_colour() {
+    const char* no_colour = std::getenv("NO_COLOR");
+    return on_terminal() && !(no_colour && *no_colour);
+}
+
+constexpr const char *red = "\x1b[1;31m", *yellow = "\x1b[33m", *plain = "\x1b[0m";
 
 int terminal_columns() {
     winsize size{};
@@ -32,9 +47,11 @@ int terminal_columns() {
 }
 
 /// Lines may stay lines in a message of ours; an error is one line.
-void write_line(std::string_view prefix, std::string_view message, bool one_line) {
+void write_line(std::string_view prefix, std::string_view message, bool one_line, const char* colour = nullptr) {
+    std::string begin(prefix);
+    if (colour && in_colour()) begin = fmt::format("{}{}{}", colour, prefix, plain);
     std::scoped_lock lock(output_mutex);
-    write_to_stderr(fmt::format("{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", prefix, printable(message, !one_line)));
+    write_to_stderr(fmt::format("{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", begin, printable(message, !one_line)));
     bar_on_screen = false;
 }
 
@@ -53,10 +70,10 @@ void log_info(std::string_view message) {
     if (!is_quiet) write_line("", message, false);
 }
 
-void log_warning(std::string_view message) { write_line("warning: ", message, true); }
+void log_warning(std::string_view message) { write_line("warning: ", message, true, yellow); }
 
 void log_error(std::string_view program, std::string_view message) {
-    write_line(fmt::format("{}: ", program), message, true);
+    write_line(fmt::format("{}: ", program), message, true, red);
 }
 
 std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 
 namespace radiafit {
 namespace {
@@ -38,7 +39,7 @@ struct Loop {
         const int outer_worker = current_worker;
         current_worker = worker;
         try {
-            for (size_t begin; (begin = next.fetch_add(grain)) < count;)
+            for (size_t begin; throw_if_interrupted(), (begin = next.fetch_add(grain)) < count;)
                 body(begin, count - begin < grain ? count : begin + grain, worker);
         } catch (...) {
             next = count;  // the others stop at their next chunk

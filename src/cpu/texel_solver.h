@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 
+#include "base/journal.h"
 #include "cpu/texel_fit.h"
 #include "model/texel_options.h"
 #include "optim/optimizer.h"
@@ -31,6 +32,7 @@ struct TexelProblem {
     const TexelSource& source;
     const TexelLoader& loader;
     const TexelOptions& options;
+    Journal* journal = nullptr;  ///< of blocks that solve() and solve_lm() have finished
 };
 
 using TexelHook = std::function<void(int iteration, const std::function<void(std::span<float>)>& read_errors)>;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "base/instructions.h"
+#include "base/journal.h"
 #include "base/parallel.h"
 #include "cpu/lane_engine_impl.h"
 #include "cpu/surface_prior.h"
@@ -69,19 +70,32 @@ class TexelSolversOf final : public TexelSolvers {
         for (size_t t = 0; t < count; ++t) errors[first + t] = batch.count(int(t)) ? float(error[int(t)]) : 0.0f;
     }
 
-    /// work(worker, block's first texel, batches, trace of the block) for every block, in parallel.
+    /// work(worker, block's first texel, batches, trace of the block) for every block, in parallel, but those that
+    /// `journal` has.
     template <class Work>
-    static TexelResult for_blocks(const TexelProblem& problem, const std::function<void()>& progress,
+    static TexelResult for_blocks(const TexelProblem& problem, Journal* journal, const std::function<void()>& progress,
                                   const Work& work) {
         TexelResult out = empty_result(problem.source.texel_count());
         std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
         std::vector<TraceSum> traces(problem.source.block_count());
-        parallel_for(traces.size(), 1, [&](size_t block, int worker) {
+        const auto fields = [&](auto& visit, size_t block) {
+            const size_t begin = block * TexelSource::block;
+            const size_t count = std::min<size_t>(TexelSource::block, out.status.size() - begin);
+            visit(std::span(out.parameters).subspan(begin * N, count * N));
+            visit(std::span(out.status).subspan(begin, count));
+            visit(std::span(out.iterations).subspan(begin, count));
+            visit(std::span(out.samples).subspan(begin, count));
+            visit(std::span(out.error).subspan(begin, count));
+            visit(traces[block].rows());
+        };
+        const auto solve = [&](size_t block, int worker) {
             if (!workers[size_t(worker)]) workers[size_t(worker)] = std::make_unique<Worker>();
             Worker& w = *workers[size_t(worker)];
             const uint32_t begin = uint32_t(block) * TexelSource::block;
             const size_t batches = w.load(problem.source, problem.loader, begin);
             work(w, begin, batches, traces[block], out);
+        };
+        finish_blocks(journal, traces.size(), fields, solve, [&](size_t) {
             if (progress) progress();
         });
         TraceSum sum;
@@ -138,54 +152,56 @@ public:
 
     TexelResult solve(const TexelProblem& problem, const OptimizerOptions& optimizer,
                       const std::function<void()>& progress) const override {
-        return for_blocks(
-            problem, progress, [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
-                for (size_t b = 0; b < batches; ++b) {
-                    const std::span<const Batch> one(&w.batches[b], 1);
-                    Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
-                    Engine engine(texels);
-                    engine.count();
-                    std::vector<float> start(engine.problem_count() * N);
-                    put_start(w.batches[b], start, 0);
-                    engine.reset(start);
-                    trace.add(optimize(engine, optimizer).rows);
-                    take(engine, problem.options, one, out, [&](size_t i) { return begin + w.order[lanes * b + i]; });
-                }
-            });
+        return for_blocks(problem, problem.journal, progress,
+                          [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
+                              for (size_t b = 0; b < batches; ++b) {
+                                  const std::span<const Batch> one(&w.batches[b], 1);
+                                  Texels texels(one, std::min(lanes, w.order.size() - lanes * b), problem.options);
+                                  Engine engine(texels);
+                                  engine.count();
+                                  std::vector<float> start(engine.problem_count() * N);
+                                  put_start(w.batches[b], start, 0);
+                                  engine.reset(start);
+                                  trace.add(optimize(engine, optimizer).rows);
+                                  take(engine, problem.options, one, out,
+                                       [&](size_t i) { return begin + w.order[lanes * b + i]; });
+                              }
+                          });
     }
 
     TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& options,
                          const std::function<void()>& progress, const SurfacePrior* known = nullptr) const override {
         const Fit fit(options);
-        return for_blocks(
-            problem, progress, [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
-                std::vector<float> p(lanes * batches * N), errors(lanes * batches);
-                for (size_t b = 0; b < batches; ++b) {
-                    const size_t count = std::min(lanes, w.order.size() - lanes * b);
-                    const std::span<const uint32_t> texels(&w.order[lanes * b], count);
-                    Trace rows;
-                    std::optional<typename Fit::Prior> prior;
-                    if (known) prior = prior_of(*known, begin, texels);
-                    auto outcomes = fit.solve(w.batches[b], &rows, prior ? &*prior : nullptr);
-                    trace.add(rows.rows);
-                    for (size_t lane = 0; lane < count && known; ++lane)
-                        if (auto& o = outcomes[lane]; o.status == Status::no_samples || o.status == Status::not_finite)
-                            std::ranges::copy(known->mean_of(begin + texels[lane]), o.parameters.begin());
-                    for (size_t lane = 0; lane < lanes; ++lane)
-                        std::copy_n(outcomes[lane].parameters.begin(), N, &p[(lanes * b + lane) * N]);
-                    // its own error is E's model at the coefficients' optimum, off where that is ill-held
-                    batch_errors(w.batches[b], p, b, problem.options.loss, errors.data());
-                    for (size_t i = lanes * b; i < std::min(lanes * (b + 1), w.order.size()); ++i) {
-                        const size_t t = begin + w.order[i];
-                        const auto& o = outcomes[i % lanes];
-                        std::copy_n(&p[i * N], N, &out.parameters[t * N]);
-                        out.status[t] = o.status;
-                        out.iterations[t] = uint32_t(o.iterations);
-                        out.samples[t] = o.samples;
-                        out.error[t] = errors[i];
-                    }
-                }
-            });
+        return for_blocks(problem, problem.journal, progress,
+                          [&](Worker& w, uint32_t begin, size_t batches, TraceSum& trace, TexelResult& out) {
+                              std::vector<float> p(lanes * batches * N), errors(lanes * batches);
+                              for (size_t b = 0; b < batches; ++b) {
+                                  const size_t count = std::min(lanes, w.order.size() - lanes * b);
+                                  const std::span<const uint32_t> texels(&w.order[lanes * b], count);
+                                  Trace rows;
+                                  std::optional<typename Fit::Prior> prior;
+                                  if (known) prior = prior_of(*known, begin, texels);
+                                  auto outcomes = fit.solve(w.batches[b], &rows, prior ? &*prior : nullptr);
+                                  trace.add(rows.rows);
+                                  for (size_t lane = 0; lane < count && known; ++lane)
+                                      if (auto& o = outcomes[lane];
+                                          o.status == Status::no_samples || o.status == Status::not_finite)
+                                          std::ranges::copy(known->mean_of(begin + texels[lane]), o.parameters.begin());
+                                  for (size_t lane = 0; lane < lanes; ++lane)
+                                      std::copy_n(outcomes[lane].parameters.begin(), N, &p[(lanes * b + lane) * N]);
+                                  // its own error is E's model at the coefficients' optimum, off where that is ill-held
+                                  batch_errors(w.batches[b], p, b, problem.options.loss, errors.data());
+                                  for (size_t i = lanes * b; i < std::min(lanes * (b + 1), w.order.size()); ++i) {
+                                      const size_t t = begin + w.order[i];
+                                      const auto& o = outcomes[i % lanes];
+                                      std::copy_n(&p[i * N], N, &out.parameters[t * N]);
+                                      out.status[t] = o.status;
+                                      out.iterations[t] = uint32_t(o.iterations);
+                                      out.samples[t] = o.samples;
+                                      out.error[t] = errors[i];
+                                  }
+                              }
+                          });
     }
 
     std::vector<float> start(const std::vector<std::vector<ShadedSample>>& texels) const override {
@@ -201,7 +217,7 @@ public:
                               double* load_s) const override {
         std::vector<float> out(problem.source.texel_count());
         const TexelResult visit =
-            for_blocks(problem, {}, [&](Worker& w, uint32_t begin, size_t batches, TraceSum&, TexelResult&) {
+            for_blocks(problem, nullptr, {}, [&](Worker& w, uint32_t begin, size_t batches, TraceSum&, TexelResult&) {
                 std::vector<float> p(w.order.size() * N), e(w.order.size());
                 for (size_t i = 0; i < w.order.size(); ++i)
                     std::copy_n(&parameters[(begin + w.order[i]) * N], N, &p[i * N]);

@@ -40,10 +40,17 @@ VertexSolution solve_vertices(const LfmLayout& layout, ProblemStatistics statist
     out.outcomes.resize(3 * vertices);
     std::vector<std::unique_ptr<Worker>> workers{size_t(thread_count())};
     std::vector<TraceSum> traces((vertices + chunk - 1) / chunk);
-    parallel_for(traces.size(), 1, [&](size_t c, int worker) {
+    const auto end_of = [&](size_t c) { return std::min((c + 1) * chunk, vertices); };
+    const auto fields = [&](auto& visit, size_t c) {
+        const size_t begin = c * chunk, end = end_of(c), from = layout.offset(begin);
+        visit(std::span(out.parameters).subspan(from, layout.offset(end) - from));
+        visit(std::span(out.outcomes).subspan(3 * begin, 3 * (end - begin)));
+        visit(traces[c].rows());
+    };
+    const auto solve = [&](size_t c, int worker) {
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<Worker>(sources(), fresh);
-        const size_t begin = c * chunk, end = std::min(begin + chunk, vertices);
+        const size_t begin = c * chunk, end = end_of(c);
         mine->source->begin(begin, end);
         for (size_t v = begin; v < end; ++v) {
             mine->source->load(v, mine->problem);
@@ -54,8 +61,10 @@ VertexSolution solve_vertices(const LfmLayout& layout, ProblemStatistics statist
             traces[c].add(trace.rows);
             mine->sample_iterations += uint64_t(statistics.samples[v]) * uint64_t(trace.rows.back().iteration);
             mine->largest_working_set = std::max(mine->largest_working_set, mine->problem.working_set_bytes());
-            if (progress) progress();
         }
+    };
+    finish_blocks(options.journal, traces.size(), fields, solve, [&](size_t c) {
+        for (size_t v = c * chunk; progress && v < end_of(c); ++v) progress();
     });
     out.trace = sum_over_threads(traces, thread_count());
     for (const auto& worker : workers) {

@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 
+#include "base/journal.h"
 #include "cpu/vertex_problem.h"
 #include "optim/optimizer.h"
 
@@ -11,8 +12,9 @@ namespace radiafit {
 
 struct VertexSolverOptions {
     OptimizerOptions optimizer;
-    bool deflate = false;  ///< terms one after another
-    uint64_t seed = 1;     ///< of lfm_start
+    bool deflate = false;        ///< terms one after another
+    uint64_t seed = 1;           ///< of lfm_start
+    Journal* journal = nullptr;  ///< of vertices that are finished, if they are kept
 };
 
 struct VertexSolution {

@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "base/clock.h"
+#include "base/interrupt.h"
 #include "optim/engine.h"
 #include "optim/trace.h"
 
@@ -31,6 +32,7 @@ Trace optimize(E& engine, const Schedule& schedule, int iterations,
             paused += clock.wall_s() - before;
         }
         if (k >= iterations || now.active == 0) return trace;
+        throw_if_interrupted();
         schedule.move(engine, k);
     }
 }

@@ -31,7 +31,8 @@ std::string ending_of(const Trace& trace, uint64_t capped, uint64_t problems);
 class TraceSum {
 public:
     void add(const std::vector<TraceRow>& rows);
-    std::vector<TraceRow> rows() const { return rows_; }
+    const std::vector<TraceRow>& rows() const { return rows_; }
+    std::vector<TraceRow>& rows() { return rows_; }
 
 private:
     std::vector<TraceRow> rows_;

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "cpu/texel_fit_impl.h"
 #include "sg/sg_text.h"
+#include "viewbasis/finish_tiles.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit {
@@ -104,14 +105,21 @@ ColourSum sum_of(const SampleList& samples) {
 
 template <int lobes>
 void solve_tiles(const TriangleAtlas& atlas, const SampleList& samples, const TexelViewReader& reader, const Vec3f& up,
-                 const SgOptions& options, const std::function<void()>& progress, SgSolution& out) {
+                 const SgOptions& options, Journal* journal, SgSolution& out) {
     std::vector<TileSolver<lobes>> solvers(size_t(thread_count()), {atlas, samples, reader, up, options});
     out.colours = sum_of(samples);
     const Vec3f elsewhere = out.colours.mean();
-    parallel_for(atlas.tile_count(), 16, [&](size_t tile, int worker) {
-        if (!atlas.degenerate(uint32_t(tile))) solvers[size_t(worker)].solve(uint32_t(tile), elsewhere, out);
-        if (progress) progress();
-    });
+    finish_tiles(
+        journal, atlas,
+        [&](auto& visit, size_t texel, size_t count) {
+            const size_t numbers = size_t(sg_parameters(lobes));
+            visit(std::span(out.parameters).subspan(texel * numbers, count * numbers));
+            visit(std::span(out.samples).subspan(texel, count));
+            visit(std::span(out.iterations).subspan(texel, count));
+            visit(std::span(out.error).subspan(texel, count));
+            visit(std::span(out.status).subspan(texel, count));
+        },
+        [&](uint32_t tile, int worker) { solvers[size_t(worker)].solve(tile, elsewhere, out); });
 }
 
 }  // namespace
@@ -144,7 +152,7 @@ void colour_unseen(const TriangleAtlas& atlas, std::span<const uint32_t> samples
 }
 
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
-                    const SgOptions& options, const std::function<void()>& progress) {
+                    const SgOptions& options, Journal* journal) {
     check_options(options);
     const size_t texels = atlas.texel_count();
     SgSolution out;
@@ -155,7 +163,7 @@ SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const Sa
     out.status.assign(texels, Status::no_samples);
     const TexelViewReader reader(dataset, atlas, samples, up);
     constexpr decltype(&solve_tiles<1>) solvers[] = {solve_tiles<1>, solve_tiles<2>, solve_tiles<3>, solve_tiles<4>};
-    solvers[options.lobes - 1](atlas, samples, reader, up, options, progress, out);
+    solvers[options.lobes - 1](atlas, samples, reader, up, options, journal, out);
     return out;
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 #include <array>
-#include <functional>
 #include <span>
 #include <vector>
 
+#include "base/journal.h"
 #include "base/range.h"
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
@@ -52,7 +52,7 @@ struct SgSolution {
 /// colour, a about 0, lobes about the normal and lambda = 5. From greedy starts by batched Levenberg-Marquardt
 /// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads.
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
-                    const SgOptions& options, const std::function<void()>& progress = {});
+                    const SgOptions& options, Journal* journal = nullptr);
 
 /// Gives texels of triangles that no image shows this colour, as solve_sg() does by the mean of its own samples.
 /// samples: SgSolution's.

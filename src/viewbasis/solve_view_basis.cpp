@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 
 #include "base/parallel.h"
+#include "viewbasis/finish_tiles.h"
 
 namespace radiafit {
 namespace {
@@ -97,18 +98,23 @@ private:
 
 template <int Width>
 void solve_tiles(const TriangleAtlas& atlas, const SampleList& samples, const TexelViewReader& reader,
-                 const ViewBasis& basis, const std::function<void()>& progress, ViewBasisSolution& out) {
+                 const ViewBasis& basis, Journal* journal, ViewBasisSolution& out) {
     std::vector<TileSolver<Width>> solvers(size_t(thread_count()), {atlas, samples, reader, basis});
-    parallel_for(atlas.tile_count(), 16, [&](size_t tile, int worker) {
-        if (!atlas.degenerate(uint32_t(tile))) solvers[size_t(worker)].solve(uint32_t(tile), out);
-        if (progress) progress();
-    });
+    finish_tiles(
+        journal, atlas,
+        [&](auto& visit, size_t texel, size_t count) {
+            const size_t numbers = 3 * size_t(basis.rank);
+            visit(std::span(out.parameters).subspan(texel * numbers, count * numbers));
+            visit(std::span(out.samples).subspan(texel, count));
+            visit(std::span(out.error).subspan(texel, count));
+        },
+        [&](uint32_t tile, int worker) { solvers[size_t(worker)].solve(tile, out); });
 }
 
 }  // namespace
 
 ViewBasisSolution solve_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
-                                   const ViewBasis& basis, const std::function<void()>& progress) {
+                                   const ViewBasis& basis, Journal* journal) {
     ViewBasisSolution out;
     out.parameters.assign(size_t(atlas.texel_count()) * size_t(basis.rank) * 3, 0.0f);
     out.samples.assign(atlas.texel_count(), 0);
@@ -118,7 +124,7 @@ ViewBasisSolution solve_view_basis(const Dataset& dataset, const TriangleAtlas& 
                        : basis.rank <= 16 ? solve_tiles<16>
                        : basis.rank <= 24 ? solve_tiles<24>
                                           : solve_tiles<32>;
-    solve(atlas, samples, reader, basis, progress, out);
+    solve(atlas, samples, reader, basis, journal, out);
     return out;
 }
 

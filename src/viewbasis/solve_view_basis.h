@@ -1,7 +1,7 @@
 #pragma once
-#include <functional>
 #include <vector>
 
+#include "base/journal.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit {
@@ -17,6 +17,6 @@ struct ViewBasisSolution {
 /// which is the mean of what prior and samples say of z, by Cholesky's decomposition of one matrix for the three
 /// channels. All arguments as learn_view_basis() had them.
 ViewBasisSolution solve_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
-                                   const ViewBasis& basis, const std::function<void()>& progress = {});
+                                   const ViewBasis& basis, Journal* journal = nullptr);
 
 }  // namespace radiafit

@@ -1,7 +1,7 @@
 """What a reader finds in a folder after something went wrong there: every output whole and old, whole and new, or absent.
 
 An output is a file, or a folder that is written as one (it holds a file of MARKERS). Hidden names are not outputs: they
-are what is being written, or what somebody who was killed left.
+are what is being written, or what somebody who was killed left; so is OUT.parts, from which a fit goes on.
 """
 import csv
 import hashlib
@@ -23,7 +23,7 @@ def outputs(place):
         folder = folders.pop()
         for entry in os.scandir(folder):
             name = os.path.relpath(entry.path, place)
-            if entry.name.startswith("."):
+            if entry.name.startswith(".") or entry.name.endswith(".parts"):  # to go on from
                 hidden.add(name)
             elif not entry.is_dir(follow_symlinks=False):
                 found[name] = pathlib.Path(entry.path)

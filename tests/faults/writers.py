@@ -1,5 +1,5 @@
-"""Three writers into one folder at once: what stands there at the end is one of theirs, whole, and it never goes away
-while there is one."""
+"""Three writers into one folder at once: those that come second are refused, what stands there at the end is one of theirs,
+whole, and it never goes away while there is one."""
 import os
 import threading
 
@@ -7,7 +7,8 @@ from kills import described
 from scene import COMMANDS, complaint
 from tally import Tally
 
-APPEARED = "appeared meanwhile"  # what a writer says who came second to a place that was empty
+SECOND = ("another run is writing it",  # what a writer says who comes second
+          "appeared meanwhile", "exists already")  # or late, to a place that was empty
 
 
 class Watcher(threading.Thread):
@@ -47,7 +48,7 @@ class Writers:
         ends = [place.finish(process) for process in processes]
         violations = watcher.finish()
         for status, said in ends:
-            if status != 0 and (complaint(status, said) or APPEARED not in said):
+            if status != 0 and (complaint(status, said) or not any(text in said for text in SECOND)):
                 violations.append(f"a writer failed: exit status {status}: {said.strip()[-200:]}")
         if all(status != 0 for status, _ in ends):
             violations.append("no writer succeeded")

@@ -6,6 +6,7 @@ namespace radiafit::fuzz {
 std::vector<Target> config_targets();
 std::vector<Target> dataset_targets();
 std::vector<Target> record_targets();
+std::vector<Target> journal_targets();
 std::vector<Target> image_targets();
 std::vector<Target> mesh_targets();
 std::vector<Target> text_targets();
@@ -15,8 +16,8 @@ std::vector<Target> fit_targets();
 
 std::vector<Target> targets() {
     std::vector<Target> all;
-    for (const auto list : {config_targets, dataset_targets, record_targets, image_targets, mesh_targets, text_targets,
-                            colmap_targets, calibration_targets, fit_targets})
+    for (const auto list : {config_targets, dataset_targets, record_targets, journal_targets, image_targets,
+                            mesh_targets, text_targets, colmap_targets, calibration_targets, fit_targets})
         for (Target& target : list()) all.push_back(std::move(target));
     return all;
 }
