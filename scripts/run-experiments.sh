@@ -4,7 +4,8 @@
 # Usage: run-experiments.sh BUILD PROFILE [ONLY]    ONLY: a part of the names to run, such as fig7
 #        run-experiments.sh --list [ONLY]           prints the names in order
 # An experiment that fails doesn't keep the others from running; the exit status is that of the first failure. Ctrl-C ends
-# the one that runs, SIGTERM to this script lets it end, and either leaves out the rest; what is done stays. The paper profile, which takes hours, says before it starts what it needs, and goes on where it was broken off: what this revision has
+# the one that runs, SIGTERM to this script lets it end, and either leaves out the rest; what is done stays. The paper
+# profile, which takes hours, says before it starts what it needs, and goes on where it was broken off: what this revision has
 # run already is not run again.
 set -eu
 cd "$(dirname "$0")/.."

@@ -71,11 +71,20 @@ class Install(unittest.TestCase):
         program = self.folder / "prefix" / "bin" / "radiafit"
         self.assertIn("radiafit", run(program, "--version", cwd=self.folder))
 
-    def test_the_manual_page_and_completions_are_there(self):
+    def test_the_manual_page_and_completions_name_every_option_of_the_table(self):
+        table = run(self.folder / "prefix" / "bin" / "radiafit", "options", cwd=self.folder)
+        options = re.findall(r"^\| `--([\w-]+)", table, re.M)
+        self.assertGreater(len(options), 40)
         share = self.folder / "prefix" / "share"
-        self.assertTrue((share / "man/man1/radiafit.1").read_text().startswith(".TH RADIAFIT 1 "))
-        for name in ("bash-completion/completions/radiafit", "zsh/site-functions/_radiafit", "fish/vendor_completions.d/radiafit.fish"):
-            self.assertIn("--surface-side" if "fish" not in name else "-l surface-side", (share / name).read_text(), name)
+        named = {  # how each writes an option
+            "man/man1/radiafit.1": lambda option: r"\fB\-\-" + option.replace("-", r"\-") + r"\fR",
+            "bash-completion/completions/radiafit": "--{} ".format,
+            "zsh/site-functions/_radiafit": "--{} ".format,
+            "fish/vendor_completions.d/radiafit.fish": "from fit' -l {} ".format,
+        }
+        for name, written in named.items():
+            text = (share / name).read_text(encoding="utf-8")
+            self.assertEqual([option for option in options if written(option) not in text], [], name)
 
     def test_an_incomplete_model_is_told_what_it_lacks(self):
         text = (source / "examples" / "own_model.glsl").read_text(encoding="utf-8")

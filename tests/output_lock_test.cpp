@@ -1,15 +1,11 @@
-// One run at a time: locks, and what is left of them.
+// One run at a time writes an output, whatever its name looks like, and a run that was killed is in nobody's way.
 #include "base/output_lock.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <fstream>
-
 #include "base/error.h"
-#include "base/leftovers.h"
-#include "base/read_file.h"
 #include "temporary_folder.h"
 
 namespace radiafit {
@@ -20,41 +16,37 @@ namespace fs = std::filesystem;
 TEST(OutputLock, TheSecondIsRefusedUntilTheFirstIsGone) {
     const TemporaryFolder folder;
     {
-        const OutputLock first(folder.path() / "out");
-        EXPECT_THROW(OutputLock(folder.path() / "out"), UserError);
-        EXPECT_THROW(OutputLock(folder.path() / "out/"), UserError);
-        const OutputLock other(folder.path() / "out2");
+        const OutputLock first(folder.path() / "new" / "out");
+        EXPECT_THROW(OutputLock(folder.path() / "new" / "out"), UserError);
+        EXPECT_THROW(OutputLock(folder.path() / "new" / "out/"), UserError);
+        EXPECT_THROW(OutputLock(folder.path() / "new" / ".." / "new" / "out"), UserError);
+        const OutputLock other(folder.path() / "new" / "out2");
     }
-    const OutputLock again(folder.path() / "out");
-    fs::create_symlink("out", folder.path() / "link");
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+    const OutputLock again(folder.path() / "new" / "out");
+    fs::create_directory(folder.path() / "new");
+    fs::create_symlink("new/out", folder.path() / "link");
     EXPECT_THROW(OutputLock(folder.path() / "link"), UserError);
 }
 
-TEST(OutputLock, LeavesNothing) {
+TEST(OutputLock, GoesWithItsProcess) {
     const TemporaryFolder folder;
-    { const OutputLock lock(folder.path() / "new" / "er" / "out"); }
-    EXPECT_TRUE(fs::is_empty(folder.path()));
-}
-
-TEST(OutputLock, AKilledRunsIsNoObstacleAndGoes) {
-    const TemporaryFolder folder;
+    int ready[2];
+    ASSERT_EQ(pipe(ready), 0);
     const pid_t child = fork();
     if (child == 0) {
         const OutputLock lock(folder.path() / "out");
-        _exit(0);  // no destructor, as of a killed one
+        _exit(write(ready[1], "x", 1) == 1 && pause() ? 0 : 1);
     }
+    char byte;
+    ASSERT_EQ(read(ready[0], &byte, 1), 1);
+    EXPECT_THROW(OutputLock(folder.path() / "out"), UserError);
+    kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
-    ASSERT_TRUE(stands(folder.path() / ".radiafit-lock-out"));
-    { const OutputLock lock(folder.path() / "out"); }
-    EXPECT_TRUE(fs::is_empty(folder.path()));
-    std::ofstream(folder.path() / ".radiafit-lock-other");
-    const OutputLock mine(folder.path() / "out");
-    clear_leftovers(folder.path());
-    EXPECT_FALSE(stands(folder.path() / ".radiafit-lock-other"));
-    EXPECT_TRUE(stands(folder.path() / ".radiafit-lock-out"));
+    const OutputLock lock(folder.path() / "out");
+    close(ready[0]);
+    close(ready[1]);
 }
-
-TEST(OutputLock, AFolderThatCanNotBeWrittenIsNoErrorHere) { const OutputLock nowhere("/proc/out"), nameless(""); }
 
 }  // namespace
 }  // namespace radiafit

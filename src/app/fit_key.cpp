@@ -49,7 +49,7 @@ std::string difference_of_keys(const std::string& there, const std::string& here
         return nested_deeper(key, 100) ? Json() : Json::parse(key, nullptr, false);
     };
     const Json a = parse(there), b = parse(here);
-    if (!a.is_object() || !b.is_object()) return "it is of another kind";
+    if (!a.is_object() || !b.is_object()) return "it is of another kind, or damaged";
     std::vector<std::string> found;
     const auto differ = [&](const char* what) { return a.value(what, Json()) != b.value(what, Json()); };
     if (differ("program"))
@@ -62,7 +62,7 @@ std::string difference_of_keys(const std::string& there, const std::string& here
     for (const FitOption& o : fit_options())
         if (const std::string x = text_of(ours, o.name), y = text_of(theirs, o.name); decides_result(o.name) && x != y)
             found.push_back(fmt::format("{} is {} there, {} here", o.flag.substr(0, o.flag.find(',')), x, y));
-    return found.empty() ? "it is of another kind" : fmt::format("{}", fmt::join(found, "; "));
+    return found.empty() ? "it is of another kind, or damaged" : fmt::format("{}", fmt::join(found, "; "));
 }
 
 }  // namespace radiafit

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
 
@@ -117,6 +118,8 @@ std::string Journal::key_of(const fs::path& file) {
     return text.substr(0, text.find('\n'));
 }
 
-void BlockReader::throw_other_size() { throw std::runtime_error("a journal's block has another size; delete it"); }
+void BlockReader::throw_other_size() const {
+    throw UserError(file_->string() + ": a block has another size than this program writes; delete the file");
+}
 
 }  // namespace radiafit

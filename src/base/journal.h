@@ -27,6 +27,7 @@ public:
     /// blocks are. Writes every `seconds`; 0: nothing.
     Journal(std::filesystem::path file, const std::string& key, double seconds);
 
+    const std::filesystem::path& file() const { return file_; }
     /// Stages have numbers in the order in which they begin, which the key decides, too.
     uint64_t begin_stage() { return stages_++; }
     /// A block that an earlier run kept. Thread-safe, as keep() is.
@@ -77,10 +78,10 @@ private:
     std::string bytes_;
 };
 
-/// The same fields back from them. Throws std::runtime_error where the block has another size.
+/// The same fields back from them. Throws UserError, naming the file, where the block has another size.
 class BlockReader {
 public:
-    explicit BlockReader(std::string_view bytes) : left_(bytes) {}
+    BlockReader(std::string_view bytes, const std::filesystem::path& file) : left_(bytes), file_(&file) {}
     template <class T>
     void operator()(std::span<T> values) {
         if (values.size_bytes() > left_.size()) throw_other_size();
@@ -100,8 +101,9 @@ public:
     }
 
 private:
-    [[noreturn]] static void throw_other_size();
+    [[noreturn]] void throw_other_size() const;
     std::string_view left_;
+    const std::filesystem::path* file_;
 };
 
 /// A stage of work in `count` blocks, on all cores: work(block, worker), as parallel_for's, and done(block) after it. A
@@ -112,7 +114,7 @@ void finish_blocks(Journal* journal, size_t count, const Fields& fields, const W
     const uint64_t stage = journal ? journal->begin_stage() : 0;
     const auto finish = [&](size_t block, int worker) {
         if (const auto kept = journal ? journal->find(stage, block) : std::nullopt) {
-            BlockReader reader(*kept);
+            BlockReader reader(*kept, journal->file());
             fields(reader, block);
             reader.finish();
         } else {

@@ -22,22 +22,19 @@ std::atomic<bool> is_quiet{false};
 std::mutex output_mutex;
 bool bar_on_screen = false;  // guarded by output_mutex: a message first clears the bar's line
 
-bool set_to(const char* variable, std::string_view value) {
+std::string_view environment(const char* variable) {
     const char* text = std::getenv(variable);
-    return text && text == value;
+    return text ? text : "";
 }
 
 /// One that moves its cursor.
 bool on_terminal() {
-    static const bool terminal = isatty(STDERR_FILENO) != 0 && !set_to("TERM", "dumb");
+    static const bool terminal = isatty(STDERR_FILENO) != 0 && environment("TERM") != "dumb";
     return terminal;
 }
 
 /// no-color.org: NO_COLOR, whatever it says.
-bool in_colour() {
-    const char* no_colour = std::getenv("NO_COLOR");
-    return on_terminal() && !(no_colour && *no_colour);
-}
+bool in_colour() { return on_terminal() && environment("NO_COLOR").empty(); }
 
 constexpr const char *red = "\x1b[1;31m", *yellow = "\x1b[33m", *plain = "\x1b[0m";
 

@@ -158,21 +158,20 @@ rows.append(("info fit", replace("fit/view_term0.exr", window, "\x80\x3e\x00\x00
 part, journal = "stopped.parts/part-a.bin", "stopped.parts/whole.journal"
 beside = write("stopped.parts/letter.txt", "")
 resume = "fit tiny --terms 1 --iterations 1 --resume -o stopped"
+other = "stopped.parts: holds parts of another fit: "
 rows += [
-    ("fit tiny --terms 2 --iterations 1 --resume -o stopped", beside, 2, "stopped.parts: holds parts of another fit: ",
-     "--terms is 1 there, 2 here", "give the command that was stopped, or leave out --resume to begin anew"),
-    ("fit tiny --terms 1 --iterations 7 --lambda-view 1 --resume -o stopped", beside, 2, "--iterations is 1 there, 7 here", "--lambda-view is "),
-    ("fit whole --terms 1 --iterations 1 --resume -o stopped", beside, 2, "it is of another dataset"),
-    ("fit tiny --terms 2 --iterations 1 --shard 1/1 -o stopped.parts", None, 2, "holds parts of another fit", "choose another folder"),
-    (resume, replace(part, r'program\\":\\"[^\\]', r'program\\":\\"!'), 2, "the program is '!", "here"),
-]  # fmt: skip
-for damage in (cut(part, 0), cut(part, 7), cut(part, 200), patch(part, 0, b"\xff" * 8), patch(part, 8, b"[[[[")):
-    rows.append((resume, damage, 2, "part-a.bin is damaged", "leave out --resume"))
-for damage in (write(journal, ""), write(journal, "x" * 99), cut(journal, 0.5), cut(journal, -1), patch(journal, 3, b"X"),
-               patch(journal, 19, b"\xff" * 8), patch(journal, 40, b"X"), patch(journal, -20, b"~~~")):  # fmt: skip
-    rows.append((resume, damage, 2, "whole.journal is damaged", "leave out --resume"))
-rows += [
-    (resume, folder(journal), 2, f"{journal}: damaged, or no checkpoint; delete it"),
+    ("fit tiny --terms 2 --iterations 1 --resume -o stopped", beside, 2, other, "--terms is 1 there, 2 here",
+     "give the command that was stopped, or leave out --resume to begin anew"),
+    ("fit tiny --terms 1 --iterations 7 --lambda-view 1 --resume -o stopped", beside, 2, other, "--iterations is 1 there, 7 here", "--lambda-view is "),
+    ("fit whole --terms 1 --iterations 1 --resume -o stopped", beside, 2, other, "it is of another dataset"),
+    ("fit tiny --terms 2 --iterations 1 --shard 1/1 -o stopped.parts", None, 2, other, "choose another folder"),
+    (resume, replace(part, r'program\\":\\"[^\\]', r'program\\":\\"!'), 2, other, "the program is '!", "here"),
+    (resume, replace(part, r'"key"', r'"yek"'), 2, "part-a.bin: damaged; delete it"),
+    (resume, replace(journal, r'"program":"[^"]', r'"program":"!'), 2, other, "the program is '!", "here"),
     ("fit tiny --checkpoint -1 -o new", None, 2, "checkpoint = -1", "0 is never"),
     ("fit tiny --checkpoint soon -o new", None, 2, "checkpoint"),
-]
+]  # fmt: skip
+for damage in (cut(part, 0), cut(part, 7), cut(part, 200), patch(part, 0, b"\xff" * 8), patch(part, 8, b"[[[["), patch(part, 8, b"[" * 500)):
+    rows.append((resume, damage, 2, "part-a.bin: damaged; delete it"))
+for damage in (write(journal, ""), write(journal, "x" * 99), cut(journal, 0.5), patch(journal, 3, b"X"), patch(journal, 0, b"[" * 300)):
+    rows.append((resume, damage, 2, other, "leave out --resume"))

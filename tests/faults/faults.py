@@ -18,6 +18,7 @@ import time
 
 import full_disk
 import kills
+import resumes
 import swaps
 import syscalls
 import writers
@@ -43,6 +44,7 @@ def chosen_tasks(scene, options):
         print("no file system may be mounted here: instead, files may not grow beyond a size")
     all_tasks = [
         *kills.tasks(scene, options.count, options.seed, traced),
+        *resumes.tasks(scene, options.count, options.seed),
         *full_disk.tasks(scene, options.count, options.seed, traced, mounting),
         *writers.tasks(scene, options.count),
         *swaps.tasks(scene, options.count, options.seed),

@@ -1,7 +1,6 @@
-// What an interrupted fit kept. Checksums guard its blocks; here they are put right, so that what lies behind them is
-// met.
+// What a fit that was stopped has kept. Checksums guard its blocks; here they are put right, too, so that what lies
+// behind them is met.
 #include <cstring>
-#include <fstream>
 
 #include "base/hash.h"
 #include "base/journal.h"
@@ -10,68 +9,55 @@
 namespace radiafit::fuzz {
 namespace {
 
-constexpr const char* key = "a key";
+constexpr const char* name = "fit.journal";
+constexpr size_t blocks = 3;
 
-std::vector<std::string> seeds(const fs::path& folder) {
-    const fs::path file = folder / "fit.journal";
-    Journal journal(file, key, 1);
-    for (uint64_t block = 0; block < 3; ++block) {
-        BlockWriter writer;
-        writer(std::vector<float>(block * 2, 0.5f));
-        writer(block);
-        journal.keep(block, writer.bytes());
-    }
-    journal.flush();
-    return {bytes_of(file)};
+/// Blocks of numbers and a vector, as a fit has them.
+void finish(Journal& journal, float value) {
+    std::vector<float> numbers(2 * blocks, value);
+    std::vector<std::vector<int>> rows(blocks, std::vector<int>(4, 7));
+    finish_blocks(
+        &journal, blocks,
+        [&](auto& visit, size_t block) {
+            visit(std::span(numbers).subspan(2 * block, 2));
+            visit(rows[block]);
+        },
+        [](size_t, int) {});
 }
 
-/// Gives the head and every block whose length can be true the checksum that fits.
-void vouch(const fs::path& file) {
-    std::string bytes = bytes_of(file);
-    const size_t line = std::string_view("radiafit-journal 1\n").size();
-    const auto number = [&](size_t at) {
-        uint64_t n = 0;
-        std::memcpy(&n, &bytes[at], sizeof n);
-        return n;
-    };
-    size_t at = line;
-    for (size_t numbers = 1; at + 8 * numbers + 8 <= bytes.size(); numbers = 2) {
-        const uint64_t length = number(at + 8 * (numbers - 1));
-        if (length > bytes.size() - at - 8 * numbers - 8) break;
-        uint64_t hash = hash_start;
-        for (size_t i = 0; i < numbers; ++i) hash = hash_bytes(&bytes[at + 8 * i], 8, hash);
-        at += 8 * numbers;
-        hash = hash_bytes(&bytes[at], length, hash);
-        std::memcpy(&bytes[at + length], &hash, sizeof hash);
-        at += length + 8;
-    }
-    std::ofstream(file, std::ios::binary) << bytes;
+std::vector<std::string> seeds(const fs::path& folder) {
+    Journal journal(folder / name, "a key", 1);
+    finish(journal, 0.5f);
+    journal.flush();
+    return {bytes_of(folder / name)};
 }
 
 void read(const fs::path& folder) {
-    const fs::path file = folder / "fit.journal";
-    const auto its_key = Journal::key_of(file);
-    Journal journal(file, its_key.value_or(key), 0);
-    for (uint64_t block = 0; block < 4; ++block) {
-        std::vector<float> values;
-        uint64_t last = 0;
-        const auto fields = [&](auto& visit) {
-            visit(values);
-            visit(last);
-        };
-        once(&journal, block, fields, [] {});
-    }
+    Journal journal(folder / name, Journal::key_of(folder / name), 0);
+    finish(journal, 0.25f);
 }
 
-void vouch_and_read(const fs::path& folder) {
-    vouch(folder / "fit.journal");
+/// Gives every block whose length can be true the checksum that fits.
+void read_vouched(const fs::path& folder) {
+    std::string bytes = bytes_of(folder / name);
+    size_t at = bytes.find('\n') + 1;  // 0 where there is none: no block then
+    const uint64_t of_key = hash_bytes(bytes.data(), at);
+    while (at > 0 && at + 32 <= bytes.size()) {
+        uint64_t size = 0;
+        std::memcpy(&size, &bytes[at + 16], sizeof size);
+        if (size > bytes.size() - at - 32) break;
+        const uint64_t hash = hash_bytes(&bytes[at + 24], size, hash_bytes(&bytes[at], 24, of_key));
+        std::memcpy(&bytes[at + 24 + size], &hash, sizeof hash);
+        at += 32 + size;
+    }
+    put_bytes(folder / name, bytes);
     read(folder);
 }
 
 }  // namespace
 
 std::vector<Target> journal_targets() {
-    return {{"journal", "fit.journal", seeds, read}, {"journal_blocks", "fit.journal", seeds, vouch_and_read}};
+    return {{"journal", name, seeds, read}, {"journal_blocks", name, seeds, read_vouched}};
 }
 
 }  // namespace radiafit::fuzz
