@@ -32,7 +32,7 @@ class Completion(ProgramTest):
         self.assertEqual(self.complete("radiafit --quiet ju"), ["judge"])
 
     def test_options(self):
-        self.assertEqual(self.complete("radiafit fit star --surf"), ["--surface-side"])
+        self.assertEqual(self.complete("radiafit fit star --surface-"), ["--surface-side"])
         self.assertEqual(self.complete("radiafit fit star --res"), ["--resume"])
         self.assertEqual(self.complete("radiafit import lights --sample"), ["--sample-width"])
         self.assertEqual(self.complete("radiafit judge fit --qu"), ["--quiet"])

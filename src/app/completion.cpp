@@ -60,7 +60,7 @@ std::string bash_completion(const CommandDescription& program) {
             if (o.positional || o.type.empty()) continue;
             std::vector<std::string> patterns;
             for (const std::string& name : o.names)
-                patterns.push_back(fmt::format(path.empty() ? "*\" {}\"" : "\"{1} {0}\"", name, path));
+                patterns.push_back(path.empty() ? fmt::format("*\" {}\"", name) : fmt::format("\"{} {}\"", path, name));
             values += fmt::format("        {})\n            COMPREPLY=({})\n            return\n            ;;\n",
                                   fmt::join(patterns, " | "),
                                   o.choices.empty()

@@ -11,6 +11,7 @@
 #include "base/nesting.h"
 #include "base/record.h"
 #include "dataset/checksums.h"
+#include "fit/fit_folder.h"
 
 namespace radiafit {
 namespace {
