@@ -26,7 +26,7 @@ size_t found(const fs::path& file, const std::string& key = "key") {
     size_t count = 0;
     for (size_t i = 0; i < blocks + 1; ++i) {
         const auto bytes = journal.find(0, i);
-        if (bytes) EXPECT_EQ(bytes, block(i)) << i;
+        EXPECT_EQ(bytes.value_or(block(i)), block(i)) << i;
         count += bytes.has_value();
     }
     return count;

@@ -19,10 +19,10 @@ STREAM = ("star", "--terms", "2", "--iterations", "150")
 FITS = {
     "stream": STREAM,
     "two-step": ("star", "--solver", "two-step", "--iterations", "100"),
-    "parts": ("star", "--terms", "2", "--iterations", "60", "--engine", "compute", "--memory", "149M"),
+    "parts": ("star", "--terms", "2", "--iterations", "5", "--engine", "compute", "--memory", "149M"),
     "lafortune": ("ornament", "--model", "lafortune", "--iterations", "100"),
     "prior": ("ornament", "--model", "lafortune", "--prior", "surface", "--iterations", "100"),
-    "viewbasis": ("star", "--model", "viewbasis", "--rank", "28", "--surface-side", "16"),
+    "viewbasis": ("star", "--model", "viewbasis", "--rank", "4", "--surface-side", "6"),
     "sg": ("star", "--model", "sg", "--surface-side", "8", "--iterations", "20"),
 }
 

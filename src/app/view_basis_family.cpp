@@ -31,7 +31,7 @@ struct ViewBasisModel {
     static void begin(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                       const FitRequest& request, Fit& fit, FinishedFit& out) {
         const Stopwatch clock;
-        fit.basis = learn_view_basis(dataset, atlas, samples, options_of(request));
+        fit.basis = learn_view_basis(dataset, atlas, samples, options_of(request), request.journal.get());
         out.times_json = nlohmann::json{{"learning_s", clock.wall_s()}}.dump();
         out.note = fmt::format("basis learned in {:.1f} s, ", clock.wall_s());
     }

@@ -50,7 +50,8 @@ struct SgSolution {
 
 /// Of every texel the parameters of least 1/2 sum over samples of w |y - m(v)|^2 and prior: d about the triangle's mean
 /// colour, a about 0, lobes about the normal and lambda = 5. From greedy starts by batched Levenberg-Marquardt
-/// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads.
+/// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads. `journal` keeps triangles that are
+/// finished.
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
                     const SgOptions& options, Journal* journal = nullptr);
 

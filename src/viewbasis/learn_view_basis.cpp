@@ -122,7 +122,7 @@ uint64_t most_learned_from(const ViewBasisOptions& options) {
 }
 
 ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
-                           const ViewBasisOptions& options) {
+                           const ViewBasisOptions& options, Journal* journal) {
     check_options(options);
     ViewBasis basis;
     basis.rank = options.rank;
@@ -159,12 +159,20 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
     }
     basis.cubes = std::move(texels.cubes);
     basis.blocks.resize(texels.of_block.size());
-    parallel_for(texels.of_block.size(), 1, [&](size_t block, int) {
-        Prior prior = common;
-        for (int round = 0; round < options.rounds; ++round)
-            prior = maximized(prior, moments(prior, texels.of_block[block]), &common);
-        basis.blocks[block] = basis_of(prior, moments(prior, texels.of_block[block]), options.rank);
-    });
+    finish_blocks(
+        journal, texels.of_block.size(),
+        [&](auto& visit, size_t block) {
+            BlockBasis& learned = basis.blocks[block];
+            learned.u.resize(view_terms, options.rank);
+            visit(std::span(learned.mean.data(), size_t(learned.mean.size())));
+            visit(std::span(learned.u.data(), size_t(learned.u.size())));
+        },
+        [&](size_t block, int) {
+            Prior prior = common;
+            for (int round = 0; round < options.rounds; ++round)
+                prior = maximized(prior, moments(prior, texels.of_block[block]), &common);
+            basis.blocks[block] = basis_of(prior, moments(prior, texels.of_block[block]), options.rank);
+        });
     return basis;
 }
 

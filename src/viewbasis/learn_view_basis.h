@@ -1,4 +1,5 @@
 #pragma once
+#include "base/journal.h"
 #include "base/range.h"
 #include "geometry/atlas.h"
 #include "viewbasis/texel_views.h"
@@ -23,9 +24,10 @@ void check_options(const ViewBasisOptions& options);
 
 /// By expectation and maximization over texels drawn evenly from the surface: first means and covariance of all
 /// polynomial coefficients, for the whole surface, then block by block from there; the basis is what the covariance
-/// has of the most variance. The same for any number of threads. It looks at samples of learned_from() alone.
+/// has of the most variance. The same for any number of threads. It looks at samples of learned_from() alone. `journal`
+/// keeps blocks that are finished.
 ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
-                           const ViewBasisOptions& options);
+                           const ViewBasisOptions& options, Journal* journal = nullptr);
 
 /// [texel_count()] The texels that it looks at. Whatever the size of the surface, they are no more than
 /// most_learned_from().

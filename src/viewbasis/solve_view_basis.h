@@ -15,7 +15,7 @@ struct ViewBasisSolution {
 /// Of every texel the z of least
 ///     sum over samples of w |y - m . b - z . (u . b)|^2 + noise |z|^2,
 /// which is the mean of what prior and samples say of z, by Cholesky's decomposition of one matrix for the three
-/// channels. All arguments as learn_view_basis() had them.
+/// channels. All arguments as learn_view_basis() had them. `journal` keeps triangles that are finished.
 ViewBasisSolution solve_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                                    const ViewBasis& basis, Journal* journal = nullptr);
 

@@ -16,7 +16,7 @@ FITS = (
     fit("stream", "--terms 2", values=(150, 2, 3)),
     fit("two-step", "--solver two-step", values=(150, 2, 3)),
     fit("in parts", "--terms 2 --engine compute --memory 149M", values=(40, 2, 3)),
-    fit("viewbasis", "--model viewbasis --surface-side 16", "--rank", (28, 6, 10)),
+    fit("viewbasis", "--model viewbasis --surface-side 6", "--rank", (10, 4, 6)),
     fit("sg", "--model sg --surface-side 8", values=(40, 2, 3)),
     reflectance("lm", "", values=(200, 2, 3)),
     reflectance("with the surface's prior", "--prior surface", values=(200, 2, 3)),
