@@ -31,6 +31,7 @@ ALLOWED.update(
     eval=up_to("dataset") | {"fit"},
     viewbasis=up_to("samples") | {"fit", "eval"},
     sg=up_to("optim") | {"cpu", "fit", "eval", "viewbasis"},
+    publish=up_to("samples") | {"cpu", "optim", "gl", "fit", "eval", "viewbasis", "sg"},
     reachable=up_to("samples") | {"fit", "eval", "viewbasis"},
     report={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
@@ -48,6 +49,7 @@ LIBRARIES = [
     (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"app", "bench"}),
+    (r"webp/", {"publish"}),
 ]
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
@@ -55,7 +57,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 PROGRAMS = {"app", "bench"}  # whose messages nobody reads but at the command line
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.
-TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|export|fit|generate|import|info|judge|options|plan|render|tune)\b")
+TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|export|fit|generate|import|info|judge|options|plan|publish|render|tune)\b")
 # No messages: these functions put down, in a dataset, the command that makes it again.
 PROVENANCE = {"src/capture/import.cpp": "provenance", "src/capture/import_lights.cpp": "provenance",
               "src/synthetic/synthetic.cpp": "synthetic_source"}

@@ -23,6 +23,7 @@ void add_export(CommandLine& program, const Invocation& invocation);
 void add_judge(CommandLine& program);
 void add_tune(CommandLine& program);
 void add_render(CommandLine& program);
+void add_publish(CommandLine& program);
 void add_devices(CommandLine& program);
 void add_options(CommandLine& program);
 void add_completion(CommandLine& program);

@@ -25,7 +25,7 @@ constexpr const char* formulas = R"json({
 /// GLSL of the model's values and derivatives.
 std::string text_of(const TexelModel& model) {
     const std::string file = std::string("model/") + model.name + ".glsl";
-    return std::string(std::ranges::find(embedded_shaders(), file, &EmbeddedShader::file)->text);
+    return std::string(std::ranges::find(embedded_shaders(), file, &EmbeddedText::file)->text);
 }
 
 /// body(texel, samples that count, and the views' positions that they are of), texel after texel.

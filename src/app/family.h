@@ -9,6 +9,7 @@
 #include "app/solver.h"
 #include "app/tune_candidate.h"
 #include "eval/judge.h"
+#include "publish/page_model.h"
 #include "report/problem_picture.h"
 
 /// The families of models: light field maps, texel-local models, view bases, spherical Gaussians. What commands ask of
@@ -36,6 +37,8 @@ public:
     /// bars.
     virtual void find_error_bars(std::span<const View> shown);
     virtual void write_error_bars(const std::filesystem::path&) {}  ///< as maps, once they are found
+    /// What a page needs to show it; this fit must outlive that.
+    virtual PageModel page() = 0;
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/wording.h"
+#include "publish/pages.h"
 #include "samples/interpolated_samples.h"
 
 /// What the families of colours by view direction, texel by texel, have in common. `Model` says what is special to one:
@@ -69,6 +70,7 @@ public:
         return mean_colours(dataset(), fit_, sides);
     }
     const char* baseline_name() const override { return "mean colour per texel"; }
+    PageModel page() override { return page_model_of(fit_, *atlas_); }
     void write(const std::filesystem::path& folder,
                const std::function<void(const std::filesystem::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);

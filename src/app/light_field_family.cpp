@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "cpu/vertex_covariance.h"
 #include "fit/error_bar_maps.h"
+#include "publish/pages.h"
 
 namespace radiafit {
 namespace {
@@ -67,6 +68,7 @@ public:
     }
     std::unique_ptr<Fitted> baseline() override { return mean_colours(dataset(), fit_, fit_.options); }
     const char* baseline_name() const override { return "mean colour per texel"; }
+    PageModel page() override { return page_model_of(fit_, dataset().mesh); }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, dataset().mesh, add_files);
     }

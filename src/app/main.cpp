@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     add_tune(program);
     add_judge(program);
     add_render(program);
+    add_publish(program);
     add_devices(program);
     add_options(program);
     add_completion(program);

@@ -14,6 +14,7 @@
 #include "eval/safe_relighting.h"
 #include "eval/truth_errors.h"
 #include "fit/texel_fit.h"
+#include "publish/pages.h"
 
 namespace radiafit {
 namespace {
@@ -107,6 +108,7 @@ public:
         picture.mark = picture_mark;
         return picture;
     }
+    PageModel page() override { return page_model_of(fit_, *atlas_, dataset(), fitted_views(dataset(), fit_)); }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }

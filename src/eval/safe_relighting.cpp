@@ -11,19 +11,28 @@ namespace radiafit {
 
 SafeRelighting::SafeRelighting(const Dataset& dataset, const std::vector<uint32_t>& training, const Atlas& atlas,
                                const ReflectanceFit& fit)
+    : SafeRelighting(dataset, training, atlas, fit, std::vector<Bounds>(atlas.texel_count())) {
+    find_bounds();
+}
+
+SafeRelighting::SafeRelighting(const Dataset& dataset, const std::vector<uint32_t>& training, const Atlas& atlas,
+                               const ReflectanceFit& fit, std::vector<Bounds> bounds)
     : renderer_(atlas, fit),
       dataset_(&dataset),
       atlas_(&atlas),
       fit_(&fit),
       centre_(surface_centre(dataset.mesh, dataset.grid)),
-      bounds_(atlas.texel_count()) {
+      bounds_(std::move(bounds)) {
     for (const uint32_t v : training) {
         const View& view = dataset.views[v];
         training_.push_back(&view);
         cameras_.push_back(view.direction_to_camera(centre_));
         lamps_.push_back(view.light->direction_from(centre_));
     }
-    const auto seen = [&](size_t texel) { return fit.samples[texel] > 0; };
+}
+
+void SafeRelighting::find_bounds() {
+    const auto seen = [&](size_t texel) { return fit_->samples[texel] > 0; };
     parallel_for(bounds_.size(), 256, [&](size_t texel, int) {
         if (seen(texel)) bounds_[texel] = bounds_of(uint32_t(texel));
     });
@@ -95,7 +104,10 @@ void SafeRelighting::shade(const View& view, const std::vector<RasterPixel>& pix
 
 Contestant safe_contestant_of(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset,
                               const std::vector<uint32_t>& training) {
-    const auto safe = std::make_shared<SafeRelighting>(dataset, training, atlas, fit);
+    return contestant_of(std::make_shared<const SafeRelighting>(dataset, training, atlas, fit));
+}
+
+Contestant contestant_of(std::shared_ptr<const SafeRelighting> safe) {
     return {
         [safe](const View& view, const auto& pixels, std::vector<float>& rgb, int) { safe->shade(view, pixels, rgb); },
         TargetSpace::linear, [safe](const View& view) { return safe->share_of_fit(view); }};

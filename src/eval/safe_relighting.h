@@ -19,20 +19,27 @@ public:
     static constexpr float most = 2;
     static constexpr double trusted = 0.17453292519943295, fade = 0.3490658503988659;  ///< 10 and 20 degrees
 
+    /// What is known of a texel from its fit at the training images.
+    struct Bounds {
+        Vec3f albedo = Vec3f::Zero();     ///< Lambertian
+        Vec3f brightest = Vec3f::Zero();  ///< per unit of irradiance
+    };
+
     /// `training`: views that the fit used. All must outlive it.
     SafeRelighting(const Dataset& dataset, const std::vector<uint32_t>& training, const Atlas& atlas,
                    const ReflectanceFit& fit);
+    /// bounds: [texels], in place of those that it would find.
+    SafeRelighting(const Dataset& dataset, const std::vector<uint32_t>& training, const Atlas& atlas,
+                   const ReflectanceFit& fit, std::vector<Bounds> bounds);
 
     /// As ReflectanceRenderer. Thread-safe.
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const;
     /// How much of the fit such a view shows: 1 amid the training images and near them, 0 far beyond.
     double share_of_fit(const View& view) const;
+    const std::vector<Bounds>& bounds() const { return bounds_; }  ///< [texels]
 
 private:
-    struct Bounds {
-        Vec3f albedo = Vec3f::Zero();     ///< Lambertian
-        Vec3f brightest = Vec3f::Zero();  ///< per unit of irradiance
-    };
+    void find_bounds();
     Bounds bounds_of(uint32_t texel) const;
     Vec3f colour_of(uint32_t texel, const View& view, float share) const;
 
@@ -46,6 +53,7 @@ private:
     std::vector<Bounds> bounds_;          ///< [texels]
 };
 
+Contestant contestant_of(std::shared_ptr<const SafeRelighting> shown);
 /// All must outlive the contestant.
 Contestant safe_contestant_of(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset,
                               const std::vector<uint32_t>& training);

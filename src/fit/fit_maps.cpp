@@ -101,7 +101,12 @@ ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, std:
 
 void take_surface_image(const std::filesystem::path& path, const TriangleAtlas& atlas, const LfmLayout& layout,
                         int term, int corner, LightFieldFit& fit) {
-    const ExrImage image = read_exr(path, map_channels(), {{atlas.width(), atlas.height()}});
+    take_surface_image(read_exr(path, map_channels(), {{atlas.width(), atlas.height()}}), atlas, layout, term, corner,
+                       fit);
+}
+
+void take_surface_image(const ExrImage& image, const TriangleAtlas& atlas, const LfmLayout& layout, int term,
+                        int corner, LightFieldFit& fit) {
     for_each_surface_texel(atlas, layout, term, corner, image.width, [&](size_t pixel, size_t parameter) {
         for (size_t c = 0; c < 3; ++c) fit.parameters[parameter + c] = image.values[pixel + c];
     });
@@ -132,8 +137,11 @@ bool written_side_by_side(const TriangleAtlas& atlas, const LfmLayout& layout) {
 void take_view_image(const std::filesystem::path& path, const LfmLayout& layout, int term, LightFieldFit& fit) {
     const size_t vertices = layout.problem_count();
     const int side = layout.view_side();
-    const ExrImage image =
-        read_exr(path, map_channels(), {{table_columns(vertices) * side, table_rows(vertices) * side}});
+    take_view_image(read_exr(path, map_channels(), {{table_columns(vertices) * side, table_rows(vertices) * side}}),
+                    layout, term, fit);
+}
+
+void take_view_image(const ExrImage& image, const LfmLayout& layout, int term, LightFieldFit& fit) {
     for_each_view_texel(layout, term, image.width, [&](size_t pixel, size_t parameter) {
         for (size_t c = 0; c < 3; ++c) fit.parameters[parameter + c] = image.values[pixel + c];
     });
@@ -215,7 +223,11 @@ ExrImage parameter_image(const Atlas& atlas, std::span<const float> parameters, 
 
 void take_parameter_image(const std::filesystem::path& folder, const Atlas& atlas, const TexelMap& map,
                           std::span<float> parameters) {
-    const ExrImage image = read_exr(folder / map.file, map.channels, {{atlas.width(), atlas.height()}});
+    take_parameter_image(read_exr(folder / map.file, map.channels, {{atlas.width(), atlas.height()}}), atlas, map,
+                         parameters);
+}
+
+void take_parameter_image(const ExrImage& image, const Atlas& atlas, const TexelMap& map, std::span<float> parameters) {
     const size_t channels = map.channels.size(), each = parameters.size() / atlas.texel_count();
     for_each_texel(atlas, [&](size_t pixel, size_t texel) {
         std::copy_n(&image.values[pixel * channels], channels, &parameters[texel * each + map.first]);

@@ -50,6 +50,12 @@ void take_parameter_image(const std::filesystem::path& folder, const Atlas& atla
                           std::span<float> parameters);
 void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, FitRecord& fit);
 
+// The same of images in memory, which have the right sizes and channels.
+void take_surface_image(const ExrImage& image, const TriangleAtlas& atlas, const LfmLayout& layout, int term,
+                        int corner, LightFieldFit& fit);
+void take_view_image(const ExrImage& image, const LfmLayout& layout, int term, LightFieldFit& fit);
+void take_parameter_image(const ExrImage& image, const Atlas& atlas, const TexelMap& map, std::span<float> parameters);
+
 const std::vector<std::string>& map_channels();      ///< R, G, B
 const std::vector<std::string>& problem_channels();  ///< in the order problem_image() stores them
 const std::vector<std::string>& texel_problem_channels();

@@ -23,7 +23,7 @@ std::string read_shader(const std::string& file) {
     const char* folder = std::getenv("RADIAFIT_SHADERS");
     if (!folder || !*folder) {
         const auto& all = embedded_shaders();
-        const auto found = std::ranges::find(all, file, &EmbeddedShader::file);
+        const auto found = std::ranges::find(all, file, &EmbeddedText::file);
         if (found == all.end()) throw UserError(fmt::format("{}: no such shader", file));
         return std::string(found->text);
     }

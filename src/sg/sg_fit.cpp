@@ -16,14 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<TexelMap> maps_of(int lobes) {
-    std::vector<TexelMap> maps{{"diffuse.exr", {"R", "G", "B"}, 0}};
-    for (int l = 1; l <= lobes; ++l) maps.push_back({fmt::format("lobe{}.exr", l), {"R", "G", "B"}, 3 * size_t(l)});
-    for (int l = 1; l <= lobes; ++l)
-        maps.push_back({fmt::format("lobe{}_shape.exr", l), {"x", "y", "log_lambda"}, 3 * size_t(lobes + l)});
-    return maps;
-}
-
 TexelFitNotes notes_of(const SgFit& fit) {
     const Json own = {{"surface_side", fit.surface_side}, {"lobes", fit.lobes}, {"up", numbers_of(fit.up)}};
     return {sg_name, sg_name, own.dump()};
@@ -54,9 +46,17 @@ Contestant contestant_with(const SgFit& fit, const TriangleAtlas& atlas) {
 
 }  // namespace
 
+std::vector<TexelMap> sg_maps(int lobes) {
+    std::vector<TexelMap> maps{{"diffuse.exr", {"R", "G", "B"}, 0}};
+    for (int l = 1; l <= lobes; ++l) maps.push_back({fmt::format("lobe{}.exr", l), {"R", "G", "B"}, 3 * size_t(l)});
+    for (int l = 1; l <= lobes; ++l)
+        maps.push_back({fmt::format("lobe{}_shape.exr", l), {"x", "y", "log_lambda"}, 3 * size_t(lobes + l)});
+    return maps;
+}
+
 void write_fit(const std::filesystem::path& folder, const SgFit& fit, const TriangleAtlas& atlas,
                const std::function<void(const std::filesystem::path&)>& add_files) {
-    write_texel_fit(folder, fit, notes_of(fit), atlas, maps_of(fit.lobes), fit.parameters, add_files);
+    write_texel_fit(folder, fit, notes_of(fit), atlas, sg_maps(fit.lobes), fit.parameters, add_files);
 }
 
 StoredSg read_sg(const std::filesystem::path& folder, const std::filesystem::path& moved_to) {
@@ -68,7 +68,7 @@ StoredSg read_sg(const std::filesystem::path& folder, const std::filesystem::pat
     fit.dataset_path = stored.dataset->folder;
     if (stored.dataset->mesh.triangles.empty()) throw UserError(folder.string() + ": its dataset has no mesh");
     stored.atlas = std::make_unique<TriangleAtlas>(stored.dataset->mesh, fit.surface_side);
-    fit.parameters = reader.maps(*stored.atlas, maps_of(fit.lobes));
+    fit.parameters = reader.maps(*stored.atlas, sg_maps(fit.lobes));
     return stored;
 }
 

@@ -6,6 +6,7 @@
 
 #include "eval/contestant.h"
 #include "fit/fit_folder.h"
+#include "fit/texel_fit.h"
 #include "sg/solve_sg.h"
 
 namespace radiafit {
@@ -20,6 +21,9 @@ struct SgFit : FitRecord {
     std::vector<float> parameters;  ///< as SgSolution's
     ColourSum colours;              ///< of all samples; not stored with the fit
 };
+
+/// Where parameters stand in images.
+std::vector<TexelMap> sg_maps(int lobes);
 
 /// As those of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, const SgFit& fit, const TriangleAtlas& atlas,

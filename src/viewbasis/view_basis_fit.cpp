@@ -18,12 +18,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* basis_name = "basis.exr";
 
-std::vector<TexelMap> maps_of(const ViewBasis& basis) {
-    std::vector<TexelMap> maps;
-    for (int k = 0; k < basis.rank; ++k) maps.push_back({fmt::format("z{:02}.exr", k), {"R", "G", "B"}, 3 * size_t(k)});
-    return maps;
-}
-
 }  // namespace
 
 StoredBasis stored_basis(const ViewBasis& basis) {
@@ -92,6 +86,12 @@ void take_notes(const std::string& model, const std::string& own_json, ViewBasis
 std::array<int, 2> size_of(const ViewBasis& basis) { return {3 + basis.rank, view_terms * int(basis.cubes.size())}; }
 
 }  // namespace
+
+std::vector<TexelMap> maps_of(const ViewBasis& basis) {
+    std::vector<TexelMap> maps;
+    for (int k = 0; k < basis.rank; ++k) maps.push_back({fmt::format("z{:02}.exr", k), {"R", "G", "B"}, 3 * size_t(k)});
+    return maps;
+}
 
 void write_fit(const std::filesystem::path& folder, const ViewBasisFit& fit, const TriangleAtlas& atlas,
                const std::function<void(const std::filesystem::path&)>& add_files) {

@@ -8,6 +8,7 @@
 
 #include "eval/contestant.h"
 #include "fit/fit_folder.h"
+#include "fit/texel_fit.h"
 #include "viewbasis/learn_view_basis.h"
 
 namespace radiafit {
@@ -30,6 +31,8 @@ StoredBasis stored_basis(const ViewBasis& basis);
 /// The same the other way round; throw std::runtime_error or what nlohmann throws.
 ViewBasis described_basis(const std::string& json);
 void take_numbers(std::span<const float> numbers, ViewBasis& basis);
+/// Where z stands in images.
+std::vector<TexelMap> maps_of(const ViewBasis& basis);
 
 /// As those of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, const ViewBasisFit& fit, const TriangleAtlas& atlas,

@@ -1,0 +1,56 @@
+// View bases; shaders/view/view_basis.frag.
+#include <fmt/format.h>
+
+#include "publish/pages.h"
+
+namespace radiafit {
+namespace {
+
+/// Of every block and polynomial: the means of the three channels, then the functions, in whole entries of four.
+PageTable table_of(const ViewBasis& basis) {
+    PageTable table{"basis_table", {}};
+    const int entries = (3 + basis.rank + 3) / 4;
+    for (const BlockBasis& block : basis.blocks)
+        for (int row = 0; row < view_terms; ++row) {
+            const size_t end = table.entries.size() + size_t(4 * entries);
+            for (int c = 0; c < 3; ++c) table.entries.push_back(block.mean(row, c));
+            for (int k = 0; k < basis.rank; ++k) table.entries.push_back(block.u(row, k));
+            table.entries.resize(end, 0);
+        }
+    return table;
+}
+
+PageMap block_map(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
+    std::vector<float> blocks;
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        blocks.push_back(atlas.usable(t) ? float(fit.basis.block_at(atlas.position(t))) : 0);
+    const TexelMap number{"block", {"number"}, 0};
+    PageMap map = parameter_maps({&number, 1}, blocks, atlas)[0];
+    map.fixed_step = {1, 1, 1};
+    return map;
+}
+
+}  // namespace
+
+PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
+    const std::vector<TexelMap> maps = maps_of(fit.basis);
+    PageModel page{.shader = "view_basis"};
+    page.maps = parameter_maps(maps, fit.parameters, atlas);
+    page.maps.push_back(block_map(fit, atlas));
+    page.maps.push_back(knowledge_map(fit, atlas));
+    page.tables.push_back(table_of(fit.basis));
+    page.defines = {{"RANK", std::to_string(fit.basis.rank)}};
+    page.terms.push_back("mean");
+    for (int k = 1; k <= fit.basis.rank; ++k) page.terms.push_back(fmt::format("function {}", k));
+    page.uniforms.push_back({"up", {fit.basis.up.begin(), fit.basis.up.end()}});
+    page.residual_unit = "pixel values, white = 1";
+    page.largest_side = fit.surface_side;
+    page.shown = [&fit, &atlas, maps](const std::vector<PageMap>& decoded) {
+        const auto shown = std::make_shared<ViewBasisFit>(fit);
+        shown->parameters = parameters_of(maps, decoded, atlas);
+        return kept_alive(contestant_of(*shown, atlas), shown);
+    };
+    return page;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,271 @@
+// The page that radiafit publish writes: puts its parts together.
+import { attach, attach_divider } from "./controls.js";
+import { LampDisc } from "./lamp.js";
+import { build, by_id, choose, decibels, picture_word, show_terms } from "./panel.js";
+import { Renderer } from "./renderer.js";
+import { axes_of, from_disc, lamp_direction, lamp_of, on_disc, outside_of, scene_of, share_of } from "./scene.js";
+import { Stage } from "./stage.js";
+import { hash_of, state_of } from "./state.js";
+import { dot, normalized, orbited } from "./vectors.js";
+
+const page = window.radiafit_page;
+const canvas = by_id("picture");
+const flat = Boolean(page.surface.grid);
+
+function fail(message) {
+    by_id("loading").hidden = false;
+    by_id("loading_text").textContent = message;
+    by_id("loading_bar").hidden = true;
+    canvas.dataset.state = "failed";
+}
+
+function main(renderer) {
+    const state = state_of(location.hash, page.views, page.model.terms.length);
+    const stage = new Stage(canvas, renderer, page, state, (s) => scene_of(page, s));
+    const up = normalized(page.surface.up);
+    let remembered = 0;
+
+    const axes = () => axes_of(page, stage.pose());
+    const lamp_now = () => lamp_direction(page, lamp_of(page, state));
+
+    /** After a change of what is drawn; moving: more will follow. */
+    function changed(moving = true) {
+        stage.change(moving);
+        show();
+    }
+    function arranged() {
+        stage.rearrange();
+        show();
+    }
+    function set_lamp(place) {
+        state.lamp = from_disc(place, axes());
+        changed();
+    }
+    function whole() {
+        state.zoom = 1;
+        state.pan = [0, 0];
+    }
+
+    const act = {
+        turn(dx, dy) {
+            const radians = Math.PI / Math.max(300, Math.min(canvas.clientWidth, canvas.clientHeight));
+            if (!flat) {
+                state.pose = orbited(stage.pose(), page.surface.centre, up, -dx * radians, dy * -radians);
+            } else if (page.model.takes_light) {
+                const [x, y] = on_disc(lamp_now(), axes());
+                return set_lamp([x + dx * radians, y - dy * radians]);
+            } else return act.pan(dx, dy);
+            changed();
+        },
+        pan(dx, dy) {
+            const { scale } = stage.frame_in(stage.areas()[1]);
+            state.pan = [state.pan[0] + (dx * stage.ratio) / scale, state.pan[1] + (dy * stage.ratio) / scale];
+            changed();
+        },
+        zoom(factor, x, y) {
+            const area = stage.areas()[1];
+            const before = stage.frame_in(area);
+            const at = [x * stage.ratio - area.x, y * stage.ratio - (stage.height - area.y - area.height)];
+            const zoom = Math.min(40, Math.max(0.2, state.zoom * factor));
+            const photo = [(at[0] - before.left) / before.scale, (at[1] - before.top) / before.scale];
+            state.zoom = zoom;
+            const after = stage.frame_in(area);
+            state.pan = [0, 1].map((i) => state.pan[i] + (at[i] - [after.left, after.top][i]) / after.scale - photo[i]);
+            changed();
+        },
+        fit() {
+            whole();
+            changed(false);
+        },
+        view(i) {
+            state.view = i;
+            act.back();
+        },
+        step(by) {
+            act.view((state.view + by + page.views.length) % page.views.length);
+        },
+        back() {
+            state.pose = null;
+            whole();
+            changed(false);
+        },
+        show(value) {
+            if (value !== "fit" && state.pose) state.pose = null, stage.change(false);
+            state.show = value;
+            if (value !== "fit" && state.lamp) act.own_lamp();
+            if (value === "fit" && state.layout !== "alone") state.layout = "alone", stage.change(false);
+            arranged();
+        },
+        layout(value) {
+            state.layout = value;
+            if (value !== "alone" && state.show === "fit") act.show("photograph");
+            stage.change(false);
+            arranged();
+        },
+        known(value) {
+            state.known = value;
+            changed(false);
+        },
+        brightness(value) {
+            state.brightness = value;
+            changed();
+        },
+        own_lamp() {
+            state.lamp = null;
+            state.brightness = 1;
+            changed(false);
+        },
+        term(i, on) {
+            state.terms = state.terms.map((t, k) => (k === i ? on : t));
+            changed(false);
+        },
+        terms(all) {
+            state.terms = all;
+            changed();
+        },
+    };
+
+    const disc = new LampDisc(by_id("lamp"), set_lamp);
+
+    /** Brings words and controls up to date. */
+    function show() {
+        const view = page.views[state.view];
+        document.body.classList.toggle("bare", state.bare);
+        by_id("view").value = state.view;
+        choose("show", state.show);
+        choose("layout", state.layout);
+        choose("known", state.known);
+        show_terms(state.terms, page.model.terms);
+        by_id("view_text").textContent =
+            `${view.held_out ? "Held out" : "Training"}: the fit is at ${decibels(view.psnr)}, the baseline at ${decibels(view.baseline_psnr)}.`;
+        by_id("return").hidden = !state.pose;
+        show_labels(view);
+        show_lamp(view);
+        show_status();
+        show_known();
+        canvas.setAttribute("aria-label", `${page.title}: ${picture_word(state.show)}, ${view.name}`);
+        clearTimeout(remembered);
+        remembered = setTimeout(() => {
+            try {
+                history.replaceState(null, "", hash_of(state, page.views));
+            } catch {
+                // some browsers forbid it to files: then there is no link to this state
+            }
+        }, 300);
+    }
+
+    function show_labels(view) {
+        const compared = state.show !== "fit" || state.layout !== "alone";
+        const words = {
+            photograph: `Photograph ${view.name}`, baseline: `Baseline: ${page.model.baseline}`,
+            error: "4 × |fit − photograph|", fit: "Fit",
+        };
+        const first = by_id("first_label"), second = by_id("second_label");
+        first.hidden = !compared;
+        first.textContent = words[state.show];
+        second.hidden = state.layout === "alone";
+        second.textContent = words.fit;
+        const stacked = state.layout === "beside" && stage.height > stage.width;
+        second.style.left = stacked ? "10px" : state.layout === "beside" ? "calc(50% + 10px)" : "auto";
+        second.style.right = state.layout === "wipe" ? "10px" : "auto";
+        second.style.top = stacked ? "calc(50% + 10px)" : "10px";
+        const divider = by_id("divider");
+        divider.hidden = state.layout !== "wipe";
+        divider.style.left = `${100 * state.divider}%`;
+        divider.setAttribute("aria-valuenow", Math.round(100 * state.divider));
+    }
+
+    function show_lamp(view) {
+        if (!page.model.takes_light) return;
+        const here = axes(), direction = lamp_now();
+        const height = Math.asin(Math.max(-1, Math.min(1, -dot(direction, here.forward)))) * (180 / Math.PI);
+        by_id("lamp_text").textContent = state.lamp
+            ? `Moved: ${Math.round(height)}° above the ${flat ? "plane" : "horizon"}, of the photographs' mean brightness.`
+            : `As in ${view.name}: ${Math.round(height)}° above the ${flat ? "plane" : "horizon"}.`;
+        by_id("own_lamp").hidden = !state.lamp && state.brightness === 1;
+        by_id("brightness").value = Math.log2(state.brightness);
+        const dots = page.directions.lamps.filter((d) => dot(d, here.forward) < 0).map((d) => on_disc(d, here));
+        disc.draw(on_disc(direction, here), dots, height < 0);
+    }
+
+    function show_status() {
+        const outside = outside_of(page, state);
+        const far = Math.max(outside.camera, outside.lamp);
+        const what = outside.lamp > outside.camera ? "lamp" : "camera";
+        const share = page.model.takes_light ? share_of(page, outside) : 1;
+        const faded = share < 1 ? `; ${Math.round(100 * share)} % of the fit, the rest is matt` : "";
+        const words = [];
+        if (far >= 1) words.push(`The ${what} is ${Math.round(far)}° outside the fitted photographs': extrapolated${faded}.`);
+        if (state.pose && state.show === "fit" && state.layout === "alone" && state.known === "colour" && far < 1)
+            words.push("Between the photographs: interpolated.");
+        by_id("status").textContent = words.join(" ");
+    }
+
+    function show_known() {
+        const { model } = page;
+        const shown = state.known !== "colour";
+        by_id("legend").hidden = !shown && state.show !== "error";
+        const texts = {
+            colour: "",
+            samples: "In how many pixels of photographs each place of the surface was seen: where few saw it, little is known.",
+            residual: `By how much the fit misses its own photographs at each place (root mean square, ${model.residual_unit}).`,
+        };
+        by_id("known_text").textContent = texts[state.known];
+        const bar = by_id("legend_bar");
+        const viridis = "linear-gradient(90deg,#440154,#414487,#2a788e,#22a884,#7ad151,#fde725)";
+        if (shown) {
+            by_id("legend_title").textContent = state.known === "samples" ? "Samples" : "Misfit, RMS";
+            by_id("legend_low").textContent = "0";
+            by_id("legend_high").textContent =
+                state.known === "samples" ? Math.round(model.most_samples) : model.most_residual.toPrecision(2);
+            bar.style.background = viridis;
+        } else {
+            by_id("legend_title").textContent = "|fit − photograph|, sRGB";
+            by_id("legend_low").textContent = "0";
+            by_id("legend_high").textContent = "¼ of white";
+            bar.style.background = "linear-gradient(90deg,#000,#fff)";
+        }
+        by_id("legend_unseen").hidden = !shown;
+    }
+
+    build(page, act);
+    attach(canvas, act);
+    attach_divider(by_id("divider"), by_id("stage"), () => state.divider, (share) => {
+        state.divider = share;
+        arranged();
+    });
+    const keys = {
+        "[": () => act.step(-1), "]": () => act.step(1),
+        f: () => act.show("fit"), p: () => act.show("photograph"), b: () => act.show("baseline"), e: () => act.show("error"),
+        1: () => act.layout("alone"), w: () => act.layout("wipe"), s: () => act.layout("beside"),
+    };
+    document.addEventListener("keydown", (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select")) return;
+        keys[event.key.toLowerCase()]?.();
+    });
+    window.addEventListener("hashchange", () => {
+        Object.assign(state, state_of(location.hash, page.views, page.model.terms.length));
+        changed(false);
+    });
+    new ResizeObserver(show).observe(canvas);
+    show();
+    by_id("loading").hidden = true;
+    window.radiafit_viewer = { act, state, stage };
+}
+
+async function start() {
+    if (!document.createElement("canvas").getContext("webgl2"))
+        return fail("This browser offers no WebGL 2, with which the page draws. Try a current Firefox, Chrome, Edge or Safari, with hardware acceleration switched on.");
+    const steps = Object.values(page.sets).reduce((sum, set) => sum + set.layers.length, 1);
+    let done = 0;
+    const advance = () => (by_id("loading_bar").value = ++done / steps);
+    try {
+        const renderer = new Renderer(canvas, page);
+        await renderer.load(advance);
+        main(renderer);
+    } catch (error) {
+        fail(error.message);
+        throw error;
+    }
+}
+start();

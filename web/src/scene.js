@@ -1,0 +1,66 @@
+// From the state to what is drawn: camera, lamp, and how much of the fit may be trusted there.
+import { angle_outside } from "./cone.js";
+import { add, dot, normalized, pose_of, scaled } from "./vectors.js";
+
+const degrees = 180 / Math.PI;
+
+/** Of a grid the camera is the photograph's; what turns is the lamp. */
+export function axes_of(page, pose) {
+    const { grid } = page.surface;
+    return grid ? { right: normalized(grid.right), down: normalized(grid.down), forward: scaled(normalized(grid.normal), -1) } : pose;
+}
+
+export function lamp_of(page, state) {
+    const own = page.views[state.view].light;
+    if (!state.lamp) return own && { ...own, intensity: own.intensity.map((i) => i * state.brightness) };
+    const intensity = state.intensity ? [1, 1, 1].map((i) => i * state.intensity) : page.directions.irradiance;
+    return { near: false, place: state.lamp, intensity: intensity.map((i) => i * state.brightness) };
+}
+
+/** The unit direction to the lamp from the middle of the surface. */
+export function lamp_direction(page, lamp) {
+    return lamp.near ? normalized(add(lamp.place, page.surface.centre, -1)) : lamp.place;
+}
+
+/** How far camera and lamp are, in degrees, from the directions of the photographs that were fitted. */
+export function outside_of(page, state) {
+    const { directions, surface } = page;
+    const view = page.views[state.view];
+    const pose = state.pose ?? pose_of(view.camera);
+    const to_camera = view.camera.direction ?? normalized(add(pose.eye, surface.centre, -1));
+    const lamp = page.model.takes_light ? lamp_of(page, state) : null;
+    return {
+        camera: degrees * angle_outside(directions.cameras, to_camera),
+        lamp: lamp ? degrees * angle_outside(directions.lamps, lamp_direction(page, lamp)) : 0,
+    };
+}
+
+/** eval/safe_relighting.h: share_of_fit(). */
+export function share_of(page, outside) {
+    const far = Math.max(outside.camera, outside.lamp) / degrees - page.directions.trusted;
+    return Math.min(1, Math.max(0, 1 - Math.max(0, far) / page.directions.fade));
+}
+
+export function scene_of(page, state) {
+    const view = page.views[state.view];
+    const shown = { colour: 0, samples: 1, residual: 2 }[state.known];
+    return {
+        pose: state.pose ?? pose_of(view.camera),
+        direction: view.camera.direction,
+        camera: view.camera,
+        lamp: page.model.takes_light ? lamp_of(page, state) : null,
+        share: page.model.takes_light ? share_of(page, outside_of(page, state)) : 1,
+        terms: state.terms,
+        shown,
+        most_shown: shown === 1 ? Math.log2(1 + page.model.most_samples) : page.model.most_residual,
+    };
+}
+
+/** A direction as the lamp's disc has it: x to the right, y up; its length is the sine of the angle to the viewer. */
+export const on_disc = (direction, axes) => [dot(direction, axes.right), -dot(direction, axes.down)];
+export function from_disc([x, y], axes) {
+    const r = Math.hypot(x, y), most = 0.9998;
+    if (r > most) [x, y] = [(x * most) / r, (y * most) / r];
+    const z = Math.sqrt(1 - x * x - y * y);
+    return add(add(scaled(axes.right, x), axes.down, -y), axes.forward, -z);
+}
