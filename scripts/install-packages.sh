@@ -9,6 +9,7 @@ packages="
     g++ cmake ninja-build make git pkg-config ccache
     libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libeigen3-dev
     libopenimageio-dev libopenexr-dev libpng-dev zlib1g-dev
+    libwebp-dev chromium
     libgtest-dev libbenchmark-dev libceres-dev libqhull-dev
     libegl-dev libgl-dev libosmesa6-dev
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
@@ -16,6 +17,7 @@ packages="
     libopenmpi-dev openmpi-bin
     clang-format glslang-tools spirv-tools python3 python3-numpy
 "
+command -v npm >/dev/null || packages="$packages nodejs npm"  # of the published page; another source's nodejs has npm in it
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"
 [ "${1:-}" != check ] || packages="$packages clang clang-tidy"
 [ "${1:-}" != bench ] || packages="

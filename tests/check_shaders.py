@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands locations: of uniforms any).
+"""Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands locations: of uniforms any); those of
+published pages, "#version 300 es", as WebGL 2 takes them, for which there is no SPIR-V.
 
 #include "..." lines are expanded as src/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
 after the #version line, and where the name of a file is a definition's, that in its place. A stage is compiled
@@ -129,8 +130,8 @@ def found_variants(text):
 
 def compile_text(text, stage, files, label):
     # -G100: SPIR-V for OpenGL. --stdin must come before -S.
-    result = subprocess.run(["glslangValidator", "-G100", "--aml", "--amb", "--stdin", "-S", stage, "-o", "/dev/null"], input=text,
-                            capture_output=True, text=True)
+    target = [] if text.startswith("#version 300 es") else ["-G100", "--aml", "--amb", "-o", "/dev/null"]
+    result = subprocess.run(["glslangValidator", *target, "--stdin", "-S", stage], input=text, capture_output=True, text=True)
     if result.returncode == 0:
         return []
     messages = []

@@ -101,30 +101,31 @@ def write_png(path, width, height, rgb, depth=8):
     )
 
 
-def read_png(path):
-    """Width, height and bytes of an 8-bit RGB image without interlacing."""
-    data = path.read_bytes()
+def read_png(png):
+    """Width, height and bytes of an 8-bit RGB image without interlacing; an alpha channel is left out. png: a path or bytes."""
+    data = png if isinstance(png, bytes) else png.read_bytes()
     at, packed = 8, b""
     while at < len(data):
         (length,) = struct.unpack_from(">I", data, at)
         kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
         if kind == b"IHDR":
             width, height, *form = struct.unpack(">IIBBBBB", body)
-            if form != [8, 2, 0, 0, 0]:
-                raise AssertionError(f"{path}: not plain 8-bit RGB: {form}")
+            if form not in ([8, 2, 0, 0, 0], [8, 6, 0, 0, 0]):
+                raise AssertionError(f"{png if data is not png else 'PNG'}: not plain 8-bit RGB: {form}")
+            channels = 3 if form[1] == 2 else 4
         if kind == b"IDAT":
             packed += body
         at += 12 + length
-    raw, stride, rows = zlib.decompress(packed), 3 * width, []
+    raw, stride, rows = zlib.decompress(packed), channels * width, []
     above = bytes(stride)
     for y in range(height):
         method, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)])
-        for i in range(stride):
-            a, b, c = (row[i - 3] if i >= 3 else 0), above[i], (above[i - 3] if i >= 3 else 0)
+        for i in range(stride if method else 0):
+            a, b, c = (row[i - channels] if i >= channels else 0), above[i], (above[i - channels] if i >= channels else 0)
             paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
             row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[method]) & 255
-        rows.append(bytes(row))
-        above = rows[-1]
+        above = bytes(row)
+        rows.append(above if channels == 3 else bytes(value for i, value in enumerate(row) if i % 4 < 3))
     return width, height, b"".join(rows)
 
 

@@ -9,12 +9,13 @@
 #include "app/solver.h"
 #include "app/tune_candidate.h"
 #include "eval/judge.h"
-#include "publish/page_model.h"
 #include "report/problem_picture.h"
 
 /// The families of models: light field maps, texel-local models, view bases, spherical Gaussians. What commands ask of
 /// one is said here, once; they themselves never ask which it is.
 namespace radiafit {
+
+struct PageModel;
 
 /// A fit of any family, with the dataset that was fitted.
 class Fitted {

@@ -11,7 +11,6 @@
 #include "eval/contestant.h"
 #include "fit/exr.h"
 #include "fit/texel_fit.h"
-#include "gl/program.h"
 
 /// What a page needs to show a fit, whatever its family: maps, tables and numbers for shaders/view, and the way back
 /// from maps as the page has them to what the judge compares.
@@ -24,7 +23,7 @@ enum class MapPlace { surface, view };
 struct PageMap {
     std::string name;
     MapPlace place = MapPlace::surface;
-    ExrImage image;
+    ExrImage image = {};
     bool root = false;     ///< stored as signed square roots, so that small values have finer steps
     bool one_unit = true;  ///< the channels have one unit, and so one step
     /// Of each channel as stored; 0: as fine as what it shows asks for (publish/steps.h), but not above most_step.
@@ -39,19 +38,19 @@ struct PageTable {
 };
 
 struct PageModel {
-    std::string shader;         ///< shaders/view/SHADER.frag
-    std::string vertex_shader;  ///< its values at vertices, SHADER.frag; empty: none
-    Defines defines;            ///< of both
-    std::vector<PageMap> maps;  ///< in the order in which the shader numbers them
-    std::vector<PageTable> tables;
-    std::vector<std::pair<std::string, std::vector<float>>> uniforms;  ///< floats: 1, 3 or 4 of them
-    std::vector<std::pair<std::string, int>> whole_uniforms;
-    std::vector<std::string> terms;   ///< names of what can be left out of the sum
-    std::string residual_unit;        ///< of the second channel of what is known of a site
-    std::vector<uint8_t> sides = {};  ///< [triangles] of tiles; empty: all have largest_side
-    int largest_side = 0;             ///< 0: over a grid
+    std::string shader = {};         ///< shaders/view/SHADER.frag
+    std::string vertex_shader = {};  ///< its values at vertices, SHADER.frag; empty: none
+    std::vector<std::pair<std::string, std::string>> defines = {};  ///< of both
+    std::vector<PageMap> maps = {};                                 ///< in the order in which the shader numbers them
+    std::vector<PageTable> tables = {};
+    std::vector<std::pair<std::string, std::vector<float>>> uniforms = {};  ///< floats: 1, 3 or 4 of them
+    std::vector<std::pair<std::string, int>> whole_uniforms = {};
+    std::vector<std::string> terms = {};  ///< names of what can be left out of the sum
+    std::string residual_unit = {};       ///< of the second channel of what is known of a site
+    std::vector<uint8_t> sides = {};      ///< [triangles] of tiles; empty: all have largest_side
+    int largest_side = 0;                 ///< 0: over a grid
     /// How these maps look, decoded and in the same order. It owns what it needs but for the fit and its dataset.
-    std::function<Contestant(const std::vector<PageMap>& maps)> shown;
+    std::function<Contestant(const std::vector<PageMap>& maps)> shown = {};
 };
 
 /// `contestant`, which keeps `owner` alive.

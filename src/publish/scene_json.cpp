@@ -11,6 +11,7 @@
 
 #include "dataset/view_directions.h"
 #include "eval/safe_relighting.h"
+#include "gl/program.h"
 #include "publish/webp_image.h"
 #include "viewbasis/texel_views.h"
 

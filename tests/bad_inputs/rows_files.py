@@ -50,7 +50,7 @@ rows += [
 # Links that lead round
 for command, path, *words in (
     ("info around", "around", "around"), ("fit around -o new", "around", "around"), ("plan around", "around", "around"),
-    ("judge around", "around", "around"), ("render around -o new", "around", "around"),
+    ("judge around", "around", "around"), ("render around -o new", "around", "around"), ("publish around -o new", "around", "around"),
     ("info tiny", "tiny/dataset.json", "tiny"), ("info tiny", "tiny/images.bin", "tiny/images.bin"),
     ("info tiny", "tiny/mesh.ply", "tiny/mesh.ply"), ("info flat", "flat/normals.f32", "flat/normals.f32"),
     ("judge fit", "fit/fit.json", "fit/fit.json"), ("judge fit", "fit/view_term0.exr", "fit/view_term0.exr"),
@@ -117,7 +117,7 @@ for command, path in (
     ("fit tiny --solver two-step --iterations 1 --records records -o new", "records/records.json"),
     ("fit tiny --solver two-step --iterations 1 --records records -o new", "records/records.bin"),
     ("fig9_error --config pipe --profile smoke", "pipe"),
-    ("fit tiny -o pipe", "pipe"), ("generate star -o pipe", "pipe"), ("render fit -o pipe/new", "pipe"), ("render fit --turntable 1 -o pipe", "pipe"),
+    ("fit tiny -o pipe", "pipe"), ("generate star -o pipe", "pipe"), ("render fit -o pipe/new", "pipe"), ("publish fit -o pipe", "pipe"), ("publish pipe -o new", "pipe"), ("render fit --turntable 1 -o pipe", "pipe"),
 ):  # fmt: skip
     rows.append((command, fifo(path), 2, "lit/" if command.startswith(f"{lights} -o") else path))
 rows.append(("render fit -o fit/view_term0.exr", None, 2, "fit/view_term0"))

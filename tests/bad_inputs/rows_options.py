@@ -189,7 +189,14 @@ refuse("render fit --background {} -o new", "red 1 1,2 1,2,256 -1,2,3 1,2,3,4 1,
 refuse("render fit --turntable 2 --video {}", "new.avi new .mp4", "--video {}: name a file that ends in .mp4 or .webm")
 refuse("render flatfit --light {} -o new", "0,0,0 nan,0,1 inf,0,1 1e300,0,0", "--light", "a direction's length is finite and not 0")
 refuse("render flatfit --light {} -o new", "1,2 a,b,c 1,2,3,4", "--light")
+refuse("publish fit --megabytes {} -o new", "0 x 10001", "megabytes = ", "choose a number from 0.1 to 10000")
+refuse("publish fit --fidelity {} -o new", "19 x 101", "fidelity = ", "choose a number from 20 to 100")
+refuse("publish fit --views {} -o new", "0 x 1001", "views = ", "choose a whole number from 1 to 1000")
 rows += [
+    ("publish fit -o fit", None, 2, "fit: is no page of radiafit"),
+    ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: stands there and is no page"),
+    ("publish fit --megabytes 0.1 -o new", None, 2, "the page would have", "--megabytes"),
+    ("publish flatfit -o new", None, 0, "MB"),
     ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
     ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
     ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),
@@ -275,6 +282,7 @@ rows += [
     ("plan", None, 2, "dataset is required"),
     ("judge", None, 2, "fit is required"),
     ("render fit", None, 2, "--output is required"),
+    ("publish fit", None, 2, "--output is required"),
     ("generate -o new", None, 2, "shape is required"),
     ("generate star", None, 2, "--output is required"),
     ("import colmap -o new", None, 2, "is required"),

@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""`radiafit publish`: its pages in headless Chromium, beside what `radiafit render` draws of the same views and lamps.
+
+Arguments: the program. Exit status 77 (skipped) without Chromium."""
+import json
+import math
+import re
+import sys
+import unittest
+
+from browser import Browser, chromium
+from cli_fixture import ProgramTest, read_png, take_arguments
+
+AGREEMENT = 38  # dB: maps at 50 dB and more, and edges that a graphics chip's rasterizer decides otherwise
+
+
+def psnr(a, b):
+    squares = sum((x - y) ** 2 for x, y in zip(a, b))
+    return math.inf if squares == 0 else 10 * math.log10(255**2 * len(a) / squares)
+
+
+class Viewer(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
+        cls.good("generate", "star", "-o", "star")
+        cls.good("generate", "ornament", "-o", "ornament")
+
+    def setUp(self):
+        self.browser.errors.clear()
+
+    def open(self, page, fragment, width, height):
+        self.browser.size(width, height)
+        self.browser.open(f"file://{self.root / page}#{fragment}")
+        self.settle()
+
+    def settle(self):
+        self.browser.wait_for("document.getElementById('picture')?.dataset.state === 'still' && !!window.radiafit_viewer")
+
+    def page_data(self, page):
+        text = (self.root / page / "data" / "page.js").read_text()
+        return json.loads(re.fullmatch(r"window\.radiafit_page = (.*);\n", text, re.S)[1].replace("<\\/script", "</script"))
+
+    def check_agreement(self, fit, page, data, *render, fragment="", views=5):
+        """Screenshots of some views of the page, alone in the window, against `render`'s pictures of them."""
+        self.assertGreaterEqual(len(data["views"]), views)
+        for view in data["views"][:views]:
+            camera = view["camera"]
+            self.open(page, f"view={view['number']}&bare{fragment}", camera["width"], camera["height"])
+            shot = self.browser.screenshot()[0]
+            self.good("render", fit, "--view", view["number"], *render, "-o", "picture")
+            rendered = read_png(self.root / "picture.png")
+            self.assertEqual(shot[:2], rendered[:2])
+            self.assertGreater(max(rendered[2]), 60)
+            self.assertGreater(psnr(shot[2], rendered[2]), AGREEMENT, f"{fit}, view {view['number']}")
+        self.assertEqual(self.browser.errors, [])
+
+    def check_family(self, dataset, *options):
+        self.good("fit", dataset, *options, "-o", "fit")
+        said = self.good("publish", "fit", "-o", "page").stderr
+        self.assertIn("page's pictures against the fit's", said)
+        data = self.page_data("page")
+        self.assertGreater(data["scores"]["fidelity"] or math.inf, 45)
+        self.assertLess(abs(data["scores"]["psnr"] - data["scores"]["shown_psnr"]), 0.2)
+        self.check_agreement("fit", "page/index.html", data)
+        return data
+
+    def test_light_field_map(self):
+        self.check_family("star", "--terms", "2")
+
+    def test_nearest_look_up_and_own_sides(self):
+        self.check_family("star", "--view", "nearest", "--texels-per-pixel", "1")
+
+    def test_spherical_gaussians(self):
+        self.check_family("star", "--model", "sg")
+
+    def test_view_basis(self):
+        data = self.check_family("star", "--model", "viewbasis", "--blocks", "8")
+        self.check_terms(data)
+
+    def check_terms(self, data):
+        """A model without any of its parts is black."""
+        view = data["views"][0]
+        nothing = "0" * len(data["model"]["terms"])
+        self.open("page/index.html", f"view={view['number']}&bare&terms={nothing}", 64, 64)
+        self.assertLess(max(self.browser.screenshot()[0][2]), 3)
+
+    def test_reflectance_and_lamp(self):
+        data = self.check_family("ornament", "--model", "lafortune")
+        lamp = ("--light", "0.3,0.2,0.9")
+        self.check_agreement("fit", "page/index.html", data, *lamp, fragment="&lamp=0.3,0.2,0.9&intensity=1", views=2)
+        far = ("--light", "0.2,-1,0.1")  # where the fit fades
+        self.check_agreement("fit", "page/index.html", data, *far, fragment="&lamp=0.2,-1,0.1&intensity=1", views=2)
+
+    def test_single_file_controls_and_compared_pictures(self):
+        self.good("fit", "ornament", "--model", "lambert", "-o", "lambert")
+        self.good("publish", "lambert", "--single-file", "--views", "2", "-o", "one.html")
+        self.assertIn("radiafit-page", (self.root / "one.html").read_text()[:4000])
+        self.open("one.html", "", 390, 844)
+        picture = lambda: self.browser.screenshot()[0][2]
+        state = lambda what: self.browser.evaluate(f"radiafit_viewer.state.{what}")
+        fit = picture()
+        for layout, show in (("alone", "photograph"), ("wipe", "photograph"), ("beside", "baseline"), ("alone", "error")):
+            self.browser.evaluate(f"radiafit_viewer.act.layout('{layout}'); radiafit_viewer.act.show('{show}')")
+            self.settle()
+            self.assertLess(psnr(picture(), fit), 60, f"{layout} {show} changes nothing")
+        self.browser.evaluate("radiafit_viewer.act.layout('alone'); radiafit_viewer.act.show('fit')")
+
+        # Keys: around the object, its photographs, the lamp.
+        self.browser.evaluate("document.getElementById('picture').focus()")
+        self.key("ArrowLeft")
+        self.assertIsNotNone(state("pose"))
+        self.assertFalse(self.browser.evaluate("document.getElementById('return').hidden"))
+        self.key("]")
+        self.assertIsNone(state("pose"))
+        self.assertEqual(state("view"), 1)
+        self.browser.evaluate("document.getElementById('lamp').focus()")
+        self.key("ArrowRight")
+        self.assertIsNotNone(state("lamp"))
+
+        # Touch: one finger turns, two zoom.
+        self.touch([[100, 200]], [[140, 200]])
+        self.assertIsNotNone(state("pose"))
+        self.touch([[150, 200], [200, 200]], [[100, 200], [250, 200]])
+        self.assertGreater(state("zoom"), 1.5)
+        self.assertEqual(self.browser.errors, [])
+
+    def key(self, key):
+        for kind in ("keyDown", "keyUp"):
+            self.browser.call("Input.dispatchKeyEvent", type=kind, key=key)
+
+    def touch(self, begin, end):
+        points = lambda places: [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(places)]
+        self.browser.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=points(begin))
+        self.browser.call("Input.dispatchTouchEvent", type="touchMove", touchPoints=points(end))
+        self.browser.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def test_every_control_has_a_name(self):
+        self.good("fit", "star", "-o", "named")
+        self.good("publish", "named", "-o", "named_page")
+        self.open("named_page/index.html", "", 1280, 800)
+        nameless = self.browser.evaluate("""[...document.querySelectorAll('button, select, input, [tabindex]')].filter((e) =>
+            !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || e.textContent.trim() ||
+              e.labels?.length)).map((e) => e.outerHTML)""")
+        self.assertEqual(nameless, [])
+        self.assertEqual(self.browser.errors, [])
+
+    def test_without_webgl(self):
+        self.good("fit", "star", "-o", "plain")
+        self.good("publish", "plain", "-o", "plain_page")
+        script = self.browser.call("Page.addScriptToEvaluateOnNewDocument",
+                                   source="HTMLCanvasElement.prototype.getContext = () => null;")["identifier"]
+        self.browser.open(f"file://{self.root}/plain_page/index.html")
+        self.browser.wait_for("document.getElementById('picture')?.dataset.state === 'failed'")
+        self.browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
+        self.assertIn("WebGL 2", self.browser.evaluate("document.getElementById('loading_text').textContent"))
+
+    def test_what_stands_there(self):
+        self.good("fit", "star", "-o", "small")
+        self.good("publish", "small", "--views", "1", "-o", "again")
+        self.good("publish", "small", "--views", "1", "-o", "again")
+        (self.root / "again" / "notes.txt").write_text("mine")
+        self.refused("publish", "small", "-o", "again", says=("again", "notes.txt", "no part of a page"))
+        (self.root / "letter.html").write_text("<p>mine</p>")
+        self.refused("publish", "small", "--single-file", "-o", "letter.html", says=("letter.html", "no page"))
+        self.refused("publish", "small", "-o", "star", says=("star", "no page"))
+        self.refused("publish", "star", "-o", "new", says=("star/fit.json", "no such file"))
+        self.refused("publish", "small", "--megabytes", "0.6", "-o", "new", says=("the page would have", "--megabytes"))
+
+
+if __name__ == "__main__":
+    (Viewer.program,) = take_arguments(1)
+    if not chromium():
+        print("skipped: chromium is absent (scripts/install-packages.sh installs it)")
+        sys.exit(77)
+    unittest.main()
