@@ -43,10 +43,12 @@ class Browser:
         os.close(to_write)
         self.buffer = b""
         self.session = None
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        targets = self.call("Target.getTargets")["targetInfos"]
+        target = next(t["targetId"] for t in targets if t["type"] == "page")
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
+        self.call("Page.bringToFront")  # what lies behind draws nothing
 
     def close(self):
         self.process.kill()
