@@ -23,10 +23,10 @@ class Viewer(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
         cls.good("generate", "star", "-o", "star")
         cls.good("generate", "ornament", "-o", "ornament")
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
 
     def setUp(self):
         self.browser.errors.clear()
@@ -36,6 +36,15 @@ class Viewer(ProgramTest):
         self.browser.open(f"file://{self.root / page}#{fragment}")
         self.settle()
 
+    def turn_to(self, fragment, width, height):
+        """Another state of the page that is open."""
+        self.browser.size(width, height)
+        self.browser.evaluate(f"""new Promise((done) => {{
+            window.addEventListener("hashchange", done, {{ once: true }});
+            location.hash = "{fragment}&again=" + Math.random();
+        }})""")
+        self.settle()
+
     def settle(self):
         self.browser.wait_for("document.getElementById('picture')?.dataset.state === 'still' && !!window.radiafit_viewer")
 
@@ -43,56 +52,60 @@ class Viewer(ProgramTest):
         text = (self.root / page / "data" / "page.js").read_text()
         return json.loads(re.fullmatch(r"window\.radiafit_page = (.*);\n", text, re.S)[1].replace("<\\/script", "</script"))
 
-    def check_agreement(self, fit, page, data, *render, fragment="", views=5):
-        """Screenshots of some views of the page, alone in the window, against `render`'s pictures of them."""
+    def check_agreement(self, data, *render, fragment="", views=5):
+        """Screenshots of some views of the page that is open, alone in the window, against `render`'s pictures of them."""
         self.assertGreaterEqual(len(data["views"]), views)
         for view in data["views"][:views]:
             camera = view["camera"]
-            self.open(page, f"view={view['number']}&bare{fragment}", camera["width"], camera["height"])
+            self.turn_to(f"view={view['number']}&bare{fragment}", camera["width"], camera["height"])
             shot = self.browser.screenshot()[0]
-            self.good("render", fit, "--view", view["number"], *render, "-o", "picture")
+            self.good("render", "fit", "--view", view["number"], *render, "-o", "picture")
             rendered = read_png(self.root / "picture.png")
             self.assertEqual(shot[:2], rendered[:2])
             self.assertGreater(max(rendered[2]), 60)
-            self.assertGreater(psnr(shot[2], rendered[2]), AGREEMENT, f"{fit}, view {view['number']}")
+            self.assertGreater(psnr(shot[2], rendered[2]), AGREEMENT, f"view {view['number']} {fragment}")
         self.assertEqual(self.browser.errors, [])
 
-    def check_family(self, dataset, *options):
+    def check_family(self, dataset, *options, views=5):
+        """A fit's page, left open, and what is in it."""
         self.good("fit", dataset, *options, "-o", "fit")
         said = self.good("publish", "fit", "-o", "page").stderr
         self.assertIn("page's pictures against the fit's", said)
         data = self.page_data("page")
         self.assertGreater(data["scores"]["fidelity"] or math.inf, 45)
         self.assertLess(abs(data["scores"]["psnr"] - data["scores"]["shown_psnr"]), 0.2)
-        self.check_agreement("fit", "page/index.html", data)
+        self.open("page/index.html", "bare", 64, 64)
+        self.check_agreement(data, views=views)
         return data
 
     def test_light_field_map(self):
-        self.check_family("star", "--terms", "2")
+        self.check_family("star", "--model", "lfm", "--terms", "2", "--covariance")
+        colour, known = self.browser.screenshot()[0][2], []
+        for meaning in ("samples", "residual", "uncertainty"):
+            self.turn_to(f"bare&known={meaning}", 64, 64)
+            known.append(self.browser.screenshot()[0][2])
+        for one, other in ((colour, known[0]), (known[0], known[1]), (known[1], known[2]), (known[0], known[2])):
+            self.assertLess(psnr(one, other), 30)
+
+    def test_light_field_map_with_linear_look_up(self):
+        self.check_family("star", "--model", "lfm", "--terms", "1", "--surface", "linear", views=3)
 
     def test_nearest_look_up_and_own_sides(self):
-        self.check_family("star", "--view", "nearest", "--texels-per-pixel", "1")
+        self.check_family("star", "--model", "lfm", "--terms", "1", "--view", "nearest", "--texels-per-pixel", "1", views=3)
 
     def test_spherical_gaussians(self):
         self.check_family("star", "--model", "sg")
 
     def test_view_basis(self):
         data = self.check_family("star", "--model", "viewbasis", "--blocks", "8")
-        self.check_terms(data)
-
-    def check_terms(self, data):
-        """A model without any of its parts is black."""
-        view = data["views"][0]
         nothing = "0" * len(data["model"]["terms"])
-        self.open("page/index.html", f"view={view['number']}&bare&terms={nothing}", 64, 64)
-        self.assertLess(max(self.browser.screenshot()[0][2]), 3)
+        self.turn_to(f"bare&terms={nothing}", 64, 64)
+        self.assertLess(max(self.browser.screenshot()[0][2]), 3, "a model without any of its parts is black")
 
-    def test_reflectance_and_lamp(self):
+    def test_reflectance_and_lamps(self):
         data = self.check_family("ornament", "--model", "lafortune")
-        lamp = ("--light", "0.3,0.2,0.9")
-        self.check_agreement("fit", "page/index.html", data, *lamp, fragment="&lamp=0.3,0.2,0.9&intensity=1", views=2)
-        far = ("--light", "0.2,-1,0.1")  # where the fit fades
-        self.check_agreement("fit", "page/index.html", data, *far, fragment="&lamp=0.2,-1,0.1&intensity=1", views=2)
+        for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and where the fit fades
+            self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2)
 
     def test_single_file_controls_and_compared_pictures(self):
         self.good("fit", "ornament", "--model", "lambert", "-o", "lambert")

@@ -2,13 +2,14 @@
 // A light field map (shaders/model/lfm.glsl): sum over the triangle's corners and the terms of g_k[texel] h_k(view direction of
 // the vertex). Maps: surface maps of term k and corner c at 3 k + c, and view maps, which lfm_vertices.frag has looked up
 // for the picture's camera.
-// variants: TERMS=1,3 MAPS=24 STORED_SRGB=-,1
+// variants: TERMS=1,3 MAPS=24 STORED_SRGB=-,1 UNCERTAINTY_MAP=-,12
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp sampler2DArray;
 #include "model/prelude.glsl"
 #include "view/table.glsl"
+#include "view/srgb.glsl"
 #include "view/maps.glsl"
 #include "view/site.glsl"
 #include "model/lfm.glsl"
@@ -33,4 +34,4 @@ vec3 model_value(Site site) {
         }
     return value;
 }
-#include "view/pixel.glsl"
+#include "view/texel.glsl"

@@ -4,6 +4,7 @@
 precision highp float;
 precision highp int;
 precision highp sampler2D;
+#include "view/srgb.glsl"
 uniform sampler2D sum;      // linear light, premultiplied
 uniform float pictures;     // summed
 uniform vec2 sum_scale;     // pixels of it per pixel here
@@ -17,16 +18,11 @@ uniform float divider;      // pixels from the left
 uniform float error_factor;
 out vec4 colour;
 
-vec3 encoded(vec3 light) {
-    vec3 x = clamp(light, 0.0, 1.0);
-    return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, vec3(lessThanEqual(x, vec3(0.0031308))));
-}
-
 void main() {
     vec2 at = gl_FragCoord.xy - area.xy;
     ivec2 most = textureSize(sum, 0) - 1;
     vec4 light = texelFetch(sum, clamp(ivec2(at * sum_scale), ivec2(0), most), 0) / pictures;
-    vec3 fit = encoded(light.rgb * exposure);
+    vec3 fit = srgb_encoded(clamp(light.rgb * exposure, 0.0, 1.0));
     vec2 pixel = (vec2(at.x, area.w - at.y) - image_to_target.zw) / image_to_target.x;
     vec2 place = pixel / stored_size;
     vec4 picture = texture(stored, place);

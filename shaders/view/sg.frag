@@ -8,10 +8,10 @@ precision highp sampler2D;
 precision highp sampler2DArray;
 #include "model/prelude.glsl"
 #include "view/table.glsl"
+#include "view/srgb.glsl"
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
-#include "view/surface.glsl"
 #include "view/view_frame.glsl"
 #include "model/sg.glsl"
 uniform float term[BASIS_COUNT];
@@ -34,4 +34,4 @@ vec3 model_value(Site site) {
     for (int k = 0; k < BASIS_COUNT; ++k) value += term[k] * b.x[k] * surface_value(k, site);
     return value;
 }
-#include "view/pixel.glsl"
+#include "view/texel.glsl"

@@ -8,10 +8,10 @@ precision highp sampler2D;
 precision highp sampler2DArray;
 #include "model/prelude.glsl"
 #include "view/table.glsl"
+#include "view/srgb.glsl"
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
-#include "view/surface.glsl"
 #include "model/MODEL.glsl"
 #define SHAPE_MAPS ((SHAPE_COUNT + 2) / 3)
 #define ALBEDO_MAP (BASIS_COUNT + SHAPE_MAPS)
@@ -55,4 +55,4 @@ vec3 model_value(Site site) {
     }
     return colour * irradiance;
 }
-#include "view/pixel.glsl"
+#include "view/texel.glsl"

@@ -9,10 +9,10 @@ precision highp sampler2D;
 precision highp sampler2DArray;
 #include "model/prelude.glsl"
 #include "view/table.glsl"
+#include "view/srgb.glsl"
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
-#include "view/surface.glsl"
 #include "view/view_frame.glsl"
 #define VIEW_DEGREE 6
 #define VIEW_TERMS 28
@@ -48,4 +48,4 @@ vec3 model_value(Site site) {
     for (int k = 0; k < RANK; ++k) value += term[k + 1] * along[(k + 3) / 4][(k + 3) % 4] * surface_value(k, site);
     return value;
 }
-#include "view/pixel.glsl"
+#include "view/texel.glsl"

@@ -8,7 +8,9 @@
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "fit/error_bar_maps.h"
 #include "publish/publish.h"
+#include "publish/uncertainty.h"
 
 namespace radiafit {
 namespace {
@@ -30,10 +32,16 @@ std::string text_of(const PublishOutcome& o) {
 void publish_fit(const Options& o) {
     if (o.output.empty()) throw UserError("--output is empty; name a folder, or a file for --single-file");
     check_page_target(o.output, o.single_file);
-    require_viewer();
     const auto fitted = open_fit(o.fit, o.dataset);
     const Dataset& dataset = fitted->dataset();
+    require_viewer();
     const auto baseline = fitted->baseline();
+    const std::vector<uint32_t> training = fitted_views(dataset, fitted->record());
+    if (has_error_bars(o.fit)) {
+        std::vector<View> asked;
+        for (const uint32_t v : uncertainty_views(training)) asked.push_back(dataset.views[v]);
+        fitted->find_error_bars(asked);
+    }
     const PublishOutcome outcome = publish({.dataset = dataset,
                                             .record = fitted->record(),
                                             .description = fitted->description(),
@@ -41,7 +49,7 @@ void publish_fit(const Options& o) {
                                             .baseline = baseline->contestant(),
                                             .baseline_name = fitted->baseline_name(),
                                             .takes_light = fitted->takes_light(),
-                                            .training = fitted_views(dataset, fitted->record()),
+                                            .training = training,
                                             .model = fitted->page()},
                                            o.page);
     write_page(o.output, o.single_file, outcome.page);

@@ -104,7 +104,12 @@ void write_fit(const fs::path& folder, const LightFieldFit& fit, const Mesh& mes
 
 void write_error_bars(const fs::path& folder, const LightFieldFit& fit, const Mesh& mesh, const ErrorBarMaps& bars) {
     write_maps(folder, "deviation_", Shape(mesh, fit.options), bars.deviation);
-    write_exr(folder / "error_bars.exr", error_bar_image(bars));
+    write_exr(folder / error_bars_name, error_bar_image(bars));
+}
+
+bool has_error_bars(const fs::path& folder) {
+    std::error_code error;
+    return fs::is_regular_file(folder / error_bars_name, error);
 }
 
 std::string fitted_model(const fs::path& folder) {

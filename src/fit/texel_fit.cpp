@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/file.h"
+#include "fit/error_bar_maps.h"
 #include "fit/fit_maps.h"
 #include "fit/folder_parts.h"
 
@@ -40,7 +41,7 @@ void write_error_bars(const fs::path& folder, const Atlas& atlas, const TexelMod
         write_exr(folder / ("deviation_" + map.file), parameter_image(atlas, bars.deviation, map));
     std::vector<float> both;
     for (size_t t = 0; t < bars.noise.size(); ++t) both.insert(both.end(), {bars.noise[t], float(bars.deficient[t])});
-    write_exr(folder / "error_bars.exr", parameter_image(atlas, both, {"error_bars.exr", {"noise", "deficient"}, 0}));
+    write_exr(folder / error_bars_name, parameter_image(atlas, both, {error_bars_name, {"noise", "deficient"}, 0}));
 }
 
 TexelFitReader::TexelFitReader(const fs::path& folder, const std::string& key, const TakeNotes& take, FitRecord& fit)

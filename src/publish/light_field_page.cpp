@@ -60,8 +60,8 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
     for_each_map(terms, [&](size_t map, bool surface, int k, int c) {
         page.maps[map].name = surface ? fmt::format("surface{}{}", k, c) : fmt::format("view{}", k);
         page.maps[map].place = surface ? MapPlace::surface : MapPlace::view;
-        page.maps[map].image =
-            surface ? surface_image(layout->atlas, layout->maps, seen, k, c) : view_image(layout->maps, seen, k);
+        page.maps[map].image = surface ? surface_image(layout->atlas, layout->maps, seen.parameters, k, c)
+                                       : view_image(layout->maps, seen.parameters, k);
     });
     page.tables.push_back(knowledge_of(fit));
     page.defines = {{"TERMS", std::to_string(terms)}};
@@ -70,6 +70,7 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
     for (int k = 1; k <= terms; ++k) page.terms.push_back(fmt::format("term {}", k));
     page.residual_unit = "pixel values, white = 1";
     page.largest_side = fit.options.surface_side;
+    page.atlas = &layout->atlas;
     if (fit.options.sides) page.sides = *fit.options.sides;
     page.shown = [&fit, &mesh, layout, terms](const std::vector<PageMap>& decoded) {
         const auto shown = std::make_shared<LightFieldFit>(fit);

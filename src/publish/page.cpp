@@ -102,9 +102,8 @@ uint64_t Page::written_bytes() const {
 void require_viewer() {
     if (viewer_text(program_name).empty())
         throw UserError(
-            "this radiafit was built without the viewer, for want of node, npm or npm's packages; install nodejs and "
-            "npm, "
-            "and build it again");
+            "this radiafit was built without the viewer of pages, for want of node, npm or a network to get npm's "
+            "packages from; install nodejs and npm, and build it again");
 }
 
 void check_page_target(const fs::path& place, bool single_file) {

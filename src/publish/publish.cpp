@@ -10,8 +10,10 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/wording.h"
+#include "publish/choices.h"
 #include "publish/scene_json.h"
 #include "publish/steps.h"
+#include "publish/uncertainty.h"
 
 namespace radiafit {
 namespace {
@@ -20,14 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int page_format = 1;
 constexpr double least_fidelity = 30, fidelity_step = 2;  // dB
-
-/// `count` of them at most, evenly spread.
-std::vector<uint32_t> spread(const std::vector<uint32_t>& views, size_t count) {
-    std::vector<uint32_t> out;
-    count = std::min(count, views.size());
-    for (size_t i = 0; i < count; ++i) out.push_back(views[(2 * i + 1) * views.size() / (2 * count)]);
-    return out;
-}
 
 std::vector<CodedMap> coded_maps(const PageModel& model, const std::vector<std::array<float, 3>>& steps) {
     std::vector<CodedMap> coded(model.maps.size());
@@ -58,6 +52,12 @@ void add_differences(const JudgedView& a, const JudgedView& b, ErrorSums& sums) 
             sums.add(double(a.render[c]) - double(b.render[c]));
 }
 
+void add_uncertainty(Published& fit) {
+    PageModel& model = fit.model;
+    model.defines.emplace_back("UNCERTAINTY_MAP", std::to_string(model.maps.size()));
+    model.maps.push_back(uncertainty_map(fit.fit, fit.dataset, fit.training, *model.atlas, model.most_uncertainty));
+}
+
 Json scores_json(const PublishOutcome& o, double bytes_of_maps) {
     return {{"split", o.split == Split::test ? "held out" : "training"},
             {"photographs", o.photographs},
@@ -71,11 +71,11 @@ Json scores_json(const PublishOutcome& o, double bytes_of_maps) {
 }  // namespace
 
 PublishOutcome publish(Published fit, const PublishOptions& options) {
-    require_viewer();
     const Dataset& dataset = fit.dataset;
     PublishOutcome out;
     Page& page = out.page;
     page.title = dataset.name;
+    if (fit.fit.error_bars) add_uncertainty(fit);
     const auto held_out = dataset.split(true);
     out.split = held_out.empty() ? Split::train : Split::test;
 

@@ -12,6 +12,7 @@
 #include "dataset/view_directions.h"
 #include "eval/safe_relighting.h"
 #include "gl/program.h"
+#include "publish/choices.h"
 #include "publish/webp_image.h"
 #include "viewbasis/texel_views.h"
 
@@ -99,14 +100,7 @@ Json light_json(const Light& light) {
             {"intensity", json_of(light.intensity)}};
 }
 
-/// What nearly all of the numbers don't exceed.
-double largest_of_most(std::vector<float> numbers) {
-    std::erase_if(numbers, [](float n) { return !std::isfinite(n) || n <= 0; });
-    if (numbers.empty()) return 1;
-    const auto at = numbers.begin() + ptrdiff_t(numbers.size() * 98 / 100);
-    std::nth_element(numbers.begin(), at, numbers.end());
-    return double(*at);
-}
+bool interpolated(const Published& fit) { return fit.record.surface == SurfaceLookup::linear; }
 
 const char* name_of(MapPlace place) { return place == MapPlace::surface ? "surface" : "view"; }
 
@@ -121,12 +115,16 @@ std::string shaders_json(const Published& fit) {
     const auto text = [&](const std::string& file, const Defines& with) {
         return expand_shader("view/" + file, with).text;
     };
+    if (interpolated(fit)) defines.emplace_back("LINEAR", "1");
     Json out = {{"whole", text("whole.vert", {})},
                 {"add", text("add.frag", {})},
                 {"present", text("present.frag", {})},
-                {"pixel", text(fit.model.shader + ".frag", defines)}};
-    if (!fit.dataset.has_grid())
-        out["mesh"] = text("mesh.vert", fit.model.vertex_shader.empty() ? Defines{{"SURFACE", "1"}} : Defines{});
+                {"texel", text(fit.model.shader + ".frag", defines)},
+                {"pixel", text("pixel.frag", defines)}};
+    if (!fit.dataset.has_grid()) {
+        out["mesh"] = text("mesh.vert", {});
+        out["texels"] = text("texels.vert", {});
+    }
     if (!fit.model.vertex_shader.empty()) out["vertices"] = text(fit.model.vertex_shader + ".frag", defines);
     return out.dump();
 }
@@ -180,6 +178,8 @@ std::string surface_json(const Published& fit, Page& page) {
                    {"largest_side", fit.model.largest_side},
                    {"rectangles_per_row", atlas.rectangles_per_row()}};
     if (!fit.model.sides.empty()) out["mesh"]["sides"] = add_blob(page, "sides", bytes_of(fit.model.sides));
+    if (interpolated(fit))
+        out["mesh"]["across"] = add_blob(page, "across", bytes_of(TexelLookup(atlas, SurfaceLookup::linear).across()));
     return out.dump();
 }
 
@@ -203,8 +203,9 @@ std::string model_json(const Published& fit, Page& page) {
                 {"tables", tables},
                 {"uniforms", uniforms},
                 {"whole_uniforms", whole},
-                {"most_samples", std::exp2(largest_of_most(samples)) - 1},
-                {"most_residual", largest_of_most(residuals)},
+                {"most_samples", std::exp2(end_of_scale(samples)) - 1},
+                {"most_residual", end_of_scale(residuals)},
+                {"most_uncertainty", fit.model.most_uncertainty},
                 {"residual_unit", fit.model.residual_unit},
                 {"baseline", fit.baseline_name}}
         .dump();

@@ -89,6 +89,7 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
     page.uniforms.push_back({"most", {SafeRelighting::most}});
     page.residual_unit = "reflectance, white = 1";
     if (!dataset.has_grid()) page.largest_side = fit.options.surface_side;
+    page.atlas = &atlas;
 
     page.shown = [&fit, &atlas, &dataset, training, maps, parameters, normals,
                   own_normals](const std::vector<PageMap>& decoded) {

@@ -45,6 +45,7 @@ PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
     page.uniforms.push_back({"up", {fit.basis.up.begin(), fit.basis.up.end()}});
     page.residual_unit = "pixel values, white = 1";
     page.largest_side = fit.surface_side;
+    page.atlas = &atlas;
     page.shown = [&fit, &atlas, maps](const std::vector<PageMap>& decoded) {
         const auto shown = std::make_shared<ViewBasisFit>(fit);
         shown->parameters = parameters_of(maps, decoded, atlas);

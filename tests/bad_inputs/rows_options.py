@@ -195,8 +195,6 @@ refuse("publish fit --views {} -o new", "0 x 1001", "views = ", "choose a whole 
 rows += [
     ("publish fit -o fit", None, 2, "fit: is no page of radiafit"),
     ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: stands there and is no page"),
-    ("publish fit --megabytes 0.1 -o new", None, 2, "the page would have", "--megabytes"),
-    ("publish flatfit -o new", None, 0, "MB"),
     ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
     ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
     ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),

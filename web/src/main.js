@@ -20,7 +20,7 @@ function fail(message) {
 }
 
 function main(renderer) {
-    const state = state_of(location.hash, page.views, page.model.terms.length);
+    const state = state_of(location.hash, page);
     const stage = new Stage(canvas, renderer, page, state, (s) => scene_of(page, s));
     const up = normalized(page.surface.up);
     let remembered = 0;
@@ -205,19 +205,28 @@ function main(renderer) {
         const { model } = page;
         const shown = state.known !== "colour";
         by_id("legend").hidden = !shown && state.show !== "error";
-        const texts = {
-            colour: "",
-            samples: "In how many pixels of photographs each place of the surface was seen: where few saw it, little is known.",
-            residual: `By how much the fit misses its own photographs at each place (root mean square, ${model.residual_unit}).`,
-        };
-        by_id("known_text").textContent = texts[state.known];
+        const meaning = {
+            colour: { text: "" },
+            samples: {
+                text: "In how many pixels of photographs each place of the surface was seen: where few saw it, little is known.",
+                title: "Samples", most: Math.round(model.most_samples),
+            },
+            residual: {
+                text: `By how much the fit misses its own photographs at each place (root mean square, ${model.residual_unit}).`,
+                title: "Misfit, RMS", most: model.most_residual.toPrecision(2),
+            },
+            uncertainty: {
+                text: "By how much the photographs' noise moves the fit's colour at each place (standard deviation, white = 1); at the end of the scale also where the colour does not follow from the photographs.",
+                title: "Uncertainty", most: model.most_uncertainty.toPrecision(2),
+            },
+        }[state.known];
+        by_id("known_text").textContent = meaning.text;
         const bar = by_id("legend_bar");
         const viridis = "linear-gradient(90deg,#440154,#414487,#2a788e,#22a884,#7ad151,#fde725)";
         if (shown) {
-            by_id("legend_title").textContent = state.known === "samples" ? "Samples" : "Misfit, RMS";
+            by_id("legend_title").textContent = meaning.title;
             by_id("legend_low").textContent = "0";
-            by_id("legend_high").textContent =
-                state.known === "samples" ? Math.round(model.most_samples) : model.most_residual.toPrecision(2);
+            by_id("legend_high").textContent = meaning.most;
             bar.style.background = viridis;
         } else {
             by_id("legend_title").textContent = "|fit − photograph|, sRGB";
@@ -244,7 +253,7 @@ function main(renderer) {
         keys[event.key.toLowerCase()]?.();
     });
     window.addEventListener("hashchange", () => {
-        Object.assign(state, state_of(location.hash, page.views, page.model.terms.length));
+        Object.assign(state, state_of(location.hash, page));
         changed(false);
     });
     new ResizeObserver(show).observe(canvas);

@@ -1,5 +1,5 @@
 // The page's words and controls.
-import { layouts, meanings, pictures } from "./state.js";
+import { layouts, meanings_of, pictures } from "./state.js";
 
 export const by_id = (id) => document.getElementById(id);
 export const decibels = (x) => (Number.isFinite(x) ? `${x.toFixed(2)} dB` : "no loss");
@@ -24,7 +24,7 @@ export function choose(id, value) {
 
 const picture_words = { fit: "Fit", photograph: "Photograph", baseline: "Baseline", error: "Error" };
 const layout_words = { alone: "One picture", wipe: "Wipe", beside: "Side by side" };
-const meaning_words = { colour: "Colour", samples: "Samples", residual: "Misfit" };
+const meaning_words = { colour: "Colour", samples: "Samples", residual: "Misfit", uncertainty: "Uncertainty" };
 const paired = (keys, words) => keys.map((key) => [key, words[key]]);
 export const picture_word = (show) => picture_words[show];
 
@@ -58,7 +58,7 @@ export function build(page, act) {
     by_id("return").addEventListener("click", () => act.back());
     segments("show", paired(pictures, picture_words), act.show);
     segments("layout", paired(layouts, layout_words), act.layout);
-    segments("known", paired(meanings, meaning_words), act.known);
+    segments("known", paired(meanings_of(model), meaning_words), act.known);
     by_id("brightness").addEventListener("input", (event) => act.brightness(2 ** Number(event.target.value)));
     by_id("own_lamp").addEventListener("click", () => act.own_lamp());
     by_id("lamp_section").hidden = !model.takes_light;

@@ -1,5 +1,6 @@
-// Draws the fit as `radiafit render` does, by the shaders that the page brings along: the surface at some points of every pixel,
-// one picture per point, summed in linear light; then the screen's areas from the sum and from stored pictures.
+// Draws the fit as `radiafit render` does, by the shaders that the page brings along: the colours of all texels that can be seen;
+// from these the surface at some points of every pixel, one picture per point, summed in linear light; then the screen's areas
+// from the sum and from stored pictures.
 import * as THREE from "three";
 import { floats_of } from "./data.js";
 import { layers_texture, mesh_tables, table_texture } from "./textures.js";
@@ -56,6 +57,7 @@ export class Renderer {
         this.point = target(THREE.HalfFloatType, true);
         this.sum = target(THREE.HalfFloatType, false);
         this.vertex_values = target(THREE.FloatType, false);
+        this.texels = target(THREE.HalfFloatType, false);
         this.uniforms = {};
     }
 
@@ -79,10 +81,15 @@ export class Renderer {
         value("share", 1);
         value("shown", 0);
         value("most_shown", 1);
+        const { width, height } = page.sets.surface;
+        this.texels.setSize(width, height);
+        value("texels", this.texels.texture);
+        value("atlas_size", new THREE.Vector2(width, height));
 
         const { grid, mesh } = page.surface;
         if (grid) {
             for (const key of ["origin", "right", "down", "normal"]) value(`grid_${key}`, new THREE.Vector3(...grid[key]));
+            this.texel_scene = scene_of(this.whole, this.pass("whole", "texel", {}));
             this.surface = scene_of(this.whole, this.pass("whole", "pixel", {}));
         } else {
             const tables = await mesh_tables(mesh);
@@ -96,6 +103,7 @@ export class Renderer {
             const geometry = new THREE.BufferGeometry();
             geometry.setAttribute("position", new THREE.BufferAttribute(tables.corners, 3));
             const depth = { depthTest: true, depthWrite: true, depthFunc: THREE.LessDepth, side: THREE.FrontSide };
+            this.texel_scene = scene_of(geometry, this.pass("texels", "texel", { side: THREE.DoubleSide }));
             this.surface = scene_of(geometry, this.pass("mesh", "pixel", depth));
             if (page.shaders.vertices) {
                 const entries = tables.vertex_count * page.model.terms.length;
@@ -140,7 +148,7 @@ export class Renderer {
         u.term.value = terms;
         u.shown.value = shown;
         u.most_shown.value = most_shown;
-        this.vertices_known = false;
+        this.texels_known = false;
         this.pictures = 0;
     }
 
@@ -158,10 +166,14 @@ export class Renderer {
         this.uniforms.target_size.value.set(width, height);
         if (!this.page.surface.grid) this.set_projection(scale, x, y, width, height);
         const { three, camera } = this;
-        if (this.vertex_scene && !this.vertices_known) {
-            three.setRenderTarget(this.vertex_values);
-            three.render(this.vertex_scene, camera);
-            this.vertices_known = true;
+        if (!this.texels_known) {
+            if (this.vertex_scene) {
+                three.setRenderTarget(this.vertex_values);
+                three.render(this.vertex_scene, camera);
+            }
+            three.setRenderTarget(this.texels);
+            three.render(this.texel_scene, camera);
+            this.texels_known = true;
         }
         three.setClearColor(0, 0);
         three.setRenderTarget(this.point);

@@ -1,5 +1,6 @@
 // From the state to what is drawn: camera, lamp, and how much of the fit may be trusted there.
 import { angle_outside } from "./cone.js";
+import { meanings } from "./state.js";
 import { add, dot, normalized, pose_of, scaled } from "./vectors.js";
 
 const degrees = 180 / Math.PI;
@@ -43,7 +44,7 @@ export function share_of(page, outside) {
 
 export function scene_of(page, state) {
     const view = page.views[state.view];
-    const shown = { colour: 0, samples: 1, residual: 2 }[state.known];
+    const shown = meanings.indexOf(state.known);
     return {
         pose: state.pose ?? pose_of(view.camera),
         direction: view.camera.direction,
@@ -52,7 +53,7 @@ export function scene_of(page, state) {
         share: page.model.takes_light ? share_of(page, outside_of(page, state)) : 1,
         terms: state.terms,
         shown,
-        most_shown: shown === 1 ? Math.log2(1 + page.model.most_samples) : page.model.most_residual,
+        most_shown: [1, Math.log2(1 + page.model.most_samples), page.model.most_residual, page.model.most_uncertainty][shown],
     };
 }
 

@@ -138,7 +138,7 @@ export class Stage {
         this.missing = compared && !state.pose && !stored;
         const what = {
             stored, stored_size: [view.camera.width, view.camera.height], divider: state.divider * this.width,
-            exposure: compared ? view.gain.map((g) => 1 / g) : [1, 1, 1], shown: 0,
+            exposure: state.lamp ? [1, 1, 1] : view.gain.map((g) => 1 / g), shown: 0,
         };
         const of_stored = state.show === "error" ? 2 : 1;
         renderer.three.setClearColor(0, 1);

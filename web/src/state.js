@@ -4,10 +4,13 @@ const short = (x) => String(Number(x.toPrecision(6)));
 
 export const pictures = ["fit", "photograph", "baseline", "error"];
 export const layouts = ["alone", "wipe", "beside"];
-export const meanings = ["colour", "samples", "residual"];
+export const meanings = ["colour", "samples", "residual", "uncertainty"];
 
-/** `views`, `terms`: how many there are. */
-export function state_of(hash, views, terms) {
+/** What can be told of places of this model's fit. */
+export const meanings_of = (model) => meanings.filter((m) => m !== "uncertainty" || model.most_uncertainty > 0);
+
+export function state_of(hash, { views, model }) {
+    const terms = model.terms.length;
     const asked = new URLSearchParams(hash.replace(/^#/, ""));
     const state = {
         view: 0, pose: null, zoom: 1, pan: [0, 0],
@@ -20,7 +23,7 @@ export function state_of(hash, views, terms) {
     };
     one_of("show", pictures);
     one_of("layout", layouts);
-    one_of("known", meanings);
+    one_of("known", meanings_of(model));
     const view = Number(asked.get("view") ?? -1);
     state.view = Math.max(0, views.findIndex((v) => v.number === view));
     const lamp = numbers(asked.get("lamp") ?? "");

@@ -1,6 +1,6 @@
 // The page's maps, tables and pictures as textures.
 import * as THREE from "three";
-import { bitmap_of, bytes_of, floats_of } from "./data.js";
+import { bitmap_of, bytes_of, floats_of, wholes_of } from "./data.js";
 
 const columns = 1024;
 
@@ -54,11 +54,12 @@ export async function picture_texture(name) {
     return texture;
 }
 
-/** Corners of a mesh's triangles, one after another, and the tables that go with them. */
+/** Corners of a mesh's triangles, one after another, and the tables that go with them (shaders/view/triangles.glsl). */
 export async function mesh_tables(mesh) {
     const vertices = await floats_of(mesh.vertices);  // position and normal of each
-    const triangles = new Uint32Array((await bytes_of(mesh.triangles)).buffer);
+    const triangles = await wholes_of(mesh.triangles);
     const sides = mesh.sides ? await bytes_of(mesh.sides) : null;
+    const across = mesh.across ? await wholes_of(mesh.across) : null, none = 0xffffffff;
     const vertex_count = vertices.length / 6, triangle_count = triangles.length / 3;
     const vertex_entries = new Float32Array(8 * vertex_count);
     for (let v = 0; v < vertex_count; ++v)
@@ -66,14 +67,16 @@ export async function mesh_tables(mesh) {
             vertex_entries[8 * v + i] = vertices[6 * v + i];
             vertex_entries[8 * v + 4 + i] = vertices[6 * v + 3 + i];
         }
-    const triangle_entries = new Float32Array(4 * triangle_count), corners = new Float32Array(9 * triangle_count);
+    const triangle_entries = new Float32Array(8 * triangle_count), corners = new Float32Array(9 * triangle_count);
     for (let t = 0; t < triangle_count; ++t) {
         for (let c = 0; c < 3; ++c) {
             const v = triangles[3 * t + c];
-            triangle_entries[4 * t + c] = v;
+            const other = across ? across[3 * t + c] : none;
+            triangle_entries[8 * t + c] = v;
+            triangle_entries[8 * t + 4 + c] = other === none ? -1 : other;
             for (let i = 0; i < 3; ++i) corners[9 * t + 3 * c + i] = vertices[6 * v + i];
         }
-        triangle_entries[4 * t + 3] = sides ? sides[t] : mesh.largest_side;
+        triangle_entries[8 * t + 3] = sides ? sides[t] : mesh.largest_side;
     }
     return { vertex_count, corners, vertices: table_texture(vertex_entries), triangles: table_texture(triangle_entries) };
 }
