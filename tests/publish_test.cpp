@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/error.h"
 #include "base/atomic_file.h"
+#include "base/error.h"
 #include "base/rng.h"
 #include "publish/coded_map.h"
 #include "publish/page.h"

@@ -13,11 +13,11 @@ precision highp sampler2DArray;
 #include "model/lfm.glsl"
 uniform sampler2DArray view_maps;
 uniform sampler2D vertices;  // [2 vertex]: position; [2 vertex + 1]: normal
-uniform int view_side, view_columns, columns, vertex_count;
+uniform int view_side, view_columns, vertex_count;
 out vec4 values;
 
 void main() {
-    int entry = int(gl_FragCoord.y) * columns + int(gl_FragCoord.x);
+    int entry = (int(gl_FragCoord.y) << TABLE_COLUMN_BITS) + int(gl_FragCoord.x);
     int vertex = entry / TERMS;
     values = vec4(0.0);
     if (vertex >= vertex_count) return;

@@ -13,12 +13,13 @@ out vec4 light;  // premultiplied, and 1
 #ifdef GRID
 uniform vec4 image_to_target;  // scale of the photograph in the picture, 0, and where its upper left corner is
 uniform vec2 target_size;
+uniform int texel_step;  // every so many are in `texels`, along rows and columns
 
 vec4 colour_here() {
     vec2 pixel = vec2(gl_FragCoord.x, target_size.y - gl_FragCoord.y);
     ivec2 texel = ivec2(floor((pixel - image_to_target.zw) / image_to_target.x));
-    bool inside = all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(texel, textureSize(texels, 0)));
-    return inside ? texelFetch(texels, texel, 0) : vec4(0.0);
+    bool inside = all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(texel / texel_step, textureSize(texels, 0)));
+    return inside ? texelFetch(texels, texel / texel_step, 0) : vec4(0.0);
 }
 #else
 #include "view/table.glsl"

@@ -9,9 +9,10 @@ vec3 surface_value(int map, Site site) { return map_value(texel_maps, map, site.
 #ifdef GRID
 uniform vec3 grid_origin, grid_right, grid_down;  // world space: the first texel's centre, and steps to the next
 uniform vec3 grid_normal;
+uniform int texel_step;  // every so many texels are drawn, along rows and columns
 
 bool find_site(out Site site) {
-    site.place = ivec2(gl_FragCoord.xy);
+    site.place = ivec2(gl_FragCoord.xy) * texel_step;
     site.barycentric = vec3(0.0);
 #ifdef NORMAL_MAP
     return length(surface_value(NORMAL_MAP, site)) > 0.5;  // others are not fitted

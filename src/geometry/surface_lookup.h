@@ -46,13 +46,11 @@ public:
     TexelLookup(const TriangleAtlas& atlas, SurfaceLookup lookup);
     /// At barycentric (b1, b2), as RasterPixel has them.
     TexelMix at(uint32_t triangle, float b1, float b2) const;
-    /// Linear: [triangles][3], the triangle across the edge that is opposite to a corner; no_triangle: none, or
-    /// several. Nearest: empty.
-    const std::vector<std::array<uint32_t, 3>>& across() const { return across_; }
 
 private:
     const TriangleAtlas* atlas_;
     SurfaceLookup lookup_;
+    /// [triangles][3]: across the edge that is opposite to a corner; no_triangle: none, or several.
     std::vector<std::array<uint32_t, 3>> across_;
 };
 

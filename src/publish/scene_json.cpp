@@ -11,6 +11,7 @@
 
 #include "dataset/view_directions.h"
 #include "eval/safe_relighting.h"
+#include "geometry/triangles_across.h"
 #include "gl/program.h"
 #include "publish/choices.h"
 #include "publish/webp_image.h"
@@ -178,8 +179,7 @@ std::string surface_json(const Published& fit, Page& page) {
                    {"largest_side", fit.model.largest_side},
                    {"rectangles_per_row", atlas.rectangles_per_row()}};
     if (!fit.model.sides.empty()) out["mesh"]["sides"] = add_blob(page, "sides", bytes_of(fit.model.sides));
-    if (interpolated(fit))
-        out["mesh"]["across"] = add_blob(page, "across", bytes_of(TexelLookup(atlas, SurfaceLookup::linear).across()));
+    if (interpolated(fit)) out["mesh"]["across"] = add_blob(page, "across", bytes_of(triangles_across(atlas)));
     return out.dump();
 }
 

@@ -3,10 +3,8 @@
 // from the sum and from stored pictures.
 import * as THREE from "three";
 import { floats_of } from "./data.js";
-import { layers_texture, mesh_tables, table_texture } from "./textures.js";
+import { layers_texture, mesh_tables, table_columns, table_texture } from "./textures.js";
 import { add, dot } from "./vectors.js";
-
-const sum_columns = 1024;  // of the table of vertex values
 
 const without_version = (text) => text.replace(/^#version[^\n]*\n/, "");
 
@@ -81,10 +79,9 @@ export class Renderer {
         value("share", 1);
         value("shown", 0);
         value("most_shown", 1);
-        const { width, height } = page.sets.surface;
-        this.texels.setSize(width, height);
         value("texels", this.texels.texture);
-        value("atlas_size", new THREE.Vector2(width, height));
+        value("texel_step", 0);
+        value("atlas_size", new THREE.Vector2(page.sets.surface.width, page.sets.surface.height));
 
         const { grid, mesh } = page.surface;
         if (grid) {
@@ -96,7 +93,6 @@ export class Renderer {
             value("vertices", tables.vertices);
             value("triangles", tables.triangles);
             value("vertex_count", tables.vertex_count);
-            value("columns", sum_columns);
             value("vertex_values", this.vertex_values.texture);
             value("largest_side", mesh.largest_side);
             value("rectangles_per_row", mesh.rectangles_per_row);
@@ -107,7 +103,7 @@ export class Renderer {
             this.surface = scene_of(geometry, this.pass("mesh", "pixel", depth));
             if (page.shaders.vertices) {
                 const entries = tables.vertex_count * page.model.terms.length;
-                this.vertex_values.setSize(sum_columns, Math.ceil(entries / sum_columns));
+                this.vertex_values.setSize(table_columns, Math.ceil(entries / table_columns));
                 this.vertex_scene = scene_of(this.whole, this.pass("whole", "vertices", {}));
             }
         }
@@ -148,12 +144,17 @@ export class Renderer {
         u.term.value = terms;
         u.shown.value = shown;
         u.most_shown.value = most_shown;
-        this.texels_known = false;
+        const told = JSON.stringify([u.eye.value, u.lamp.value, u.intensity.value, share, terms, shown, most_shown]);
+        if (told !== this.told) this.texels_known = false;  // else the camera only turned, or the picture's frame moved
+        this.told = told;
         this.pictures = 0;
     }
 
-    /** A point of every pixel more, at (dx, dy) pixels from the centre, for an area of so many pixels; drawn `quality` as fine. */
-    draw_point(frame, quality, dx, dy) {
+    /**
+     * A point of every pixel more, at (dx, dy) pixels from the centre, for an area of so many pixels; drawn `quality` as fine, from
+     * the colours of every `step`-th texel of a grid's rows and columns.
+     */
+    draw_point(frame, quality, step, dx, dy) {
         const width = Math.max(1, Math.round(frame.width * quality)), height = Math.max(1, Math.round(frame.height * quality));
         if (this.point.width !== width || this.point.height !== height) {
             this.point.setSize(width, height);
@@ -166,6 +167,12 @@ export class Renderer {
         this.uniforms.target_size.value.set(width, height);
         if (!this.page.surface.grid) this.set_projection(scale, x, y, width, height);
         const { three, camera } = this;
+        if (step !== this.uniforms.texel_step.value) {
+            const { width: columns, height: rows } = this.page.sets.surface;
+            this.texels.setSize(Math.ceil(columns / step), Math.ceil(rows / step));
+            this.uniforms.texel_step.value = step;
+            this.texels_known = false;
+        }
         if (!this.texels_known) {
             if (this.vertex_scene) {
                 three.setRenderTarget(this.vertex_values);

@@ -107,20 +107,26 @@ export class Stage {
             this.renderer.set_scene(this.scene_of(this.state));
             this.dirty = false;
             this.coarse = moving;
-            this.renderer.draw_point(frame, moving ? qualities[this.quality] : 1, ...(moving ? [0, 0] : points[0]));
+            if (moving) this.renderer.draw_point(frame, qualities[this.quality], this.texel_step(frame), 0, 0);
+            else this.renderer.draw_point(frame, 1, 1, ...points[0]);
             ++this.frames;
         } else if (this.coarse && !moving) {
             this.renderer.pictures = 0;
             this.coarse = false;
             this.drawn_at = 0;
-            this.renderer.draw_point(frame, 1, ...points[0]);
+            this.renderer.draw_point(frame, 1, 1, ...points[0]);
         } else if (!this.coarse && this.renderer.pictures < points.length) {
-            this.renderer.draw_point(frame, 1, ...points[this.renderer.pictures]);
+            this.renderer.draw_point(frame, 1, 1, ...points[this.renderer.pictures]);
         }
         this.present(stored_area, fit_area);
         const whole = !this.coarse && this.renderer.pictures >= points.length && !this.missing;
         if (whole) this.canvas.dataset.state = "still";
         else if (!this.missing || this.coarse || this.renderer.pictures < points.length) this.ask();
+    }
+
+    /** Of a grid while something moves: as fine as the picture. */
+    texel_step(frame) {
+        return this.page.surface.grid ? Math.max(1, Math.floor(1 / (frame.scale * qualities[this.quality]))) : 1;
     }
 
     adapt(ms) {

@@ -2,7 +2,7 @@
 import * as THREE from "three";
 import { bitmap_of, bytes_of, floats_of, wholes_of } from "./data.js";
 
-const columns = 1024;
+export const table_columns = 1024;  // as in shaders/view/table.glsl
 
 function exact(texture) {
     texture.minFilter = texture.magFilter = THREE.NearestFilter;
@@ -14,10 +14,10 @@ function exact(texture) {
 /** A table of entries of four floats, row by row. */
 export function table_texture(floats) {
     const entries = Math.ceil(floats.length / 4);
-    const rows = Math.max(1, Math.ceil(entries / columns));
-    const data = new Float32Array(4 * columns * rows);
+    const rows = Math.max(1, Math.ceil(entries / table_columns));
+    const data = new Float32Array(4 * table_columns * rows);
     data.set(floats);
-    return exact(new THREE.DataTexture(data, columns, rows, THREE.RGBAFormat, THREE.FloatType));
+    return exact(new THREE.DataTexture(data, table_columns, rows, THREE.RGBAFormat, THREE.FloatType));
 }
 
 /** Layers of bytes, one image each. `advance` is called after each. */
