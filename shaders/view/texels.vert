@@ -1,6 +1,7 @@
 #version 300 es
-// The tiles of a mesh's triangles in the atlas: each a triangle that holds the centres of its cells. Left out are those that no
-// pixel shows, since they and those across their edges, from which pixels may be interpolated, face away.
+// The tiles of a mesh's triangles in the atlas: each a triangle that holds the centres of its cells. Unless all are wanted, those
+// are left out that no pixel shows, since they and those across their edges, from which pixels may be interpolated, face away;
+// and so are those of other groups than the one whose turn it is.
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -9,6 +10,7 @@ precision highp sampler2D;
 #include "view/atlas.glsl"
 #include "view/frame.glsl"
 uniform vec2 atlas_size;
+uniform int groups, group;  // groups 0: all
 in vec3 position;
 flat out int triangle;
 flat out ivec4 corners;
@@ -32,10 +34,11 @@ void main() {
     normal0 = vertex_normal(corners.x);
     normal1 = vertex_normal(corners.y);
     normal2 = vertex_normal(corners.z);
-    bool shown = faces_eye(corners.xyz);
+    bool shown = groups == 0 || faces_eye(corners.xyz);
     ivec3 across = across_of(triangle);
     for (int c = 0; c < 3; ++c)
         if (!shown && across[c] >= 0) shown = faces_eye(corners_of(across[c]).xyz);
+    if (groups > 1 && triangle % groups != group) shown = false;
     // Half a cell beyond the tile's diagonal, so that centres on it lie inside.
     float side = float(corners.w) + 0.5;
     vec2 at = vec2(corner == 1 ? side : 0.0, corner == 2 ? side : 0.0);

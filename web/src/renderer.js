@@ -57,6 +57,7 @@ export class Renderer {
         this.vertex_values = target(THREE.FloatType, false);
         this.texels = target(THREE.HalfFloatType, false);
         this.uniforms = {};
+        this.turn = 0;  // of the groups of texels
     }
 
     /** Textures and programs. `advance`: called so many times as `steps()` says. */
@@ -81,6 +82,8 @@ export class Renderer {
         value("most_shown", 1);
         value("texels", this.texels.texture);
         value("texel_step", 0);
+        value("groups", 0);
+        value("group", 0);
         value("atlas_size", new THREE.Vector2(page.sets.surface.width, page.sets.surface.height));
 
         const { grid, mesh } = page.surface;
@@ -144,17 +147,21 @@ export class Renderer {
         u.term.value = terms;
         u.shown.value = shown;
         u.most_shown.value = most_shown;
-        const told = JSON.stringify([u.eye.value, u.lamp.value, u.intensity.value, share, terms, shown, most_shown]);
+        const meaning = JSON.stringify([terms, shown, most_shown]);
+        const told = JSON.stringify([u.eye.value, u.lamp.value, u.intensity.value, share, meaning]);
+        if (meaning !== this.meaning) this.all_texels = true;  // those that are hidden, too: they may be seen before their turn
         if (told !== this.told) this.texels_known = false;  // else the camera only turned, or the picture's frame moved
+        this.meaning = meaning;
         this.told = told;
         this.pictures = 0;
     }
 
     /**
-     * A point of every pixel more, at (dx, dy) pixels from the centre, for an area of so many pixels; drawn `quality` as fine, from
-     * the colours of every `step`-th texel of a grid's rows and columns.
+     * A point of every pixel more, at (dx, dy) pixels from the centre, for an area of so many pixels; drawn `quality` as fine. Of
+     * texels whose colours are no longer right, of a mesh one of `groups` groups is drawn anew; of a grid every `step`-th of rows
+     * and columns.
      */
-    draw_point(frame, quality, step, dx, dy) {
+    draw_point(frame, { quality, groups, step }, dx, dy) {
         const width = Math.max(1, Math.round(frame.width * quality)), height = Math.max(1, Math.round(frame.height * quality));
         if (this.point.width !== width || this.point.height !== height) {
             this.point.setSize(width, height);
@@ -178,9 +185,13 @@ export class Renderer {
                 three.setRenderTarget(this.vertex_values);
                 three.render(this.vertex_scene, camera);
             }
+            this.turn = (this.turn + 1) % groups;
+            this.uniforms.groups.value = this.all_texels ? 0 : groups;
+            this.uniforms.group.value = this.turn;
             three.setRenderTarget(this.texels);
             three.render(this.texel_scene, camera);
-            this.texels_known = true;
+            this.texels_known = this.all_texels || groups === 1;
+            this.all_texels = false;
         }
         three.setClearColor(0, 0);
         three.setRenderTarget(this.point);

@@ -2,7 +2,8 @@
 import { picture_texture } from "./textures.js";
 import { pose_of } from "./vectors.js";
 
-const qualities = [1, 0.75, 0.5, 0.35, 0.25];
+const fine = { quality: 1, groups: 1, step: 1 };  // as Renderer.draw_point() takes it
+const levels = [[1, 1], [1, 4], [0.75, 8], [0.5, 8], [0.5, 16], [0.35, 16], [0.25, 16]];  // quality and groups while something moves
 const moving_ms = 250;            // after the last change
 const slow_ms = 34, fast_ms = 18;  // of a frame while something moves: where it becomes coarser, or finer
 
@@ -19,7 +20,8 @@ export class Stage {
     constructor(canvas, renderer, page, state, scene_of) {
         Object.assign(this, { canvas, renderer, page, state, scene_of });
         this.stored = new Map();  // textures by name, or the promise of one
-        this.quality = 0;         // index into qualities
+        this.level = 0;           // of levels
+        this.easy = 0;            // frames that were fast enough for a finer level
         this.frames = 0;
         this.changed_at = -Infinity;
         new ResizeObserver(() => this.resize()).observe(canvas);
@@ -40,6 +42,7 @@ export class Stage {
     /** Something is to be drawn anew. moving: and soon again. */
     change(moving = true) {
         this.dirty = true;
+        this.moved = moving;
         if (moving) this.changed_at = performance.now();
         this.ask();
     }
@@ -96,7 +99,7 @@ export class Stage {
 
     frame(now) {
         this.asked = 0;
-        const moving = now - this.changed_at < moving_ms;
+        const moving = (this.dirty && this.moved) || now - this.changed_at < moving_ms;
         const [stored_area, fit_area] = this.areas();
         const frame = this.frame_in(fit_area);
         const exact = this.page.surface.grid && frame.scale >= 1;
@@ -107,16 +110,16 @@ export class Stage {
             this.renderer.set_scene(this.scene_of(this.state));
             this.dirty = false;
             this.coarse = moving;
-            if (moving) this.renderer.draw_point(frame, qualities[this.quality], this.texel_step(frame), 0, 0);
-            else this.renderer.draw_point(frame, 1, 1, ...points[0]);
+            if (moving) this.renderer.draw_point(frame, this.coarseness(frame), 0, 0);
+            else this.renderer.draw_point(frame, fine, ...points[0]);
             ++this.frames;
         } else if (this.coarse && !moving) {
             this.renderer.pictures = 0;
             this.coarse = false;
             this.drawn_at = 0;
-            this.renderer.draw_point(frame, 1, 1, ...points[0]);
+            this.renderer.draw_point(frame, fine, ...points[0]);
         } else if (!this.coarse && this.renderer.pictures < points.length) {
-            this.renderer.draw_point(frame, 1, 1, ...points[this.renderer.pictures]);
+            this.renderer.draw_point(frame, fine, ...points[this.renderer.pictures]);
         }
         this.present(stored_area, fit_area);
         const whole = !this.coarse && this.renderer.pictures >= points.length && !this.missing;
@@ -124,14 +127,16 @@ export class Stage {
         else if (!this.missing || this.coarse || this.renderer.pictures < points.length) this.ask();
     }
 
-    /** Of a grid while something moves: as fine as the picture. */
-    texel_step(frame) {
-        return this.page.surface.grid ? Math.max(1, Math.floor(1 / (frame.scale * qualities[this.quality]))) : 1;
+    /** While something moves; a grid as fine as the picture. */
+    coarseness(frame) {
+        const [quality, groups] = levels[this.level];
+        const grid = Boolean(this.page.surface.grid);
+        return { quality, groups: grid ? 1 : groups, step: grid ? Math.max(1, Math.floor(1 / (frame.scale * quality))) : 1 };
     }
 
     adapt(ms) {
-        if (ms > slow_ms && this.quality + 1 < qualities.length) ++this.quality;
-        if (ms < fast_ms && this.quality > 0 && ++this.easy > 30) --this.quality, this.easy = 0;
+        if (ms > slow_ms && this.level + 1 < levels.length) ++this.level;
+        if (ms < fast_ms && this.level > 0 && ++this.easy > 30) --this.level, this.easy = 0;
         if (ms >= fast_ms) this.easy = 0;
     }
 
