@@ -7,16 +7,19 @@ precision highp sampler2D;
 #include "view/triangles.glsl"
 uniform mat4 clip_from_world;
 in vec3 position;
-out vec2 barycentric;
 flat out int triangle;
 flat out ivec4 corners;
 flat out ivec3 across;
+flat out vec3 clip0, clip1, clip2;  // of the corners: x, y and w
+
+vec3 clip_position(int vertex) { return (clip_from_world * vec4(vertex_position(vertex), 1.0)).xyw; }
 
 void main() {
     triangle = gl_VertexID / 3;
-    int corner = gl_VertexID % 3;
-    barycentric = vec2(corner == 1 ? 1.0 : 0.0, corner == 2 ? 1.0 : 0.0);
     corners = corners_of(triangle);
     across = across_of(triangle);
+    clip0 = clip_position(corners.x);
+    clip1 = clip_position(corners.y);
+    clip2 = clip_position(corners.z);
     gl_Position = clip_from_world * vec4(position, 1.0);
 }

@@ -8,11 +8,11 @@ precision highp int;
 precision highp sampler2D;
 #include "view/srgb.glsl"
 uniform sampler2D texels;
+uniform vec2 target_size;
 out vec4 light;  // premultiplied, and 1
 
 #ifdef GRID
 uniform vec4 image_to_target;  // scale of the photograph in the picture, 0, and where its upper left corner is
-uniform vec2 target_size;
 uniform int texel_step;  // every so many are in `texels`, along rows and columns
 
 vec4 colour_here() {
@@ -25,10 +25,19 @@ vec4 colour_here() {
 #include "view/table.glsl"
 #include "view/triangles.glsl"
 #include "view/atlas.glsl"
-in vec2 barycentric;  // b1, b2
 flat in int triangle;
 flat in ivec4 corners;  // vertices, and the tile's side
 flat in ivec3 across;
+flat in vec3 clip0, clip1, clip2;
+
+// Of the pixel's centre, perspective-correct: (b1, b2). Interpolated ones would be those of corners that the rasterizer moved to
+// the next sixteenth of a pixel or so, and fall into other texels.
+vec2 barycentric_here() {
+    vec2 at = 2.0 * gl_FragCoord.xy / target_size - 1.0;
+    vec2 a = clip0.xy - at * clip0.z, b = clip1.xy - at * clip1.z, c = clip2.xy - at * clip2.z;
+    vec3 share = vec3(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
+    return share.yz / (share.x + share.y + share.z);
+}
 
 vec4 texel_at(int of_triangle, ivec2 cell) {
     return texelFetch(texels, rectangle_of(of_triangle) + turned(of_triangle, cell), 0);
@@ -61,6 +70,7 @@ vec4 tile_colour(int of_triangle, int side, vec3 lattice) {
 
 vec4 colour_here() {
     int side = corners.w;
+    vec2 barycentric = barycentric_here();
     vec3 at = clamped(vec3(1.0 - barycentric.x - barycentric.y, barycentric)), lattice = in_lattice(side, at);
     vec3 beyond;  // the outermost centres: 0 there, 1 on the edge
     for (int c = 0; c < 3; ++c) {
@@ -87,6 +97,7 @@ vec4 colour_here() {
 #else
 vec4 colour_here() {
     int side = corners.w;
+    vec2 barycentric = barycentric_here();
     int i = clamp(int(barycentric.x * float(side)), 0, side - 1);
     int j = clamp(int(barycentric.y * float(side)), 0, side - 1);
     int beyond = max(0, i + j - (side - 1));  // of the diagonal, by rounding only
