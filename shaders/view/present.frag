@@ -22,7 +22,9 @@ void main() {
     vec2 at = gl_FragCoord.xy - area.xy;
     ivec2 most = textureSize(sum, 0) - 1;
     vec4 light = texelFetch(sum, clamp(ivec2(at * sum_scale), ivec2(0), most), 0) / pictures;
-    vec3 fit = srgb_encoded(clamp(light.rgb * exposure, 0.0, 1.0));
+    vec3 fit = light.a > 0.0 ? srgb_encoded(clamp(light.rgb * exposure, 0.0, 1.0)) : vec3(0.0);
+    colour = vec4(fit, 1.0);
+    if (shown == 0) return;
     vec2 pixel = (vec2(at.x, area.w - at.y) - image_to_target.zw) / image_to_target.x;
     vec2 place = pixel / stored_size;
     vec4 picture = texture(stored, place);
