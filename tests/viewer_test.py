@@ -4,7 +4,6 @@
 Arguments: the program. Exit status 77 (skipped) without Chromium, or where the program was built without the viewer."""
 import json
 import math
-import pathlib
 import re
 import sys
 import unittest
@@ -147,15 +146,6 @@ class Viewer(ProgramTest):
         self.touch([[150, 200], [200, 200]], [[100, 200], [250, 200]])
         self.assertGreater(state("zoom"), 1.5)
         self.assertEqual(self.browser.errors, [])
-
-    def test_commands_of_the_documentation(self):
-        text = (pathlib.Path(__file__).parent.parent / "docs" / "viewer.md").read_text(encoding="utf-8")
-        folder = self.root / "documented"
-        folder.mkdir()
-        for line in re.findall(r"^    radiafit (.*)$", text, re.M):
-            self.good(*line.split(), cwd=folder)
-        self.assertTrue((folder / "star_page" / "index.html").is_file())
-        self.assertTrue((folder / "star.html").is_file())
 
     def key(self, key):
         for kind in ("keyDown", "keyUp"):

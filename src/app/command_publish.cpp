@@ -8,6 +8,7 @@
 #include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_lock.h"
 #include "fit/error_bar_maps.h"
 #include "publish/publish.h"
 #include "publish/uncertainty.h"
@@ -32,6 +33,7 @@ std::string text_of(const PublishOutcome& o) {
 void publish_fit(const Options& o) {
     if (o.output.empty()) throw UserError("--output is empty; name a folder, or a file for --single-file");
     check_page_target(o.output, o.single_file);
+    const OutputLock lock(o.output);
     const auto fitted = open_fit(o.fit, o.dataset);
     const Dataset& dataset = fitted->dataset();
     require_viewer();
