@@ -147,7 +147,7 @@ class DocCommands(ProgramTest):
         with_commands = {page for page in pages if any(c.startswith("radiafit ") and " [--" not in c and not c.startswith(tuple(NOT_RUN)) for c in commands_of(CHECKOUT / page))}
         self.assertLessEqual(with_commands, set(self.TESTED))
 
-    TESTED = {"README.md": 4, "docs/captures.md": 3, "docs/rti.md": 5, "docs/problems.md": 2, "docs/scaling.md": 5}
+    TESTED = {"README.md": 4, "docs/captures.md": 3, "docs/rti.md": 5, "docs/problems.md": 2, "docs/scaling.md": 5, "docs/viewer.md": 4}
 
     def check_page(self, name):
         self.assertGreaterEqual(self.run_page(name), self.TESTED[name])
@@ -171,6 +171,9 @@ class DocCommands(ProgramTest):
     def test_scaling(self):
         self.star()
         self.check_page("docs/scaling.md")
+
+    def test_viewer(self):
+        self.check_page("docs/viewer.md")
 
     def test_pages_of_make(self):
         for name in ("compare", "experiments", "report", "claims", "gpu", "results", "reliability"):
