@@ -3,6 +3,7 @@ import base64
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -27,7 +28,7 @@ class Browser:
     def __init__(self):
         self.errors = []
         self.number = 0
-        self.profile = tempfile.TemporaryDirectory()
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # a child may still write as it ends
         to_read, self.to = os.pipe()
         self.back, to_write = os.pipe()
 
@@ -38,7 +39,7 @@ class Browser:
 
         self.process = subprocess.Popen(
             [chromium(), *ARGUMENTS, f"--user-data-dir={self.profile.name}", "about:blank"], preexec_fn=take_pipes,
-            close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            close_fds=False, start_new_session=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_read)
         os.close(to_write)
         self.buffer = b""
@@ -51,7 +52,7 @@ class Browser:
         self.call("Page.bringToFront")  # what lies behind draws nothing
 
     def close(self):
-        self.process.kill()
+        os.killpg(self.process.pid, signal.SIGKILL)  # its children too, which write into the profile
         self.process.wait()
         os.close(self.to)
         os.close(self.back)
