@@ -40,10 +40,10 @@ public:
         try {
             Model::take(result, whole_);
         } catch (const std::exception&) {
-            throw UserError(name + ": of another fit; leave it out, or make it anew");
+            throw_foreign(name);
         }
     }
-    FinishedFit finish() override {
+    FinishedFit finish(const EachPart&) override {
         put_together(whole_, whole_.parameters);
         whole_.surface_side = request_.model.surface_side;
         Model::complete(triangles(), whole_);

@@ -88,7 +88,6 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
 
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
-    constexpr size_t views_to_count_samples_on = 8;
     const Plan planned = plan(dataset, request, views_to_count_samples_on);
     announce_needs("fit", {total_bytes(planned.memory) + program_bytes, total_bytes(planned.disk)}, out, force);
 }
@@ -210,8 +209,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         request->scratch = (std::filesystem::absolute(o->out) / "").parent_path().parent_path();
         const Dataset dataset = open_dataset(o->dataset);
         const auto given = [&](const char* option) { return command.given(option); };
-        const std::string chosen =
-            settle(given, share || given("--memory") || started_together() > 1, dataset, *request);
+        const std::string chosen = settle(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         if (o->leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
         if (o->covariance) require_error_bars(*request, share.has_value());

@@ -196,7 +196,7 @@ std::vector<FitOption> make_fit_options() {
          by_data(choice<PriorKind>(
              "prior", use::prior, OF(prior), {{"none", PriorKind::none}, {"surface", PriorKind::surface}},
              "what is known of texels that few samples tell of: nothing, or, by a first fit, what the texels around "
-             "them are like; default: surface, in parts and configs none")),
+             "them are like; default: surface, in configs none")),
          choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
                       "of the optimizer and of the bounds' penalty"),
          number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),

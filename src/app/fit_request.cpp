@@ -111,6 +111,8 @@ StreamOptions FitRequest::stream_options() const {
             .space = space};
 }
 
+bool FitRequest::has_prior() const { return prior != PriorKind::none && uses_of(*this) & use::prior; }
+
 bool FitRequest::redistributes() const {
     return on_engine(EngineKind::compute) && uses_of(*this) & use::accumulation && samples == SampleUse::redistributed;
 }

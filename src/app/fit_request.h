@@ -98,6 +98,7 @@ struct FitRequest {
     TexelOptions texel_options() const;  ///< checked
     FragmentOptions fragment_options() const;
     StreamOptions stream_options() const;  ///< of images that are distributed in every sweep
+    bool has_prior() const;                ///< and does something with it
     bool levenberg_marquardt() const { return optimizer == nullptr; }
     VertexSolverOptions vertex_solver_options() const;
     bool on_engine(EngineKind kind) const;  ///< of solvers that run on an engine
