@@ -29,10 +29,10 @@ ALLOWED.update(
     capture=up_to("dataset"),
     fit=up_to("dataset"),
     eval=up_to("dataset") | {"fit"},
-    viewbasis=up_to("samples") | {"fit", "eval"},
-    sg=up_to("optim") | {"cpu", "fit", "eval", "viewbasis"},
+    viewbasis=up_to("samples") | {"gl", "fit", "eval"},
+    sg=up_to("optim") | {"cpu", "gl", "fit", "eval", "viewbasis"},
     publish=up_to("samples") | {"cpu", "optim", "gl", "fit", "eval", "viewbasis", "sg"},
-    reachable=up_to("samples") | {"fit", "eval", "viewbasis"},
+    reachable=up_to("samples") | {"gl", "fit", "eval", "viewbasis"},
     report={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
 )

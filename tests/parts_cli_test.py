@@ -124,6 +124,7 @@ class Parts(PartsTest):
             ("--model", "viewbasis", "--blocks", "10", "--surface-side", "6"),
             ("--model", "viewbasis", "--rank", "4", "--blocks", "1", "--surface-side", "5", "--space", "linear"),
             ("--model", "viewbasis", "--rank", "28", "--blocks", "8", "--surface-side", "4", "--validation", "4", "--noise", "2e-3"),
+            ("--model", "viewbasis", "--rank", "6", "--blocks", "10", "--surface-side", "6", "--engine", "compute"),
             ("--model", "sg", "--surface-side", "5"),
             ("--model", "sg", "--lobes", "2", "--iterations", "3", "--surface-side", "6", "--validation", "4"),
         ):

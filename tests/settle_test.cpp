@@ -132,6 +132,20 @@ TEST(Settle, TexelsKnowTheirSurfaceByLevenbergMarquardt) {
     EXPECT_EQ(settled(ball_from_six_sides()).request.prior, PriorKind::none);
 }
 
+TEST(Settle, ColoursByViewDirectionAreNotForFragmentPrograms) {
+    const auto takes = [&](const FitSetting& setting) {
+        FitRequest request;
+        for (const auto& [option, value] : setting) request.set(option, value);
+        return takes_given(given_by(setting), request);
+    };
+    EXPECT_TRUE(takes({{"model", "viewbasis"}, {"engine", "compute"}}));
+    EXPECT_TRUE(takes({{"model", "viewbasis"}, {"engine", "compute"}, {"device", "1"}}));
+    EXPECT_FALSE(takes({{"model", "viewbasis"}, {"device", "1"}}));
+    EXPECT_FALSE(takes({{"model", "viewbasis"}, {"engine", "fragment"}}));
+    EXPECT_FALSE(takes({{"model", "sg"}, {"engine", "compute"}}));
+    EXPECT_THROW(settled(ball_from_six_sides(), {{"model", "viewbasis"}, {"engine", "fragment"}}), UserError);
+}
+
 TEST(Settle, InterpolatesColoursByViewAndWeighsInterpolatedSamples) {
     const Dataset dataset = ball_from_six_sides();
     const auto request = [&](FitSetting setting) { return settled(dataset, setting).request; };

@@ -102,6 +102,7 @@ struct FitRequest {
     bool levenberg_marquardt() const { return optimizer == nullptr; }
     VertexSolverOptions vertex_solver_options() const;
     bool on_engine(EngineKind kind) const;  ///< of solvers that run on an engine
+    bool lacks_engine() const;              ///< which its model is not fitted on
     bool on_fragment_engine() const { return on_engine(EngineKind::fragment); }
     bool redistributes() const;  ///< on compute shaders
     std::string label() const;   ///< "cg-modern", as the trace's solver column
