@@ -20,14 +20,13 @@ std::span<const uint8_t> bytes_of(const std::string& text) {
     return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
-/// How many processes mpirun says that it started; 1 where none did.
+}  // namespace
+
 int started_together() {
     for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})  // Open MPI's, and MPICH's
         if (const char* value = std::getenv(name)) return std::atoi(value);
     return 1;
 }
-
-}  // namespace
 
 std::unique_ptr<Ranks> join_ranks() {
     if (started_together() <= 1) return nullptr;

@@ -21,6 +21,8 @@ public:
     virtual void abort(int status) = 0;
 };
 
+/// How many processes mpirun says that it started; 1 where none did.
+int started_together();
 /// Null where mpirun did not start this program, or started it alone. Throws UserError where this build has no MPI.
 std::unique_ptr<Ranks> join_ranks();
 
