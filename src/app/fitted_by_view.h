@@ -20,6 +20,7 @@
 ///     static constexpr const char* have;   // "a view basis has"
 ///     static std::string describe(const Fit&, const TriangleAtlas&);
 ///     static size_t numbers(const FitRequest&);  // of a texel
+///     static std::vector<FitArray> arrays(const Fit&);  // where these lie
 ///
 ///     /// Fills what all texels have in common, and tells of it in `out`. It may look at samples of those texels alone
 ///     /// that looked_at() names, which is empty where it looks at none.
@@ -76,6 +77,7 @@ public:
                const std::function<void(const std::filesystem::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }
+    std::vector<FitArray> arrays() override { return Model::arrays(fit_); }
     void export_parameters(ProblemFolder&) override { refuse_export<Model>(); }
 
 private:

@@ -27,6 +27,13 @@ struct SgModel {
     }
     static size_t numbers(const FitRequest& request) { return size_t(sg_parameters(options_of(request).lobes)); }
 
+    static std::vector<FitArray> arrays(const Fit& fit) {
+        const auto numbers = uint64_t(sg_parameters(fit.lobes));
+        return {FitArray::of("texels",
+                             "texel, number: diffuse colour; of each lobe its colour; of each lobe x, y, log sharpness",
+                             fit.parameters.data(), {fit.parameters.size() / numbers, numbers})};
+    }
+
     static std::vector<bool> looked_at(const TriangleAtlas&, const FitRequest&) { return {}; }
     static void begin(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList&, const FitRequest& request,
                       Fit& fit, FinishedFit& out) {

@@ -27,6 +27,12 @@ struct ViewBasisModel {
     }
     static size_t numbers(const FitRequest& request) { return 3 * size_t(options_of(request).rank); }
 
+    static std::vector<FitArray> arrays(const Fit& fit) {
+        const auto rank = uint64_t(fit.basis.rank);
+        return {FitArray::of("texels", "texel, function of the basis, channel", fit.parameters.data(),
+                             {fit.parameters.size() / (3 * rank), rank, 3})};
+    }
+
     static std::vector<bool> looked_at(const TriangleAtlas& atlas, const FitRequest& request) {
         return learned_from(atlas, options_of(request));
     }
