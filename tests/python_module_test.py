@@ -109,6 +109,17 @@ class PythonModule(ProgramTest):
                 np.testing.assert_array_equal(texels, kept)
                 self.assertEqual(set(radiafit.open_fit(self.root / out).array_meanings), set(radiafit.open_fit(self.root / out).arrays))
 
+    def test_saved_fits_are_the_programs(self):
+        self.good("fit", "star", "--model", "viewbasis", "--rank", "3", "--surface-side", "4", "-o", "theirs")
+        fit = radiafit.fit(self.star, model="viewbasis", rank=3, surface_side=4)
+        fit.save(self.root / "mine")
+        theirs = {p.name: p.read_bytes() for p in (self.root / "theirs").rglob("*") if p.suffix == ".exr"}
+        self.assertTrue(theirs)
+        self.assertEqual(theirs, {p.name: p.read_bytes() for p in (self.root / "mine").rglob("*") if p.suffix == ".exr"})
+        self.assertEqual(json.loads(self.good("judge", "mine", "--json").stdout)["psnr"], fit.judge()["psnr"])
+        with self.assertRaises(radiafit.UserError):
+            radiafit.open_fit(self.root / "mine").save(self.root / "again")
+
     def test_light_field_maps_are_the_exported_parameters(self):
         self.good("fit", "star", "--model", "lfm", "--terms", "2", "--surface-side", "4", "-o", "maps")
         self.good("export", "parameters", "maps", "-o", "parameters")

@@ -92,13 +92,6 @@ void announce_plan(const std::string& out, const Dataset& dataset, const FitRequ
     announce_needs("fit", {total_bytes(planned.memory) + program_bytes, total_bytes(planned.disk)}, out, force);
 }
 
-/// What a fit's record begins with.
-Record begin_record(const Dataset& dataset, const Invocation& invocation) {
-    Record begun = make_record(invocation.argc, invocation.argv);
-    begun.datasets->push_back(dataset_note(dataset));
-    return begun;
-}
-
 /// A fit of all training images, unless judged by it some of them are outliers: then one of the others.
 FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
     std::vector<std::string> outliers;
@@ -135,7 +128,7 @@ void fit_alone(const FitCommand& command, const Dataset& dataset, FitRequest req
 
 /// Alone, or on all machines that mpirun chose. OUT.parts keeps what is finished until the fit is there.
 void fit(const FitCommand& command, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
-    const Record begun = begin_record(dataset, invocation);
+    const Record begun = begin_record(dataset, invocation.argc, invocation.argv);
     const std::filesystem::path parts = unfinished_folder(command.out);
     if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
         auto done = fit_on_ranks(*ranks, dataset, request, parts, command.force);
@@ -237,7 +230,7 @@ void add_merge(CommandLine& program, const Invocation& invocation) {
         { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));
-        const Record begun = begin_record(dataset, invocation);
+        const Record begun = begin_record(dataset, invocation.argc, invocation.argv);
         leave(*o, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
               begun);
     });
