@@ -174,7 +174,8 @@ std::vector<FitOption> make_fit_options() {
          choice<EngineKind>(
              "engine", use::engine, OF(engine),
              {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
-             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders; colours by "
+             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders; colours "
+             "by "
              "view direction not on fragment programs"),
          choice<TargetSpace>("space", use::space, OF(space),
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},

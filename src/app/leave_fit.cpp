@@ -8,6 +8,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "dataset/checksums.h"
 
 namespace radiafit {
 namespace {

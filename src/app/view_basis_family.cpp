@@ -46,9 +46,9 @@ struct ViewBasisModel {
     static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                       const FitRequest& request, Fit& fit, FitRun& run) {
         const auto context = request.on_engine(EngineKind::compute) ? open_context(request, run) : nullptr;
-        ViewBasisSolution solution =
-            context ? solve_on_device(dataset, atlas, samples, fit.basis)
-                    : solve_view_basis(dataset, atlas, samples, fit.basis, request.journal.get());
+        ViewBasisSolution solution = context
+                                         ? solve_on_device(dataset, atlas, samples, fit.basis)
+                                         : solve_view_basis(dataset, atlas, samples, fit.basis, request.journal.get());
         fit.parameters = std::move(solution.parameters);
         fit.samples = std::move(solution.samples);
         fit.error = std::move(solution.error);

@@ -16,7 +16,7 @@ py::array view_of(const T* data, std::vector<py::ssize_t> shape, const py::objec
     py::array_t<T> array = strides.empty() ? py::array_t<T>(std::move(shape), data, owner)
                                            : py::array_t<T>(std::move(shape), std::move(strides), data, owner);
     array.attr("flags").attr("writeable") = false;
-    return std::move(array);
+    return array;
 }
 
 /// The same of a vector's elements.

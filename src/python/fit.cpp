@@ -113,7 +113,7 @@ py::array rendered(Fit& fit, size_t view, const std::vector<double>& light) {
         for (size_t c = 0; c < 3; ++c) *at++ = image.rgb[3 * i + c];
         *at++ = image.coverage[i];
     }
-    return std::move(out);
+    return out;
 }
 
 /// By name.
