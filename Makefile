@@ -22,12 +22,18 @@ OUTPUT ?= build/report
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build test check clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
+.PHONY: build python test check clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
     format format-check archive clean
 
 build: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
 	@echo "the program: $(BUILD)/src/app/radiafit"
+
+# The module for Python, which `make test` tests; docs/python.md.
+python test: CONFIGURE = $(if $(filter release,$(PRESET)),-DRADIAFIT_PYTHON=ON)
+python: configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit_python
+	@echo "the module: $(BUILD)/python; PYTHONPATH=$(BUILD)/python python3 finds it"
 
 test: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -108,7 +114,7 @@ smoke:
 
 # Always, so that results name the revision that was built.
 configure: packages
-	@cmake --preset $(PRESET) -B $(BUILD) --log-level=WARNING
+	@cmake --preset $(PRESET) -B $(BUILD) $(CONFIGURE) --log-level=WARNING
 
 packages:
 	@scripts/install-packages.sh

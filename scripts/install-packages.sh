@@ -15,7 +15,7 @@ packages="
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
     gnuplot-nox fonts-dejavu-core strace
     libopenmpi-dev openmpi-bin
-    clang-format glslang-tools spirv-tools python3 python3-numpy
+    clang-format glslang-tools spirv-tools python3 python3-numpy python3-matplotlib python3-dev pybind11-dev
 "
 command -v npm >/dev/null || packages="$packages nodejs npm"  # of the published page; another source's nodejs has npm in it
 [ "${1:-}" != fuzz ] || packages="$packages clang-16 libclang-rt-16-dev"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference;
 gl on base, fragment on it, and compute on fragment; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; bench on
-what reads no foreign file; app on all, and below nothing but experiments.
+what reads no foreign file; app on all, and below nothing but experiments and the Python module.
 
 Also: which folder may include which foreign library, that heavy headers stay out of our headers, and that no message below
 app names options and commands as the command line has them, which mean nothing to a caller of the library.
@@ -29,14 +29,15 @@ ALLOWED.update(
     capture=up_to("dataset"),
     fit=up_to("dataset"),
     eval=up_to("dataset") | {"fit"},
-    viewbasis=up_to("samples") | {"fit", "eval"},
-    sg=up_to("optim") | {"cpu", "fit", "eval", "viewbasis"},
+    viewbasis=up_to("samples") | {"gl", "fit", "eval"},
+    sg=up_to("optim") | {"cpu", "gl", "fit", "eval", "viewbasis"},
     publish=up_to("samples") | {"cpu", "optim", "gl", "fit", "eval", "viewbasis", "sg"},
-    reachable=up_to("samples") | {"fit", "eval", "viewbasis"},
+    reachable=up_to("samples") | {"gl", "fit", "eval", "viewbasis"},
     report={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
 )
 ALLOWED["app"] = set(ALLOWED)
+ALLOWED["python"] = set(ALLOWED)
 
 # Texts under shaders/ that C++ includes too, and the first layer that may.
 SHARED_TEXTS = {"model": "model", "optimize": "optim"}
@@ -50,11 +51,13 @@ LIBRARIES = [
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"app", "bench"}),
     (r"webp/", {"publish"}),
+    (r"pybind11/", {"python"}),
 ]
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 
-PROGRAMS = {"app", "bench"}  # whose messages nobody reads but at the command line
+PROGRAMS = {"app", "bench",  # whose messages nobody reads but at the command line
+            "python"}        # whose documentation leads to the program's
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.
 TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|export|fit|generate|import|info|judge|options|plan|publish|render|tune)\b")

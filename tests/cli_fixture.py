@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import re
 import shutil
 import struct
@@ -85,6 +86,25 @@ class ProgramTest(unittest.TestCase):
         for text in says:
             self.assertIn(text, result.stderr)
         self.assertEqual(before, snapshot(self.root))
+
+    @classmethod
+    def flat_sample(cls, name, count=12, size=8, noise=()):
+        """A packed grid under lamps: pixel (x, y) has albedo (x + 1) / 10 in red. The images `noise` show none of it."""
+        random_bytes = random.Random(7).randbytes
+        folder = cls.root / name
+        folder.mkdir()
+        lights = []
+        for i in range(count):
+            angle, z = 2 * math.pi * i / count, 0.4 + 0.55 * i / (count - 1)
+            r = math.sqrt(1 - z * z)
+            lights.append((r * math.cos(angle), r * math.sin(angle), z))
+            pixels = [min(255, round(255 * z * albedo)) for y in range(size) for x in range(size)
+                      for albedo in ((x + 1) / 10, 0.5, (y + 1) / 10)]
+            write_png(folder / f"{i:02}.png", size, size, random_bytes(len(pixels)) if i in noise else bytes(pixels))
+        (cls.root / f"{name}.txt").write_text("".join(f"{x} {y} {z}\n" for x, y, z in lights))
+        cls.good("import", "lights", "--images", name, "--lights", f"{name}.txt", "--transfer", "linear", "-o",
+                 f"{name}-set")
+        return f"{name}-set"
 
 
 def write_png(path, width, height, rgb, depth=8):

@@ -25,10 +25,11 @@ class PartsTest(ProgramTest):
         cls.good("generate", "star", "-o", "star")
         cls.good("generate", "ornament", "-o", "ornament")
         cls.good("fit", "star", *FIT, "-o", "whole")
+        cls.flat_sample("flat", size=24, noise=(3,))
 
     def setUp(self):
         for path in self.root.iterdir():
-            if path.name not in ("star", "ornament", "whole"):
+            if path.name not in ("star", "ornament", "whole", "flat-set"):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def maps(self, fit):
@@ -96,11 +97,9 @@ class Parts(PartsTest):
 
     def test_every_solver_of_texel_local_models(self):
         for options in (
-            ("--model", "lambert", "--prior", "none"),
-            ("--model", "ptm", "--prior", "none"),
-            ("--model", "lafortune", "--iterations", "4", "--prior", "none"),
+            ("--model", "lambert"),
+            ("--model", "ptm"),
             ("--model", "lafortune", "--iterations", "4", "--shadow-below", "0.2", "--prior", "none"),
-            ("--model", "lafortune", "--iterations", "4", "--solver", "two-step", "--prior", "none"),
             ("--model", "lafortune", "--iterations", "4", "--solver", "tinysolver"),
             ("--model", "lafortune", "--iterations", "4", "--optimizer", "cg"),
             ("--model", "lafortune", "--iterations", "3", "--optimizer", "cg", "--engine", "compute"),
@@ -108,11 +107,24 @@ class Parts(PartsTest):
         ):
             self.merged_like_whole("ornament", *options)
 
+    def test_texels_know_the_whole_surface(self):
+        few = ("--model", "lafortune", "--iterations", "4", "--clip-above", "0.2", "--shadow-below", "0.3")
+        for options in (few, (*few, "--validation", "3"), (*few, "--solver", "two-step")):
+            self.merged_like_whole("ornament", *options)
+            self.good("fit", "ornament", *options, "--prior", "none", "-o", "alone")
+            self.assertNotEqual(self.maps("one"), self.maps("alone"))
+        self.merged_like_whole("flat-set", "--model", "ptm")  # a grid of which all texels have few samples
+        self.good("fit", "ornament", *few, "-o", "one")
+        done = self.good("fit", "ornament", *few, "--memory", "147M", "-o", "bounded")
+        self.assertRegex(done.stderr, "part 2 of [2-9]")
+        self.assertEqual(self.maps("one"), self.maps("bounded"))
+
     def test_colours_by_view_direction(self):
         for options in (
             ("--model", "viewbasis", "--blocks", "10", "--surface-side", "6"),
             ("--model", "viewbasis", "--rank", "4", "--blocks", "1", "--surface-side", "5", "--space", "linear"),
             ("--model", "viewbasis", "--rank", "28", "--blocks", "8", "--surface-side", "4", "--validation", "4", "--noise", "2e-3"),
+            ("--model", "viewbasis", "--rank", "6", "--blocks", "10", "--surface-side", "6", "--engine", "compute"),
             ("--model", "sg", "--surface-side", "5"),
             ("--model", "sg", "--lobes", "2", "--iterations", "3", "--surface-side", "6", "--validation", "4"),
         ):
@@ -238,6 +250,13 @@ class Ranks(PartsTest):
 
     def test_ranks_share_a_view_basis(self):
         fit = ("fit", "star", "--model", "viewbasis", "--rank", "4", "--blocks", "5", "--surface-side", "6")
+        self.good(*fit, "-o", "one")
+        done = self.mpirun(2, *fit, "-o", "ranks")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.maps("one"), self.maps("ranks"))
+
+    def test_ranks_know_the_whole_surface(self):
+        fit = ("fit", "ornament", "--model", "lafortune", "--iterations", "4", "--clip-above", "0.2")
         self.good(*fit, "-o", "one")
         done = self.mpirun(2, *fit, "-o", "ranks")
         self.assertEqual(done.returncode, 0, done.stderr)

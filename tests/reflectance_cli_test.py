@@ -4,14 +4,12 @@
 Arguments: the program.
 """
 import json
-import math
 import os
-import random
 import shutil
 import unittest
 
 from bad_inputs.fixtures import write_lit, write_pfm
-from cli_fixture import ProgramTest, read_png, snapshot, take_arguments, write_png
+from cli_fixture import ProgramTest, read_png, snapshot, take_arguments
 
 
 class Reflectance(ProgramTest):
@@ -207,33 +205,15 @@ class Reflectance(ProgramTest):
             self.assertRegex(result.stderr, f"^radiafit: large-truth/{name}: .*bytes")
             os.truncate(folder / name, size)
 
-    def grid(self, name, count=12, size=8, noise=()):
-        """A flat Lambertian sample: pixel (x, y) has albedo (x + 1) / 10 in red. The images `noise` show none of it."""
-        random_bytes = random.Random(7).randbytes
-        folder = self.root / name
-        folder.mkdir()
-        lights = []
-        for i in range(count):
-            angle, z = 2 * math.pi * i / count, 0.4 + 0.55 * i / (count - 1)
-            r = math.sqrt(1 - z * z)
-            lights.append((r * math.cos(angle), r * math.sin(angle), z))
-            pixels = [min(255, round(255 * z * albedo)) for y in range(size) for x in range(size)
-                      for albedo in ((x + 1) / 10, 0.5, (y + 1) / 10)]
-            write_png(folder / f"{i:02}.png", size, size, random_bytes(len(pixels)) if i in noise else bytes(pixels))
-        (self.root / f"{name}.txt").write_text("".join(f"{x} {y} {z}\n" for x, y, z in lights))
-        self.good("import", "lights", "--images", name, "--lights", f"{name}.txt", "--transfer", "linear", "-o",
-                  f"{name}-set")
-        return f"{name}-set"
-
     def test_tune_takes_a_robust_loss_where_images_are_spoilt(self):
         for name, noise, robust in (("whole", (), False), ("spoilt", (3, 6, 11, 19), True)):
-            dataset = self.grid(name, count=24, noise=noise)
+            dataset = self.flat_sample(name, count=24, noise=noise)
             tried = json.loads(self.good("tune", dataset, "--seconds", "5", "--json").stdout)["tried"]
             self.assertTrue(any("--loss huber" in t["options"] for t in tried))
             self.assertEqual("--loss" in tried[0]["options"], robust, tried[0])
 
     def test_grid_of_a_flat_sample(self):
-        dataset = self.grid("flat")
+        dataset = self.flat_sample("flat")
         self.good("fit", dataset, "--model", "lambert", "-o", "flat-fit")
         judged = self.judged("flat-fit")
         self.assertGreater(judged["psnr"], 45)  # 8 bits

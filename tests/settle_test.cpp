@@ -45,7 +45,7 @@ struct Settled {
     FitRequest request;
     std::string line;
 };
-Settled settled(const Dataset& dataset, const FitSetting& options = {}, bool in_parts = false) {
+Settled settled(const Dataset& dataset, const FitSetting& options = {}) {
     Settled out;
     std::set<std::string> flags;
     for (const auto& [name, value] : options) {
@@ -53,7 +53,7 @@ Settled settled(const Dataset& dataset, const FitSetting& options = {}, bool in_
         flags.insert(find_fit_option(name).flag);
     }
     const auto given = [&](const char* flag) { return flags.contains(flag); };
-    out.line = settle(given, in_parts, dataset, out.request);
+    out.line = settle(given, dataset, out.request);
     return out;
 }
 
@@ -122,15 +122,28 @@ TEST(Settle, LightFieldMapsHaveThreeTermsAndSmootherViewMapsButInPaperMode) {
     EXPECT_EQ(settled(dataset, {{"solver", "pca"}}).request.model.terms, plain.terms);
 }
 
-TEST(Settle, TexelsKnowTheirSurfaceWhereLevenbergMarquardtSeesAllOfIt) {
+TEST(Settle, TexelsKnowTheirSurfaceByLevenbergMarquardt) {
     const Dataset dataset = grid_under_lamps(8);
     EXPECT_EQ(settled(dataset).request.prior, PriorKind::surface);
     EXPECT_EQ(settled(dataset, {{"prior", "none"}}).request.prior, PriorKind::none);
     EXPECT_EQ(settled(dataset, {{"model", "ptm"}}).request.prior, PriorKind::surface);
-    EXPECT_EQ(settled(dataset, {}, true).request.prior, PriorKind::none);
     for (const auto& [option, value] : FitSetting{{"optimizer", "cg"}, {"loss", "huber"}, {"solver", "tinysolver"}})
         EXPECT_EQ(settled(dataset, {{"model", "lafortune"}, {option, value}}).request.prior, PriorKind::none) << option;
     EXPECT_EQ(settled(ball_from_six_sides()).request.prior, PriorKind::none);
+}
+
+TEST(Settle, ColoursByViewDirectionAreNotForFragmentPrograms) {
+    const auto takes = [&](const FitSetting& setting) {
+        FitRequest request;
+        for (const auto& [option, value] : setting) request.set(option, value);
+        return takes_given(given_by(setting), request);
+    };
+    EXPECT_TRUE(takes({{"model", "viewbasis"}, {"engine", "compute"}}));
+    EXPECT_TRUE(takes({{"model", "viewbasis"}, {"engine", "compute"}, {"device", "1"}}));
+    EXPECT_FALSE(takes({{"model", "viewbasis"}, {"device", "1"}}));
+    EXPECT_FALSE(takes({{"model", "viewbasis"}, {"engine", "fragment"}}));
+    EXPECT_FALSE(takes({{"model", "sg"}, {"engine", "compute"}}));
+    EXPECT_THROW(settled(ball_from_six_sides(), {{"model", "viewbasis"}, {"engine", "fragment"}}), UserError);
 }
 
 TEST(Settle, InterpolatesColoursByViewAndWeighsInterpolatedSamples) {

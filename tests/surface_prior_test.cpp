@@ -7,6 +7,7 @@
 
 #include "dataset/texel_shading.h"
 #include "model/texel_texts.h"
+#include "samples/picked_texels.h"
 #include "texel_scene.h"
 
 namespace radiafit {
@@ -147,6 +148,35 @@ private:
     std::vector<std::vector<TexelRadiance>> samples_;
     uint64_t all_ = 0;
 };
+
+// Of some texels of several blocks, the last block left out: their own samples, wherever they stand.
+TEST(SurfacePrior, PickedTexelsKeepTheirSamples) {
+    const Surface surface;
+    const FewSamples source(surface, 0.01, [](uint32_t t) -> size_t { return t % 5; });
+    std::vector<uint32_t> texels;
+    for (uint32_t t = 3; t < source.texel_count() - TexelSource::block; t += 1 + t % 3) texels.push_back(t);
+    const PickedTexels picked(source, texels);
+    ASSERT_EQ(picked.texel_count(), texels.size());
+    ASSERT_GT(picked.block_count(), 2u);
+    const TexelSamples spread = samples_of(source, texels);
+    ASSERT_EQ(spread.first.size(), source.texel_count() + 1);
+    TexelSamples expected, found;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < texels.size(); ++i) {
+        const uint32_t t = texels[i], block = TexelSource::block;
+        source.read(t - t % block, expected);
+        picked.read(i - i % block, found);
+        const auto own = expected.of(t % block), same = found.of(i % block), also = spread.of(t);
+        ASSERT_EQ(own.size(), t % 5);
+        ASSERT_TRUE(own.size() == same.size() && own.size() == also.size());
+        for (size_t k = 0; k < own.size(); ++k)
+            for (const TexelRadiance& other : {same[k], also[k]})
+                ASSERT_TRUE(other.image == own[k].image && std::ranges::equal(other.value, own[k].value));
+        sum += own.size();
+    }
+    EXPECT_EQ(picked.sample_count(), sum);
+    EXPECT_EQ(spread.samples.size(), sum);
+}
 
 TEST(SurfacePrior, FewSamplesFallBackToTheTexelsAround) {
     const Surface surface;

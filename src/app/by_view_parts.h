@@ -23,7 +23,7 @@ public:
             interpolated_samples(part.dataset, *atlas, fitted_views(part.dataset, part.request), part.request.space);
         run.times.distribution += distributing.wall_s();
         const Stopwatch solving;
-        Model::solve(part.dataset, *atlas, samples, part.request, fit);
+        Model::solve(part.dataset, *atlas, samples, part.request, fit, run);
         run.times.optimization += solving.wall_s();
         run.times.total = clock.wall_s();
         PartResult out = result_of(part, fit, fit.parameters, run_to_json(run, {}));
@@ -31,19 +31,24 @@ public:
         return out;
     }
     uint64_t learning_bytes(size_t most_views) const override {
-        return total_bytes(Model::plan_begin(*dataset_, triangles(), request_, most_views));
+        const uint64_t texels = Model::most_looked_at(request_);
+        if (texels == 0) return 0;
+        std::vector<PlanRow> rows = Model::working(triangles(), request_);
+        std::erase_if(rows, [](const PlanRow& row) { return !(row.stages & PlanRow::while_learning); });
+        add_samples_of_some(*dataset_, triangles(), request_, most_views, texels, rows);
+        return total_bytes(rows);
     }
-    uint64_t held_bytes() const override { return DividedTexels::held_bytes() + Model::common_bytes(request_); }
+    uint64_t held_bytes() const override { return DividedTexels::held_bytes() + Model::common(request_).bytes; }
 
     void add(const PartResult& result, const std::string& name) override {
         DividedTexels::add(result, name);
         try {
             Model::take(result, whole_);
         } catch (const std::exception&) {
-            throw UserError(name + ": of another fit; leave it out, or make it anew");
+            throw_foreign(name);
         }
     }
-    FinishedFit finish() override {
+    FinishedFit finish(const EachPart&) override {
         put_together(whole_, whole_.parameters);
         whole_.surface_side = request_.model.surface_side;
         Model::complete(triangles(), whole_);
@@ -79,6 +84,24 @@ std::unique_ptr<Divided> divide_by_view(const Dataset& dataset, const FitRequest
     request.check();
     require_light_field(dataset);
     return std::make_unique<DividedByView<Model>>(dataset, request);
+}
+
+/// What all these families do alike; the rest is left open.
+template <class Model>
+Family family_by_view() {
+    Family family{};
+    family.owns = [](const std::string& model) { return model == Model::name; };
+    family.models = [] { return std::vector<std::string>{Model::name}; };
+    family.streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; };
+    family.plan = plan_of_model<Model>;
+    family.fit = fit_by_view<Model>;
+    family.divide = divide_by_view<Model>;
+    family.export_problems = [](const Dataset&, const FitRequest&, ProblemFolder&) { refuse_export<Model>(); };
+    family.open = [](const std::filesystem::path& folder,
+                     const std::filesystem::path& moved_to) -> std::unique_ptr<Fitted> {
+        return std::make_unique<FittedByView<Model>>(Model::read(folder, moved_to));
+    };
+    return family;
 }
 
 }  // namespace radiafit

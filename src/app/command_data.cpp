@@ -255,7 +255,7 @@ void add_plan(CommandLine& program) {
     command.on_run([=, &command] {
         const Dataset dataset = open_dataset(*folder);
         const auto given = [&](const char* option) { return command.given(option); };
-        const std::string chosen = settle(given, given("--memory"), dataset, *request);
+        const std::string chosen = settle(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         const Plan planned = plan(dataset, *request);
         const auto seconds = plan_seconds(dataset, *request);

@@ -88,16 +88,8 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
 
 /// Says what the fit needs, and stops where that is not there.
 void announce_plan(const std::string& out, const Dataset& dataset, const FitRequest& request, bool force) {
-    constexpr size_t views_to_count_samples_on = 8;
     const Plan planned = plan(dataset, request, views_to_count_samples_on);
     announce_needs("fit", {total_bytes(planned.memory) + program_bytes, total_bytes(planned.disk)}, out, force);
-}
-
-/// What a fit's record begins with.
-Record begin_record(const Dataset& dataset, const Invocation& invocation) {
-    Record begun = make_record(invocation.argc, invocation.argv);
-    begun.datasets->push_back(dataset_note(dataset));
-    return begun;
 }
 
 /// A fit of all training images, unless judged by it some of them are outliers: then one of the others.
@@ -136,7 +128,7 @@ void fit_alone(const FitCommand& command, const Dataset& dataset, FitRequest req
 
 /// Alone, or on all machines that mpirun chose. OUT.parts keeps what is finished until the fit is there.
 void fit(const FitCommand& command, const Dataset& dataset, const FitRequest& request, const Invocation& invocation) {
-    const Record begun = begin_record(dataset, invocation);
+    const Record begun = begin_record(dataset, invocation.argc, invocation.argv);
     const std::filesystem::path parts = unfinished_folder(command.out);
     if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
         auto done = fit_on_ranks(*ranks, dataset, request, parts, command.force);
@@ -210,8 +202,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         request->scratch = (std::filesystem::absolute(o->out) / "").parent_path().parent_path();
         const Dataset dataset = open_dataset(o->dataset);
         const auto given = [&](const char* option) { return command.given(option); };
-        const std::string chosen =
-            settle(given, share || given("--memory") || started_together() > 1, dataset, *request);
+        const std::string chosen = settle(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         if (o->leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
         if (o->covariance) require_error_bars(*request, share.has_value());
@@ -239,7 +230,7 @@ void add_merge(CommandLine& program, const Invocation& invocation) {
         { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));
-        const Record begun = begin_record(dataset, invocation);
+        const Record begun = begin_record(dataset, invocation.argc, invocation.argv);
         leave(*o, dataset, note.request, merge_shards(dataset, note.request, {folders->begin(), folders->end()}),
               begun);
     });

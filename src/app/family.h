@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "app/fit_array.h"
 #include "app/fit_options.h"
 #include "app/problem_folder.h"
 #include "app/solver.h"
@@ -43,6 +44,8 @@ public:
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;
+    /// Its parameters where they lie, valid as long as the fit is.
+    virtual std::vector<FitArray> arrays() = 0;
     /// Its parameters, laid out as export_problems() lays out where fits begin.
     virtual void export_parameters(ProblemFolder& out) = 0;
 };

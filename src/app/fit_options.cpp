@@ -174,7 +174,9 @@ std::vector<FitOption> make_fit_options() {
          choice<EngineKind>(
              "engine", use::engine, OF(engine),
              {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
-             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders"),
+             "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders; colours "
+             "by "
+             "view direction not on fragment programs"),
          choice<TargetSpace>("space", use::space, OF(space),
                              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
                              "what residuals are formed in"),
@@ -196,7 +198,7 @@ std::vector<FitOption> make_fit_options() {
          by_data(choice<PriorKind>(
              "prior", use::prior, OF(prior), {{"none", PriorKind::none}, {"surface", PriorKind::surface}},
              "what is known of texels that few samples tell of: nothing, or, by a first fit, what the texels around "
-             "them are like; default: surface, in parts and configs none")),
+             "them are like; default: surface, in configs none")),
          choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
                       "of the optimizer and of the bounds' penalty"),
          number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
@@ -347,6 +349,7 @@ bool takes_given(const std::function<bool(const char*)>& given, const FitRequest
     if (family_of(request).uses(find_solver(request.solver)) == 0) return false;
     const Family& family = family_of(request);
     const uint32_t uses = uses_of(request);
+    if (request.lacks_engine()) return false;
     return std::ranges::all_of(fit_options(), [&](const FitOption& o) {
         return o.means_something(family, uses) || !given(o.first_flag().c_str());
     });
@@ -391,9 +394,10 @@ uint32_t uses_of(const FitRequest& request, bool grid) {
         if (!(uses & use::maps)) uses &= ~use::accumulation;
     }
     if (uses & (use::passes | use::images)) uses &= ~(use::own_sides | use::surface_lookup);
-    if (uses & use::surface_lookup && request.surface == SurfaceLookup::linear) uses &= ~use::distribution;
-    if (grid)
-        uses &= ~(use::sides | (uses & use::passes ? 0 : use::distribution | (compute ? 0u : uint32_t(use::opengl))));
+    const bool linear = uses & use::surface_lookup && request.surface == SurfaceLookup::linear;
+    if (linear || uses & use::interpolation) uses &= ~use::distribution;
+    if (grid) uses &= ~(use::sides | (uses & use::passes ? 0u : uint32_t(use::distribution)));
+    if (!compute && !(uses & (use::passes | use::distribution))) uses &= ~use::opengl;
     return uses;
 }
 

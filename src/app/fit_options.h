@@ -46,6 +46,7 @@ enum : uint32_t {
     own_sides = 1u << 25,        ///< triangles' surface maps may differ in side
     accumulation = 1u << 26,     ///< compute shaders over light field maps: where samples and sums come from
     images = 1u << 27,           ///< of these, distributed in every sweep
+    interpolation = 1u << 30,    ///< takes colours at texels' centres, whatever the look-up; nothing is distributed
     normal_equations = 1u << 24  ///< has them, so that Levenberg-Marquardt may be its optimizer
 };
 }  // namespace use

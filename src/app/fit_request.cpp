@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/family.h"
 #include "app/fit_options.h"
 #include "app/solver.h"
 #include "base/error.h"
@@ -41,6 +42,9 @@ void FitRequest::check() const {
                         "choose {}, or leave out {} or {}",
                         option_name("surface linear"), option_name("surface nearest"), option_name("engine fragment"),
                         option_name("samples redistributed")));
+    if (lacks_engine())
+        throw UserError(fmt::format("{} does not fit {}; choose {} or {}", option_name("engine fragment"),
+                                    family_of(*this).name, option_name("engine cpu"), option_name("engine compute")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }
@@ -111,11 +115,15 @@ StreamOptions FitRequest::stream_options() const {
             .space = space};
 }
 
+bool FitRequest::has_prior() const { return prior != PriorKind::none && uses_of(*this) & use::prior; }
+
 bool FitRequest::redistributes() const {
     return on_engine(EngineKind::compute) && uses_of(*this) & use::accumulation && samples == SampleUse::redistributed;
 }
 
 bool FitRequest::on_engine(EngineKind kind) const { return uses_of(*this) & use::engine && engine == kind; }
+
+bool FitRequest::lacks_engine() const { return on_fragment_engine() && uses_of(*this) & use::interpolation; }
 
 std::string FitRequest::label() const {
     const uint32_t uses = uses_of(*this);

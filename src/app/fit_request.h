@@ -98,9 +98,11 @@ struct FitRequest {
     TexelOptions texel_options() const;  ///< checked
     FragmentOptions fragment_options() const;
     StreamOptions stream_options() const;  ///< of images that are distributed in every sweep
+    bool has_prior() const;                ///< and does something with it
     bool levenberg_marquardt() const { return optimizer == nullptr; }
     VertexSolverOptions vertex_solver_options() const;
     bool on_engine(EngineKind kind) const;  ///< of solvers that run on an engine
+    bool lacks_engine() const;              ///< which its model is not fitted on
     bool on_fragment_engine() const { return on_engine(EngineKind::fragment); }
     bool redistributes() const;  ///< on compute shaders
     std::string label() const;   ///< "cg-modern", as the trace's solver column

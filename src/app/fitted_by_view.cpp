@@ -32,7 +32,7 @@ std::unique_ptr<TriangleAtlas> by_view_atlas(const Dataset& dataset, const FitRe
     return atlas;
 }
 
-Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n) {
+Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n, PlanRow common) {
     request.check();
     require_light_field(dataset);
     const auto atlas = by_view_atlas(dataset, request);
@@ -43,7 +43,10 @@ Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most
         {"maps",
          fmt::format("{} x {} pixels x {} floats, before they are compressed", atlas->width(), atlas->height(), n + 4),
          n + 4, image * (n + 4)});
+    if (common.bytes > 0) plan.disk.push_back(common);
     std::vector<PlanRow>& rows = plan.memory;
+    common.stages = PlanRow::while_learning | PlanRow::while_solving | PlanRow::while_writing;
+    if (common.bytes > 0 && !request.part) rows.push_back(common);  // parts have it beside them
     add_samples(estimate_interpolated(dataset, *atlas, request, most_views), atlas->tile_count(),
                 PlanRow::while_distributing | PlanRow::while_learning | PlanRow::while_solving, rows);
     add_mesh(dataset, rows);

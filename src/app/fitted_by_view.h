@@ -13,11 +13,14 @@
 
 /// What the families of colours by view direction, texel by texel, have in common. `Model` says what is special to one:
 ///
-///     using Fit = ...;                 // a FitRecord with surface_side and parameters in a TriangleAtlas, with
-///                                      // write_fit() and contestant_of()
+///     using Fit = ...;                     // a FitRecord with surface_side and parameters in a TriangleAtlas, with
+///                                          // write_fit() and contestant_of()
+///     static constexpr const char* name;   // of the model in requests
+///     static constexpr auto read = ...;    // of a fit's folder: fit, atlas and dataset
 ///     static constexpr const char* have;   // "a view basis has"
 ///     static std::string describe(const Fit&, const TriangleAtlas&);
 ///     static size_t numbers(const FitRequest&);  // of a texel
+///     static std::vector<FitArray> arrays(const Fit&);  // where these lie
 ///
 ///     /// Fills what all texels have in common, and tells of it in `out`. It may look at samples of those texels alone
 ///     /// that looked_at() names, which is empty where it looks at none.
@@ -25,7 +28,7 @@
 ///     static void begin(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&,
 ///                       FinishedFit& out);
 ///     /// Of a fit as begin() left it, the problems and the parameters, texel by texel.
-///     static void solve(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&);
+///     static void solve(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&, FitRun&);
 ///
 ///     /// What parts keep besides (PartResult::own); put together, part after part, into the whole's fit; and what is
 ///     /// left to do when all are there. take() may throw std::exception for a part of another fit.
@@ -33,12 +36,11 @@
 ///     static void take(const PartResult& part, Fit& whole);
 ///     static void complete(const TriangleAtlas&, Fit& whole);
 ///
-///     /// Of parts: bytes of what all have in common, and what is held while begin() finds it; none where it looks at
-///     no
-///     /// samples.
-///     static uint64_t common_bytes(const FitRequest&);
-///     static std::vector<PlanRow> plan_begin(const Dataset&, const TriangleAtlas&, const FitRequest&, size_t
-///     most_views);
+///     /// Of plans: what all texels have in common, no bytes if that is nothing; of how many texels, at most, begin()
+///     /// looks at samples; and what begin() and solve() hold besides.
+///     static PlanRow common(const FitRequest&);
+///     static uint64_t most_looked_at(const FitRequest&);
+///     static std::vector<PlanRow> working(const TriangleAtlas&, const FitRequest&);
 namespace radiafit {
 
 template <class Model>
@@ -75,6 +77,7 @@ public:
                const std::function<void(const std::filesystem::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }
+    std::vector<FitArray> arrays() override { return Model::arrays(fit_); }
     void export_parameters(ProblemFolder&) override { refuse_export<Model>(); }
 
 private:
@@ -101,7 +104,7 @@ FinishedFit fit_by_view(const Dataset& dataset, const FitRequest& request) {
     out.run.times.distribution = clock.wall_s();
     const Stopwatch solving;
     Model::begin(dataset, *atlas, samples, request, fit, out);
-    Model::solve(dataset, *atlas, samples, request, fit);
+    Model::solve(dataset, *atlas, samples, request, fit, out.run);
     out.run.times.optimization = solving.wall_s();
     describe_request(request, fit);
     set_dataset(fit, dataset);
@@ -124,8 +127,19 @@ void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& requ
 /// What a search tries of them.
 Ladder noise_ladder();
 Ladder side_ladder();
-/// Of n numbers per texel.
-Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n);
+/// What solvers do with them: of colours at texels' centres.
+inline constexpr uint32_t by_view_uses = use::sides | use::surface_lookup | use::space | use::interpolation;
+
+/// Of n numbers per texel and a row of what all have in common, but for what else the model holds.
+Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n, PlanRow common);
+template <class Model>
+Plan plan_of_model(const Dataset& dataset, const FitRequest& request, size_t most_views) {
+    Plan plan = plan_by_view(dataset, request, most_views, Model::numbers(request), Model::common(request));
+    for (PlanRow& row : Model::working(*by_view_atlas(dataset, request), request))
+        if (!request.part || row.stages != PlanRow::while_learning)  // the whole has learned it
+            plan.memory.push_back(std::move(row));
+    return plan;
+}
 /// While so many of the atlas's texels are looked at alone: their samples, and what finds them.
 void add_samples_of_some(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          size_t most_views, uint64_t texels, std::vector<PlanRow>& rows);

@@ -22,7 +22,7 @@ FitRequest simplest_fit(const Dataset& dataset) {
         request.set("model", "lambert").set("optimizer", "lm");
     else
         request.set("solver", "mean");
-    settle([](const char* option) { return std::string_view(option) != "--surface-side"; }, false, dataset, request);
+    settle([](const char* option) { return std::string_view(option) != "--surface-side"; }, dataset, request);
     if (!dataset.light_moves()) request.set("surface_side", "2");  // texels as large as the mesh has them
     return request;
 }

@@ -8,6 +8,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "dataset/checksums.h"
 
 namespace radiafit {
 namespace {
@@ -36,29 +37,6 @@ nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const Fit
             {"working_set_bytes", run.working_set_bytes},
         };
     return times;
-}
-
-/// Throws UserError for a fit that means nothing.
-void require_result(const FitRecord& fit, const Dataset& dataset) {
-    const auto counts = fit.status_counts();
-    const uint64_t broken = counts[size_t(Status::not_finite)], empty = counts[size_t(Status::no_samples)];
-    if (broken > 0 && broken + empty == fit.status.size())
-        throw UserError(
-            fmt::format("{}: none of {} problems came to a finite result ({} have no samples): check the "
-                        "images' values, gains and lights",
-                        dataset.folder.string(), fit.status.size(), empty));
-}
-
-/// Everything a fit leaves, in one folder.
-void save(const std::string& folder, FinishedFit& done, const FitRequest& request, const Record& begun) {
-    FitRecord& fit = done.fit->record();
-    auto times = describe_run(fit, done.run, request, begun);
-    if (!done.times_json.empty()) times.update(nlohmann::ordered_json::parse(done.times_json));
-    fit.times_json = times.dump();
-    done.fit->write(folder, [&](const std::filesystem::path& inside) {
-        write_file(inside / "trace.csv", trace_csv(done.run.trace, request.label(), fit.engine));
-        done.fit->write_error_bars(inside);
-    });
 }
 
 /// "cg-modern in 3.2 s: error 1 -> 0.1 (all 25 iterations used, the last lowered the error by 0.02 %), ".
@@ -92,12 +70,39 @@ void print_json(const std::string& out, const FinishedFit& done, const FitReques
 
 }  // namespace
 
+Record begin_record(const Dataset& dataset, int argc, const char* const* argv) {
+    Record begun = make_record(argc, argv);
+    begun.datasets->push_back(dataset_note(dataset));
+    return begun;
+}
+
+void require_result(const FitRecord& fit, const Dataset& dataset) {
+    const auto counts = fit.status_counts();
+    const uint64_t broken = counts[size_t(Status::not_finite)], empty = counts[size_t(Status::no_samples)];
+    if (broken > 0 && broken + empty == fit.status.size())
+        throw UserError(
+            fmt::format("{}: none of {} problems came to a finite result ({} have no samples): check the "
+                        "images' values, gains and lights",
+                        dataset.folder.string(), fit.status.size(), empty));
+}
+
+void save_fit(const std::filesystem::path& folder, FinishedFit& done, const FitRequest& request, const Record& begun) {
+    FitRecord& fit = done.fit->record();
+    auto times = describe_run(fit, done.run, request, begun);
+    if (!done.times_json.empty()) times.update(nlohmann::ordered_json::parse(done.times_json));
+    fit.times_json = times.dump();
+    done.fit->write(folder, [&](const std::filesystem::path& inside) {
+        write_file(inside / "trace.csv", trace_csv(done.run.trace, request.label(), fit.engine));
+        done.fit->write_error_bars(inside);
+    });
+}
+
 void leave(const FitTarget& target, const Dataset& dataset, const FitRequest& request, FinishedFit done,
            const Record& begun) {
     const FitRecord& record = done.fit->record();
     require_result(record, dataset);
     if (target.covariance) done.fit->find_error_bars({});
-    save(target.out, done, request, begun);
+    save_fit(target.out, done, request, begun);
     if (target.json) return print_json(target.out, done, request);
     const auto counts = record.status_counts();
     log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),

@@ -1,10 +1,20 @@
 #pragma once
+#include <filesystem>
 #include <string>
 
 #include "app/family.h"
 #include "base/record.h"
 
 namespace radiafit {
+
+/// What a fit's record begins with, now: the command, as make_record() takes it, and the dataset.
+Record begin_record(const Dataset& dataset, int argc, const char* const* argv);
+
+/// Throws UserError for a fit that means nothing.
+void require_result(const FitRecord& fit, const Dataset& dataset);
+
+/// Writes everything that a fit leaves into one folder. `begun`: its provenance. Throws as Fitted::write() does.
+void save_fit(const std::filesystem::path& folder, FinishedFit& done, const FitRequest& request, const Record& begun);
 
 /// Where a fit goes, and what is wanted of it besides.
 struct FitTarget {

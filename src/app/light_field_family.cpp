@@ -72,6 +72,26 @@ public:
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, dataset().mesh, add_files);
     }
+    std::vector<FitArray> arrays() override {
+        const uint64_t terms = uint64_t(fit_.options.terms),
+                       texel = 4 * terms;  // red, green, blue, and one lane of padding
+        if (first_texels_.empty()) {
+            const Mesh& mesh = dataset().mesh;
+            const LfmLayout layout(VertexRings(mesh), surface_atlas(mesh, fit_.options), fit_.options.view_side,
+                                   fit_.options.terms);
+            for (size_t v = 0; v < layout.problem_count(); ++v) {
+                first_texels_.push_back(int64_t(layout.offset(v) / texel));
+                first_texels_.push_back(int64_t(layout.view_offset(v) / texel));
+            }
+        }
+        return {
+            FitArray::of(
+                "texels",
+                "texel, term, channel: of each vertex its surface maps, by the triangles around it, then its view map",
+                fit_.parameters.data(), {fit_.parameters.size() / texel, terms, 3}, {texel, 4, 1}),
+            FitArray::of("first_texels", "vertex: where its surface maps begin, and where its view map",
+                         first_texels_.data(), {first_texels_.size() / 2, 2})};
+    }
     void export_parameters(ProblemFolder& out) override { radiafit::export_parameters(fit_, dataset().mesh, out); }
 
 private:
@@ -89,6 +109,7 @@ private:
     }
 
     LightFieldFit fit_;
+    std::vector<int64_t> first_texels_;   ///< of arrays(), once it was called
     std::optional<TriangleAtlas> atlas_;  ///< with the error bars
     std::vector<Vec3d> eyes_;             ///< whose views these tell of
     std::optional<AllVertexErrorBars> error_bars_;

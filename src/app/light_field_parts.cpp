@@ -75,8 +75,7 @@ public:
                            (result.units.empty() || result.units.back() < layout.problem_count());
         if (sized)
             for (const uint32_t v : result.units) at += layout.block_size(v);
-        if (!sized || at != result.parameters.size())
-            throw UserError(name + ": of another fit; leave it out, or make it anew");
+        if (!sized || at != result.parameters.size()) throw_foreign(name);
         at = 0;
         for (size_t i = 0; i < result.units.size(); ++i) {
             const size_t v = result.units[i];
@@ -93,7 +92,7 @@ public:
         run_.add(result.run_json);
     }
 
-    FinishedFit finish() override {
+    FinishedFit finish(const EachPart&) override {
         if (const auto missing = std::ranges::find(done_, 0); done_.empty() || missing != done_.end())
             throw UserError(fmt::format("vertex {} is in no part; give all parts of the fit",
                                         done_.empty() ? 0 : missing - done_.begin()));

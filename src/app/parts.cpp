@@ -31,8 +31,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* format = "radiafit-shard";
 constexpr int version = 1;
 
-constexpr size_t views_to_count_samples_on = 8;
-
 std::string digest_of(std::span<const uint32_t> units) {
     return fmt::format("{:016x}", hash_bytes(units.data(), units.size_bytes()));
 }
@@ -117,6 +115,10 @@ std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std
 }
 
 }  // namespace
+
+void throw_foreign(const std::string& name) {
+    throw UserError(name + ": of another fit; leave it out, or make it anew");
+}
 
 Dataset part_dataset(const Dataset& whole, Mesh mesh, std::span<const uint32_t> views) {
     Dataset part;
@@ -291,13 +293,16 @@ FinishedFit merge_shards(const Dataset& dataset, const FitRequest& request, cons
         throw UserError(fmt::format("of {} shards {} {} missing; run {} and give all folders", count,
                                     fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are",
                                     missing.size() == 1 ? "its command" : "their commands"));
-    for (const auto& [index, folder] : have)
-        for (const std::string& name : read_shard(folder).files) {
-            const fs::path file = folder / name;
-            if (!stands(file)) throw UserError(file.string() + ": missing; run its shard's command again");
-            whole->add(read_part_result(file, key), file.string());
-        }
-    return whole->finish();
+    const EachPart each_part = [&](const auto& look) {
+        for (const auto& [index, folder] : have)
+            for (const std::string& name : read_shard(folder).files) {
+                const fs::path file = folder / name;
+                if (!stands(file)) throw UserError(file.string() + ": missing; run its shard's command again");
+                look(read_part_result(file, key), file.string());
+            }
+    };
+    each_part([&](const PartResult& part, const std::string& name) { whole->add(part, name); });
+    return whole->finish(each_part);
 }
 
 }  // namespace radiafit

@@ -14,12 +14,21 @@
 /// before, and images that can't show it are left out.
 namespace radiafit {
 
+/// Of those that are fitted, by which plans estimate the samples of a part.
+inline constexpr size_t views_to_count_samples_on = 8;
+
 /// A fit of its own: the part's surface, and views of which those that can't show it count as held out.
 struct Part {
     Dataset dataset;
     FitRequest request;
     std::vector<uint32_t> units;  ///< those to be fitted, ascending, as the whole numbers them (part_result.h)
 };
+
+/// Calls look(part, name) for all parts of a fit, one after another. name: of errors about it.
+using EachPart = std::function<void(const std::function<void(const PartResult& part, const std::string& name)>& look)>;
+
+/// Of a part that doesn't belong there. Throws UserError, prefixed by its name.
+[[noreturn]] void throw_foreign(const std::string& name);
 
 /// A dataset that is cut, and the results put together again. Both arguments of Family::divide must outlive it.
 class Divided {
@@ -42,8 +51,9 @@ public:
 
     /// Puts a part in its place. Throws UserError, prefixed by `name`, if it doesn't belong there, or was there before.
     virtual void add(const PartResult& result, const std::string& name) = 0;
-    /// Of all parts. Throws UserError if units are missing.
-    virtual FinishedFit finish() = 0;
+    /// Of all parts. each_part: the same that were added, for what all of them together tell of one. Throws UserError
+    /// if units are missing.
+    virtual FinishedFit finish(const EachPart& each_part) = 0;
 };
 
 /// The dataset with another surface, and of these views those that may show it fitted, but one at least; all others

@@ -95,6 +95,14 @@ void add_host_images(const Dataset& dataset, const FitRequest& request, std::vec
                     dataset.image_bytes()});
 }
 
+PlanRow prior_row(const TexelModel& model, uint64_t texels) {
+    constexpr uint64_t fewest_of_block = 64, figures = 4, places = 3;
+    const uint64_t n = uint64_t(model.parameters);
+    const uint64_t numbers = 2 * texels * n / fewest_of_block + texels * (n + figures + places);
+    return {"prior", "blocks' means, texels' places, and results of poorly seen texels at most", numbers,
+            numbers * sizeof(float)};
+}
+
 PlanRow held_samples(const FitRequest& request, uint64_t bytes) {
     return {"samples held in step 1, at most", "--sort-memory, beside an image per thread", 0,
             std::min(request.sort_memory, bytes)};

@@ -29,6 +29,8 @@ void add_distributors(const Dataset& dataset, const TriangleAtlas& atlas, const 
                       std::vector<PlanRow>& rows);
 /// What images that stream take of the host.
 void add_host_images(const Dataset& dataset, const FitRequest& request, std::vector<PlanRow>& rows);
+/// What a texel-local model's prior takes of so many texels (cpu/surface_prior.h).
+PlanRow prior_row(const TexelModel& model, uint64_t texels);
 /// What two-step holds of samples, `bytes` in all, while it sorts them.
 PlanRow held_samples(const FitRequest& request, uint64_t bytes);
 

@@ -35,6 +35,12 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
     const uint64_t samples = estimate_samples(dataset, *atlas, request, most_views).samples;
     rows.push_back({"results", fmt::format("{} texels x ({} parameters, 4 figures)", texels, n), texels * n,
                     texels * 4 * (n + 4) - 3 * texels});
+    if (request.has_prior() && !request.part) rows.push_back(prior_row(*options.model, texels));
+    if (request.has_prior() && request.part)
+        for (auto* list : {&rows, &plan.disk})
+            list->push_back({"samples of poorly seen texels, at most",
+                             fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
+                             samples * sizeof(TexelRadiance)});
     if (uses & use::records) {
         rows.push_back(held_samples(request, samples * texel_record_bytes));
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", texel_record_bytes), samples,

@@ -102,7 +102,7 @@ FitRequest settled_request(const FitSetting& setting, const Dataset& dataset) {
     return request;
 }
 
-std::string settle(const Given& given, bool in_parts, const Dataset& dataset, FitRequest& request) {
+std::string settle(const Given& given, const Dataset& dataset, FitRequest& request) {
     std::string line;
     if (auto chosen = given("--model") ? std::nullopt : chosen_model(given, dataset, request)) {
         std::erase_if(chosen->setting,
@@ -113,7 +113,6 @@ std::string settle(const Given& given, bool in_parts, const Dataset& dataset, Fi
                                command_line_of(chosen->setting), chosen->why());
     }
     family_of(request).settle(given, dataset, request);
-    if (in_parts && !given("--prior")) request.prior = PriorKind::none;  // it is of the whole surface
     request.check();
     return line;
 }

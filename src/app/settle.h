@@ -17,11 +17,9 @@ double views_per_texel(const Dataset& dataset);
 FitRequest settled_request(const FitSetting& setting, const Dataset& dataset);
 
 /// Chooses the model where none is given (Family::choose), then has its family choose the rest (Family::settle), and
-/// checks the request. given: whether the user gave an option, such as "--terms". in_parts: the fit has to go in parts,
-/// which takes no prior of the whole surface. Throws UserError.
+/// checks the request. given: whether the user gave an option, such as "--terms". Throws UserError.
 ///
 /// Returns what was chosen and why, for people; empty where options that are given left no choice.
-std::string settle(const std::function<bool(const char*)>& given, bool in_parts, const Dataset& dataset,
-                   FitRequest& request);
+std::string settle(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request);
 
 }  // namespace radiafit

@@ -18,12 +18,21 @@ SgOptions options_of(const FitRequest& request) {
 
 struct SgModel {
     using Fit = SgFit;
+    static constexpr const char* name = sg_name;
+    static constexpr auto read = read_sg;
     static constexpr const char* have = "spherical Gaussians have";
     static std::string describe(const Fit& fit, const TriangleAtlas& atlas) {
         return fmt::format("diffuse colour and {} spherical Gaussian{}, {} numbers in each of {} texels", fit.lobes,
                            fit.lobes == 1 ? "" : "s", sg_parameters(fit.lobes), atlas.used_texels());
     }
     static size_t numbers(const FitRequest& request) { return size_t(sg_parameters(options_of(request).lobes)); }
+
+    static std::vector<FitArray> arrays(const Fit& fit) {
+        const auto numbers = uint64_t(sg_parameters(fit.lobes));
+        return {FitArray::of("texels",
+                             "texel, number: diffuse colour; of each lobe its colour; of each lobe x, y, log sharpness",
+                             fit.parameters.data(), {fit.parameters.size() / numbers, numbers})};
+    }
 
     static std::vector<bool> looked_at(const TriangleAtlas&, const FitRequest&) { return {}; }
     static void begin(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList&, const FitRequest& request,
@@ -33,7 +42,7 @@ struct SgModel {
         out.note = fmt::format("{} texels, ", atlas.used_texels());
     }
     static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
-                      const FitRequest& request, Fit& fit) {
+                      const FitRequest& request, Fit& fit, FitRun&) {
         SgSolution solution = solve_sg(dataset, atlas, samples, fit.up, options_of(request), request.journal.get());
         fit.parameters = std::move(solution.parameters);
         fit.samples = std::move(solution.samples);
@@ -62,53 +71,39 @@ struct SgModel {
         colour_unseen(atlas, whole.samples, whole.lobes, whole.colours.mean(), whole.parameters);
     }
 
-    static uint64_t common_bytes(const FitRequest&) { return 0; }
-    static std::vector<PlanRow> plan_begin(const Dataset&, const TriangleAtlas&, const FitRequest&, size_t) {
-        return {};
-    }
+    static PlanRow common(const FitRequest&) { return {}; }
+    static uint64_t most_looked_at(const FitRequest&) { return 0; }
+    static std::vector<PlanRow> working(const TriangleAtlas&, const FitRequest&) { return {}; }
 };
 
 }  // namespace
 
-const Family spherical_gaussians = {
-    .name = "spherical Gaussians",
-    .owns = [](const std::string& model) { return model == sg_name; },
-    .models = [] { return std::vector<std::string>{sg_name}; },
-    .help = "sg is a diffuse colour and lobes about directions of view in each texel",
-    .options =
-        [] {
-            return by_view_options(
-                {noise_option(), rows::number("lobes", 0, rows::own(&SgOptions::lobes), limits::lobes,
-                                              "spherical Gaussians of a texel: six numbers each, besides three of the "
-                                              "diffuse colour")});
-        },
-    .has_error_bars = false,
-    .uses = [](const Solver& solver) -> uint32_t {
-        return solver.solve == solve_stream ? use::sides | use::surface_lookup | use::space | use::iterations : 0;
-    },
-    .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
-    .choose = [](const Given&, const Dataset& dataset) -> std::optional<Chosen> {
+const Family spherical_gaussians = [] {
+    Family family = family_by_view<SgModel>();
+    family.name = "spherical Gaussians";
+    family.help = "sg is a diffuse colour and lobes about directions of view in each texel";
+    family.options = [] {
+        return by_view_options({noise_option(), rows::number("lobes", 0, rows::own(&SgOptions::lobes), limits::lobes,
+                                                             "spherical Gaussians of a texel: six numbers each, "
+                                                             "besides three of the diffuse colour")});
+    };
+    family.uses = [](const Solver& solver) -> uint32_t {
+        return solver.solve == solve_stream ? by_view_uses | use::iterations : 0;
+    };
+    family.choose = [](const Given&, const Dataset& dataset) -> std::optional<Chosen> {
         if (dataset.light_moves()) return {};
         return Chosen{{{"model", sg_name}}, nullptr};
-    },
-    .settle =
-        [](const auto& given, const Dataset& dataset, FitRequest& request) {
-            settle_by_view(given, dataset, request);
-            if (!given("--iterations")) request.iterations = SgOptions().iterations;  // more gain nothing that is seen
-        },
-    .candidates = [](const Dataset& dataset) -> std::vector<TuneCandidate> {
+    };
+    family.settle = [](const Given& given, const Dataset& dataset, FitRequest& request) {
+        settle_by_view(given, dataset, request);
+        if (!given("--iterations")) request.iterations = SgOptions().iterations;  // more gain nothing that is seen
+    };
+    family.candidates = [](const Dataset& dataset) -> std::vector<TuneCandidate> {
         if (dataset.light_moves()) return {};
         return {
             {{{{"model", sg_name}, {"lobes", "4"}}}, {{"lobes", {"1", "2", "3", "4"}}, noise_ladder(), side_ladder()}}};
-    },
-    .plan = [](const Dataset& dataset, const FitRequest& request,
-               size_t most_views) { return plan_by_view(dataset, request, most_views, SgModel::numbers(request)); },
-    .fit = fit_by_view<SgModel>,
-    .divide = divide_by_view<SgModel>,
-    .export_problems = [](const Dataset&, const FitRequest&, ProblemFolder&) { refuse_export<SgModel>(); },
-    .open = [](const std::filesystem::path& folder, const std::filesystem::path& moved_to) -> std::unique_ptr<Fitted> {
-        return std::make_unique<FittedByView<SgModel>>(read_sg(folder, moved_to));
-    },
-};
+    };
+    return family;
+}();
 
 }  // namespace radiafit

@@ -14,6 +14,7 @@
 #include "fragment/texel_engine.h"
 #include "optim/optimizer.h"
 #include "reference/ceres_texel.h"
+#include "samples/picked_texels.h"
 
 namespace radiafit {
 namespace {
@@ -68,11 +69,14 @@ void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve
     take(std::move(result), task);
 }
 
-TexelResult by_levenberg_marquardt(const TexelProblem& problem, const TexelTask& task,
+TexelResult by_levenberg_marquardt(const TexelProblem& problem, TexelTask& task,
                                    const std::function<void()>& progress) {
-    return task.request.prior == PriorKind::surface
-               ? solve_lm_with_surface(problem, *task.out.atlas, task.fit_options(), progress)
-               : task.solvers().solve_lm(problem, task.fit_options(), progress);
+    if (task.request.has_prior() && !task.request.part)
+        return solve_lm_with_surface(problem, *task.out.atlas, task.fit_options(), progress);
+    TexelResult out = task.solvers().solve_lm(problem, task.fit_options(), progress);
+    if (task.request.has_prior())
+        task.out.poorly_seen = samples_of(problem.source, poorly_seen(*task.options.model, out));
+    return out;
 }
 
 /// What the engine ended with, in the canonical gauge, with E itself.

@@ -112,6 +112,10 @@ public:
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }
+    std::vector<FitArray> arrays() override {
+        return {FitArray::of("texels", "texel, parameter", fit_.parameters.data(),
+                             {fit_.problem_count(), uint64_t(fit_.options.model->parameters)})};
+    }
     void export_parameters(ProblemFolder& out) override { radiafit::export_parameters(fit_, out); }
 
 private:

@@ -62,7 +62,7 @@ PartResult DividedTexels::result_of(const Part& part, const FitRecord& fit, cons
     out.units = part.units;
     out.run_json = std::move(run_json);
     for (size_t i = 0; i < part.units.size(); ++i) {
-        const size_t t = dataset_->has_grid() ? part.units[i] : i;
+        const size_t t = texel_in(part, i);
         const auto numbers = all.begin() + ptrdiff_t(t * numbers_);
         out.parameters.insert(out.parameters.end(), numbers, numbers + ptrdiff_t(numbers_));
         out.status.push_back(fit.status[t]);
@@ -91,7 +91,7 @@ void DividedTexels::add(const PartResult& result, const std::string& name) {
     const size_t texels = atlas_->texel_count(), count = result.units.size();
     if (result.status.size() != count || result.parameters.size() != count * numbers_ ||
         (count > 0 && result.units.back() >= texels))
-        throw UserError(name + ": of another fit; leave it out, or make it anew");
+        throw_foreign(name);
     if (done_.empty()) {
         done_.resize(texels);
         parameters_.resize(texels * numbers_);

@@ -18,6 +18,8 @@ protected:
     /// dataset, request: as Family::divide has them. parameters: of a texel.
     DividedTexels(const Dataset& dataset, const FitRequest& request, std::unique_ptr<Atlas> atlas, size_t parameters);
 
+    /// Which texel of a part's atlas its i-th unit is: a grid stays whole.
+    size_t texel_in(const Part& part, size_t i) const { return dataset_->has_grid() ? part.units[i] : i; }
     /// Of a part that was fitted: `fit` has a problem, and `all` parameters, for each texel of its atlas.
     PartResult result_of(const Part& part, const FitRecord& fit, const std::vector<float>& all,
                          std::string run_json) const;

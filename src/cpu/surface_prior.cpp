@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/statistics.h"
+#include "samples/picked_texels.h"
 
 namespace radiafit {
 namespace {
@@ -125,25 +126,51 @@ std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const A
     return Learner(model, atlas, fit).run();
 }
 
+SurfacePrior SurfacePrior::of(std::span<const uint32_t> texels) const {
+    SurfacePrior out{parameters, means, {}, weights};
+    for (const uint32_t t : texels) out.block_of.push_back(block_of[t]);
+    return out;
+}
+
+bool poorly_seen(const TexelModel& model, Status status, uint32_t samples) {
+    return status == Status::underdetermined || samples < enough_samples * uint32_t(model.independent);
+}
+
+std::vector<uint32_t> poorly_seen(const TexelModel& model, const TexelResult& fit) {
+    std::vector<uint32_t> out;
+    for (uint32_t t = 0; t < fit.status.size(); ++t)
+        if (poorly_seen(model, fit.status[t], fit.samples[t])) out.push_back(t);
+    return out;
+}
+
+void fit_with_prior(const SurfacePrior& prior, const TexelProblem& problem, const std::vector<uint32_t>& texels,
+                    const TexelFitOptions& options, TexelResult& fit) {
+    const TexelModel& model = *problem.options.model;
+    const size_t n = size_t(model.parameters);
+    const SurfacePrior known = prior.of(texels);
+    const TexelLoader loader = problem.loader.of(texels);
+    const TexelResult anew =
+        texel_solvers(model).solve_lm({problem.source, loader, problem.options}, options, {}, &known);
+    for (size_t i = 0; i < texels.size(); ++i) {
+        const size_t t = texels[i];
+        std::copy_n(&anew.parameters[i * n], n, &fit.parameters[t * n]);
+        fit.error[t] = anew.error[i];
+        fit.iterations[t] += anew.iterations[i];
+        if (fit.status[t] != Status::underdetermined) fit.status[t] = anew.status[i];
+    }
+    fit.load_s += anew.load_s;
+    fit.sample_iterations += anew.sample_iterations;
+}
+
 TexelResult solve_lm_with_surface(const TexelProblem& problem, const Atlas& atlas, const TexelFitOptions& fit,
                                   const std::function<void()>& progress) {
     const TexelModel& model = *problem.options.model;
-    const size_t n = size_t(model.parameters);
-    const TexelSolvers& solvers = texel_solvers(model);
-    TexelResult out = solvers.solve_lm(problem, fit, progress);
+    TexelResult out = texel_solvers(model).solve_lm(problem, fit, progress);
     const auto prior = learn_surface_prior(model, atlas, out);
     if (!prior) return out;
-    const TexelResult known = solvers.solve_lm(problem, fit, {}, &*prior);
-    for (size_t t = 0; t < out.status.size(); ++t) {
-        const bool underdetermined = out.status[t] == Status::underdetermined;
-        if (!underdetermined && out.samples[t] >= enough_samples * uint32_t(model.independent)) continue;
-        std::copy_n(&known.parameters[t * n], n, &out.parameters[t * n]);
-        out.error[t] = known.error[t];
-        out.iterations[t] += known.iterations[t];
-        if (!underdetermined) out.status[t] = known.status[t];
-    }
-    out.load_s += known.load_s;
-    out.sample_iterations += known.sample_iterations;
+    const std::vector<uint32_t> texels = poorly_seen(model, out);
+    const PickedTexels samples(problem.source, texels);
+    fit_with_prior(*prior, {samples, problem.loader, problem.options}, texels, fit, out);
     return out;
 }
 

@@ -20,16 +20,28 @@ struct SurfacePrior {
     std::vector<double> weights;
 
     std::span<const float> mean_of(uint32_t texel) const { return {&means[block_of[texel] * parameters], parameters}; }
+    /// Of these texels alone, numbered anew in their order.
+    SurfacePrior of(std::span<const uint32_t> texels) const;
 };
 
 /// Learned from a fit without it, by texels that it determines well. None where these are few.
 std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const Atlas& atlas, const TexelResult& fit);
 
-/// Levenberg-Marquardt without the prior, and again with it for texels that few samples tell of, fewer than
-/// enough_samples for each column of the Jacobian, or that the first fit calls underdetermined; these keep that status.
-/// Iterations are those of both fits, the trace is the first one's. progress: of the first.
+/// Whether the prior is for a texel that a fit without it ended so: few samples tell of it, fewer than enough_samples
+/// for each column of the Jacobian, or they don't tell its parameters apart.
+bool poorly_seen(const TexelModel& model, Status status, uint32_t samples);
+inline constexpr uint32_t enough_samples = 4;
+/// All such texels of the fit, ascending.
+std::vector<uint32_t> poorly_seen(const TexelModel& model, const TexelResult& fit);
+
+/// Fits these texels anew with the prior, by Levenberg-Marquardt, and puts them into `fit`, which is one of all texels:
+/// those that are underdetermined there keep that status, iterations are those of both fits, and the trace stays.
+/// problem: its source has the samples of these texels alone, in their order; its loader is of the atlas.
+void fit_with_prior(const SurfacePrior& prior, const TexelProblem& problem, const std::vector<uint32_t>& texels,
+                    const TexelFitOptions& options, TexelResult& fit);
+
+/// Levenberg-Marquardt without the prior, and for poorly seen texels again with it. progress: of the first fit.
 TexelResult solve_lm_with_surface(const TexelProblem& problem, const Atlas& atlas, const TexelFitOptions& fit,
                                   const std::function<void()>& progress);
-inline constexpr uint32_t enough_samples = 4;
 
 }  // namespace radiafit

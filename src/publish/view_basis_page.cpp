@@ -9,14 +9,12 @@ namespace {
 /// Of every block and polynomial: the means of the three channels, then the functions, in whole entries of four.
 PageTable table_of(const ViewBasis& basis) {
     PageTable table{"basis_table", {}};
-    const int entries = (3 + basis.rank + 3) / 4;
-    for (const BlockBasis& block : basis.blocks)
-        for (int row = 0; row < view_terms; ++row) {
-            const size_t end = table.entries.size() + size_t(4 * entries);
-            for (int c = 0; c < 3; ++c) table.entries.push_back(block.mean(row, c));
-            for (int k = 0; k < basis.rank; ++k) table.entries.push_back(block.u(row, k));
-            table.entries.resize(end, 0);
-        }
+    const size_t columns = size_t(3 + basis.rank), entries = (columns + 3) / 4;
+    for (size_t row = 0; row < basis.numbers.size(); row += columns) {
+        const auto first = basis.numbers.begin() + ptrdiff_t(row);
+        table.entries.insert(table.entries.end(), first, first + ptrdiff_t(columns));
+        table.entries.resize(table.entries.size() + 4 * entries - columns, 0);
+    }
     return table;
 }
 

@@ -16,12 +16,18 @@ TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::
                                  : std::numeric_limits<float>::infinity());
 }
 
+TexelLoader TexelLoader::of(std::vector<uint32_t> texels) const {
+    TexelLoader out = *this;
+    out.texels_ = std::move(texels);
+    return out;
+}
+
 void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out,
                        std::vector<uint32_t>* which) const {
     out.clear();
     if (which) which->clear();
     if (samples.empty()) return;
-    const TexelShading::Place place = TexelShading::place(*atlas_, texel);
+    const TexelShading::Place place = TexelShading::place(*atlas_, texels_.empty() ? texel : texels_[texel]);
     for (const TexelRadiance& s : samples) {
         const float limit = clipped_[s.image];
         if (s.value[0] >= limit || s.value[1] >= limit || s.value[2] >= limit) continue;

@@ -18,12 +18,15 @@ public:
     /// The dataset and the atlas must outlive it.
     TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                 const TexelOptions& options);
+    /// The same for these texels alone, numbered anew in their order.
+    TexelLoader of(std::vector<uint32_t> texels) const;
     /// Thread-safe. Reuses out's storage. `which`, if given: the samples' places in what was asked for.
     void load(uint32_t texel, std::span<const TexelRadiance> samples, std::vector<ShadedSample>& out,
               std::vector<uint32_t>* which = nullptr) const;
 
 private:
     const Atlas* atlas_;
+    std::vector<uint32_t> texels_;  ///< of the atlas, in their order; empty: all
     TexelShading shading_;
     float shadow_below_;
     SampleWeights weights_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <unordered_map>
+#include <utility>
 
 #include "base/rng.h"
 
@@ -17,23 +17,15 @@ using Place = BasisTexels::Place;
 constexpr uint64_t draw_seed = 1;
 
 /// At most `count` of the numbers below `all`, evenly: the first of a shuffled list (Fisher and Yates), of which only
-/// entries that were moved are held.
+/// entries that were looked at are held.
 std::vector<uint64_t> drawn(uint64_t all, size_t count, uint64_t stream) {
     std::vector<uint64_t> out(std::min<uint64_t>(all, count));
-    if (all <= count) {
-        std::iota(out.begin(), out.end(), 0);
-        return out;
-    }
-    std::unordered_map<uint64_t, uint64_t> moved;
-    const auto at = [&](uint64_t i) {
-        const auto found = moved.find(i);
-        return found == moved.end() ? i : found->second;
-    };
+    std::unordered_map<uint64_t, uint64_t> held;
+    const auto at = [&](uint64_t i) -> uint64_t& { return held.try_emplace(i, i).first->second; };
     Rng rng(draw_seed, stream);
-    for (size_t i = 0; i < count; ++i) {
-        const uint64_t other = i + rng.index(uint32_t(all - i));
-        out[i] = at(other);
-        moved[other] = at(i);
+    for (size_t i = 0; i < out.size(); ++i) {
+        if (all > count) std::swap(at(i), at(i + rng.index(uint32_t(all - i))));
+        out[i] = at(i);
     }
     return out;
 }
@@ -49,11 +41,6 @@ float cube_side(const Mesh& mesh, int blocks) {
     }
     return float(std::sqrt(1.5 * area / blocks));  // a plane across a cube at random has about 1.5 times a face's area
 }
-
-/// Of usable texels: how many are in a cube, and before it where cubes are counted in their order.
-struct Cube {
-    uint64_t texels = 0, before = 0, passed = 0;
-};
 
 }  // namespace
 
@@ -74,32 +61,31 @@ BasisTexels draw_basis_texels(const TriangleAtlas& atlas, size_t everywhere, int
     if (!mesh.positions.empty()) out.origin = mesh.positions[0];
     for (const Vec3f& p : mesh.positions) out.origin = out.origin.cwiseMin(p);
 
-    std::map<std::array<int32_t, 3>, Cube> cubes;
+    // Usable texels have numbers: cube by cube, then as the atlas has them.
+    std::map<std::array<int32_t, 3>, uint64_t> cubes;  // how many are in each, and then the next one's number
     const auto for_usable = [&](const auto& body) {
         for (uint32_t t = 0; t < atlas.tile_count(); ++t)
             for (uint32_t l = 0; l < atlas.tile(t).texels() && !atlas.degenerate(t); ++l)
                 body(cubes[cube_at(atlas.position(t, l), out.origin, out.cube)], Place{t, l});
     };
-    for_usable([](Cube& cube, const Place&) { ++cube.texels; });
-
-    std::unordered_multimap<uint64_t, Place*> wanted;  // by a texel's number: cube by cube, then as the atlas has them
-    const auto draw = [&](uint64_t before, uint64_t texels, size_t count, uint64_t stream, std::vector<Place>& to) {
+    for_usable([](uint64_t& texels, const Place&) { ++texels; });
+    std::unordered_multimap<uint64_t, Place*> wanted;  // by number
+    const auto draw = [&](uint64_t first, uint64_t texels, size_t count, uint64_t stream, std::vector<Place>& to) {
         const std::vector<uint64_t> numbers = drawn(texels, count, stream);
         to.resize(numbers.size());
-        for (size_t i = 0; i < numbers.size(); ++i) wanted.emplace(before + numbers[i], &to[i]);
+        for (size_t i = 0; i < numbers.size(); ++i) wanted.emplace(first + numbers[i], &to[i]);
     };
     uint64_t all = 0;
     if (out.cube > 0) out.of_block.resize(cubes.size());
-    for (auto& [at, cube] : cubes) {
-        const size_t block = out.cubes.size();
-        cube.before = all;
-        all += cube.texels;
-        if (out.cube > 0) draw(cube.before, cube.texels, texels_per_block, 1 + block, out.of_block[block]);
-        out.cubes.push_back(at);
+    for (auto& [cube, number] : cubes) {
+        const uint64_t texels = std::exchange(number, all), block = out.cubes.size();
+        if (out.cube > 0) draw(all, texels, texels_per_block, 1 + block, out.of_block[block]);
+        all += texels;
+        out.cubes.push_back(cube);
     }
     draw(0, all, everywhere, 0, out.everywhere);
-    for_usable([&](Cube& cube, const Place& place) {
-        const auto [begin, end] = wanted.equal_range(cube.before + cube.passed++);
+    for_usable([&](uint64_t& number, const Place& place) {
+        const auto [begin, end] = wanted.equal_range(number++);
         for (auto to = begin; to != end; ++to) *to->second = place;
     });
     return out;

@@ -16,6 +16,7 @@ using Matrix = Eigen::Matrix<double, view_terms, view_terms>;
 using Means = Eigen::Matrix<double, view_terms, 3>;
 
 constexpr double common_texels = 100;  // that the common prior counts for in a block's covariance
+constexpr size_t texels_at_once = 64;  // whose sums are made one after another
 
 /// Of a texel's polynomial coefficients, each channel's: N(mean, covariance).
 struct Prior {
@@ -55,14 +56,14 @@ public:
     Expectation(const Prior& prior, double noise)
         : prior_(prior), noise_(noise), precision_(prior.covariance.llt().solve(Matrix::Identity())) {}
 
-    void add(const TexelViews& views, Moments& sums) const {
+    void add(std::span<const TexelView> views, Moments& sums) const {
         Matrix seen = Matrix::Zero();
         Means right = Means::Zero();
-        for (size_t i = 0; i < views.terms.size(); ++i) {
-            const Eigen::Matrix<double, view_terms, 1> b = views.terms[i].cast<double>();
-            const double weight = double(views.weights[i]);
+        for (const TexelView& view : views) {
+            const Eigen::Matrix<double, view_terms, 1> b = view_polynomials(view.direction).cast<double>();
+            const double weight = double(view_sample_weight(view.direction));
             seen.noalias() += weight * b * b.transpose();
-            right.noalias() += weight * b * (views.colours[i].cast<double>() - prior_.mean.transpose() * b).transpose();
+            right.noalias() += weight * b * (view.colour.cast<double>() - prior_.mean.transpose() * b).transpose();
             sums.weight += weight;
         }
         sums.directions += seen;
@@ -95,12 +96,11 @@ Prior maximized(const Prior& last, const Moments& sums, const Prior* common) {
 
 /// The functions of most variance over the directions that were seen.
 BlockBasis basis_of(const Prior& prior, const Moments& sums, int rank) {
-    BlockBasis out;
-    out.mean = prior.mean.cast<float>();
     const Matrix root = prior.covariance.llt().matrixL();
     const Matrix seen = sums.weight > 0 ? Matrix(sums.directions / sums.weight) : Matrix::Identity();
     const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(root.transpose() * seen * root);
-    out.u = (root * spectrum.eigenvectors().rowwise().reverse().leftCols(rank)).cast<float>();
+    BlockBasis out(view_terms, 3 + rank);
+    out << prior.mean.cast<float>(), (root * spectrum.eigenvectors().rowwise().reverse().leftCols(rank)).cast<float>();
     return out;
 }
 
@@ -121,6 +121,12 @@ uint64_t most_learned_from(const ViewBasisOptions& options) {
     return uint64_t(options.texels) + texels_per_block * uint64_t(options.blocks);
 }
 
+uint64_t learning_bytes(const TriangleAtlas& atlas, const ViewBasisOptions& options) {
+    constexpr uint64_t drawing = 144;  // a place, and the numbers that it is drawn by
+    return std::min(atlas.used_texels(), most_learned_from(options)) * drawing + atlas.texel_count() / 8 +
+           (size_t(options.texels) / texels_at_once + 1) * sizeof(Moments);
+}
+
 ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                            const ViewBasisOptions& options, Journal* journal) {
     check_options(options);
@@ -128,21 +134,20 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
     basis.rank = options.rank;
     basis.noise = float(options.noise);
     basis.up = mean_up(dataset);
-    BasisTexels texels = draw_basis_texels(atlas, size_t(options.texels), options.blocks);
+    const BasisTexels texels = draw_basis_texels(atlas, size_t(options.texels), options.blocks);
     basis.cube = texels.cube;
     basis.origin = texels.origin;
     const TexelViewReader reader(dataset, atlas, samples, basis.up);
 
     // Sums over chunks of texels, added up in their order.
     const auto moments = [&](const Prior& prior, const std::vector<BasisTexels::Place>& of) {
-        constexpr size_t chunk = 64;
-        std::vector<Moments> parts((of.size() + chunk - 1) / chunk);
+        std::vector<Moments> parts((of.size() + texels_at_once - 1) / texels_at_once);
         const Expectation expectation(prior, options.noise);
         parallel_for(parts.size(), 1, [&](size_t part, int) {
-            TexelViews views;
-            for (size_t i = part * chunk; i < std::min(of.size(), (part + 1) * chunk); ++i) {
+            std::vector<TexelView> views;
+            for (size_t i = part * texels_at_once; i < std::min(of.size(), (part + 1) * texels_at_once); ++i) {
                 reader.read(of[i].tile, of[i].local, views);
-                if (views.terms.size() >= 3) expectation.add(views, parts[part]);
+                if (views.size() >= 3) expectation.add(views, parts[part]);
             }
         });
         Moments sums;
@@ -152,26 +157,21 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
     Prior common = vague_prior();
     for (int round = 0; round < options.rounds; ++round)
         common = maximized(common, moments(common, texels.everywhere), nullptr);
-    if (texels.of_block.empty()) {
-        basis.cubes = {{0, 0, 0}};
-        basis.blocks = {basis_of(common, moments(common, texels.everywhere), options.rank)};
-        return basis;
-    }
-    basis.cubes = std::move(texels.cubes);
-    basis.blocks.resize(texels.of_block.size());
+    const bool one_for_all = texels.of_block.empty();
+    basis.cubes = texels.cubes;
+    basis.numbers.resize(basis.cubes.size() * basis.block_size());
+    const auto numbers_of = [&](size_t block) {
+        return std::span(basis.numbers).subspan(block * basis.block_size(), basis.block_size());
+    };
     finish_blocks(
-        journal, texels.of_block.size(),
-        [&](auto& visit, size_t block) {
-            BlockBasis& learned = basis.blocks[block];
-            learned.u.resize(view_terms, options.rank);
-            visit(std::span(learned.mean.data(), size_t(learned.mean.size())));
-            visit(std::span(learned.u.data(), size_t(learned.u.size())));
-        },
+        journal, basis.cubes.size(), [&](auto& visit, size_t block) { visit(numbers_of(block)); },
         [&](size_t block, int) {
+            const auto& of = one_for_all ? texels.everywhere : texels.of_block[block];
             Prior prior = common;
-            for (int round = 0; round < options.rounds; ++round)
-                prior = maximized(prior, moments(prior, texels.of_block[block]), &common);
-            basis.blocks[block] = basis_of(prior, moments(prior, texels.of_block[block]), options.rank);
+            for (int round = 0; round < options.rounds && !one_for_all; ++round)
+                prior = maximized(prior, moments(prior, of), &common);
+            BlockBasis::Map(numbers_of(block).data(), view_terms, 3 + options.rank) =
+                basis_of(prior, moments(prior, of), options.rank);
         });
     return basis;
 }

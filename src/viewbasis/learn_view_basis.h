@@ -33,5 +33,7 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
 /// most_learned_from().
 std::vector<bool> learned_from(const TriangleAtlas& atlas, const ViewBasisOptions& options);
 uint64_t most_learned_from(const ViewBasisOptions& options);  ///< about so many
+/// That it holds besides samples, about.
+uint64_t learning_bytes(const TriangleAtlas& atlas, const ViewBasisOptions& options);
 
 }  // namespace radiafit

@@ -1,8 +1,7 @@
 #pragma once
-#include <vector>
-
 #include "base/journal.h"
 #include "viewbasis/texel_views.h"
+#include "viewbasis/view_basis.h"
 
 namespace radiafit {
 
@@ -10,6 +9,9 @@ struct ViewBasisSolution {
     std::vector<float> parameters;  ///< z: [texels][rank][3]; 0 where nothing was seen, which is the mean
     std::vector<uint32_t> samples;  ///< [texels]
     std::vector<float> error;       ///< [texels] 1/2 sum r^2
+
+    ViewBasisSolution(size_t texels, int rank)
+        : parameters(texels * size_t(rank) * 3), samples(texels), error(texels) {}
 };
 
 /// Of every texel the z of least
@@ -18,5 +20,10 @@ struct ViewBasisSolution {
 /// channels. All arguments as learn_view_basis() had them. `journal` keeps triangles that are finished.
 ViewBasisSolution solve_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                                    const ViewBasis& basis, Journal* journal = nullptr);
+/// The same by compute shaders of the current context, for some tiles at a time; it takes seconds, and keeps nothing.
+ViewBasisSolution solve_on_device(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
+                                  const ViewBasis& basis);
+/// Bytes of these tiles, on the device and before and after on the host.
+uint64_t bytes_on_device();
 
 }  // namespace radiafit

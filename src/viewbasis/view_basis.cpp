@@ -1,21 +1,12 @@
 #include "viewbasis/view_basis.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 namespace radiafit {
 
-Frame view_frame(const Vec3f& normal, const Vec3f& up) {
-    const Vec3f across = up.cross(normal);
-    const float length = across.norm();
-    if (!(length > 1e-6f)) return make_frame(normal);
-    return {across / length, normal.cross(across / length), normal};
-}
-
 ViewTerms view_polynomials(const Vec3f& direction) {
-    const auto terms = view_text::ViewPolynomials<float>::view_terms({direction.x(), direction.y(), direction.z()});
-    return ViewTerms::Map(terms.x);
+    return ViewTerms::Map(ViewText::view_terms({direction.x(), direction.y(), direction.z()}).x);
 }
 
 std::array<int32_t, 3> cube_at(const Vec3f& position, const Vec3f& origin, float side) {

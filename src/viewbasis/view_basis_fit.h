@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,15 +21,10 @@ struct ViewBasisFit : FitRecord {
     std::vector<float> parameters;  ///< z: [texels][rank][3]
 };
 
-/// A basis as fits and parts of fits store it.
-struct StoredBasis {
-    std::string json;            ///< all but the blocks' numbers
-    std::vector<float> numbers;  ///< [blocks][28][3 + rank]: the three channels' means, then the functions
-};
-StoredBasis stored_basis(const ViewBasis& basis);
-/// The same the other way round; throw std::runtime_error or what nlohmann throws.
+/// All of a basis but its blocks' numbers, as JSON.
+std::string description_of(const ViewBasis& basis);
+/// The same the other way round; throws std::runtime_error or what nlohmann throws.
 ViewBasis described_basis(const std::string& json);
-void take_numbers(std::span<const float> numbers, ViewBasis& basis);
 /// Where z stands in images.
 std::vector<TexelMap> maps_of(const ViewBasis& basis);
 

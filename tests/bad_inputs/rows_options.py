@@ -60,7 +60,11 @@ for options in ("cg --history 4", "sd --learning-rate 1", "adam --history 4", "l
 refuse("fit flat --model lafortune --prior {} -o new", "neighbours ''", "prior '{}'", "none, surface")
 for fit in ("flat --model lafortune --optimizer cg", "flat --model lafortune --loss huber", "flat --model lambert --solver ceres", "tiny"):
     rows.append((f"fit {fit} --prior surface -o new", None, 2, "--prior means nothing to "))
-rows.append(("fit flat --model lafortune --prior surface --shard 1/2 -o new", None, 2, "--prior surface is learned of the whole surface"))
+accept("fit flat --model lafortune --prior surface --shard 1/2 -o new")
+accept("fit tiny --model viewbasis --engine compute -o new")
+rows.append(("fit tiny --model viewbasis --engine fragment -o new", None, 2, "--engine fragment does not fit view bases", "choose --engine cpu or --engine compute"))
+for option in ("--context osmesa", "--device 1", "--distributor gl"):
+    rows.append((f"fit tiny --model viewbasis {option} -o new", None, 2, f"{option.split()[0]} means nothing to ", "leave it out"))
 rows.append(("fit tiny --model viewbasis --covariance -o new", None, 2, "--covariance: view bases have no error bars", "choose lfm"))
 for option in ("--clip-above", "--shadow-below"):
     refuse(f"fit flat --model lafortune {option} {{}} -o new", "-0.1 1.01 nan ''", f"{option[2:]} = ", "choose a number from 0 to 1 (0 is off)")
