@@ -31,6 +31,7 @@ ALLOWED.update(
     eval=up_to("dataset") | {"fit"},
     viewbasis=up_to("samples") | {"fit", "eval"},
     sg=up_to("optim") | {"cpu", "fit", "eval", "viewbasis"},
+    exchange=up_to("optim") | {"cpu", "capture", "fit", "eval", "viewbasis", "sg"},
     publish=up_to("samples") | {"cpu", "optim", "gl", "fit", "eval", "viewbasis", "sg"},
     reachable=up_to("samples") | {"fit", "eval", "viewbasis"},
     report={"base"},
@@ -50,6 +51,7 @@ LIBRARIES = [
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"app", "bench"}),
     (r"webp/", {"publish"}),
+    (r"jpeglib", {"exchange"}),
 ]
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
