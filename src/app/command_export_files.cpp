@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 
 #include "app/commands.h"
 #include "app/family.h"
@@ -54,6 +55,26 @@ void check_glb_target(const fs::path& file) {
             "{}: stands there and is no glTF file of radiafit; choose another name or remove it", file.string()));
 }
 
+/// A folder of ours is replaced: one with no other files than such. Throws UserError for anything else that stands
+/// there.
+void check_folder_target(const fs::path& folder, const char* what, std::span<const char* const> names) {
+    std::error_code error;
+    const auto refuse = [&](const std::string& why) {
+        throw UserError(fmt::format("{}: {}; remove it or choose another name", folder.string(), why));
+    };
+    if (!fs::exists(fs::symlink_status(folder, error))) return;
+    if (!fs::is_directory(folder, error)) refuse("a file stands there");
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (!entry.is_regular_file(error) || std::ranges::find(names, name) == names.end())
+            refuse(fmt::format("holds {}, which is no part of {}", name, what));
+    }
+}
+constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg", "plane_2.jpg",
+                                     "plane_3.jpg", "plane_4.jpg", "plane_5.jpg"};
+constexpr const char* map_files[] = {"base_colour.png", "base_colour.exr", "roughness.png",
+                                     "roughness.exr",   "normals.png",     "normals.exr"};
+
 void export_gltf(const Options& o) {
     check_glb_target(o.output);
     const OutputLock lock(o.output);
@@ -67,8 +88,9 @@ void export_gltf(const Options& o) {
 }
 
 void export_rti(const Options& o) {
+    check_folder_target(o.output, "an RTI export", rti_files);
     const OutputLock lock(o.output);
-    AtomicFolder folder(o.output);
+    AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     const auto fit = open_fit(o.fit, o.dataset);
     if (!fit->takes_light())
         throw UserError(
@@ -91,8 +113,9 @@ ExrImage exr_of(const TextureImage& texture, const std::vector<std::string>& cha
 }
 
 void export_maps(const Options& o) {
+    check_folder_target(o.output, "exported maps", map_files);
     const OutputLock lock(o.output);
-    AtomicFolder folder(o.output);
+    AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     const auto fit = open_fit(o.fit, o.dataset);
     const SurfaceLook look = fit->look();
     const LookTextures textures = textures_of(look, fit->dataset());
