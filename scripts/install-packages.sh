@@ -8,7 +8,7 @@ set -eu
 packages="
     g++ cmake ninja-build make git pkg-config ccache
     libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libeigen3-dev
-    libopenimageio-dev libopenexr-dev libpng-dev zlib1g-dev
+    libopenimageio-dev libopenexr-dev libpng-dev libjpeg-dev zlib1g-dev
     libwebp-dev chromium
     libgtest-dev libbenchmark-dev libceres-dev libqhull-dev
     libegl-dev libgl-dev libosmesa6-dev

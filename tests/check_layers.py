@@ -31,6 +31,7 @@ ALLOWED.update(
     eval=up_to("dataset") | {"fit"},
     viewbasis=up_to("samples") | {"gl", "fit", "eval"},
     sg=up_to("optim") | {"cpu", "gl", "fit", "eval", "viewbasis"},
+    exchange=up_to("optim") | {"cpu", "gl", "capture", "fit", "eval", "viewbasis", "sg"},
     publish=up_to("samples") | {"cpu", "optim", "gl", "fit", "eval", "viewbasis", "sg"},
     reachable=up_to("samples") | {"gl", "fit", "eval", "viewbasis"},
     report={"base"},
@@ -51,6 +52,7 @@ LIBRARIES = [
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"app", "bench"}),
     (r"webp/", {"publish"}),
+    (r"jpeglib", {"exchange"}),
     (r"pybind11/", {"python"}),
 ]
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")

@@ -34,7 +34,7 @@ NOT_RUN = {  # what a block's line begins with: why
     "#": "a script's head",
 }  # fmt: skip
 # Blocks that are no commands: folders, formulas.
-NO_COMMAND = re.compile(r"[A-Z]+/$|\s|[a-z_]+(\.json|\.csv|\.bin)|.*[·=]\s.*sum|m_c = |y_c\(v\)|trace\.csv|E =|\|")
+NO_COMMAND = re.compile(r"[A-Z]+/$|Σ over |\s|[a-z_]+(\.json|\.csv|\.bin)|.*[·=]\s.*sum|m_c = |y_c\(v\)|trace\.csv|E =|\|")
 
 
 def commands_of(page):
@@ -147,7 +147,7 @@ class DocCommands(ProgramTest):
         with_commands = {page for page in pages if any(c.startswith("radiafit ") and " [--" not in c and not c.startswith(tuple(NOT_RUN)) for c in commands_of(CHECKOUT / page))}
         self.assertLessEqual(with_commands, set(self.TESTED))
 
-    TESTED = {"README.md": 4, "docs/captures.md": 3, "docs/rti.md": 5, "docs/problems.md": 2, "docs/scaling.md": 5, "docs/viewer.md": 4}
+    TESTED = {"README.md": 4, "docs/captures.md": 3, "docs/rti.md": 7, "docs/formats.md": 4, "docs/problems.md": 2, "docs/scaling.md": 5, "docs/viewer.md": 4}
 
     def check_page(self, name):
         self.assertGreaterEqual(self.run_page(name), self.TESTED[name])
@@ -163,6 +163,9 @@ class DocCommands(ProgramTest):
     def test_rti(self):
         self.dome()
         self.check_page("docs/rti.md")
+
+    def test_formats(self):
+        self.check_page("docs/formats.md")
 
     def test_problems(self):
         self.star()

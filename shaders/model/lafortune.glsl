@@ -67,6 +67,10 @@ static constexpr const char* shape_names[SHAPE_COUNT] = {"Cx", "Cz", "log_n"};
 static constexpr double coefficient_bounds[BASIS_COUNT][2] = {{0, 1}, {0, 4}};
 static constexpr double shape_bounds[SHAPE_COUNT][2] = {{-1.5, 0}, {0, 1.5}, {0, 5.2983173665480363}};  // n = 1 to 200
 
+// For materials of other programs: which coefficient is a diffuse albedo, and n, by which the last one's lobe is sharp.
+static constexpr int diffuse_coefficient = 0;
+static real lobe_exponent(const Shape& s) { return exp(s.x[2]); }
+
 // Gauge: (rho_s, Cx, Cz) -> (rho_s s^-n, s Cx, s Cz) changes nothing, but for the cut. fix_gauge() scales a shape to
 // max(|Cx|, |Cz|) = 1, where D <= 1 for any two directions, and returns the factor that rho_s takes in turn.
 // gauge_tangent(): the direction in which a shape moves without effect.

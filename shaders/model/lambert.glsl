@@ -22,4 +22,5 @@ SHARED_FN Basis basis(Shape s, Terms t) {
 #ifdef __cplusplus
 static constexpr const char* coefficient_names[BASIS_COUNT] = {"albedo"};
 static constexpr double coefficient_bounds[BASIS_COUNT][2] = {{0, 1e30}};
+static constexpr int diffuse_coefficient = 0;  // an albedo
 #endif

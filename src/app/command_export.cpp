@@ -79,9 +79,11 @@ void add_parameters(CommandLine& exporter, const Invocation& invocation) {
 }  // namespace
 
 void add_export(CommandLine& program, const Invocation& invocation) {
-    CommandLine& command = program.add_command("export", "write problems and parameters for other people's solvers");
+    CommandLine& command =
+        program.add_command("export", "write a fit for other programs, problems for other people's solvers");
     add_problems(command, invocation);
     add_parameters(command, invocation);
+    add_export_files(command);
 }
 
 }  // namespace radiafit

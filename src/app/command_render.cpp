@@ -21,18 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The view that was asked for, or one from the middle of those held out.
-uint32_t chosen_view(const Dataset& dataset, std::optional<int> view) {
-    if (view) {
-        if (*view < 0 || size_t(*view) >= dataset.views.size())
-            throw UserError(
-                fmt::format("--view {}: {} has views 0 to {}", *view, dataset.name, dataset.views.size() - 1));
-        return uint32_t(*view);
-    }
-    const auto held_out = dataset.split(true);
-    return held_out.empty() ? 0 : held_out[held_out.size() / 2];
-}
-
 /// A distant lamp in this direction, of any length.
 Light lamp_towards(const std::vector<double>& xyz) {
     const Vec3d direction(xyz[0], xyz[1], xyz[2]);

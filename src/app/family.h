@@ -17,6 +17,7 @@
 namespace radiafit {
 
 struct PageModel;
+struct SurfaceLook;
 
 /// A fit of any family, with the dataset that was fitted.
 class Fitted {
@@ -41,6 +42,8 @@ public:
     virtual void write_error_bars(const std::filesystem::path&) {}  ///< as maps, once they are found
     /// What a page needs to show it; this fit must outlive that.
     virtual PageModel page() = 0;
+    /// What it comes to as a material of other programs; this fit must outlive that.
+    virtual SurfaceLook look() = 0;
     /// As write_fit().
     virtual void write(const std::filesystem::path& folder,
                        const std::function<void(const std::filesystem::path& temporary_folder)>& add_files) = 0;

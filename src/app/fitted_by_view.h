@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/wording.h"
+#include "exchange/surface_look.h"
 #include "publish/pages.h"
 #include "samples/interpolated_samples.h"
 
@@ -73,6 +74,7 @@ public:
     }
     const char* baseline_name() const override { return "mean colour per texel"; }
     PageModel page() override { return page_model_of(fit_, *atlas_); }
+    SurfaceLook look() override { return look_of(fit_, *atlas_, dataset(), fitted_views(dataset(), fit_)); }
     void write(const std::filesystem::path& folder,
                const std::function<void(const std::filesystem::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "cpu/vertex_covariance.h"
+#include "exchange/surface_look.h"
 #include "fit/error_bar_maps.h"
 #include "publish/pages.h"
 
@@ -69,6 +70,7 @@ public:
     std::unique_ptr<Fitted> baseline() override { return mean_colours(dataset(), fit_, fit_.options); }
     const char* baseline_name() const override { return "mean colour per texel"; }
     PageModel page() override { return page_model_of(fit_, dataset().mesh); }
+    SurfaceLook look() override { return look_of(fit_, dataset(), fitted_views(dataset(), fit_)); }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, dataset().mesh, add_files);
     }

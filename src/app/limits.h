@@ -36,6 +36,7 @@ constexpr Range<int> picture_side{1, 8192};
 constexpr Range<int> srgb_byte{0, 255};
 constexpr Range<double> page_megabytes{0.1, 10000};
 constexpr Range<double> page_fidelity{20, 100};
+constexpr Range<int> jpeg_quality{1, 100};
 constexpr Range<int> page_views{1, 1000};
 constexpr Range<int> pixel_points{1, 9, "an odd number: 1 is a pixel's centre alone"};
 

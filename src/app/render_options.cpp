@@ -94,4 +94,15 @@ void check_render_output(const RenderOptions& o) {
         throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));
 }
 
+uint32_t chosen_view(const Dataset& dataset, std::optional<int> view) {
+    if (view) {
+        if (*view < 0 || size_t(*view) >= dataset.views.size())
+            throw UserError(
+                fmt::format("--view {}: {} has views 0 to {}", *view, dataset.name, dataset.views.size() - 1));
+        return uint32_t(*view);
+    }
+    const auto held_out = dataset.split(true);
+    return held_out.empty() ? 0 : held_out[held_out.size() / 2];
+}
+
 }  // namespace radiafit

@@ -28,6 +28,8 @@ struct RenderOptions {
 
 /// Adds all of them to the command.
 void add_render_options(CommandLine& command, RenderOptions& options);
+/// The view that was asked for, or one from the middle of those held out. Throws UserError for one that isn't there.
+uint32_t chosen_view(const Dataset& dataset, std::optional<int> view);
 /// Throws UserError for an output that cannot be, or is missing.
 void check_render_output(const RenderOptions& options);
 

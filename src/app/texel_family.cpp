@@ -13,6 +13,7 @@
 #include "eval/render.h"
 #include "eval/safe_relighting.h"
 #include "eval/truth_errors.h"
+#include "exchange/surface_look.h"
 #include "fit/texel_fit.h"
 #include "publish/pages.h"
 
@@ -109,6 +110,7 @@ public:
         return picture;
     }
     PageModel page() override { return page_model_of(fit_, *atlas_, dataset(), fitted_views(dataset(), fit_)); }
+    SurfaceLook look() override { return look_of(fit_, *atlas_, dataset(), fitted_views(dataset(), fit_)); }
     void write(const fs::path& folder, const std::function<void(const fs::path&)>& add_files) override {
         write_fit(folder, fit_, *atlas_, add_files);
     }

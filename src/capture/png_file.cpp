@@ -23,12 +23,10 @@ std::string text_chunk(std::string_view keyword, std::string_view text) {
 
 }  // namespace
 
-void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& bytes8,
-               std::string_view software) {
+std::string png_bytes(int width, int height, const std::vector<uint8_t>& bytes8, std::string_view software) {
     const size_t pixels = width < 1 || height < 1 ? 0 : size_t(width) * size_t(height);
     if (pixels == 0 || (bytes8.size() != 3 * pixels && bytes8.size() != 4 * pixels))
-        throw SystemError(
-            fmt::format("write_png({}): {} bytes for {} x {} pixels", file.string(), bytes8.size(), width, height));
+        throw SystemError(fmt::format("a PNG of {} x {} pixels was given {} bytes", width, height, bytes8.size()));
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = png_uint_32(width);
@@ -37,11 +35,16 @@ void write_png(const std::filesystem::path& file, int width, int height, const s
     std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
     png_alloc_size_t size = bytes.size();
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, bytes8.data(), 0, nullptr))
-        throw SystemError(fmt::format("libpng cannot make {}: {}", file.string(), image.message));
+        throw SystemError(fmt::format("libpng cannot make a PNG of {} x {} pixels: {}", width, height, image.message));
     bytes.resize(size);
     constexpr size_t header_end = 33;  // signature and IHDR
     if (!software.empty()) bytes.insert(header_end, text_chunk("Software", software));
-    write_file(file, bytes);
+    return bytes;
+}
+
+void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& bytes8,
+               std::string_view software) {
+    write_file(file, png_bytes(width, height, bytes8, software));
 }
 
 }  // namespace radiafit

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,7 @@ public:
     std::vector<std::string> shape_names;        ///< [shape]
     std::vector<std::array<double, 2>> bounds;   ///< [parameters] lowest and highest value
     std::vector<std::vector<double>> starts;     ///< [..][shape] where fits may begin; empty for a model without shape
+    std::optional<int> diffuse;                  ///< the coefficient that is a diffuse albedo, where one is
 
     std::string parameter_name(int i) const;  ///< "rho_d.R", "Cx"
     /// Reflected radiance per channel where a white diffuse surface that faces the lamp has 1. u, v: unit directions to
@@ -37,6 +39,8 @@ public:
     /// The parameter that the canonical gauge holds at p, which is canonical: of the shape's, the one that moves most
     /// along the gauge. -1: there is no gauge.
     virtual int held_by_gauge(std::span<const float> p) const = 0;
+    /// n of the cosine's power cos^n that is as sharp as the lobe of the last coefficient; none: it has no lobe.
+    virtual std::optional<float> lobe_exponent(std::span<const float> p) const = 0;
     /// The same values by other parameters: the only gauge in which two of them may be compared.
     virtual void make_canonical(std::span<float> p) const = 0;
 };

@@ -29,6 +29,7 @@ public:
             for (const auto& start : Text::starts) starts.emplace_back(std::begin(start), std::end(start));
         }
         for (int i = 0; i < parameters; ++i) bounds.push_back(Model::bounds(i));
+        if constexpr (requires { Text::diffuse_coefficient; }) diffuse = Text::diffuse_coefficient;
     }
     std::array<float, 3> value(std::span<const float> p, const Vec3f& u, const Vec3f& v) const override {
         if (!(u.z() > 0 && v.z() > 0)) return {};
@@ -56,6 +57,14 @@ public:
             held = 3 * Model::basis + int(most - std::begin(along.x));
         }
         return held;
+    }
+    std::optional<float> lobe_exponent(std::span<const float> p) const override {
+        if constexpr (requires(typename Text::Shape s) { Text::lobe_exponent(s); }) {
+            Parameters q;
+            std::copy_n(p.begin(), q.size(), q.begin());
+            return Text::lobe_exponent(Model::shape_of(q));
+        }
+        return {};
     }
     void make_canonical(std::span<float> p) const override {
         Parameters q;

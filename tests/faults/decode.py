@@ -99,7 +99,21 @@ def check_text(data):
     need(data.endswith(b"\n"), "the last line has no end")
 
 
-CHECKS = {".png": check_png, ".exr": check_exr, ".csv": check_csv, ".json": check_json, ".svg": check_svg, ".md": check_text}
+def check_jpeg(data):
+    need(data[:2] == b"\xff\xd8" and data[-2:] == b"\xff\xd9", "no JPEG, or no end")
+
+
+def check_glb(data):
+    """Its length, and those of its two chunks."""
+    need(len(data) >= 28 and data[:4] == b"glTF", "no GLB")
+    (length,), (json_length,) = struct.unpack_from("<I", data, 8), struct.unpack_from("<I", data, 12)
+    need(length == len(data), "another length than it says")
+    json.loads(data[20 : 20 + json_length])
+    need(28 + json_length + struct.unpack_from("<I", data, 20 + json_length)[0] == length, "its chunks are cut")
+
+
+CHECKS = {".png": check_png, ".exr": check_exr, ".csv": check_csv, ".json": check_json, ".svg": check_svg, ".md": check_text,
+          ".jpg": check_jpeg, ".glb": check_glb}
 
 
 def check_whole(name, data):

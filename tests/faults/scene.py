@@ -56,6 +56,11 @@ def renders_of_fits(name, options):
     return Command(f"render {name}", tuple(("render", f"{INPUTS}/texels{i}", "-o", "out", *options) for i in (0, 1, 2)))
 
 
+def exports(kind, output, of):
+    """Of three fits."""
+    return Command(f"export {kind}", tuple(("export", kind, f"{INPUTS}/{of}{i}", "-o", output) for i in (0, 1, 2)))
+
+
 def experiment(name, option, values):
     return command(name, f"--config experiments/{name}.toml --profile smoke", "--set", [f"{option}={v}" for v in values],
                    program=name, steps=True)
@@ -88,6 +93,9 @@ COMMANDS = (
     render("turntable", "", "--turntable", (4, 3, 2)),
     render("relit", "", "--light", ("0,0,1", "0.3,0.4,0.8", "0.6,0,0.8"), fitted="texels0"),
     renders_of_fits("problems", ("--problems",)),
+    exports("gltf", "out.glb", "texels"),
+    exports("maps", "out", "texels"),
+    exports("rti", "out", "relief"),
     experiment("table1_datasets", "terms", (1, 2, 3)),
     experiment("fig7_convergence", "cap", (40, 50, 60)),
 )
@@ -241,9 +249,14 @@ class Scene:
         self.make("ornament")
         self.radiafit("fit", "ornament", "--model", "lafortune", "--iterations", 2 + int(name[-1]), "-o", name)
 
+    def make_relief(self, name):
+        self.make("lamps")
+        self.radiafit("import", "lights", "--images", "lamps/images", "--lights", "lamps/lights.txt", "--normals", "flat", "-o", f"packed-{name}")
+        self.radiafit("fit", f"packed-{name}", "--model", "lambert", "--clip-above", 0.5 + 0.1 * int(name[-1]), "-o", name)
+
     INPUTS = {"star": make_star, "ornament": make_ornament, "capture": make_capture, "lamps": make_lamps,
               "lfm": make_light_field, "records": make_records, "texels0": make_texels, "texels1": make_texels,
-              "texels2": make_texels}
+              "texels2": make_texels, "relief0": make_relief, "relief1": make_relief, "relief2": make_relief}
 
     def place(self):
         with self.lock:

@@ -1,0 +1,72 @@
+"""What tests of exported files share: a flat relief under a dome of lamps, glTF files taken apart, and PSNR. Standard library only."""
+import json
+import math
+import struct
+
+from cli_fixture import write_png
+
+
+def psnr(a, b):
+    squares = sum((x - y) ** 2 for x, y in zip(a, b, strict=True))
+    return math.inf if squares == 0 else 10 * math.log10(255**2 * len(a) / squares)
+
+
+def write_dome(out, width, height, lamps):
+    """images and lights.lp of a coloured relief, matt and without shadows, under lamps from 20 to 85 degrees above it."""
+    (out / "images").mkdir(parents=True)
+    lights = []
+    for i in range(lamps):
+        z = math.sin(math.radians(20 + 65 * (i + 0.5) / lamps))
+        angle, r = 2.4 * i, math.sqrt(1 - z * z)
+        light = (r * math.cos(angle), r * math.sin(angle), z)
+        rows = bytearray()
+        for y in range(height):
+            for x in range(width):
+                n = (0.25 * math.sin(x / 5), 0.25 * math.sin(y / 7), 1.0)
+                facing = max(0, sum(a * b for a, b in zip(n, light))) / math.sqrt(sum(a * a for a in n))
+                paint = (0.75, 0.55 + 0.2 * math.sin((x + y) / 9), 0.35 + 0.2 * math.cos(x / 6))
+                rows += bytes(round(255 * srgb(0.02 + albedo * facing)) for albedo in paint)
+        write_png(out / "images" / f"{i:02}.png", width, height, bytes(rows))
+        lights.append(f"{i:02}.png {light[0]} {light[1]} {light[2]}")
+    (out / "lights.lp").write_text("\n".join([str(lamps), *lights]) + "\n")
+
+
+def srgb(linear):
+    """IEC 61966-2-1."""
+    return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+
+
+class Glb:
+    """A GLB file by its specification, with `struct` and `json` alone."""
+
+    def __init__(self, path):
+        data = path.read_bytes()
+        magic, version, length, json_length, json_kind = struct.unpack_from("<4sIII4s", data)
+        assert (magic, version, length, json_kind) == (b"glTF", 2, len(data), b"JSON"), path
+        self.json = json.loads(data[20 : 20 + json_length])
+        at = 20 + json_length
+        binary_length, binary_kind = struct.unpack_from("<I4s", data, at)
+        assert binary_kind == b"BIN\0" and at + 8 + binary_length == len(data), path
+        self.binary = data[at + 8 :]
+        self.radiafit = self.json["extras"]["radiafit"]
+
+    def view(self, number):
+        view = self.json["bufferViews"][number]
+        return self.binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
+
+    def vectors(self, attribute):
+        accessor = self.json["accessors"][self.json["meshes"][0]["primitives"][0]["attributes"][attribute]]
+        size = int(accessor["type"][3:])
+        numbers = struct.unpack(f"<{size * accessor['count']}f", self.view(accessor["bufferView"]))
+        return [numbers[i : i + size] for i in range(0, len(numbers), size)]
+
+    def image(self, name):
+        """The PNG's bytes, or None."""
+        for image in self.json["images"]:
+            if image["name"] == name:
+                return self.view(image["bufferView"])
+        return None
+
+    @property
+    def material(self):
+        return self.json["materials"][0]
