@@ -66,11 +66,11 @@ flock -n 9 || die "$out: another run writes here: wait for it, or write elsewher
 [ "$threads" != 0 ] && of_colmap=$threads || of_colmap=-1
 of_radiafit="--threads $threads"
 
-# What each step takes on two cores, in seconds, with photographs of 800 pixels a side; learnt anew from the steps that
-# were done.
+# What each step takes on two cores, in seconds, with photographs of 800 pixels a side; scaled by what the steps took that
+# were done. COLMAP compares every two photographs.
 cost() {
     case $1 in
-    features) echo $((count)) ;;
+    features) echo $((1 + count * 3 / 2)) ;;
     matches) echo $((1 + count * (count - 1) / 4)) ;;
     cameras) echo $((10 + count * 2)) ;;
     flat) echo $((1 + count / 4)) ;;
@@ -83,6 +83,8 @@ cost() {
     page) echo 30 ;;
     esac
 }
+# Of a file or a folder's files: another one where any was changed.
+stamp() { find -L "$1" -maxdepth 1 -type f -printf '%P %s %T@\n' | sort | cksum; }
 clock() { printf '%d:%02d' $(($1 / 60)) $(($1 % 60)); }
 
 steps="features matches cameras flat depths mesh masks dataset tune fit page"
@@ -148,7 +150,7 @@ step() {
         rm -rf "${out:?}/$name"
         mkdir -p "$part"
         printf '%s' "$3" >"$part/step"
-        : >"$part/log"
+        touch "$part/log"
         estimate "$name"
         echo "[$number/$total] $2; about $(clock "$all") left in all" >&2
         step_began=$(date +%s)
@@ -184,7 +186,7 @@ features() {
     taken=$(wc -l <"$part/counts")
     median=$(sed -n "$(((taken + 1) / 2))p" "$part/counts")
     echo "$taken of $count photographs read; ${median:-0} features in the median" >"$part/said"
-    grep 'ERROR' "$part/log" | sort | uniq -c | sed 's/^ */times COLMAP said: /' >>"$part/said" || true
+    grep 'ERROR' "$part/log" | sort | uniq -c | sed 's/^ *\([0-9]*\) */\1 times COLMAP said: /' >>"$part/said" || true
     if [ "$taken" -lt 3 ]; then
         echo "fewer than three photographs could be read: they need one size and one zoom" >>"$part/log"
         return 1
@@ -235,8 +237,11 @@ undistort_masks() {
     done
 }
 depths() {
-    run "$radiafit" $of_radiafit capture depths --model "$out/flat/small/sparse" --images "$out/flat/small/images" \
-        -o "$part/stereo" && tail -n 1 "$part/log" >"$part/said"
+    if [ ! -d "$part/stereo" ]; then  # what a run that was stopped had finished
+        run "$radiafit" $of_radiafit capture depths --model "$out/flat/small/sparse" --images "$out/flat/small/images" \
+            -o "$part/stereo" || return 1
+    fi
+    tail -n 1 "$part/log" >"$part/said"
 }
 with_masks() {  # COMMAND... with those masks that were given
     if [ -n "$masks" ]; then
@@ -296,21 +301,20 @@ overlap="take more photographs between neighbours (10 to 15 degrees apart), shar
 if [ -z "$lights" ]; then
     sh "$root/scripts/install-packages.sh" capture
     command -v colmap >/dev/null || die "colmap is missing: install Debian's package colmap"
-    listed=$(cd "$photos" && find . -maxdepth 1 -type f,l | sort | cksum)
-    step features "features of $count photographs" "$listed $camera" features "give JPEG, PNG or TIFF photographs that COLMAP can read"
+    step features "features of $count photographs" "$(stamp "$photos") $camera" features "give JPEG, PNG or TIFF photographs that COLMAP can read"
     step matches "matches between photographs" "" matches "free some memory, or give --threads 1"
     step cameras "cameras" "" cameras "no two photographs fit together: $overlap"
-    step flat "undistorted photographs" "$size $masks $go_on" flat "mend what it says, or give --go-on"
+    step flat "undistorted photographs" "$size $masks $([ -z "$masks" ] || stamp "$masks")" flat "mend what it says, or give --go-on"
     if [ -z "$mesh" ]; then
         step depths "depths" "" depths "mend what it says"
-        step mesh "mesh" "$go_on" make_mesh "mend what it says, give --go-on, or a mesh of your own in the frame of $out/flat/points.ply with --mesh"
+        step mesh "mesh" "" make_mesh "mend what it says, give --go-on, or a mesh of your own in the frame of $out/flat/points.ply with --mesh"
     else
-        step mesh "mesh" "$mesh $go_on" make_mesh "bring the mesh into the frame of $out/flat/points.ply"
+        step mesh "mesh" "$mesh $(stamp "$mesh")" make_mesh "bring the mesh into the frame of $out/flat/points.ply"
     fi
     step masks "masks" "" make_masks "mend what it says"
     step dataset "import" "" dataset "mend what it says"
 else
-    step dataset "import" "$lights $size" lit_dataset "mend what it says"
+    step dataset "import" "$lights $(stamp "$photos") $size" lit_dataset "mend what it says"
 fi
 step tune "which model and options suit these photographs" "$seconds" tune "mend what it says"
 step fit "fit and judge" "" fit "mend what it says"
