@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs every Debian package that the build, the tests and the figures need: the only list of them.
-# `install-packages.sh fuzz`, `check` or `peers`: what `make fuzz`, `make check` or `make peers` needs, too; `bench` or
-# `bare-root`: only what `make radiafit-bench` or scripts/bare-root.sh needs.
+# `install-packages.sh fuzz`, `check` or `peers`: what `make fuzz`, `make check` or `make peers` needs, too; `bench`,
+# `bare-root` or `capture`: only what `make radiafit-bench`, scripts/bare-root.sh or datasets/scripts/capture.sh needs.
 # Says nothing and changes nothing where all are there. RADIAFIT_SKIP_PACKAGES=1 leaves the system alone.
 set -eu
 
@@ -26,6 +26,7 @@ command -v npm >/dev/null || packages="$packages nodejs npm"  # of the published
     libegl-dev libgl-dev libosmesa6-dev
 "
 [ "${1:-}" != peers ] || packages="$packages python3-torch"
+[ "${1:-}" != capture ] || packages="colmap"
 [ "${1:-}" != bare-root ] || packages="git mmdebstrap uidmap"  # the rest is for the root
 
 [ "${RADIAFIT_SKIP_PACKAGES:-0}" = 1 ] && exit 0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference;
-gl on base, fragment on it, and compute on fragment; synthetic and capture on dataset; fit on dataset, eval on fit; report on base; bench on
-what reads no foreign file; app on all, and below nothing but experiments and the Python module.
+gl on base, fragment on it, and compute on fragment; synthetic and capture on dataset, stereo on capture; fit on dataset, eval on
+fit; report on base; bench on what reads no foreign file; app on all, and below nothing but experiments and the Python module.
 
 Also: which folder may include which foreign library, that heavy headers stay out of our headers, and that no message below
 app names options and commands as the command line has them, which mean nothing to a caller of the library.
@@ -27,6 +27,7 @@ ALLOWED.update(
     synthetic=up_to("dataset"),
     reference=up_to("optim"),
     capture=up_to("dataset"),
+    stereo=up_to("dataset") | {"capture"},
     fit=up_to("dataset"),
     eval=up_to("dataset") | {"fit"},
     viewbasis=up_to("samples") | {"gl", "fit", "eval"},
@@ -62,7 +63,7 @@ PROGRAMS = {"app", "bench",  # whose messages nobody reads but at the command li
             "python"}        # whose documentation leads to the program's
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.
-TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:compare|devices|export|fit|generate|import|info|judge|options|plan|publish|render|tune)\b")
+TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:capture|compare|devices|export|fit|generate|import|info|judge|options|plan|publish|render|tune)\b")
 # No messages: these functions put down, in a dataset, the command that makes it again.
 PROVENANCE = {"src/capture/import.cpp": "provenance", "src/capture/import_lights.cpp": "provenance",
               "src/synthetic/synthetic.cpp": "synthetic_source"}

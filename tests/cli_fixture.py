@@ -34,7 +34,7 @@ def snapshot(folder):
 
 def complaints(stderr):
     """Its lines, without those that say what a command needs, and what it chose."""
-    return [line for line in stderr.splitlines() if not re.match("(fit|import|generate) needs about |chosen by the data: ", line)]
+    return [line for line in stderr.splitlines() if not re.match("(fit|import|generate|depths) needs about |chosen by the data: ", line)]
 
 
 def python_with(module):
@@ -182,3 +182,35 @@ def write_capture(dataset, out):
         images += [f"{i} {' '.join(map(repr, pose))} {i} {name}", ""]
     (out / "sparse" / "cameras.txt").write_text("\n".join(cameras) + "\n")
     (out / "sparse" / "images.txt").write_text("\n".join(images) + "\n")
+
+
+def surface_points(dataset):
+    """Vertices of a dataset's mesh and centres of its triangles, as a calibration has points: each with its track, those views,
+    counted from 1, whose cameras it faces, three at least."""
+    header, body = (dataset / "mesh.ply").read_bytes().split(b"end_header\n", 1)
+    count, triangles = (int(re.search(rb"element %s (\d+)" % kind, header)[1]) for kind in (b"vertex", b"face"))
+    vertices = [struct.unpack_from("<3f", body, 12 * i) for i in range(count)]
+    normals = [[0.0] * 3 for _ in vertices]
+    for i in range(triangles):
+        corners = struct.unpack_from("<3I", body, 12 * count + 13 * i + 1)
+        a, b, c = (vertices[k] for k in corners)
+        u, v = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(a, c)]
+        for axis, n in enumerate((u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])):
+            for k in corners:
+                normals[k][axis] += n
+        vertices.append([(x + y + z) / 3 for x, y, z in zip(a, b, c)])
+        normals.append([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+    centres = []
+    for view in json.loads((dataset / "dataset.json").read_text())["views"]:
+        r, t = view["camera"]["cam_from_world_rotation"], view["camera"]["cam_from_world_translation"]
+        centres.append([-sum(r[k][i] * t[k] for k in range(3)) for i in range(3)])
+    points = []
+    for p, n in zip(vertices, normals):
+        track = []
+        for i, centre in enumerate(centres, 1):
+            d = [c - x for c, x in zip(centre, p)]
+            if sum(a * b for a, b in zip(d, n)) > 0.5 * math.dist(centre, p) * math.hypot(*n):
+                track.append(i)
+        if len(track) >= 3:
+            points.append((p, track))
+    return points

@@ -17,7 +17,7 @@ import struct
 import subprocess
 import unittest
 
-from cli_fixture import ProgramTest, read_png, take_arguments, write_capture, write_png
+from cli_fixture import ProgramTest, read_png, surface_points, take_arguments, write_capture, write_png
 
 CHECKOUT = None
 
@@ -26,6 +26,7 @@ NOT_RUN = {  # what a block's line begins with: why
     "scp ": "another machine", "ssh ": "another machine", "docker ": "another machine", "apptainer ": "another machine",
     "mkdir -p results/reference/bench ": "rows of another machine",
     "for n in 0 1; do ./radiafit-bench ": "several graphics chips",
+    "datasets/scripts/capture.sh ": "tests/capture_script_test.py runs it",
     "parallel ": "a program of its own; the loop beside it runs",
     "PYTHONPATH=": "tests/python_module_test.py runs it",
     "build/release/experiments/fig7_convergence": "minutes; the smoke tests run every experiment, and its --set and --run",
@@ -74,6 +75,9 @@ class DocCommands(ProgramTest):
         """sparse, images, masks and a mesh, as COLMAP and a modeller leave them."""
         self.star()
         write_capture(self.folder / "star", self.folder / "capture")
+        points = [f"{id} {' '.join(map(repr, at))} 9 9 9 0.4 " + " ".join(f"{i} {id}" for i in track)
+                  for id, (at, track) in enumerate(surface_points(self.folder / "star"))]  # fmt: skip
+        (self.folder / "capture/sparse/points3D.txt").write_text("\n".join(points) + "\n")
         for name in ("sparse", "images", "mesh.ply"):
             (self.folder / "capture" / name).rename(self.folder / name)
         (self.folder / "masks").mkdir()
@@ -147,7 +151,7 @@ class DocCommands(ProgramTest):
         with_commands = {page for page in pages if any(c.startswith("radiafit ") and " [--" not in c and not c.startswith(tuple(NOT_RUN)) for c in commands_of(CHECKOUT / page))}
         self.assertLessEqual(with_commands, set(self.TESTED))
 
-    TESTED = {"README.md": 4, "docs/captures.md": 3, "docs/rti.md": 7, "docs/formats.md": 4, "docs/problems.md": 2, "docs/scaling.md": 5, "docs/viewer.md": 4}
+    TESTED = {"README.md": 5, "docs/captures.md": 8, "docs/rti.md": 7, "docs/formats.md": 4, "docs/problems.md": 2, "docs/scaling.md": 5, "docs/viewer.md": 4}
 
     def check_page(self, name):
         self.assertGreaterEqual(self.run_page(name), self.TESTED[name])

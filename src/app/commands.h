@@ -14,6 +14,7 @@ struct Invocation {
 };
 
 void add_generate(CommandLine& program);
+void add_capture(CommandLine& program);
 void add_import(CommandLine& program, const Invocation& invocation);
 void add_info(CommandLine& program);
 void add_plan(CommandLine& program);

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
         "--quiet", [] { set_quiet(true); }, "no messages and bars on standard error, only warnings and errors");
     const Invocation invocation{argc, argv};
     add_generate(program);
+    add_capture(program);
     add_import(program, invocation);
     add_info(program);
     add_plan(program);

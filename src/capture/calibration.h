@@ -13,6 +13,7 @@ struct CalibratedImage {
     Camera camera;                    ///< of the whole photograph
     bool held_out = false;            ///< the calibration itself says so
     std::filesystem::path mask = {};  ///< the calibration names this file; empty: none
+    uint64_t id = 0;                  ///< COLMAP's IMAGE_ID, by which its points name it
 };
 
 struct Calibration {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <set>
@@ -16,6 +15,7 @@
 #include "base/error.h"
 #include "base/read_file.h"
 #include "base/wording.h"
+#include "capture/colmap_binary.h"
 #include "capture/text_file.h"
 
 namespace radiafit {
@@ -87,7 +87,7 @@ void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, cons
 }
 
 /// pose: qw, qx, qy, qz, tx, ty, tz, world to camera.
-void add_image(Calibration& model, const Intrinsics& cameras, const std::string& where, std::string name,
+void add_image(Calibration& model, const Intrinsics& cameras, const std::string& where, uint64_t id, std::string name,
                uint64_t camera_id, const std::array<double, 7>& pose) {
     const auto fail = [&](const std::string& problem) {
         throw UserError(fmt::format("{}: image '{}' {}", where, name, problem));
@@ -105,6 +105,7 @@ void add_image(Calibration& model, const Intrinsics& cameras, const std::string&
     if (rotation.norm() < 0.1 || !(rotation.norm() < 10))
         fail(fmt::format("has a quaternion of length {}, far from 1: write the model again", rotation.norm()));
     CalibratedImage image{name, camera->second};
+    image.id = id;
     image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
     image.camera.cam_from_world_translation = {pose[4], pose[5], pose[6]};
     check_camera(image.camera, fmt::format("{}: image '{}'", where, name));
@@ -150,13 +151,13 @@ void read_images_text(Calibration& model, const Intrinsics& cameras) {
         if (line.empty() || line.starts_with('#')) continue;
         const auto tokens = split_tokens(line);
         if (tokens.size() < 10) text.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME: mend the line");
-        text.to_unsigned(tokens[0], "IMAGE_ID");
+        const uint64_t id = text.to_unsigned(tokens[0], "IMAGE_ID");
         std::array<double, 7> pose;
         constexpr const char* names[7] = {"QW", "QX", "QY", "QZ", "TX", "TY", "TZ"};
         for (size_t i = 0; i < 7; ++i) pose[i] = text.to_double(tokens[1 + i], names[i]);
         // A name may hold blanks: it is the rest of the line.
         std::string name(tokens[9].data(), line.data() + line.size());
-        add_image(model, cameras, text.where(), std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
+        add_image(model, cameras, text.where(), id, std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
         if (!text.next_line(line)) break;
         if (split_tokens(line).size() % 3 != 0)
             text.fail("expected the image's points X Y POINT3D_ID..., or an empty line, after each image line");
@@ -166,54 +167,8 @@ void read_images_text(Calibration& model, const Intrinsics& cameras) {
                                     model.images_file.string(), *announced, model.images.size()));
 }
 
-/// The bytes of a binary model file; little-endian, as COLMAP writes them.
-class BinaryFile {
-public:
-    explicit BinaryFile(const std::filesystem::path& file) : file_(file), bytes_(read_file(file, "COLMAP file")) {}
-    template <class T>
-    T get() {
-        T value;
-        std::memcpy(&value, take(sizeof(T)), sizeof(T));
-        return value;
-    }
-    std::string get_string() {
-        const auto end = std::find(bytes_.begin() + static_cast<ptrdiff_t>(at_), bytes_.end(), '\0');
-        const size_t length = static_cast<size_t>(end - bytes_.begin()) - at_;
-        const char* first = take(length + 1);
-        return {first, length};
-    }
-    void skip(uint64_t count, uint64_t size) {
-        if (count > (bytes_.size() - at_) / size) fail_truncated();
-        at_ += count * size;
-    }
-    void set_entry(std::string entry) { entry_ = std::move(entry); }
-    void expect_end() const {
-        if (at_ != bytes_.size())
-            throw UserError(
-                fmt::format("{}: {} bytes follow the last entry, so this is no COLMAP file or a damaged "
-                            "one: write the model again",
-                            file_.string(), bytes_.size() - at_));
-    }
-    const std::filesystem::path& file() const { return file_; }
-
-private:
-    const char* take(size_t size) {
-        if (size > bytes_.size() - at_) fail_truncated();
-        at_ += size;
-        return bytes_.data() + at_ - size;
-    }
-    [[noreturn]] void fail_truncated() const {
-        throw UserError(fmt::format("{}: truncated: {} bytes end within {}: copy or write the model again",
-                                    file_.string(), bytes_.size(), entry_));
-    }
-    std::filesystem::path file_;
-    std::string bytes_;
-    size_t at_ = 0;
-    std::string entry_ = "the header";
-};
-
 Intrinsics read_cameras_binary(const std::filesystem::path& path) {
-    BinaryFile file(path);
+    ColmapBinary file(path);
     Intrinsics cameras;
     const auto count = file.get<uint64_t>();
     for (uint64_t i = 0; i < count; ++i) {
@@ -234,17 +189,17 @@ Intrinsics read_cameras_binary(const std::filesystem::path& path) {
 }
 
 void read_images_binary(Calibration& model, const Intrinsics& cameras) {
-    BinaryFile file(model.images_file);
+    ColmapBinary file(model.images_file);
     const auto count = file.get<uint64_t>();
     for (uint64_t i = 0; i < count; ++i) {
         file.set_entry(fmt::format("image {} of {}", i + 1, count));
-        file.get<uint32_t>();  // IMAGE_ID
+        const auto id = file.get<uint32_t>();
         std::array<double, 7> pose;
         for (double& p : pose) p = file.get<double>();
         const auto camera_id = file.get<uint32_t>();
         std::string name = file.get_string();
         file.skip(file.get<uint64_t>(), 24);  // points: x, y, POINT3D_ID
-        add_image(model, cameras, model.images_file.string(), std::move(name), camera_id, pose);
+        add_image(model, cameras, model.images_file.string(), id, std::move(name), camera_id, pose);
     }
     file.expect_end();
 }

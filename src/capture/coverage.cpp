@@ -62,23 +62,6 @@ Vec2d aim(const Silhouette& view) {
     return count > 0 ? Vec2d(sum / count) : Vec2d(view.camera.cx, view.camera.cy);
 }
 
-/// The point of least summed squared distance to the rays; none where they are parallel.
-std::optional<Vec3d> meeting_point(std::span<const Silhouette> views) {
-    Mat3d sum = Mat3d::Zero();
-    Vec3d right = Vec3d::Zero();
-    for (const Silhouette& view : views) {
-        const Camera& c = view.camera;
-        const Vec2d pixel = aim(view);
-        const Vec3d in_camera((pixel.x() - c.cx) / c.fx, (pixel.y() - c.cy) / c.fy, 1);
-        const Vec3d ray = (c.cam_from_world_rotation.transpose() * in_camera).normalized();
-        const Mat3d across = Mat3d::Identity() - ray * ray.transpose();
-        sum += across;
-        right += across * c.center();
-    }
-    if (sum.determinant() < 1e-9 * std::pow(double(views.size()), 3)) return {};
-    return Vec3d(sum.inverse() * right);
-}
-
 OtherFrame about_centroid(const Vec3d& centre, double scale, const Vec3d& target) {
     return {scale, target - scale * centre, false, {}};
 }
@@ -120,6 +103,22 @@ std::vector<OtherFrame> usual_mistakes(const Mesh& mesh, std::span<const Silhoue
 }
 
 }  // namespace
+
+std::optional<Vec3d> meeting_point(std::span<const Silhouette> views) {
+    Mat3d sum = Mat3d::Zero();
+    Vec3d right = Vec3d::Zero();
+    for (const Silhouette& view : views) {
+        const Camera& c = view.camera;
+        const Vec2d pixel = aim(view);
+        const Vec3d in_camera((pixel.x() - c.cx) / c.fx, (pixel.y() - c.cy) / c.fy, 1);
+        const Vec3d ray = (c.cam_from_world_rotation.transpose() * in_camera).normalized();
+        const Mat3d across = Mat3d::Identity() - ray * ray.transpose();
+        sum += across;
+        right += across * c.center();
+    }
+    if (sum.determinant() < 1e-9 * std::pow(double(views.size()), 3)) return {};
+    return Vec3d(sum.inverse() * right);
+}
 
 Coverage& Coverage::operator+=(const Coverage& other) {
     object += other.object;

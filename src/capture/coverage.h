@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,10 @@ struct Coverage {
     Coverage& operator+=(const Coverage& other);
 };
 Coverage measure_coverage(const Mesh& mesh, std::span<const Silhouette> views);
+
+/// The point that the cameras look at: of least summed squared distance to the rays through the masks' centroids, or to
+/// the optical axes where there are no masks. None where they are parallel.
+std::optional<Vec3d> meeting_point(std::span<const Silhouette> views);
 
 /// Where the mesh would have to be: scale * position + shift, its faces turned over or not.
 struct OtherFrame {

@@ -9,11 +9,12 @@
 
 namespace radiafit {
 
-std::string lower_ending(const std::filesystem::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    return ending;
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
 }
+
+std::string lower_ending(const std::filesystem::path& file) { return lower_case(file.extension().string()); }
 
 std::string dataset_name(const std::string& chosen, const std::filesystem::path& folder) {
     return chosen.empty() ? (folder / ".").lexically_normal().parent_path().filename().string() : chosen;

@@ -5,6 +5,9 @@
 
 namespace radiafit {
 
+/// Letters from A to Z made small.
+std::string lower_case(std::string text);
+
 /// ".png" of IMAGE.PNG.
 std::string lower_ending(const std::filesystem::path& file);
 

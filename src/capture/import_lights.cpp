@@ -64,11 +64,16 @@ void check_options(const LightImportOptions& o) {
             fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
 
-/// Light files often name images by where they once were, on another system.
-fs::path find_image(const fs::path& folder, const std::string& name, const fs::path& list) {
+/// Light files often name images by where they once were, on another system, which may not tell letter cases apart.
+fs::path find_image(const fs::path& folder, const std::vector<std::string>& found, const std::string& name,
+                    const fs::path& list) {
     const std::string base = name.substr(name.find_last_of("/\\") + 1);
     for (const fs::path& file : {folder / name, folder / base})
         if (stands(file)) return file;
+    const std::string lower = lower_case(base);
+    const auto alike = [&](const std::string& other) { return lower_case(other) == lower; };
+    const auto first = std::find_if(found.begin(), found.end(), alike);
+    if (first != found.end() && std::find_if(first + 1, found.end(), alike) == found.end()) return folder / *first;
     throw UserError(fmt::format("{}: no such image, but {} names it: check {}, or take its line out",
                                 (folder / base).string(), list.string(), option_name("images")));
 }
@@ -120,7 +125,7 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
     for (const Vec3d& v : lights.vectors) directions.push_back(v.normalized());
     const std::vector<uint8_t> held_out = choose_held_out(names, directions, o.holdout);
     for (size_t i = 0; i < names.size(); ++i) {
-        sources[i].file = find_image(o.images, names[i], named_by);
+        sources[i].file = find_image(o.images, found, names[i], named_by);
         if (!files.insert(sources[i].file.lexically_normal()).second)
             throw UserError(fmt::format("{}: '{}' means {}, as another line does: give images of different names",
                                         named_by.string(), names[i], sources[i].file.string()));

@@ -140,6 +140,30 @@ def write_tiny(out):
     packed += struct.pack("<B3iB3i", 3, 0, 1, 2, 3, 0, 2, 3)
     (out / "binary.ply").write_bytes(head.format("binary_little_endian").encode() + packed)
     (out / "gains.txt").write_text("0.png 1\n1.png 1.1\n2.png 0.9\n")
+    write_stereo(out)
+
+
+def write_stereo(out):
+    """What steps of `capture` read beside the model: 40 points on the square, all of them in every photograph; depth and
+    normal maps of it, as `capture depths` writes them; masks of another size."""
+    points = [(i % 8 / 4 - 0.9, i // 8 / 3 - 0.6, 0.0) for i in range(40)]
+    lines, data = [], struct.pack("<Q", len(points))
+    for i, point in enumerate(points):
+        lines.append(f"{i} {' '.join(map(repr, point))} 9 9 9 0.5 " + " ".join(f"{image} {i}" for image in (1, 2, 3)))
+        data += struct.pack("<Q3d3BdQ", i, *point, 9, 9, 9, 0.5, 3) + struct.pack("<6I", 1, i, 2, i, 3, i)
+    (out / "text/points3D.txt").write_text("\n".join(lines) + "\n")
+    (out / "binary/points3D.bin").write_bytes(data)
+    (out / "stereo/depth_maps").mkdir(parents=True)
+    (out / "stereo/normal_maps").mkdir()
+    for i, angle in enumerate((-0.3, 0, 0.3)):
+        normal = (-math.sin(angle), 0, -math.cos(angle))
+        depths = [4 * normal[2] / (normal[0] * (x - 8) / 20 + normal[2]) for _ in range(16) for x in range(16)]
+        (out / f"stereo/depth_maps/{i}.png.geometric.bin").write_bytes(b"16&16&1&" + struct.pack("<256f", *depths))
+        normals = [v for v in normal for _ in range(256)]
+        (out / f"stereo/normal_maps/{i}.png.geometric.bin").write_bytes(b"16&16&3&" + struct.pack("<768f", *normals))
+    (out / "small-masks").mkdir()
+    for i in range(3):
+        write_png(out / f"small-masks/{i}.png", 8, 8, b"\xff" * 192)
 
 
 def write_run(folder, experiment, file, rows, **record):

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""datasets/scripts/capture.sh: from photographs and from an RTI folder to a page, what it says of bad input and of poor steps,
+and that it goes on where it was stopped. COLMAP is played by a program that knows the cameras (fake_colmap.py): what is
+tested is the script, and our steps between COLMAP's. Arguments: the program, the checkout.
+"""
+import json
+import math
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import time
+import unittest
+
+from bad_inputs.fixtures import write_binary_model
+from cli_fixture import ProgramTest, read_png, surface_points, take_arguments, write_capture, write_png
+
+CHECKOUT = None
+STEPS = "features matches cameras flat depths mesh masks dataset tune fit page".split()
+
+
+def write_points(points, out):
+    """A model's points3D.bin."""
+    data = struct.pack("<Q", len(points))
+    for id, (position, track) in enumerate(points, 1):
+        data += struct.pack("<Q3d3BdQ", id, *position, 9, 9, 9, 0.4, len(track))
+        data += b"".join(struct.pack("<2I", image, id) for image in track)
+    out.write_bytes(data)
+
+
+class CaptureScript(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.script = CHECKOUT / "datasets/scripts/capture.sh"
+        programs = cls.root / "programs"
+        programs.mkdir()
+        fake = programs / "colmap"
+        fake.write_text(f"#!/bin/sh\nexec {sys.executable} -B {CHECKOUT / 'tests/fake_colmap.py'} \"$@\"\n")
+        fake.chmod(0o755)
+        cls.environment = {"RADIAFIT": str(cls.program), "RADIAFIT_SKIP_PACKAGES": "1", "FAKE_COLMAP": str(cls.root / "truth"),
+                           "PATH": f"{programs}:{os.environ['PATH']}"}  # fmt: skip
+        cls.good("generate", "star", "-o", "star")
+        write_capture(cls.root / "star", cls.root / "truth")
+        write_binary_model(cls.root / "truth/sparse", cls.root / "truth/model")
+        write_points(surface_points(cls.root / "star"), cls.root / "truth/model/points3D.bin")
+        shutil.copytree(cls.root / "truth/images", cls.root / "photographs of a star")
+
+    def capture(self, *arguments, **more):
+        return self.run_program(*arguments, program=self.script, environment=self.environment | more)
+
+    def captured(self, *arguments, **more):
+        result = self.capture(*arguments, **more)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def assert_refused(self, *arguments, says, **more):
+        result = self.capture(*arguments, **more)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        last = result.stderr.splitlines()[-1]
+        self.assertTrue(last.startswith("capture.sh: "), result.stderr)
+        for words in [says] if isinstance(says, str) else says:
+            self.assertIn(words, result.stderr)
+
+    def test_options_and_folders_are_checked(self):
+        (self.root / "two").mkdir(exist_ok=True)
+        (self.root / "two/a.LP").write_text("")
+        (self.root / "two/b.lp").write_text("")
+        (self.root / "empty").mkdir(exist_ok=True)
+        photographs = "photographs of a star"
+        for arguments, says in (
+            ([], "give the folder of photographs and the folder to write"),
+            (["--sizes", "3", photographs, "out"], "--sizes: no such option"),
+            (["--size"], "--size takes a value"),
+            (["--size", "big", photographs, "out"], "'big': --size, --seconds and --threads take whole numbers"),
+            (["--until", "never", photographs, "out"], "--until never: choose features, matches"),
+            (["nowhere", "out"], "nowhere: no such folder of photographs"),
+            (["--masks", "nowhere", photographs, "out"], "nowhere: no such folder of masks"),
+            (["--mesh", "nowhere", photographs, "out"], "nowhere: no such mesh"),
+            (["empty", "out"], "0 photographs here, fewer than three"),
+            (["two", "out"], "several light files (.lp): keep the one"),
+            ([photographs, photographs + "/out"], "inside the folder of photographs: write elsewhere"),
+        ):
+            self.assert_refused(*arguments, says=says)
+        self.assert_refused(photographs, "out", says="run make build", RADIAFIT="nowhere/radiafit")
+        self.assertFalse((self.root / "out").exists())
+        self.assertIn("--until STEP", self.captured("--help").stdout)
+
+    def test_photographs_to_a_page(self):
+        out = self.root / "whole run"
+        done = self.captured("--seconds", "5", "photographs of a star", out)
+        for number, step in enumerate(STEPS, 1):
+            self.assertIn(f"[{number}/{len(STEPS)}] ", done.stderr)
+            name, seconds, processor = (out / step / "seconds").read_text().split()
+            self.assertEqual(name, step)
+            self.assertGreaterEqual(int(seconds) + 1, 0)
+            self.assertGreaterEqual(int(processor) + 1, 0)
+        self.assertIn("photographs registered", done.stderr)
+        self.assertIn("depth maps; of the pixels", done.stderr)
+        self.assertIn("from the mesh in the median", done.stderr)
+        self.assertRegex(done.stdout, r"\(test\): .*PSNR")
+        self.assertIn("<html", (out / "page/index.html").read_text()[:400])
+        self.assertFalse(list(out.glob("*.part")))
+        # Masks are of the mesh; every photograph has one.
+        masks, photographs = sorted((out / "masks/masks").iterdir()), sorted((out / "flat/large/images").iterdir())
+        self.assertEqual([m.stem for m in masks], [p.stem for p in photographs])
+        share = [sum(rgb[::3]) / 255 / (w * h) for w, h, rgb in map(read_png, masks)]
+        self.assertTrue(all(0.02 < s < 0.98 for s in share), share)
+
+        # The same again does nothing; another option begins behind what it does not change.
+        again = self.captured("--seconds", "5", "photographs of a star", out)
+        self.assertEqual(again.stderr.count("done before"), len(STEPS))
+        self.assertEqual(again.stdout, done.stdout)
+        until = self.captured("--seconds", "4", "--until", "tune", "photographs of a star", out)
+        self.assertEqual(until.stderr.count("done before"), STEPS.index("tune"))
+
+        # The user's own mesh in place of depths, and masks.
+        masked = self.root / "masked"
+        masked.mkdir()
+        for mask in masks:
+            shutil.copy(mask, masked / mask.name)
+        mine = ("--seconds", "4", "--masks", masked, "--mesh", "truth/mesh.ply", "--until", "dataset", "photographs of a star")
+        given = self.captured(*mine, self.root / "given")
+        self.assertIn("mesh and masks agree on", given.stderr)
+        self.assertFalse((self.root / "given/depths").exists())
+
+    def test_poor_outcomes_are_said(self):
+        photographs = "photographs of a star"
+        self.assert_refused(photographs, "poor", says=["only 2 of ", "take more photographs", "--go-on"], FAKE_COLMAP_KEEPS="2")
+        self.assertTrue((self.root / "poor/cameras").is_dir())
+        self.assert_refused(photographs, "none", says="no two photographs fit together: take more photographs", FAKE_COLMAP_KEEPS="0")
+        self.assert_refused(photographs, "few", says="9 features are too few: photograph sharper", FAKE_COLMAP_FEATURES="9")
+        self.captured("--go-on", "--until", "features", photographs, "few", FAKE_COLMAP_FEATURES="9")
+        self.assert_refused(photographs, "killed", says="matches between photographs failed", FAKE_COLMAP_FAILS="exhaustive_matcher")
+        (self.root / "far.obj").write_text("v 90 90 90\nv 91 90 90\nv 90 91 90\nf 1 2 3\n")
+        self.assert_refused("--mesh", "far.obj", photographs, "far", says=["bring the mesh into the", "points.ply"])
+
+    def test_goes_on_where_it_was_stopped(self):
+        out = self.root / "stopped"
+        command = [self.script, "--seconds", "4", "--until", "mesh", "photographs of a star", out]
+        first = subprocess.Popen(command, cwd=self.root, env={**os.environ, **self.environment, "FAKE_COLMAP_WAITS": "exhaustive_matcher"},
+                                 stderr=subprocess.PIPE, text=True)  # fmt: skip
+        for _ in range(600):
+            if (out / "matches.part/log").exists() and "matching" in (out / "matches.part/log").read_text():
+                break
+            time.sleep(0.1)
+        self.assert_refused("photographs of a star", out, says="another run writes here")
+        first.send_signal(signal.SIGTERM)
+        self.assertEqual(first.wait(60), 130)
+        self.assertIn("the same command goes on from here", first.communicate()[1])
+        done = self.captured("--seconds", "4", "--until", "mesh", "photographs of a star", out)
+        self.assertEqual(done.stderr.count("done before"), 1)
+        self.assertTrue((out / "mesh/mesh.ply").exists())
+
+    def test_images_under_lamps(self):
+        side, lamps = 20, 20
+        folder = self.root / "a dome"
+        folder.mkdir()
+        lines = []
+        for i in range(lamps):
+            z = 0.35 + 0.6 * (i + 0.5) / lamps
+            angle, r = 2.4 * i, math.sqrt(1 - z * z)
+            light = (r * math.cos(angle), r * math.sin(angle), z)
+            rows = bytearray()
+            for y in range(side):
+                for x in range(side):
+                    n = (0.3 * math.sin(x / 3), 0.3 * math.sin(y / 4), 1.0)
+                    facing = max(0, sum(a * b for a, b in zip(n, light))) / math.sqrt(sum(a * a for a in n))
+                    rows += bytes(int(250 * (albedo * facing) ** (1 / 2.2)) for albedo in (0.7, 0.5, 0.3))
+            write_png(folder / f"Lamp {i:02}.PNG", side, side, bytes(rows))
+            # As programs leave them: absolute names of another machine, relative ones, letter cases as they come.
+            name = ("C:\\dome\\LAMP {:02}.png", "/home/me/dome/lamp {:02}.png", "Lamp {:02}.PNG", "./lamp {:02}.Png")[i % 4].format(i)
+            lines.append(f"{name} {light[0]} {light[1]} {light[2]}")
+        (folder / "Dome.LP").write_text("\r\n".join([str(lamps), *lines]) + "\r\n")
+        done = self.captured("--seconds", "3", folder, "dome out", PATH=os.environ["PATH"])
+        self.assertIn("[1/4] import", done.stderr)
+        self.assertRegex(done.stdout, r"\(test\): .*PSNR")
+        self.assertTrue((self.root / "dome out/page/index.html").exists())
+        self.assertEqual(json.loads((self.root / "dome out/dataset/dataset/dataset.json").read_text())["views"][3]["name"][:7], "Lamp 03")
+
+
+if __name__ == "__main__":
+    CaptureScript.program, CHECKOUT = take_arguments(2)
+    unittest.main()
