@@ -140,7 +140,7 @@ run_into() {
 step() {
     name=$1
     number=$((number + 1))
-    if [ -z "$redo" ] && [ "$(cat "$out/$name/step" 2>/dev/null)" = "$3" ]; then
+    if [ -z "$redo" ] && [ -d "$out/$name" ] && [ "$(cat "$out/$name/step")" = "$3" ]; then
         echo "[$number/$total] $2: done before" >&2
     else
         part=$out/$name.part
