@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "capture/colmap.h"
 #include "capture/image_file.h"
 #include "capture_fixture.h"

@@ -142,7 +142,9 @@ TEST(Agreement, KeepsWhatOthersSeeToo) {
     const PlaneMap agreed = agreed_planes(maps[1], others, 2);
     EXPECT_GT(double(agreed.known_count()), 0.75 * double(maps[1].known_count()));  // what both others see
     for (size_t i = 0; i < agreed.planes.size(); ++i)
-        if (agreed.known(i)) EXPECT_EQ(agreed.planes[i], maps[1].planes[i]);
+        if (agreed.known(i)) {
+            EXPECT_EQ(agreed.planes[i], maps[1].planes[i]);
+        }
 
     PlaneMap nearer = maps[1];
     for (InversePlane& plane : nearer.planes) plane *= 1.02f;
