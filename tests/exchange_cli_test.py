@@ -87,7 +87,7 @@ class Exchange(ProgramTest):
         """Lafortune's texels are looked up by the nearest: each has a pixel of its own in the texture."""
         glb = self.exported("lafortune")
         side = json.loads((self.root / "lafortune/fit.json").read_text())["reflectance"]["surface_side"]
-        (texels, *_), numbers = self.parameters("lafortune", "parameters")
+        (texels, *_), numbers = self.parameters("lafortune", "texels")
         stride, per_tile = len(numbers) // texels, side * (side + 1) // 2
         width, height, base = read_png(glb.image("base colour"))
         _, _, rough = read_png(glb.image("roughness"))

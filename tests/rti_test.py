@@ -75,7 +75,7 @@ class Rti(ProgramTest):
         cls.browser = Browser()
         cls.addClassCleanup(cls.browser.close)
 
-    def check_agreement(self, model):
+    def check_agreement(self, model, least):
         self.good("fit", "relief", "--model", model, "-o", model)
         self.good("export", "rti", model, "-o", f"rti_{model}")
         self.browser.size(*SIDES)
@@ -89,13 +89,14 @@ class Rti(ProgramTest):
             rendered = read_png(self.root / "picture.png")[2]
             agreement = psnr(shown, rendered)
             print(f"{model}, lamp {x}, {y}: {agreement:.1f} dB")
-            self.assertGreater(agreement, AGREEMENT)
+            self.assertGreater(agreement, least)
 
     def test_polynomial_texture_map(self):
-        self.check_agreement("ptm")
+        self.check_agreement("ptm", AGREEMENT)
 
     def test_another_model(self):
-        self.check_agreement("lambert")
+        """sRGB of a cosine is steeper at the horizon than any polynomial of so few terms: it comes less close."""
+        self.check_agreement("lambert", 25)
 
 
 if __name__ == "__main__":
