@@ -60,7 +60,11 @@ count=$(find "$photos/" -maxdepth 1 -type f,l | grep -icE '\.(jpe?g|png|tiff?)$'
     die "$photos: $count photographs here, fewer than three: give JPEG, PNG or TIFF files"
 mkdir -p "$out" || die "$out: cannot make this folder: write elsewhere"
 out=$(cd "$out" && pwd)
-case $out/ in "$photos"/*) die "$out: inside the folder of photographs: write elsewhere" ;; esac
+case $out/ in "$photos"/*)
+    rmdir "$out" 2>/dev/null || true
+    die "$out: inside the folder of photographs: write elsewhere"
+    ;;
+esac
 exec 9>"$out/lock"
 flock -n 9 || die "$out: another run writes here: wait for it, or write elsewhere"
 [ "$threads" != 0 ] && of_colmap=$threads || of_colmap=-1
