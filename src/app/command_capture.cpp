@@ -78,8 +78,8 @@ void add_check_model(CommandLine& parent) {
     add_json(command, o->json);
     command.on_run([=] {
         const ModelCheck check = check_model(o->model, o->photographs);
-        print_model(check, o->json);
         judge(check.poor, o->go_on);
+        print_model(check, o->json);
     });
 }
 
@@ -231,8 +231,8 @@ void add_check_mesh(CommandLine& parent) {
     command.on_run([=] {
         require_images(o->images, o->masks);
         const MeshCheck check = check_mesh(o->mesh, o->model, o->images, o->masks);
-        print_mesh(check, !o->masks.empty(), o->json);
         judge(check.poor, o->go_on);
+        print_mesh(check, !o->masks.empty(), o->json);
     });
 }
 

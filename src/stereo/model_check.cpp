@@ -69,10 +69,12 @@ ModelCheck check_model(const std::filesystem::path& folder, const std::filesyste
     for (const std::string& name : list_images(photographs)) all[name].name = name;
     std::vector<size_t> seen(model.images.size(), 0);
     for (const SparsePoint& point : points) {
-        check.reprojection_error += point.error / double(points.size());
-        check.track_length += double(point.images.size()) / double(points.size());
+        check.reprojection_error += point.error;
+        check.track_length += double(point.images.size());
         for (const uint32_t i : point.images) ++seen[i];
     }
+    check.reprojection_error /= double(points.size());
+    check.track_length /= double(points.size());
     for (size_t i = 0; i < model.images.size(); ++i) all[model.images[i].name] = {model.images[i].name, true, seen[i]};
     check.points = points.size();
     check.registered = model.images.size();

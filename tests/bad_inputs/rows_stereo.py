@@ -83,8 +83,8 @@ for damage, *words in (
 ):
     rows.append((depths(), damage, 2, *words))
 for option, value, *words in (
-    ("--sources", "1", "--sources: "), ("--sources", "17", "--sources: "), ("--agree", "0", "--agree: "),
-    ("--region", "0", "--region: "), ("--region", "nan", "--region: "), ("--most-cost", "3", "--most-cost: "), ("--seed", "-1", "--seed: "),
+    ("--sources", "1", "sources = "), ("--sources", "17", "sources = "), ("--agree", "0", "agree = "),
+    ("--region", "0", "region = "), ("--region", "nan", "region = "), ("--most-cost", "3", "most-cost = "), ("--seed", "-1", "seed = "),
 ):  # fmt: skip
     rows.append((depths(f"{option} {value}"), None, 2, *words))
 rows.append((depths(), None, 0, "3 depth maps"))
@@ -107,8 +107,8 @@ rows += [
     (cut_mesh(), patch(depth, 8, b"\0\0\x80\xbf"), 2, f"{depth}: pixel (0, 0) has depth -1"),
     (cut_mesh("--support 0"), None, 0, "4 of 4 vertices, 2 triangles"),
     (cut_mesh("--support 4"), None, 2, "nothing of the mesh is left"),
-    (cut_mesh("--support -1"), None, 2, "--support: "),
-    (cut_mesh("--close 1001"), None, 2, "--close: "),
+    (cut_mesh("--support -1"), None, 2, "support = "),
+    (cut_mesh("--close 1001"), None, 2, "close = "),
     (cut_mesh("--masks photos/masks"), None, 2, "--images"),
     (cut_mesh("--masks photos/small-masks --images photos/images"), None, 2, "photos/small-masks/0.png: 8 x 8 pixels, but its photograph has 16 x 16"),
     (cut_mesh(), replace("photos/mesh.obj", "f 1 2 3", "f 1 2 9"), 2, "photos/mesh.obj:"),
@@ -117,7 +117,7 @@ rows += [
 # Masks, and what is held against a mesh
 rows += [
     (masks(), None, 0),
-    (masks("--inset -1"), None, 2, "--inset: "),
+    (masks("--inset -1"), None, 2, "inset = "),
     (masks(), write("new", "x"), 2, "new"),
     (masks(), replace("photos/text/images.txt", "1.png", "0.jpg"), 2, "photos/text/images.txt: two images would have the mask 0.png: rename one"),
     (masks(), replace("photos/text/images.txt", "1.png", "../1.png"), 2, "image '../1.png': its name leads out of the output folder: rename it"),
