@@ -263,7 +263,7 @@ make_mesh() {
                 --StereoFusion.min_num_pixels 3 --StereoFusion.max_normal_error 25 \
                 --StereoFusion.num_threads "$of_colmap" &&
             run colmap poisson_mesher --input_path "$part/points.ply" --output_path "$part/whole.ply" \
-                --PoissonMeshing.depth 9 --PoissonMeshing.trim 6 --PoissonMeshing.num_threads "$of_colmap" &&
+                --PoissonMeshing.depth 8 --PoissonMeshing.trim 6 --PoissonMeshing.num_threads "$of_colmap" &&
             with_masks run "$radiafit" $of_radiafit capture cut-mesh "$part/whole.ply" --model "$out/flat/small/sparse" \
                 --depths "$out/depths/stereo" -o "$part/mesh.ply" && rm -r "$part/workspace" || return 1
         checked=$part/mesh.ply
@@ -299,7 +299,8 @@ fit() {
     run "$radiafit" $of_radiafit fit "$out/dataset/dataset" $options -o "$part/fit" &&
         run_into "$part/score" "$radiafit" $of_radiafit judge "$part/fit" && grep '(test): ' "$part/score" >"$part/said"
 }
-page() { run "$radiafit" $of_radiafit publish "$out/fit/fit" --single-file -o "$part/index.html"; }
+publish() { run "$radiafit" $of_radiafit publish "$out/fit/fit" --single-file "$@" -o "$part/index.html"; }
+page() { publish || publish --megabytes 100; }  # a surface of many texels needs more than publish's default
 
 overlap="take more photographs between neighbours (10 to 15 degrees apart), sharp, the object still, something structured around it"
 if [ -z "$lights" ]; then

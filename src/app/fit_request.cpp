@@ -36,15 +36,15 @@ void FitRequest::check() const {
             fmt::format("where OpenGL distributes, all surface maps have one side; leave out {}, {}, {} or {}",
                         option_name("texels-per-pixel"), option_name("engine fragment"),
                         option_name("samples redistributed"), option_name("distributor gl")));
+    if (lacks_engine())
+        throw UserError(fmt::format("{} does not fit {}; choose {} or {}", option_name("engine fragment"),
+                                    family_of(*this).name, option_name("engine cpu"), option_name("engine compute")));
     if (surface == SurfaceLookup::linear && (on_fragment_engine() || redistributes()))
         throw UserError(
             fmt::format("{} fits colours at texels' centres, but where OpenGL distributes a texel takes a pixel; "
                         "choose {}, or leave out {} or {}",
                         option_name("surface linear"), option_name("surface nearest"), option_name("engine fragment"),
                         option_name("samples redistributed")));
-    if (lacks_engine())
-        throw UserError(fmt::format("{} does not fit {}; choose {} or {}", option_name("engine fragment"),
-                                    family_of(*this).name, option_name("engine cpu"), option_name("engine compute")));
     if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }
