@@ -35,6 +35,6 @@ for rank in 10 28; do
     "$radiafit" judge "$out/cape-basis$rank"
 done
 
-"$root/datasets/scripts/labelled_sheet.py" "$out/cape-basis28" "$out/cape.png" \
+"$root/datasets/scripts/labelled_sheet.py" "$out/cape-basis10" "$out/cape.png" \
     'Mold gold cape. Photographs: Daniel Pett, copyright the Trustees of the British Museum, CC BY-NC-SA 4.0' \
-    --words 'view basis, rank 28' --beside "$out/cape-fit3" 'light field map, 3 terms'
+    --words 'view basis, rank 10' --beside "$out/cape-fit3" 'light field map, 3 terms'
