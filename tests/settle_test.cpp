@@ -164,6 +164,28 @@ TEST(Settle, InterpolatesColoursByViewAndWeighsInterpolatedSamples) {
     EXPECT_EQ(weights({{"solver", "als"}}), SampleWeights::equal);  // takes none
 }
 
+TEST(Settle, SmallTrianglesHaveFewerTexelsForColoursByView) {
+    Dataset dataset = ball_from_six_sides();
+    int before = 12;
+    for (const int rings : {4, 8, 16, 32, 64}) {
+        dataset.mesh = testing::ball(rings);
+        for (const char* model : {"viewbasis", "sg"}) {
+            const int side = settled(dataset, {{"model", model}}).request.model.surface_side;
+            EXPECT_LE(side, before) << model << ", " << rings;
+            if (rings == 4) {
+                EXPECT_EQ(side, 12) << model;
+            }
+            if (rings == 64) {
+                EXPECT_EQ(side, 3) << model;
+            }
+            before = side;
+            EXPECT_EQ(settled(dataset, {{"model", model}, {"surface_side", "9"}}).request.model.surface_side, 9);
+        }
+    }
+    for (View& view : dataset.views) view.camera.cx = 1e5;  // none sees it
+    EXPECT_EQ(settled(dataset, {{"model", "viewbasis"}}).request.model.surface_side, 12);
+}
+
 TEST(Settle, LampsAreFittedByWhatIsKnownOfTheSurface) {
     EXPECT_EQ(settled(grid_under_lamps(3)).request.model_name, "lambert");
     EXPECT_EQ(settled(grid_under_lamps(4)).request.model_name, "lafortune");

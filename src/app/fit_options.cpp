@@ -215,9 +215,11 @@ std::vector<FitOption> make_fit_options() {
     add("Light field maps and penalties",
         {by_data(number("terms", use::maps, OF(model.terms), limits::terms,
                         "K; default: 3; of pca, in paper mode and configs 1")),
-         by_data(number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
-                        "n: n(n+1)/2 texels per surface map, or per triangle; default: 8; of colours by view direction "
-                        "12, of reflectance the side of the dataset's normals, but not in configs")),
+         by_data(
+             number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
+                    "n: n(n+1)/2 texels per surface map, or per triangle; default: 8; of colours by view direction 12, "
+                    "fewer where triangles are small in the photographs, of reflectance the side of the dataset's "
+                    "normals, but not in configs")),
          number("texels_per_pixel", use::own_sides, OF(texels_per_pixel), limits::texels_per_pixel,
                 "not where OpenGL distributes; in place of one side: a side from 2 to 64 for each triangle's surface "
                 "maps, "

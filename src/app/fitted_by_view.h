@@ -124,7 +124,7 @@ FitOption noise_option();
 /// The rows, in their group.
 std::vector<FitOption> by_view_options(std::vector<FitOption> rows);
 
-/// Each texel stands alone: finer ones show more. Between them colours go on.
+/// Each texel stands alone: finer ones show more, as long as there are pixels for them. Between them colours go on.
 void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& request);
 /// What a search tries of them.
 Ladder noise_ladder();
