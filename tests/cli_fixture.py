@@ -214,3 +214,10 @@ def surface_points(dataset):
         if len(track) >= 3:
             points.append((p, track))
     return points
+
+
+def write_points(dataset, sparse):
+    """These points, in a text model that write_capture wrote of the dataset."""
+    lines = [f"{id} {' '.join(map(repr, at))} 9 9 9 0.4 " + " ".join(f"{image} {id}" for image in track)
+             for id, (at, track) in enumerate(surface_points(dataset))]  # fmt: skip
+    (sparse / "points3D.txt").write_text("\n".join(lines) + "\n")

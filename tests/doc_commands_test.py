@@ -17,7 +17,7 @@ import struct
 import subprocess
 import unittest
 
-from cli_fixture import ProgramTest, read_png, surface_points, take_arguments, write_capture, write_png
+from cli_fixture import ProgramTest, read_png, take_arguments, write_capture, write_png, write_points
 
 CHECKOUT = None
 
@@ -75,9 +75,7 @@ class DocCommands(ProgramTest):
         """sparse, images, masks and a mesh, as COLMAP and a modeller leave them."""
         self.star()
         write_capture(self.folder / "star", self.folder / "capture")
-        points = [f"{id} {' '.join(map(repr, at))} 9 9 9 0.4 " + " ".join(f"{i} {id}" for i in track)
-                  for id, (at, track) in enumerate(surface_points(self.folder / "star"))]  # fmt: skip
-        (self.folder / "capture/sparse/points3D.txt").write_text("\n".join(points) + "\n")
+        write_points(self.folder / "star", self.folder / "capture/sparse")
         for name in ("sparse", "images", "mesh.ply"):
             (self.folder / "capture" / name).rename(self.folder / name)
         (self.folder / "masks").mkdir()

@@ -112,7 +112,11 @@ def check_glb(data):
     need(28 + json_length + struct.unpack_from("<I", data, 20 + json_length)[0] == length, "its chunks are cut")
 
 
-CHECKS = {".png": check_png, ".exr": check_exr, ".csv": check_csv, ".json": check_json, ".svg": check_svg, ".md": check_text,
+def check_html(data):
+    need(data.rstrip().endswith(b"</html>"), "no end")
+
+
+CHECKS = {".html": check_html, ".png": check_png, ".exr": check_exr, ".csv": check_csv, ".json": check_json, ".svg": check_svg, ".md": check_text,
           ".jpg": check_jpeg, ".glb": check_glb}
 
 

@@ -63,9 +63,9 @@ class SmallDisks:
         whole = size_of(self.scene.undisturbed(self.command, 0)[1])
         sizes = [(PAGE + step * (whole - PAGE) // (self.steps - 1)) // PAGE * PAGE for step in range(self.steps)]
         for step, size in enumerate(sizes):
-            self.run_with(size, step % 2 == 1, self.command.forced())
+            self.run_with(size, self.command.states()[step % len(self.command.states())], self.command.forced())
         if self.command.forced() and self.mounting:
-            self.run_with(sizes[0], True, ())
+            self.run_with(sizes[0], self.command.replaces, ())
         return self.tally
 
     def run_with(self, size, older, more):
@@ -139,11 +139,11 @@ class FullStreams:
     def run(self):
         with open("/dev/full", "w", encoding="utf-8") as full:
             place = self.scene.place()
-            place.fill(self.command, older=True)
+            place.fill(self.command, older=self.command.replaces)
             status, _ = place.run(self.command, stderr=full)
             violations = judge_end(place, self.command, status, "") if status == 0 else [f"exit status {status}"]
             self.tally.add(True, violations, "standard error")
-            place.fill(self.command, older=True)
+            place.fill(self.command, older=self.command.replaces)
             status, said = place.run(self.command, stdout=full)
             violations = place.verdict(self.command).problems
             if status != 0 and (complaint(status, said) or "standard output" not in said):
@@ -156,6 +156,6 @@ def tasks(scene, count, seed, traced, mounting):
     for command in COMMANDS:
         yield SmallDisks(scene, command, 20, mounting)
         if traced:
-            for older in (False, True):
+            for older in command.states():
                 yield FailingCalls(scene, command, older, count, seed)
         yield FullStreams(scene, command)

@@ -12,7 +12,7 @@ import pathlib
 
 from decode import Cut, check_whole
 
-MARKERS = ("dataset.json", "fit.json", "records.json", "run.json", "info.json", "base_colour.png")
+MARKERS = ("dataset.json", "fit.json", "records.json", "run.json", "info.json", "base_colour.png", "index.html", "fusion.cfg")
 VOLATILE = ("times_s", "provenance")  # of fit.json: times, and the machine
 
 

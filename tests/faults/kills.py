@@ -104,7 +104,7 @@ class KillsAtChanges:
 
 def tasks(scene, count, seed, traced):
     for command in COMMANDS:
-        for older in (False, True):
+        for older in command.states():
             yield RandomKills(scene, command, older, count, seed)
             if traced:
                 yield KillsAtChanges(scene, command, older, 2 * count, seed)

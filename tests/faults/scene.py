@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from cli_fixture import write_capture, write_png
+from cli_fixture import write_capture, write_png, write_points
 from judge import Contents, Verdict, outputs, reference
 
 CHECKOUT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -28,10 +28,16 @@ class Command:
     variants: tuple  # arguments of three runs whose outputs differ: the new one, an older one, another
     program: str = "radiafit"
     steps: bool = False  # several outputs, one after another: the first may be whole where the last fails
+    replaces: bool = True  # an older output; else it is refused
+
+    def states(self):
+        """Whether there is an older output that it begins over."""
+        return (False, True) if self.replaces else (False,)
 
     def forced(self):
         """The option that begins a run though the disk will not suffice."""
-        return ("--force",) if self.variants[0][0] in ("generate", "import", "fit") else ()
+        looks = self.variants[0][0] in ("generate", "import", "fit") or self.variants[0][:2] == ("capture", "depths")
+        return ("--force",) if looks else ()
 
 
 def command(name, arguments, option, values, **more):
@@ -56,9 +62,8 @@ def renders_of_fits(name, options):
     return Command(f"render {name}", tuple(("render", f"{INPUTS}/texels{i}", "-o", "out", *options) for i in (0, 1, 2)))
 
 
-def exports(kind, output, of):
-    """Of three fits."""
-    return Command(f"export {kind}", tuple(("export", kind, f"{INPUTS}/{of}{i}", "-o", output) for i in (0, 1, 2)))
+def of_three_fits(name, arguments, output, of):
+    return Command(name, tuple((*arguments.split(), f"{INPUTS}/{of}{i}", "-o", output) for i in (0, 1, 2)))
 
 
 def experiment(name, option, values):
@@ -66,7 +71,8 @@ def experiment(name, option, values):
                    program=name, steps=True)
 
 
-CAPTURE = f"--model {INPUTS}/capture/sparse --images {INPUTS}/capture/images --mesh {INPUTS}/capture/mesh.ply"
+MODEL = f"--model {INPUTS}/capture/sparse"
+CAPTURE = f"{MODEL} --images {INPUTS}/capture/images --mesh {INPUTS}/capture/mesh.ply"
 LAMPS = f"--images {INPUTS}/lamps/images --lights {INPUTS}/lamps/lights.txt"
 HOLDOUTS = ("every:8", "every:5", "none")
 
@@ -93,9 +99,16 @@ COMMANDS = (
     render("turntable", "", "--turntable", (4, 3, 2)),
     render("relit", "", "--light", ("0,0,1", "0.3,0.4,0.8", "0.6,0,0.8"), fitted="texels0"),
     renders_of_fits("problems", ("--problems",)),
-    exports("gltf", "out.glb", "texels"),
-    exports("maps", "out", "texels"),
-    exports("rti", "out", "relief"),
+    of_three_fits("export gltf", "export gltf", "out.glb", "texels"),
+    of_three_fits("export maps", "export maps", "out", "texels"),
+    of_three_fits("export rti", "export rti", "out", "relief"),
+    of_three_fits("publish", "publish", "out", "texels"),
+    of_three_fits("publish one file", "publish --single-file", "out.html", "texels"),
+    command("capture depths", f"capture depths {MODEL} --images {INPUTS}/capture/images -o out", "--seed", (1, 2, 3),
+            replaces=False),
+    command("capture cut-mesh", f"capture cut-mesh {INPUTS}/capture/mesh.ply {MODEL} --depths {INPUTS}/depths -o out.ply",
+            "--region", (1.2, 0.8, 0.9)),
+    command("capture masks", f"capture masks {INPUTS}/capture/mesh.ply {MODEL} -o out", "--inset", (2, 0, 5), replaces=False),
     experiment("table1_datasets", "terms", (1, 2, 3)),
     experiment("fig7_convergence", "cap", (40, 50, 60)),
 )
@@ -233,6 +246,11 @@ class Scene:
         star = name.replace("capture", "star")
         self.make(star)
         write_capture(self.root / "inputs" / star, self.root / "inputs" / name)
+        write_points(self.root / "inputs" / star, self.root / "inputs" / name / "sparse")
+
+    def make_depths(self, name):
+        self.make("capture")
+        self.radiafit("capture", "depths", "--model", "capture/sparse", "--images", "capture/images", "-o", name)
 
     def make_lamps(self, name):
         write_lamps(self.root / "inputs" / name, seed=name)
@@ -254,7 +272,7 @@ class Scene:
         self.radiafit("import", "lights", "--images", "lamps/images", "--lights", "lamps/lights.txt", "--normals", "flat", "-o", f"packed-{name}")
         self.radiafit("fit", f"packed-{name}", "--model", "lambert", "--clip-above", 0.5 + 0.1 * int(name[-1]), "-o", name)
 
-    INPUTS = {"star": make_star, "ornament": make_ornament, "capture": make_capture, "lamps": make_lamps,
+    INPUTS = {"star": make_star, "ornament": make_ornament, "capture": make_capture, "depths": make_depths, "lamps": make_lamps,
               "lfm": make_light_field, "records": make_records, "texels0": make_texels, "texels1": make_texels,
               "texels2": make_texels, "relief0": make_relief, "relief1": make_relief, "relief2": make_relief}
 

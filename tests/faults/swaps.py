@@ -80,6 +80,7 @@ def scrambled(file):
 
 IMAGES = {"replaced": each_image(other_image), "made smaller": each_image(smaller_image), "made deeper": each_image(deeper_image),
           "cut": each_image(cut_image), "removed": removed}
+BROKEN_IMAGES = {way: IMAGES[way] for way in ("made smaller", "cut", "removed")}
 DATASET = {"exchanged": exchange, "its pixels cut": cut_file("images.bin"), "its pixels removed": removed_file("images.bin"),
            "its description cut": cut_file("dataset.json"), "removed": removed}
 RECORDS = {"cut": cut_file("records.bin"), "scrambled": scrambled("records.bin"), "removed": removed}
@@ -109,6 +110,9 @@ SWAPS = (
     Swap("dataset of fit two-step", f"{FIT_STAR} --solver two-step", ("star",), "star", DATASET),
     Swap("dataset of fit pca", "fit IN/star --solver pca -o out", ("star",), "star", DATASET),
     Swap("records of fit two-step", f"{FIT_STAR} --solver two-step --records IN/records", ("star", "records"), "records", RECORDS),
+    Swap("images of capture depths", "capture depths --model IN/capture/sparse --images IN/capture/images -o out",
+         ("capture",), "capture/images", BROKEN_IMAGES),
+    Swap("fit of publish", "publish IN/lfm -o out", ("star", "lfm"), "lfm", FIT),
     Swap("fit of render", "render IN/lfm --turntable 4 -o out", ("star", "lfm"), "lfm", FIT),
 )
 

@@ -58,5 +58,5 @@ class Writers:
 
 def tasks(scene, count):
     for command in COMMANDS:
-        for older in (False, True):
+        for older in command.states():
             yield Writers(scene, command, older, count)
