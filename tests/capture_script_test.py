@@ -127,6 +127,18 @@ class CaptureScript(ProgramTest):
         self.assertIn("mesh and masks agree on", given.stderr)
         self.assertFalse((self.root / "given/depths").exists())
 
+    def test_a_page_is_as_large_as_it_must_be(self):
+        small = self.root / "publishes little"
+        small.write_text(f"""#!/bin/sh
+case " $* " in *" publish "*--megabytes*) ;; *" publish "*) set -- "$@" --megabytes 0.1 ;; esac
+exec {self.program} "$@"
+""")
+        small.chmod(0o755)
+        out = self.root / "large page"
+        self.captured("--seconds", "5", "photographs of a star", out, RADIAFIT=str(small))
+        self.assertIn("the page would have", (out / "page/log").read_text())
+        self.assertLess((out / "page/index.html").stat().st_size, 1.1e6)
+
     def test_poor_outcomes_are_said(self):
         photographs = "photographs of a star"
         self.assert_refused(photographs, "poor", says=["only 2 of ", "take more photographs", "--go-on"], FAKE_COLMAP_KEEPS="2")

@@ -34,6 +34,18 @@ def settled(browser):
     browser.wait_for("document.getElementById('picture')?.dataset.state === 'still' && !!window.radiafit_viewer", 300)
 
 
+def crops_of(fit):
+    """Where in its photograph each view's part begins, which the page shows: `render` draws the whole."""
+    dataset = fit / json.loads((fit / "fit.json").read_text())["dataset"]["path"]
+    return [view.get("crop", {"x0": 0, "y0": 0}) for view in json.loads((dataset / "dataset.json").read_text())["views"]]
+
+
+def cropped(picture, crop, width, height):
+    whole, _, rgb = picture
+    starts = (3 * ((crop["y0"] + y) * whole + crop["x0"]) for y in range(height))
+    return b"".join(rgb[start : start + 3 * width] for start in starts)
+
+
 def run(program, *words, **more):
     return subprocess.run([program, *map(str, words)], check=True, capture_output=True, text=True, **more)
 
@@ -45,12 +57,13 @@ def measure(program, fit, folder):
     data = json.loads(re.fullmatch(r"window\.radiafit_page = (.*);\n", text, re.S)[1].replace("<\\/script", "</script"))
     weight = sum(path.stat().st_size for path in page.rglob("*") if path.is_file())
     held_out = [view for view in data["views"] if view["held_out"]][:VIEWS] or data["views"][:VIEWS]
-    agreement = []
+    agreement, crops = [], crops_of(fit)
     with Browser() as browser:
         for view in held_out:
             width, height = view["camera"]["width"], view["camera"]["height"]
             size = []
-            if not data["surface"].get("grid"):  # a grid is drawn pixel by pixel
+            # A grid is drawn pixel by pixel, and small pictures are mostly outlines.
+            if not data["surface"].get("grid") and max(width, height) < LONGER_SIDE / 2:
                 scale = LONGER_SIDE / max(width, height)
                 width, height = round(scale * width), round(scale * height)
                 size = ["--size", f"{width}x{height}"]
@@ -61,7 +74,8 @@ def measure(program, fit, folder):
             (folder / f"view_{view['number']}.png").write_bytes(png)
             picture = folder / f"render_{view['number']}"
             run(program, "render", fit, "--view", view["number"], *size, "-o", picture)
-            agreement.append(psnr(shown, read_png(picture.with_suffix(".png"))[2]))
+            rendered = read_png(picture.with_suffix(".png"))
+            agreement.append(psnr(shown, rendered[2] if size else cropped(rendered, crops[view["number"]], width, height)))
         browser.size(800, 600)
         browser.open(f"{(page / 'index.html').as_uri()}#view={held_out[0]['number']}&bare")
         settled(browser)

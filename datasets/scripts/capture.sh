@@ -300,7 +300,12 @@ fit() {
         run_into "$part/score" "$radiafit" $of_radiafit judge "$part/fit" && grep '(test): ' "$part/score" >"$part/said"
 }
 publish() { run "$radiafit" $of_radiafit publish "$out/fit/fit" --single-file "$@" -o "$part/index.html"; }
-page() { publish || publish --megabytes 100; }  # a surface of many texels needs more than publish's default
+page() {
+    publish && return
+    # A surface of many texels needs more than publish's default; it has said how much.
+    megabytes=$(sed -n 's/.*the page would have \([0-9]*\)\.[0-9] MB.*/\1/p' "$part/log")
+    [ -n "$megabytes" ] && publish --megabytes $((megabytes + 1))
+}
 
 overlap="take more photographs between neighbours (10 to 15 degrees apart), sharp, the object still, something structured around it"
 if [ -z "$lights" ]; then

@@ -5,7 +5,7 @@ import { pose_of } from "./vectors.js";
 const fine = { quality: 1, groups: 1, step: 1 };  // as Renderer.draw_point() takes it
 const levels = [[1, 1], [1, 4], [0.75, 8], [0.5, 8], [0.5, 16], [0.35, 16], [0.25, 16]];  // quality and groups while something moves
 const moving_ms = 250;            // after the last change
-const slow_ms = 34, fast_ms = 18;  // of a frame while something moves: where it becomes coarser, or finer
+const slow_ms = 30, fast_ms = 18;  // of a frame, on average while something moves: where it becomes coarser, or finer
 
 /** The points of a pixel, the centre first. */
 function points_of(n) {
@@ -21,6 +21,7 @@ export class Stage {
         Object.assign(this, { canvas, renderer, page, state, scene_of });
         this.stored = new Map();  // textures by name, or the promise of one
         this.level = 0;           // of levels
+        this.pace = fast_ms;      // of a frame, on average
         this.easy = 0;            // frames that were fast enough for a finer level
         this.frames = 0;
         this.changed_at = -Infinity;
@@ -135,9 +136,13 @@ export class Stage {
     }
 
     adapt(ms) {
-        if (ms > slow_ms && this.level + 1 < levels.length) ++this.level;
-        if (ms < fast_ms && this.level > 0 && ++this.easy > 30) --this.level, this.easy = 0;
-        if (ms >= fast_ms) this.easy = 0;
+        this.pace += 0.3 * (ms - this.pace);
+        if (this.pace > slow_ms && this.level + 1 < levels.length) {
+            ++this.level;
+            this.pace = fast_ms;  // what the finer level took says nothing of this one
+        }
+        if (this.pace < fast_ms && this.level > 0 && ++this.easy > 30) --this.level, this.easy = 0;
+        if (this.pace >= fast_ms) this.easy = 0;
     }
 
     present(stored_area, fit_area) {
