@@ -131,7 +131,15 @@ export class Renderer {
     }
 
     set_size(width, height) {
-        this.three.setSize(width, height, false);
+        this.size = [width, height];
+        this.set_output(1);
+    }
+    /** Pixels of the canvas for each of its size: the browser enlarges fewer. */
+    set_output(share) {
+        const [width, height] = this.size.map((pixels) => Math.max(1, Math.round(share * pixels)));
+        const canvas = this.three.domElement;
+        this.output = [width / this.size[0], height / this.size[1]];
+        if (canvas.width !== width || canvas.height !== height) this.three.setSize(width, height, false);
     }
 
     /** What is to be shown: camera, lamp, terms. Counts as new whatever was drawn before. */
@@ -225,16 +233,20 @@ export class Renderer {
     present(area, frame, { shown, exposure, stored, stored_size, divider }) {
         const p = this.presented;
         p.pictures.value = Math.max(1, this.pictures);
-        p.sum_scale.value.set(...(this.quality ?? [1, 1]));
+        const [sx, sy] = this.output;
+        const [qx, qy] = this.quality ?? [1, 1];
+        p.sum_scale.value.set(qx / sx, qy / sy);
         p.exposure.value.set(...exposure);
         p.stored.value = stored;
         p.stored_size.value.set(...stored_size);
-        p.image_to_target.value.set(frame.scale, 0, frame.left, frame.top);
-        p.area.value.set(area.x, area.y, area.width, area.height);
+        p.image_to_target.value.set(frame.scale * sx, 0, frame.left * sx, frame.top * sy);
+        const x = Math.round(sx * area.x), y = Math.round(sy * area.y);
+        const width = Math.round(sx * area.width), height = Math.round(sy * area.height);
+        p.area.value.set(x, y, width, height);
         p.shown.value = stored ? shown : 0;
-        p.divider.value = divider;
-        this.three.setViewport(area.x, area.y, area.width, area.height);
-        this.three.setScissor(area.x, area.y, area.width, area.height);
+        p.divider.value = divider * sx;
+        this.three.setViewport(x, y, width, height);
+        this.three.setScissor(x, y, width, height);
         this.three.setScissorTest(true);
         this.three.render(this.present_scene, this.camera);
         this.three.setScissorTest(false);

@@ -147,6 +147,7 @@ export class Stage {
 
     present(stored_area, fit_area) {
         const { state, renderer } = this;
+        renderer.set_output(this.coarse ? levels[this.level][0] : 1);
         const view = this.view();
         const compared = state.show !== "fit" || state.layout !== "alone";
         const name = state.show === "baseline" ? view.baseline : view.photograph;
