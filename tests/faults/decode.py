@@ -116,8 +116,8 @@ def check_html(data):
     need(data.rstrip().endswith(b"</html>"), "no end")
 
 
-CHECKS = {".html": check_html, ".png": check_png, ".exr": check_exr, ".csv": check_csv, ".json": check_json, ".svg": check_svg, ".md": check_text,
-          ".jpg": check_jpeg, ".glb": check_glb}
+CHECKS = {".png": check_png, ".exr": check_exr, ".csv": check_csv, ".json": check_json, ".svg": check_svg, ".md": check_text,
+          ".jpg": check_jpeg, ".glb": check_glb, ".html": check_html}
 
 
 def check_whole(name, data):
