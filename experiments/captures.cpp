@@ -4,19 +4,19 @@
 
 #include <cmath>
 
-#include "app/family.h"
-#include "app/settle.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/read_file.h"
-#include "capture/split.h"
+#include "dataset/split.h"
 #include "dataset/view_directions.h"
 #include "experiment.h"
+#include "fitting/family.h"
+#include "fitting/settle.h"
 #include "reachable/reachable.h"
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Range<int> nth{2, 1000};
@@ -226,9 +226,10 @@ private:
 };
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
 int main(int argc, char** argv) {
-    return radiafit::run_experiment("captures", argc, argv,
-                                    [](radiafit::Experiment& experiment) { radiafit::Captures(experiment).run(); });
+    return radiafit::harness::run_experiment("captures", argc, argv, [](radiafit::harness::Experiment& experiment) {
+        radiafit::harness::Captures(experiment).run();
+    });
 }

@@ -12,7 +12,7 @@
 #include "experiment.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,6 +88,8 @@ void write_claims(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("claims", argc, argv, radiafit::write_claims); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("claims", argc, argv, radiafit::harness::write_claims);
+}

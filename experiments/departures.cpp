@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -14,6 +13,7 @@
 #include "dataset/truth.h"
 #include "eval/judge.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "model/lfm_start.h"
 #include "model/texel_model_of.h"
 #include "model/texel_texts.h"
@@ -39,7 +39,7 @@ struct lafortune_one_start : lafortune<real_type> {
 
 }  // namespace radiafit::texel_text
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr const char* fitted_model = "lafortune";
@@ -461,9 +461,10 @@ void Departures::run() {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
 int main(int argc, char** argv) {
-    return radiafit::run_experiment("departures", argc, argv,
-                                    [](radiafit::Experiment& experiment) { radiafit::Departures(experiment).run(); });
+    return radiafit::harness::run_experiment("departures", argc, argv, [](radiafit::harness::Experiment& experiment) {
+        radiafit::harness::Departures(experiment).run();
+    });
 }

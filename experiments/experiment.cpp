@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/command_line.h"
-#include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/failure.h"
@@ -16,11 +14,13 @@
 #include "base/read_file.h"
 #include "base/standard_streams.h"
 #include "base/wording.h"
+#include "command_line/command_line.h"
 #include "dataset/checksums.h"
+#include "fitting/limits.h"
 #include "gl/context.h"
 #include "show_rows.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 namespace fs = std::filesystem;
 
@@ -252,4 +252,4 @@ int run_experiment(const std::string& name, int argc, const char* const* argv,
     }
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

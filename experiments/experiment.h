@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "app/solve.h"
 #include "base/config.h"
 #include "base/output_lock.h"
 #include "base/record.h"
 #include "eval/judge.h"
+#include "fitting/solvers/solve.h"
 #include "report/result_folder.h"
 #include "synthetic/synthetic.h"
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
-namespace radiafit {
+namespace radiafit::harness {
 class Context;
 
 /// The paper's claims are judged on pictures as graphics hardware draws them: a pixel is what its centre sees.
@@ -113,4 +113,4 @@ std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count
 int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

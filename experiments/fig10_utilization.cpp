@@ -7,13 +7,13 @@
 #include <memory>
 #include <optional>
 
-#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "cpu/peaks.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "gl/peaks.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
@@ -21,7 +21,7 @@
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 struct Options {
@@ -316,6 +316,8 @@ void fig10(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("fig10_utilization", argc, argv, radiafit::fig10); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("fig10_utilization", argc, argv, radiafit::harness::fig10);
+}

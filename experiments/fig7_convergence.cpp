@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "report/csv.h"
 #include "vertex_bench.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Range<int> caps{10, limits::iterations.upper}, shown_problems{1, 6};
@@ -277,6 +277,8 @@ void fig7(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("fig7_convergence", argc, argv, radiafit::fig7); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("fig7_convergence", argc, argv, radiafit::harness::fig7);
+}

@@ -9,19 +9,19 @@
 #include <optional>
 #include <set>
 
-#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Range<double> budget_seconds{0, 1e6};
@@ -422,6 +422,8 @@ void fig8(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("fig8_time", argc, argv, radiafit::fig8); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("fig8_time", argc, argv, radiafit::harness::fig8);
+}

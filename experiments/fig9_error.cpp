@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <optional>
 
-#include "app/fit_options.h"
-#include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "eval/judge.h"
 #include "experiment.h"
+#include "fitting/fit_options.h"
+#include "fitting/limits.h"
 #include "report/csv.h"
 #include "report/table.h"
 #include "samples/projected_sides.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Range<double> mean_texels{0, double(TriangleTile::texels_of(largest_side)), "0: one side for all"};
@@ -329,6 +329,8 @@ void fig9(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("fig9_error", argc, argv, radiafit::fig9); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("fig9_error", argc, argv, radiafit::harness::fig9);
+}

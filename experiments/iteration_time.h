@@ -3,15 +3,15 @@
 #include <filesystem>
 #include <span>
 
-#include "app/fit_request.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "fitting/fit_request.h"
 #include "gl/context.h"
 #include "optim/optimizer.h"
 
 /// Iterations of engines in the paper's mode, timed whole or half by half, for the experiments about where the time
 /// goes.
-namespace radiafit {
+namespace radiafit::harness {
 
 /// Seconds of one half: a sweep over the images, then passes over maps.
 struct HalfTime {
@@ -128,4 +128,4 @@ IterationTime time_iteration(E& engine, const std::filesystem::path& images, Ima
     return time;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

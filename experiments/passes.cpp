@@ -7,7 +7,6 @@
 #include <functional>
 #include <memory>
 
-#include "app/limits.h"
 #include "base/clock.h"
 #include "base/energy.h"
 #include "base/error.h"
@@ -17,6 +16,7 @@
 #include "cpu/lfm_engine.h"
 #include "cpu/vertex_solver.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "iteration_time.h"
@@ -24,7 +24,7 @@
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 struct Options {
@@ -235,6 +235,8 @@ void passes(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("passes", argc, argv, radiafit::passes); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("passes", argc, argv, radiafit::harness::passes);
+}

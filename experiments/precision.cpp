@@ -4,14 +4,14 @@
 
 #include <algorithm>
 
-#include "app/limits.h"
 #include "base/log.h"
 #include "eval/judge.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 struct Options {
@@ -106,6 +106,8 @@ void precision(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("precision", argc, argv, radiafit::precision); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("precision", argc, argv, radiafit::harness::precision);
+}

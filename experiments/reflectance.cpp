@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 
-#include "app/limits.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -18,10 +17,11 @@
 #include "eval/reflectance_renderer.h"
 #include "eval/truth_errors.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr const char* fitted_model = "lafortune";
@@ -284,6 +284,8 @@ void reflectance(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("reflectance", argc, argv, radiafit::reflectance); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("reflectance", argc, argv, radiafit::harness::reflectance);
+}

@@ -1,12 +1,12 @@
 #pragma once
 #include <memory>
 
-#include "app/limits.h"
 #include "base/error.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "fragment/texel_engine.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 /// The paper's second problem, in the experiments that compare the two: Lafortune's model on the ornament, steepest
 /// descent and conjugate gradients in the paper's mode. Reads reflectance, reflectance_side and reflectance_images.
@@ -46,4 +46,4 @@ private:
     std::vector<uint32_t> views_;
 };
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

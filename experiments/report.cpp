@@ -20,7 +20,7 @@
 #include "page/pieces.h"
 #include "page/profile_part.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -117,6 +117,8 @@ void write_report(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("report", argc, argv, radiafit::write_report); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("report", argc, argv, radiafit::harness::write_report);
+}

@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <fstream>
 
-#include "app/limits.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/held_bytes.h"
@@ -22,7 +22,7 @@
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr const char* cpu_engine = "cpu";
@@ -434,6 +434,8 @@ void scaling(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("scaling", argc, argv, radiafit::scaling); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("scaling", argc, argv, radiafit::harness::scaling);
+}

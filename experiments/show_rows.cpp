@@ -11,7 +11,7 @@
 #include "report/figures.h"
 #include "report/row_files.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace fs = std::filesystem;
 namespace {
 
@@ -57,4 +57,4 @@ std::vector<fs::path> show_run(const fs::path& checkout, const RunRecord& run, c
     return show_rows(checkout, run.experiment, unpacked.path(), run.caption, folder);
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -6,7 +6,7 @@
 #include "report/finished_runs.h"
 
 /// From an experiment's rows to what people look at.
-namespace radiafit {
+namespace radiafit::harness {
 
 /// Draws the checkout's paper_figs/NAME.gp, if it has one, over the rows in a folder, and copies NAME.md from among
 /// them; returns the files that it left in `folder`. Throws as draw_figure() does.
@@ -19,4 +19,4 @@ std::vector<std::filesystem::path> show_rows(const std::filesystem::path& checko
 std::vector<std::filesystem::path> show_run(const std::filesystem::path& checkout, const RunRecord& run,
                                             const std::filesystem::path& folder);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

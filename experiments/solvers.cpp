@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <numeric>
 
-#include "app/limits.h"
-#include "app/solver.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
@@ -16,6 +14,8 @@
 #include "base/rng.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
+#include "fitting/limits.h"
+#include "fitting/solvers/solver.h"
 #include "model/lfm_start.h"
 #include "reference/als_solver.h"
 #include "reference/ceres_solver.h"
@@ -24,7 +24,7 @@
 #include "report/table.h"
 #include "samples/disk_records.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Range<double> contest_seconds{0, 1e6};
@@ -429,6 +429,8 @@ void compare_solvers(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("solvers", argc, argv, radiafit::compare_solvers); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("solvers", argc, argv, radiafit::harness::compare_solvers);
+}

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <limits>
 
-#include "app/limits.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "report/csv.h"
 #include "report/table.h"
 #include "vertex_bench.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Range<double> thresholds{1e-6, 1e6};
@@ -210,6 +210,8 @@ void stopping(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("stopping", argc, argv, radiafit::stopping); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("stopping", argc, argv, radiafit::harness::stopping);
+}

@@ -4,19 +4,19 @@
 
 #include <memory>
 
-#include "app/limits.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
+#include "fitting/limits.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "reflectance_problem.h"
 #include "report/csv.h"
 #include "report/table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr ImageSource sources[] = {ImageSource::disk_cold, ImageSource::disk, ImageSource::memory, ImageSource::device};
@@ -154,6 +154,8 @@ void streaming(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("streaming", argc, argv, radiafit::streaming); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("streaming", argc, argv, radiafit::harness::streaming);
+}

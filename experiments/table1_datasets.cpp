@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "app/limits.h"
-#include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -12,11 +10,13 @@
 #include "cpu/texel_solver.h"
 #include "dataset/image_stream.h"
 #include "experiment.h"
+#include "fitting/limits.h"
+#include "fitting/solvers/solver.h"
 #include "report/csv.h"
 #include "report/table.h"
 #include "samples/image_samples.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 struct Options {
@@ -268,6 +268,8 @@ void table1(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::run_experiment("table1_datasets", argc, argv, radiafit::table1); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("table1_datasets", argc, argv, radiafit::harness::table1);
+}

@@ -11,7 +11,7 @@
 #include "model/lfm_start.h"
 #include "reference/varpro_solver.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr double rest_change = 1e-6;  ///< of E_t over rest_iterations
@@ -177,4 +177,4 @@ void VertexBench::for_each(double lambda, const std::string& task,
     });
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

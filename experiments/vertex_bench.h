@@ -6,16 +6,16 @@
 #include <span>
 #include <vector>
 
-#include "app/solver.h"
 #include "base/atomic_file.h"
 #include "base/range.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
+#include "fitting/solvers/solver.h"
 #include "reference/lfm_vertex.h"
 
 /// Light field maps vertex by vertex: optimizer after optimizer on the same samples, start and objective, which is the
 /// paper's. What the experiments on convergence share.
-namespace radiafit {
+namespace radiafit::harness {
 
 /// How a vertex's three problems went; row 0 is the start.
 struct Course {
@@ -103,4 +103,4 @@ private:
     std::vector<uint32_t> seen_;
 };
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -12,7 +12,7 @@
 #include "capture/image_file.h"
 #include "capture/image_scale.h"
 #include "capture/png_file.h"
-#include "capture/split.h"
+#include "dataset/split.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"
 

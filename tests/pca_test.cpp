@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "app/solve.h"
+#include "fitting/solvers/solve.h"
 #include "base/parallel.h"
 #include "convex_hull.h"
 #include "fit_scene.h"

@@ -1,4 +1,4 @@
-#include "app/settle.h"
+#include "fitting/settle.h"
 
 #include <gtest/gtest.h>
 

@@ -20,7 +20,7 @@
 #include "samples/raster_distributor.h"
 #include "synthetic/synthetic.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -304,7 +304,7 @@ BENCHMARK(distribution)->Unit(benchmark::kMicrosecond);
 BENCHMARK(resampling)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
 int main(int argc, char** argv) {
     radiafit::name_options_by_flag();
@@ -315,13 +315,14 @@ int main(int argc, char** argv) {
         return 2;
     }
     try {
-        radiafit::scene = std::make_unique<radiafit::Scene>(argv[1]);
-        const radiafit::CpuPeaks& p = radiafit::scene->peaks;
+        radiafit::harness::scene = std::make_unique<radiafit::harness::Scene>(argv[1]);
+        const radiafit::CpuPeaks& p = radiafit::harness::scene->peaks;
         fmt::print("peaks: triad {:.1f} GB/s on {} threads; one core: L2 {:.0f} GB/s, multiply-add {:.0f} GFLOP/s\n",
                    p.triad_gb_s, radiafit::thread_count(), p.l2_gb_s, p.fma_gflop_s);
-        fmt::print("median vertex: {} samples\n", radiafit::scene->records->vertex(radiafit::scene->vertex).samples);
+        fmt::print("median vertex: {} samples\n",
+                   radiafit::harness::scene->records->vertex(radiafit::harness::scene->vertex).samples);
         benchmark::RunSpecifiedBenchmarks();
-        radiafit::scene.reset();
+        radiafit::harness::scene.reset();
     } catch (const std::exception& e) {
         radiafit::log_error("bench_kernels", e.what());
         return 2;

@@ -12,7 +12,7 @@
 #include "gl_scene.h"
 #include "temporary_folder.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 /// Noise in 16 bits, over a grid whose texels take a pixel in every image, or over a sphere of about as many texels.
@@ -128,6 +128,6 @@ OF_SCENE(grid_paper, true, false, Passes::paper, ->Args({400, 16})->UseRealTime(
 OF_SCENE(mesh_paper, false, false, Passes::paper, ->Args({576, 16})->UseRealTime());
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
 BENCHMARK_MAIN();

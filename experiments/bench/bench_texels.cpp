@@ -11,7 +11,7 @@
 #include "reference/ceres_texel.h"
 #include "texel_scene.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 using namespace testing;
@@ -167,6 +167,6 @@ BENCHMARK_CAPTURE(ceres, dense_normal_cholesky, CeresTexelOptions::Linear::dense
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace radiafit
+}  // namespace radiafit::harness
 
 BENCHMARK_MAIN();

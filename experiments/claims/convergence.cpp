@@ -9,7 +9,7 @@
 #include "base/statistics.h"
 #include "rules.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 const std::string datasets[] = {"star", "bust"};
@@ -338,4 +338,4 @@ Judgement consistent_ratio(const FinishedRun& run) {
     return j;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -8,7 +8,7 @@
 #include "experiment.h"
 #include "gl/context.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 Judgement judge(const Claim& claim, const FinishedRun& run) {
@@ -115,4 +115,4 @@ std::vector<ClaimFindings> find_claims(const RunFolders& folders, const std::str
     return found;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -7,7 +7,7 @@
 #include "report/finished_runs.h"
 #include "rules.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 class Experiment;
 
 /// Claims are judged at the paper's scale; figures of a smaller profile stand beside and decide nothing.
@@ -60,4 +60,4 @@ struct ClaimFindings {
 /// In the order of the claims.
 std::vector<ClaimFindings> find_claims(const RunFolders& folders, const std::string& profile);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

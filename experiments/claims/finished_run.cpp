@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 /// Null if there is none.
@@ -43,4 +43,4 @@ std::vector<double> column(const CsvTable& table, const char* name) {
     return values;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -5,7 +5,7 @@
 
 #include "report/row_files.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 /// What one run of an experiment left, for the rules.
 class FinishedRun {
@@ -31,4 +31,4 @@ private:
 /// The numbers of a column, row by row.
 std::vector<double> column(const CsvTable& table, const char* name);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

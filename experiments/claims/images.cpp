@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "rules.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 /// A method of Figure 9 and its weights of smoothness, by the names in errors.csv.
@@ -211,4 +211,4 @@ Judgement resolution_matters(const FinishedRun& run) {
     return j;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -6,7 +6,7 @@
 
 #include "gl/context.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr size_t least_rounds = 9, least_seeds = 3;
@@ -148,4 +148,4 @@ Table Judgement::table() const {
     return table;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

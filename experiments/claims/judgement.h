@@ -11,7 +11,7 @@
 
 /// A claim is judged by figures with 95 % intervals, each against a bound: what lies wholly within the bound holds,
 /// what lies wholly outside does not, and what straddles it is undecided.
-namespace radiafit {
+namespace radiafit::harness {
 
 /// A measured figure.
 struct Figure {
@@ -86,4 +86,4 @@ struct Judgement {
     Table table() const;
 };
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

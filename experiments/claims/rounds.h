@@ -10,7 +10,7 @@
 #include "rules.h"
 
 /// Timed rows, round by round: what is compared is taken within one round.
-namespace radiafit {
+namespace radiafit::harness {
 
 inline constexpr const char* optimizers[] = {"sd", "cg"};
 inline constexpr const char* problems[] = {"light field map", "Lafortune"};
@@ -63,4 +63,4 @@ inline std::vector<double> each(const Rounds& a, const Rounds& b, const Operatio
 }
 inline std::vector<double> ratios(const Rounds& a, const Rounds& b) { return each(a, b, std::divides()); }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

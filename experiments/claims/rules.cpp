@@ -1,6 +1,6 @@
 #include "rules.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr Claim table[] = {
@@ -101,4 +101,4 @@ constexpr Claim table[] = {
 
 std::span<const Claim> claims() { return table; }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -6,7 +6,7 @@
 
 /// The paper's claims, and for each the rule that judges it from the rows of one run. A rule throws UserError for rows
 /// that lack what it needs.
-namespace radiafit {
+namespace radiafit::harness {
 
 // How fast, and to which ends, optimizers converge: convergence.cpp.
 Judgement iteration_ratio(const FinishedRun& run);
@@ -48,4 +48,4 @@ struct Claim {
 };
 std::span<const Claim> claims();
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -8,7 +8,7 @@
 #include "experiment.h"
 #include "rules.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 /// What scaling's summary writes of the same figures; the rules work from the rows of every round.
@@ -336,4 +336,4 @@ Judgement cost_linear(const FinishedRun& run) {
     return j;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

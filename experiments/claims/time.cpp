@@ -3,7 +3,7 @@
 #include "gl/context.h"
 #include "rounds.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr const char* full_record = "two-step (full record)";
@@ -258,4 +258,4 @@ Judgement memory_over_disk(const FinishedRun& run) {
     return j;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

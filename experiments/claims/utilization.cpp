@@ -1,6 +1,6 @@
 #include "rounds.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 namespace {
 
@@ -158,4 +158,4 @@ Judgement paper_chip(const FinishedRun& run) {
     return j;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -8,7 +8,7 @@
 #include "pieces.h"
 #include "report/html_table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 /// In the order of interest, and what each says.
@@ -155,4 +155,4 @@ Html claims_of(std::span<const ClaimFindings> claims, const std::string& experim
     return items.empty() ? items : element("ul", {{"class", "judged"}}, items);
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

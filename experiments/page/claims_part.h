@@ -5,7 +5,7 @@
 #include "claims/findings.h"
 #include "report/html.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 /// How many claims have which verdict, by their newest runs, and one line of each claim.
 Html claims_summary(std::span<const ClaimFindings> claims);
@@ -14,4 +14,4 @@ Html claims_in_full(std::span<const ClaimFindings> claims);
 /// The claims that are judged from an experiment's rows, with their verdicts; empty if none are.
 Html claims_of(std::span<const ClaimFindings> claims, const std::string& experiment);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

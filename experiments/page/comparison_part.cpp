@@ -9,7 +9,7 @@
 #include "report/comparison.h"
 #include "report/html_table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,4 +70,4 @@ Html comparison_part(const RunFolders& folders) {
     }
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -2,9 +2,9 @@
 #include "claims/findings.h"
 #include "report/html.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 /// What differs between the runs that came with the checkout and those of the results, as `radiafit compare` tells it.
 Html comparison_part(const RunFolders& folders);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

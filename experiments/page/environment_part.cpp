@@ -10,7 +10,7 @@
 #include "pieces.h"
 #include "report/html_table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ Html environment_part(std::span<const RunRecord> runs, const fs::path& checkout)
                           rows, {}, {{"class", "sortable"}}));
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -1,6 +1,6 @@
 #include "exhibits.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 std::span<const Exhibit> exhibits() {
     static const Exhibit table[] = {
@@ -154,4 +154,4 @@ std::span<const Exhibit> exhibits() {
     return table;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-namespace radiafit {
+namespace radiafit::harness {
 
 /// What the report shows of one experiment, and what our text of the paper says of the same.
 struct Exhibit {
@@ -19,4 +19,4 @@ struct Exhibit {
 /// The paper's own table and figures first.
 std::span<const Exhibit> exhibits();
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

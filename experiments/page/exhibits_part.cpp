@@ -12,7 +12,7 @@
 #include "report/html_table.h"
 #include "show_rows.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -147,4 +147,4 @@ Html exhibits_part(const RunFolders& folders, const std::string& profile, std::s
     return part;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -5,7 +5,7 @@
 #include "exhibits.h"
 #include "report/html.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 
 /// The runs that the report shows of an experiment: the newest of each device, at the paper's scale first, then of the
 /// given profile.
@@ -16,4 +16,4 @@ std::vector<RunRecord> shown_runs(const RunFolders& folders, const std::string& 
 Html exhibits_part(const RunFolders& folders, const std::string& profile, std::span<const ClaimFindings> claims,
                    const std::filesystem::path& scratch);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

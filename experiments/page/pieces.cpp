@@ -8,7 +8,7 @@
 #include "base/read_file.h"
 #include "report/html_table.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 constexpr size_t largest_svg = 200'000;  ///< bytes
@@ -85,4 +85,4 @@ Html image(const std::filesystem::path& files, const std::string& alt) {
                                  {"height", std::to_string(png_side(png, 20))}});
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

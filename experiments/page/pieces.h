@@ -5,7 +5,7 @@
 #include "report/row_files.h"
 
 /// What several parts of the report are put together from.
-namespace radiafit {
+namespace radiafit::harness {
 
 /// A verdict as a mark that is told by its word and shape as well as by its colour.
 Html verdict_mark(const std::string& verdict);
@@ -23,4 +23,4 @@ Html rows_table(const RunRecord& run, const std::string& file);
 /// `alt`: what is to be seen.
 Html image(const std::filesystem::path& files, const std::string& alt);
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

@@ -16,7 +16,7 @@
 #include "report/performance_profile.h"
 #include "report/row_files.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 namespace {
 
 namespace fs = std::filesystem;
@@ -129,4 +129,4 @@ Html performance_part(const RunFolders& folders, const std::string& profile, con
     return part;
 }
 
-}  // namespace radiafit
+}  // namespace radiafit::harness

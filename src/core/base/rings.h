@@ -1,0 +1,14 @@
+#pragma once
+
+/// The rings of the program, from the inside out; each is a namespace, and uses names of the rings within it as its own.
+/// The core is `radiafit` itself. docs/architecture.md says what is in each.
+namespace radiafit {
+namespace fits {}
+namespace harness {
+using namespace fits;
+}
+namespace tools {
+using namespace fits;
+using namespace harness;
+}
+}  // namespace radiafit

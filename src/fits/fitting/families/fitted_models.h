@@ -1,0 +1,63 @@
+#pragma once
+#include "base/error.h"
+#include "fitting/family.h"
+
+/// What each family answers to the questions of fitting/fitted.h, which has one function for all. A template stands for
+/// the families that have nothing special to say.
+namespace radiafit::fits {
+
+std::string description_of(const FittedLightField& m);
+std::string description_of(const FittedReflectance& m);
+std::string description_of(const FittedViewBasis& m);
+std::string description_of(const FittedSg& m);
+
+Contestant contestant_of(const FittedLightField& m, const Dataset& dataset);
+Contestant contestant_of(const FittedReflectance& m, const Dataset& dataset);
+template <class Fit>
+Contestant contestant_of(const FittedByView<Fit>& m, const Dataset&) {
+    return contestant_of(m.fit, *m.atlas);
+}
+
+Fitted baseline_of(const FittedLightField& m, const Dataset& dataset);
+Fitted baseline_of(const FittedReflectance& m, const Dataset& dataset);
+template <class Fit>
+Fitted baseline_of(const FittedByView<Fit>& m, const Dataset& dataset) {
+    LfmOptions sides;
+    sides.surface_side = m.fit.surface_side;
+    return mean_colours(dataset, m.fit, sides);
+}
+
+template <class Model>
+SurfaceParts surface_parts(const Model&, const Dataset&) {
+    return {};
+}
+SurfaceParts surface_parts(const FittedReflectance& m, const Dataset& dataset);
+template <class Model>
+std::vector<MaterialErrors> truth_errors(const Model&, const Dataset&) {
+    return {};
+}
+std::vector<MaterialErrors> truth_errors(const FittedReflectance& m, const Dataset& dataset);
+
+void find_error_bars(FittedLightField& m, const Dataset& dataset, std::span<const View> shown);
+void find_error_bars(FittedReflectance& m, const Dataset& dataset, std::span<const View> shown);
+template <class Fit>
+void find_error_bars(FittedByView<Fit>&, const Dataset&, std::span<const View>) {
+    throw UserError("--covariance: this model has no error bars; fit lfm or a texel-local model, such as lafortune");
+}
+
+void write_error_bars(const std::filesystem::path& folder, const FittedLightField& m, const Dataset& dataset);
+void write_error_bars(const std::filesystem::path& folder, const FittedReflectance& m, const Dataset& dataset);
+template <class Fit>
+void write_error_bars(const std::filesystem::path&, const FittedByView<Fit>&, const Dataset&) {}
+
+std::vector<FitArray> arrays_of(FittedLightField& m, const Dataset& dataset);
+std::vector<FitArray> arrays_of(const FittedReflectance& m, const Dataset& dataset);
+std::vector<FitArray> arrays_of(const FittedViewBasis& m, const Dataset& dataset);
+std::vector<FitArray> arrays_of(const FittedSg& m, const Dataset& dataset);
+
+void export_parameters(const FittedLightField& m, const Dataset& dataset, ProblemFolder& out);
+void export_parameters(const FittedReflectance& m, const Dataset& dataset, ProblemFolder& out);
+void export_parameters(const FittedViewBasis& m, const Dataset& dataset, ProblemFolder& out);
+void export_parameters(const FittedSg& m, const Dataset& dataset, ProblemFolder& out);
+
+}  // namespace radiafit::fits

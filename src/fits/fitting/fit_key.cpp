@@ -1,0 +1,69 @@
+#include "fitting/fit_key.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "base/nesting.h"
+#include "base/record.h"
+#include "dataset/checksums.h"
+#include "fit/fit_folder.h"
+#include "fitting/fit_options.h"
+
+namespace radiafit::fits {
+namespace {
+using Json = nlohmann::ordered_json;
+
+/// A value as the command line has it.
+std::string text_of(const Json& options, const std::string& name) {
+    const Json value = options.is_object() && options.contains(name) ? options.at(name) : Json();
+    if (value.is_string()) return fmt::format("'{}'", value.get<std::string>());
+    return value.is_null() ? "unknown" : value.dump();
+}
+
+/// The revision, and which build of it.
+std::string program_name() { return fmt::format("{} {:016x}", git_revision(), file_checksum("/proc/self/exe")); }
+}  // namespace
+
+bool decides_result(const std::string& option) {
+    static constexpr std::string_view others[] = {"memory", "sort_memory", "records", "device"};
+    return std::ranges::find(others, option) == std::end(others);
+}
+
+std::string fit_key(const Dataset& dataset, const FitRequest& request) {
+    Json options = Json::object();
+    for (const FitOption& o : fit_options())
+        if (decides_result(o.name)) options[o.name] = Json::parse(o.json(request));
+    return Json{{"program", program_name()},
+                {"dataset", fingerprint(dataset).digest},
+                {"images", dataset_checksum(dataset)},
+                {"options", options}}
+        .dump();
+}
+
+std::string difference_of_keys(const std::string& there, const std::string& here) {
+    if (there == here) return "";
+    const auto parse = [](const std::string& key) {
+        return nested_deeper(key, 100) ? Json() : Json::parse(key, nullptr, false);
+    };
+    const Json a = parse(there), b = parse(here);
+    if (!a.is_object() || !b.is_object()) return "it is of another kind, or damaged";
+    std::vector<std::string> found;
+    const auto differ = [&](const char* what) { return a.value(what, Json()) != b.value(what, Json()); };
+    if (differ("program"))
+        found.push_back(fmt::format("the program is {} there, {} here", text_of(a, "program"), text_of(b, "program")));
+    if (differ("dataset"))
+        found.push_back("it is of another dataset");
+    else if (differ("images"))
+        found.push_back("the dataset was made anew since");
+    const Json ours = a.value("options", Json()), theirs = b.value("options", Json());
+    for (const FitOption& o : fit_options())
+        if (const std::string x = text_of(ours, o.name), y = text_of(theirs, o.name); decides_result(o.name) && x != y)
+            found.push_back(fmt::format("{} is {} there, {} here", o.flag.substr(0, o.flag.find(',')), x, y));
+    return found.empty() ? "it is of another kind, or damaged" : fmt::format("{}", fmt::join(found, "; "));
+}
+
+}  // namespace radiafit::fits

@@ -1,0 +1,75 @@
+#include "fitting/fitted.h"
+
+#include "fitting/families/fitted_models.h"
+#include "fitting/family.h"
+
+namespace radiafit::fits {
+
+const Dataset& FittedDataset::of(const FitRecord& fit) {
+    if (!dataset_) {
+        opened_ = std::make_unique<Dataset>(open_fitted_dataset(fit, moved_to_));
+        dataset_ = opened_.get();
+    }
+    return *dataset_;
+}
+
+FitRecord& Fitted::record() {
+    return std::visit([](auto& m) -> FitRecord& { return m.fit; }, model);
+}
+const FitRecord& Fitted::record() const {
+    return std::visit([](const auto& m) -> const FitRecord& { return m.fit; }, model);
+}
+
+std::string description_of(const Fitted& f) {
+    return std::visit([](const auto& m) { return description_of(m); }, f.model);
+}
+
+Contestant contestant_of(Fitted& f) {
+    return std::visit([&](const auto& m) { return contestant_of(m, f.dataset()); }, f.model);
+}
+
+Fitted baseline_of(Fitted& f) {
+    return std::visit([&](const auto& m) { return baseline_of(m, f.dataset()); }, f.model);
+}
+
+const char* baseline_name(const Fitted& f) { return takes_light(f) ? "Lambertian" : "mean colour per texel"; }
+
+SurfaceParts surface_parts(Fitted& f) {
+    return std::visit([&](const auto& m) { return surface_parts(m, f.dataset()); }, f.model);
+}
+
+std::vector<MaterialErrors> truth_errors(Fitted& f) {
+    return std::visit([&](const auto& m) { return truth_errors(m, f.dataset()); }, f.model);
+}
+
+bool takes_light(const Fitted& f) { return std::holds_alternative<FittedReflectance>(f.model); }
+
+void find_error_bars(Fitted& f, std::span<const View> shown) {
+    std::visit([&](auto& m) { find_error_bars(m, f.dataset(), shown); }, f.model);
+}
+
+void write_error_bars(const std::filesystem::path& folder, Fitted& f) {
+    std::visit([&](const auto& m) { write_error_bars(folder, m, f.dataset()); }, f.model);
+}
+
+void write_fit(const std::filesystem::path& folder, Fitted& f,
+               const std::function<void(const std::filesystem::path&)>& add_files) {
+    std::visit(
+        [&](const auto& m) {
+            if constexpr (requires { m.atlas; })
+                write_fit(folder, m.fit, *m.atlas, add_files);
+            else
+                write_fit(folder, m.fit, f.dataset().mesh, add_files);
+        },
+        f.model);
+}
+
+std::vector<FitArray> arrays_of(Fitted& f) {
+    return std::visit([&](auto& m) { return arrays_of(m, f.dataset()); }, f.model);
+}
+
+void export_parameters(Fitted& f, ProblemFolder& out) {
+    std::visit([&](const auto& m) { export_parameters(m, f.dataset(), out); }, f.model);
+}
+
+}  // namespace radiafit::fits

@@ -1,0 +1,132 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "cpu/texel_solver.h"
+#include "cpu/vertex_solver.h"
+#include "fitting/solvers/solve.h"
+#include "geometry/atlas.h"
+#include "geometry/vertex_rings.h"
+#include "gl/context.h"
+#include "reference/solver_memory.h"
+
+/// The solvers that `--solver` names: one table, one function each.
+namespace radiafit::fits {
+
+/// One fit as its solver sees it.
+class FitTask {
+public:
+    const Dataset& dataset;
+    const FitRequest& request;
+    const TriangleAtlas& atlas;
+    const VertexRings& rings;
+    const std::vector<uint32_t>& views;  ///< to fit
+    const IterationHook& each_iteration;
+    LfmOptions options;  ///< of the model that is fitted; a solver with a smaller one of its own says so here
+    FitOutcome& out;
+
+    FitTask(const Dataset& dataset, const FitRequest& request, const TriangleAtlas& atlas, const VertexRings& rings,
+            const std::vector<uint32_t>& views, const IterationHook& each_iteration, const SharedSamples* shared,
+            FitOutcome& out);
+    /// The shared list, or one distributed at the first call and timed as distribution.
+    const SampleList& samples();
+    LfmLayout layout() const;
+
+private:
+    const SharedSamples* shared_;
+    std::optional<SharedSamples> own_;
+};
+
+/// Throws UserError where no training view has a sample, but of a part of a fit, which may well be unseen.
+void require_seen(bool seen, const Dataset& dataset, const FitRequest& request);
+
+/// The distributors that a request names, one per thread (or one, with its own context), as SampleCollector takes them.
+struct Distributors {
+    std::unique_ptr<Context> context;
+    std::vector<std::unique_ptr<Distributor>> owned;
+    std::vector<Distributor*> workers() const;
+};
+/// Over a grid every texel has its own pixel, and `distributor` means nothing.
+Distributors make_distributors(const Atlas& atlas, const FitRequest& request);
+
+/// A fit of a texel-local model as its solver sees it.
+struct TexelTask {
+    const Dataset& dataset;
+    const FitRequest& request;
+    const std::vector<uint32_t>& views;
+    const IterationHook& each_iteration;
+    const SharedTexels* shared;
+    TexelOptions options;
+    ReflectanceOutcome& out;
+
+    const TexelSolvers& solvers() const { return texel_solvers(*options.model); }
+    TexelFitOptions fit_options() const { return {.iterations = request.iterations}; }
+};
+
+struct Solver {
+    const char* name;
+    const char* help;
+    /// A light field map: fills out.fit's parameters and problems, and out.times; none: it fits no such.
+    void (*solve)(FitTask& task) = nullptr;
+    uint32_t uses = 0;                                ///< of solve: bits of app/fit_options.h
+    void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model
+    uint32_t texel_uses = 0;
+    int halo = 0;  ///< how far beyond a vertex's own triangles its solution looks at samples: so many rings of them
+    /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
+    uint64_t (*vertex_bytes)(const FitRequest& request, const VertexShape& largest) = nullptr;
+};
+std::span<const Solver> solvers();
+/// Throws UserError, telling the names that there are.
+const Solver& find_solver(const std::string& name);
+/// What a fit on the engine does, besides what its solver does.
+uint32_t engine_uses(EngineKind engine);
+
+void solve_stream(FitTask& task);
+void solve_mean(FitTask& task);
+void solve_two_step(FitTask& task);
+void solve_ceres(FitTask& task);
+void solve_als(FitTask& task);
+void solve_varpro(FitTask& task);
+void solve_pca(FitTask& task);
+void solve_texel_stream(TexelTask& task);
+void solve_texel_two_step(TexelTask& task);
+void solve_texel_ceres(TexelTask& task);
+void solve_texel_ceres_varpro(TexelTask& task);
+void solve_texel_tiny(TexelTask& task);
+
+/// Where optimizers begin [texels][parameters]: for every texel the best of the model's starts.
+std::vector<float> starts_of(const TexelProblem& problem);
+
+/// What the fit tells of its request.
+void describe_request(const FitRequest& request, FitRecord& fit);
+
+/// Around everything that a solver of records does: calls `write(folder)` where records are wanted and not there yet,
+/// timed as distribution, then `read(folder)`. See FitRequest::records, scratch and cold.
+void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& times,
+                  const std::function<void(const std::filesystem::path& folder)>& write,
+                  const std::function<void(const std::filesystem::path& folder)>& read);
+/// All that decides what records hold that are to stay; empty if they aren't. sides: what that of surface maps is told
+/// as.
+std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views,
+                       const std::string& sides, const std::string& kind);
+/// Drops records from the page cache if so requested, and notes how much of them is there.
+void settle_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
+
+/// The context that a request names, which the run tells of.
+std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);
+/// What an engine tells of its sweeps over images that stream, after so many seconds.
+void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
+
+/// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.
+void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
+                   std::span<const ProblemOutcome> outcomes, std::vector<float> parameters);
+
+/// The same of a solution vertex by vertex, with its trace.
+void take_solution(FitTask& task, VertexSolution&& solution);
+
+/// For solvers that return parameters only: fills the fit's problems (raw E, samples, the given status and iterations)
+/// by evaluating the model once over the samples. Problems without samples say so whatever `status` is.
+void fill_problems(FitTask& task, std::vector<float> parameters, Status status, uint32_t iterations);
+
+}  // namespace radiafit::fits

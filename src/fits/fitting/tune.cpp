@@ -1,0 +1,164 @@
+#include "fitting/tune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "eval/judge.h"
+#include "fitting/family.h"
+#include "fitting/settle.h"
+
+namespace radiafit::fits {
+namespace {
+
+const std::string& value_of(const FitSetting& setting, const std::string& option, const std::string& otherwise) {
+    for (const auto& [name, value] : setting)
+        if (name == option) return value;
+    return otherwise;
+}
+
+FitSetting with(FitSetting setting, const std::string& option, const std::string& value) {
+    for (auto& [name, old] : setting)
+        if (name == option) return old = value, setting;
+    setting.emplace_back(option, value);
+    return setting;
+}
+
+/// Whether two values of an option are one: numbers may be written in several ways.
+bool same_value(const std::string& a, const std::string& b) {
+    const auto number = [](const std::string& text) -> std::optional<double> {
+        char* end = nullptr;
+        const double value = std::strtod(text.c_str(), &end);
+        return end && *end == 0 ? std::optional(value) : std::nullopt;
+    };
+    const auto x = number(a), y = number(b);
+    return a == b || (x && y && std::abs(*x - *y) < 1e-3 * std::abs(*y));
+}
+
+class Search {
+public:
+    Search(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried)
+        : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
+
+    std::vector<TriedSetting> run(std::optional<Interrupted>* stopped) {
+        try {
+            search();
+        } catch (const Interrupted& interrupted) {
+            if (!stopped) throw;
+            *stopped = interrupted;
+        }
+        std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
+        return all_;
+    }
+
+private:
+    void search() {
+        std::vector<TuneCandidate> all;
+        for (const Family* family : families())
+            for (TuneCandidate& candidate : family->candidates(dataset_)) all.push_back(std::move(candidate));
+        const std::vector<TuneCandidate> candidates = with_fixed(all);
+        for (const TuneCandidate& candidate : candidates)
+            for (const FitSetting& start : candidate.starts) attempt(start);
+        while (climb(candidates)) {
+        }
+    }
+
+    bool is_fixed(const std::string& option) const {
+        return std::ranges::any_of(options_.fixed, [&](const auto& o) { return o.first == option; });
+    }
+
+    /// The candidates that take all fixed options, with these in place of what they would try of them.
+    std::vector<TuneCandidate> with_fixed(const std::vector<TuneCandidate>& candidates) const {
+        std::vector<TuneCandidate> out;
+        for (TuneCandidate candidate : candidates) {
+            const std::string model = candidate.starts.front().front().second;
+            for (FitSetting& start : candidate.starts)
+                for (const auto& [option, value] : options_.fixed) start = with(std::move(start), option, value);
+            const FitSetting& first = candidate.starts.front();
+            if (first.front().second != model || !takes_given(given_by(options_.fixed), request_of(first))) continue;
+            std::erase_if(candidate.ladders, [&](const Ladder& ladder) { return is_fixed(ladder.option); });
+            out.push_back(std::move(candidate));
+        }
+        if (out.empty())
+            throw UserError(fmt::format("tune: no model that suits {} takes all of {}; leave some of them out",
+                                        dataset_.folder.string(), command_line_of(options_.fixed)));
+        return out;
+    }
+
+    const TriedSetting& best() const { return *std::ranges::max_element(all_, {}, &TriedSetting::psnr); }
+
+    FitRequest request_of(const FitSetting& setting) const {
+        FitRequest request = settled_request(setting, dataset_);
+        request.validation = options_.validation;
+        return request;
+    }
+
+    /// Nothing where it was tried before, or no time is left for it.
+    void attempt(const FitSetting& setting) {
+        const std::string name = command_line_of(setting);
+        if (std::ranges::find(names_, name) != names_.end()) return;
+        double& expected = seconds_[setting.front().second];
+        if (!all_.empty() && clock_.wall_s() + expected > options_.seconds) return;
+        names_.push_back(name);
+        const Stopwatch clock;
+        const FitRequest request = request_of(setting);
+        const FinishedFit done = family_of(request).fit(dataset_, request);
+        const double fitting = clock.wall_s();
+        const JudgeResult judged = judge(contestant_of(done.fit), judged_, Split::validation);
+        expected = clock.wall_s();
+        if (!std::isfinite(judged.psnr())) return;
+        all_.push_back({setting, judged.psnr(), judged.ape(), fitting});
+        if (tried_) tried_(all_.back());
+    }
+
+    /// Tries what stands beside the best setting, option by option; whether that led to a better one.
+    bool climb(const std::vector<TuneCandidate>& candidates) {
+        const TriedSetting before = best();
+        const std::string& model = before.setting.front().second;
+        for (const TuneCandidate& candidate : candidates) {
+            if (candidate.starts.front().front().second != model) continue;
+            for (const Ladder& ladder : candidate.ladders) {
+                const FitSetting from = best().setting;
+                const FitRequest request = request_of(from);
+                if (!ladder.means_something(request)) continue;
+                const std::string now = value_of(from, ladder.option, request.text(ladder.option));
+                const auto at = std::ranges::find_if(ladder.values, [&](const char* v) { return same_value(v, now); });
+                if (at == ladder.values.end()) continue;
+                if (at != ladder.values.begin()) attempt(with(from, ladder.option, at[-1]));
+                if (at + 1 != ladder.values.end()) attempt(with(from, ladder.option, at[1]));
+            }
+        }
+        return best().psnr > before.psnr + 0.02;
+    }
+
+    const Dataset& dataset_;
+    const Dataset judged_;
+    const TuneOptions options_;
+    const std::function<void(const TriedSetting&)>& tried_;
+    Stopwatch clock_;
+    std::vector<TriedSetting> all_;
+    std::vector<std::string> names_;         ///< of all that was tried
+    std::map<std::string, double> seconds_;  ///< that a model's last attempt took
+};
+
+}  // namespace
+
+int left_out_every(const Dataset& dataset, const TuneOptions& options) {
+    return std::max(2, std::min(options.validation, int(dataset.split(false).size() / 2)));
+}
+
+std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
+                               const std::function<void(const TriedSetting&)>& tried,
+                               std::optional<Interrupted>* stopped) {
+    require("seconds", options.seconds, limits::tune_seconds);
+    require("validation", options.validation, limits::tune_validation);
+    return Search(dataset, {options.seconds, left_out_every(dataset, options), options.fixed}, tried).run(stopped);
+}
+
+}  // namespace radiafit::fits

@@ -1,0 +1,76 @@
+#pragma once
+#include <Eigen/Core>
+#include <map>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "geometry/atlas.h"
+#include "geometry/vertex_rings.h"
+#include "model/penalty.h"
+#include "reference/tile_views.h"
+#include "reference/triangulation.h"
+
+namespace radiafit::fits {
+
+/// How much of the resampled light fields was made up. One entry is three values: a surface texel through a view texel.
+struct ResamplingCounts {
+    uint64_t entries = 0;
+    uint64_t outside_hull = 0;   ///< of these, view texels outside the hull of the directions a texel is seen from
+    uint64_t unseen_texels = 0;  ///< of these, of surface texels that no image sees
+    double invented_share() const { return entries ? double(outside_hull + unseen_texels) / double(entries) : 0; }
+    ResamplingCounts& operator+=(const ResamplingCounts& other);
+};
+
+/// One vertex's light field, dense. Rows: surface texels [ring position][tile texel]; columns:
+/// RingResampler::view_texels().
+struct DenseLightField {
+    Eigen::MatrixXd channel[3];  ///< L t (Eq. 14)
+    Eigen::MatrixXd invented;    ///< 1 where an entry was made up
+    ResamplingCounts counts;
+    std::vector<uint8_t> seen;  ///< [rows] by some image
+};
+
+/// Resamples what images see of a vertex's ring to a dense matrix of surface texels times view texels, as factorization
+/// needs it (Chen et al. 2002).
+///   - Directions: the images that see a surface texel lie scattered in the vertex's view map; their Delaunay
+///     triangulation is interpolated linearly at the view texels' centres. Texels of the ring that the same images see
+///     share it.
+///   - View texels outside the hull take the value at the hull's nearest point.
+///   - Surface texels that no image sees take the mean of their neighbours in the tile, ring by ring; a tile that no
+///     image sees the mean over the seen texels of the vertex's ring.
+class RingResampler {
+public:
+    /// All must outlive the resampler but the dataset.
+    RingResampler(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const TileViews& tiles,
+                  int view_side);
+
+    /// Which of the m x m view texels are columns: those that a look-up can reach.
+    const std::vector<uint32_t>& view_texels() const { return view_texels_; }
+    /// Overwrites `out`, reusing its storage. False: no image sees any of the ring, and all is zero.
+    bool resample(size_t vertex, DenseLightField& out) const;
+
+private:
+    /// Positions in the tiles' views of the images that see a texel, in ascending order.
+    using ImageSet = std::vector<uint32_t>;
+    /// For every column, which of a set's images to mix.
+    using Mixing = std::vector<Triangulation::Weights>;
+    Mixing mixing_of(size_t vertex, const ImageSet& set) const;
+    void interpolate_tile(size_t vertex, uint32_t tile, size_t first_row, std::map<ImageSet, Mixing>& mixings,
+                          DenseLightField& out) const;
+    /// first_rows: of the ring's tiles, and where the last one ends.
+    void fill_unseen(std::span<const Corner> ring, std::span<const size_t> first_rows, DenseLightField& out) const;
+    void grow_tile(const MapNeighbours& neighbours, size_t first_row, uint8_t* known, DenseLightField& out) const;
+
+    const TriangleAtlas* atlas_;
+    const VertexRings* rings_;
+    const TileViews* tiles_;
+    std::vector<Frame> frames_;
+    std::vector<uint32_t> view_texels_;
+    std::vector<Vec2d> view_centers_;
+    std::vector<Vec3d> cameras_;
+};
+
+/// Which of m x m view texels have a weight in some look-up: those whose bilinear support meets the view map's disc.
+std::vector<uint32_t> reachable_view_texels(int view_side);
+
+}  // namespace radiafit::fits

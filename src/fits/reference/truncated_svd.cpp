@@ -1,0 +1,72 @@
+#include "reference/truncated_svd.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace radiafit::fits {
+namespace {
+
+// Terms from right singular vectors, the columns of v in descending order; nothing from the first one on whose singular
+// value is below 1e-7 of the largest. Gram matrices square the singular values, so what is smaller drowns in rounding:
+// far below what photographs of 8 or 16 bits hold.
+TruncatedSvd terms_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& v) {
+    TruncatedSvd out{a * v, v};
+    const double scale = std::sqrt(double(a.cols())), largest = out.g.col(0).norm();
+    bool negligible = false;
+    for (Eigen::Index k = 0; k < v.cols(); ++k) {
+        negligible = negligible || !(out.g.col(k).norm() > 1e-7 * largest);
+        if (negligible) {
+            out.g.col(k).setZero();
+            out.h.col(k).setZero();
+            continue;
+        }
+        const double sign = v.col(k).sum() < 0 ? -1 : 1;
+        out.g.col(k) *= sign / scale;
+        out.h.col(k) *= sign * scale;
+    }
+    return out;
+}
+
+Eigen::MatrixXd gram(const Eigen::MatrixXd& rows) {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows.rows(), rows.rows());
+    out.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+    return out;
+}
+
+/// Of the largest eigenvalues of a symmetric matrix, which is given by its lower half; [size][count], descending.
+Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& symmetric, Eigen::Index count) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+    return eigen.eigenvectors().rowwise().reverse().leftCols(count);
+}
+
+/// Orthonormal also where `narrow` lacks rank; descending.
+Eigen::MatrixXd left_singular_vectors(const Eigen::MatrixXd& narrow) {
+    return Eigen::JacobiSVD<Eigen::MatrixXd>(narrow, Eigen::ComputeThinU).matrixU();
+}
+
+}  // namespace
+
+TruncatedSvd truncated_svd(const Eigen::MatrixXd& a, int terms) {
+    const Eigen::Index count = std::min<Eigen::Index>({terms, a.rows(), a.cols()});
+    Eigen::MatrixXd v = Eigen::MatrixXd::Zero(a.cols(), terms);
+    if (a.cols() <= a.rows())
+        v.leftCols(count) = first_eigenvectors(gram(a.transpose()), count);
+    else
+        v.leftCols(count) = left_singular_vectors(a.transpose() * first_eigenvectors(gram(a), count));
+    return terms_of(a, v);
+}
+
+void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd) {
+    const Eigen::Index terms = svd.h.cols(), count = std::min({terms, a.rows(), a.cols()});
+    const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>((a * svd.h).leftCols(count)).householderQ() *
+                              Eigen::MatrixXd::Identity(a.rows(), count);
+    const Eigen::MatrixXd b = a.transpose() * q;  // A's nearest within the span of q is q b^T
+    Eigen::MatrixXd v = Eigen::MatrixXd::Zero(a.cols(), terms);
+    v.leftCols(count) = left_singular_vectors(b);
+    svd = terms_of(a, v);
+}
+
+}  // namespace radiafit::fits

@@ -1,0 +1,21 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "base/rings.h"
+
+namespace radiafit::fits {
+
+/// K terms of A ~ sum_k g_k h_k^T, in descending order of their share. h_k has a root mean square of 1 and a sum >= 0;
+/// terms beyond A's rank are zero.
+struct TruncatedSvd {
+    Eigen::MatrixXd g;  ///< [rows][K] sigma_k u_k / sqrt(columns)
+    Eigen::MatrixXd h;  ///< [columns][K] v_k sqrt(columns)
+};
+
+/// Uncentred: among all sums of K terms the one nearest to A, which must not be empty.
+TruncatedSvd truncated_svd(const Eigen::MatrixXd& a, int terms);
+
+/// One step of orthogonal iteration from an earlier factorization of a similar matrix: never farther from A than it.
+void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd);
+
+}  // namespace radiafit::fits

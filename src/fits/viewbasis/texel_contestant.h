@@ -1,0 +1,40 @@
+#pragma once
+#include "eval/contestant.h"
+#include "geometry/surface_lookup.h"
+#include "viewbasis/texel_views.h"
+
+namespace radiafit::fits {
+
+/// Neighbouring pixels mostly show the same texels: colours are kept, each at the place of its texel's last digits.
+struct ShownTexel {
+    uint32_t texel = no_texel;
+    Vec3f colour = Vec3f::Zero();
+};
+inline constexpr uint32_t shown_texels = 1u << 16;
+
+/// Of fits that have colours by view direction in each texel: colour_of(texel, eye) is a texel's, seen from a camera.
+/// A pixel shows the mix of those that the look-up tells. The atlas must outlive the contestant.
+template <class ColourOf>
+Contestant texel_contestant(const TriangleAtlas& atlas, SurfaceLookup lookup, TargetSpace space, ColourOf colour_of) {
+    const auto shade = [&atlas, find = TexelLookup(atlas, lookup), colour_of](
+                           const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
+        rgb.assign(3 * pixels.size(), 0.0f);
+        const Vec3f eye = view.camera.center().cast<float>();
+        std::vector<ShownTexel> shown(shown_texels);
+        for (size_t i = 0; i < pixels.size(); ++i) {
+            if (pixels[i].triangle == no_triangle) continue;
+            const TexelMix mix = find.at(pixels[i].triangle, pixels[i].b1, pixels[i].b2);
+            Vec3f colour = Vec3f::Zero();
+            for (const auto& [triangle, local, weight] : mix.entries()) {
+                const uint32_t texel = triangle * atlas.texels_per_tile() + local;
+                ShownTexel& kept = shown[texel % shown_texels];
+                if (kept.texel != texel) kept = {texel, colour_of(texel, eye)};
+                colour += weight * kept.colour;
+            }
+            Vec3f::Map(&rgb[3 * i]) = colour;
+        }
+    };
+    return {shade, space};
+}
+
+}  // namespace radiafit::fits

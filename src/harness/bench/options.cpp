@@ -1,0 +1,110 @@
+#include "bench/options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <set>
+
+#include "base/config.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/range.h"
+#include "base/record.h"
+
+namespace radiafit::harness {
+namespace {
+
+const std::vector<std::string> scales = {"smoke", "standard", "paper"};
+const std::vector<std::string> platforms = {"egl", "osmesa"};
+
+/// Those behind a name of the command line.
+const std::vector<std::pair<std::string, std::vector<Device>>> groups = {
+    {"cpu", {Device::cpu, Device::one_thread}},
+    {"fragment", {Device::paper_passes, Device::combined_passes}},
+    {"compute", {Device::compute, Device::redistributing, Device::scattering}}};
+
+std::vector<std::string> group_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, devices] : groups) names.push_back(name);
+    return names;
+}
+
+void require_name(const char* option, const std::string& name, const std::vector<std::string>& names) {
+    if (std::ranges::find(names, name) == names.end())
+        throw UserError(fmt::format("{} '{}' does not exist; choose {} (nearest: {})", option, name,
+                                    fmt::join(names, ", "), nearest(name, names)));
+}
+
+std::vector<Device> devices_of(const std::vector<std::string>& names) {
+    std::set<Device> chosen;
+    for (const auto& [name, devices] : groups)
+        if (std::ranges::find(names, name) != names.end()) chosen.insert(devices.begin(), devices.end());
+    if (thread_count() == 1) chosen.erase(Device::one_thread);  // the same as cpu
+    return {chosen.begin(), chosen.end()};
+}
+
+/// One line for a command line that could not be parsed.
+std::string explain(const CLI::App& app, const CLI::ParseError& error) {
+    const std::vector<std::string> rest = app.remaining();
+    if (rest.empty()) return fmt::format("{}; see --help", error.what());
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return fmt::format("'{}' is no option (nearest: {}); see --help", rest.front(), nearest(rest.front(), names));
+}
+
+}  // namespace
+
+std::optional<BenchOptions> parse_bench_options(int argc, const char* const* argv) {
+    BenchOptions options;
+    std::vector<std::string> devices = group_names();
+    std::string platform = "egl", repetitions = "9", gpu, threads = "0", output = options.output.string();
+    CLI::App app(
+        "Checks every device of this machine against sums in double, then times them and says what share of the "
+        "machine's measured peaks they reach.",
+        "radiafit-bench");
+    app.set_version_flag("--version", fmt::format("radiafit-bench {} ({})", project_version(), git_revision()));
+    app.add_option("--scale", options.scale, "smoke, standard or paper: sizes of star, bust and ornament")
+        ->capture_default_str();
+    app.add_option("--device", devices, "cpu, fragment and compute, or some of them between commas")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->capture_default_str();
+    app.add_option("--repetitions", repetitions, "rounds; an interval of 95 % needs six, better nine")
+        ->capture_default_str();
+    CLI::Option* by_platform =
+        app.add_option("--platform", platform, "egl, or osmesa: Mesa in software")->capture_default_str();
+    CLI::Option* by_number =
+        app.add_option("--gpu", gpu, "EGL's device by its number in --list; unless told, a GPU where there is one");
+    app.add_option("--threads", threads, "of the CPU; 0 is all cores")->capture_default_str();
+    app.add_option("-o,--output", output, "folder of results: rows go to bench/DEVICE/RUN in it")
+        ->capture_default_str();
+    app.add_flag("--list", options.list, "only tell the devices that there are");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() != 0) throw UserError(explain(app, e));
+        app.exit(e);
+        return std::nullopt;
+    }
+    require_name("--scale", options.scale, scales);
+    require_name("--platform", platform, platforms);
+    for (const std::string& name : devices) require_name("--device", name, group_names());
+    options.repetitions = parse_number("--repetitions", repetitions, Range<int>{1, 1'000'000});
+    set_thread_count(parse_number("--threads", threads, Range<int>{0, 1024, "0 is all cores"}));
+    options.context.kind = context_kind_from(platform);
+    if (by_number->count() > 0)
+        options.context.device = parse_number("--gpu", gpu, Range<int>{0, 1023, "--list tells which there are"});
+    if (output.empty()) throw UserError("--output is empty: name a folder");
+    options.output = output;
+    options.chosen_renderer = by_platform->count() + by_number->count() > 0;
+    options.devices = devices_of(devices);
+    if (options.chosen_renderer && std::ranges::none_of(options.devices, needs_opengl))
+        throw UserError("--platform and --gpu mean nothing without the devices fragment or compute; leave them out");
+    options.every_device = options.devices == devices_of(group_names());
+    return options;
+}
+
+}  // namespace radiafit::harness

@@ -1,0 +1,164 @@
+#include "bench/rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/statistics.h"
+#include "report/csv.h"
+#include "report/table.h"
+
+namespace radiafit::harness {
+namespace {
+
+std::string number(double x) { return fmt::format("{:.5g}", x); }
+std::string number(const std::optional<double>& x) { return x ? number(*x) : ""; }
+
+void write_scenes(const BenchResults& results, const ResultFolder& folder) {
+    CsvWriter rows(folder.path() / "scenes.csv", {"problem", "images", "samples", "sites", "parameters"});
+    for (const auto& [name, facts] : results.scenes)
+        rows.row({name, std::to_string(facts.images), std::to_string(facts.samples), std::to_string(facts.sites),
+                  std::to_string(facts.parameters)});
+    rows.commit();
+}
+
+void write_agreement(const BenchResults& results, const ResultFolder& folder) {
+    CsvWriter rows(folder.path() / "agreement.csv",
+                   {"problem", "device", "quantity", "difference", "tolerance", "agrees"});
+    for (const Checked& c : results.checked) {
+        const auto row = [&](const std::string& quantity, double difference, double tolerance) {
+            rows.row({c.scene, name_of(c.device), quantity, fmt::format("{:.2g}", difference), number(tolerance),
+                      std::to_string(int(difference <= tolerance))});
+        };
+        if (!c.failure.empty()) {
+            rows.row({c.scene, name_of(c.device), "run", "", "", "0"});
+            continue;
+        }
+        row("samples", c.sums.other_share(), Agreement::most_other_sites);
+        for (size_t q = 0; q < quantity_names.size(); ++q)
+            row(quantity_names[q], c.sums.worst[q], Agreement::tolerance);
+        row("fit", c.fit_difference, c.fit_tolerance);
+    }
+    rows.commit();
+}
+
+void write_repetitions(const BenchResults& results, const ResultFolder& folder) {
+    CsvWriter rows(folder.path() / "rows.csv", {"problem", "device", "pass", "repetition", "seconds", "streaming_s"});
+    for (const Timed& t : results.timed)
+        for (const auto& [pass, series] : t.series)
+            for (size_t r = 0; r < series.seconds.size(); ++r)
+                rows.row({t.scene, name_of(t.device), name_of(pass), std::to_string(r), number(series.seconds[r]),
+                          number(series.streaming_s[r])});
+    rows.commit();
+}
+
+void write_peaks(const BenchResults& results, const ResultFolder& folder) {
+    CsvWriter rows(folder.path() / "peaks.csv", {"device", "peak", "repetition", "per_second"});
+    for (size_t r = 0; r < results.peaks.size(); ++r)
+        for (const auto& [device, peaks] : results.peaks[r])
+            for (const auto& [name, rate] :
+                 {std::pair{"operations", peaks.operations}, {"reads", peaks.reads}, {"bytes", peaks.bytes}})
+                if (rate > 0) rows.row({name_of(device), name, std::to_string(r), number(rate)});
+    rows.commit();
+}
+
+/// Of what a pass takes, the share of the peak of the same round; median over the rounds.
+std::optional<double> share(const std::optional<double>& amount, const std::vector<double>& seconds, Device device,
+                            double DevicePeaks::*rate, const std::vector<Peaks>& peaks) {
+    if (!amount) return std::nullopt;
+    std::vector<double> shares;
+    for (size_t r = 0; r < seconds.size(); ++r) shares.push_back(*amount / seconds[r] / (peaks[r].at(device).*rate));
+    return median(shares);
+}
+
+/// What a pass of a device comes to.
+struct Summary {
+    double seconds = 0, ms_per_image = 0, ns_per_sample = 0;
+    std::optional<Interval> interval = {};
+    PassLoad load = {}, shares = {};
+};
+
+Summary summary_of(const BenchResults& results, const Timed& t, Pass pass) {
+    const auto scene = std::ranges::find(results.scenes, t.scene, &std::pair<std::string, SceneFacts>::first);
+    const SceneFacts& facts = scene->second;
+    const std::vector<double>& seconds = t.series.at(pass).seconds;
+    Summary s{.seconds = median(seconds)};
+    s.ms_per_image = 1e3 * s.seconds / double(facts.images);
+    s.ns_per_sample = 1e9 * s.seconds / double(facts.site_samples);
+    s.interval = median_interval(seconds, seconds.size());
+    s.load = t.contestant->load(pass);
+    s.shares.operations = share(s.load.operations, seconds, t.device, &DevicePeaks::operations, results.peaks);
+    s.shares.reads = share(s.load.reads, seconds, t.device, &DevicePeaks::reads, results.peaks);
+    s.shares.bytes = share(s.load.bytes, seconds, t.device, &DevicePeaks::bytes, results.peaks);
+    return s;
+}
+
+void write_summary(const BenchResults& results, const ResultFolder& folder) {
+    CsvWriter rows(
+        folder.path() / "summary.csv",
+        {"problem", "device", "pass", "seconds", "low_s", "high_s", "ms_per_image", "ns_per_sample", "operations",
+         "reads", "bytes", "operations_share", "reads_share", "bytes_share", "repetitions", "renderer"});
+    for (const Timed& t : results.timed)
+        for (const auto& [pass, series] : t.series) {
+            const Summary s = summary_of(results, t, pass);
+            rows.row({t.scene, name_of(t.device), name_of(pass), number(s.seconds),
+                      s.interval ? number(s.interval->low) : "", s.interval ? number(s.interval->high) : "",
+                      number(s.ms_per_image), number(s.ns_per_sample), number(s.load.operations), number(s.load.reads),
+                      number(s.load.bytes), number(s.shares.operations), number(s.shares.reads), number(s.shares.bytes),
+                      std::to_string(series.seconds.size()),
+                      needs_opengl(t.device) ? results.renderer : results.processor});
+        }
+    rows.commit();
+}
+
+}  // namespace
+
+std::string Checked::disagreement() const {
+    if (!failure.empty()) return failure;
+    std::string text = sums.disagreement();
+    if (!(fit_difference <= fit_tolerance))
+        text += fmt::format("{}errors of {} iterations off by {:.1e}", text.empty() ? "" : ", ", Scene::fit_iterations,
+                            fit_difference);
+    return text;
+}
+
+void write_rows(const BenchResults& results, const ResultFolder& folder) {
+    write_scenes(results, folder);
+    write_agreement(results, folder);
+    write_repetitions(results, folder);
+    write_peaks(results, folder);
+    write_summary(results, folder);
+}
+
+std::string agreement_table(const std::vector<Checked>& checked) {
+    Table table({"problem", "device", "sums, of their terms", "other samples", "fit", "verdict"});
+    for (const Checked& c : checked) {
+        if (!c.failure.empty()) {
+            table.add({c.scene, name_of(c.device), "", "", "", "DOES NOT RUN"});
+            continue;
+        }
+        const double worst = *std::ranges::max_element(c.sums.worst);
+        table.add({c.scene, name_of(c.device), fmt::format("{:.1e}", worst), fmt::format("{}", c.sums.other_sites),
+                   fmt::format("{:.1e}", c.fit_difference), c.disagreement().empty() ? "agrees" : "DISAGREES"});
+    }
+    return table.text();
+}
+
+std::string time_table(const BenchResults& results) {
+    Table table({"problem", "device", "pass", "ms per image", "95 %", "ns per sample", "of peak operations",
+                 "of peak bytes", "of peak reads"});
+    const auto percent = [](const std::optional<double>& x) { return x ? fmt::format("{:.1f} %", 100 * *x) : ""; };
+    for (const Timed& t : results.timed)
+        for (const auto& [pass, series] : t.series) {
+            const Summary s = summary_of(results, t, pass);
+            const double scale = s.ms_per_image / s.seconds;
+            const std::string interval =
+                s.interval ? fmt::format("{:.4g} to {:.4g}", scale * s.interval->low, scale * s.interval->high) : "";
+            table.add({t.scene, name_of(t.device), name_of(pass), fmt::format("{:.4g}", s.ms_per_image), interval,
+                       fmt::format("{:.4g}", s.ns_per_sample), percent(s.shares.operations), percent(s.shares.bytes),
+                       percent(s.shares.reads)});
+        }
+    return table.text();
+}
+
+}  // namespace radiafit::harness

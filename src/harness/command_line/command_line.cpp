@@ -1,0 +1,165 @@
+#include "command_line/command_line.h"
+
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+
+#include "base/config.h"
+
+namespace radiafit::harness {
+namespace {
+
+/// The command that was reached, a subcommand's subcommand at last.
+const CLI::App& reached(const CLI::App& app) {
+    const auto chosen = app.get_subcommands();
+    return chosen.empty() ? app : reached(*chosen.front());
+}
+
+std::vector<std::string> commands_of(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(command->get_name());
+    return names;
+}
+
+/// Of a command and of all that it stands below.
+std::vector<std::string> options_of(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::App* at = &app; at; at = at->get_parent())
+        for (const CLI::Option* option : at->get_options())
+            for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return names;
+}
+
+/// One line for a command line that could not be parsed.
+std::string explain(const CLI::App& app, const CLI::ParseError& error) {
+    const CLI::App& command = reached(app);
+    const std::vector<std::string> rest = app.remaining(true), commands = commands_of(command);
+    const std::string unknown = rest.empty() ? "" : rest.front();
+    const std::string help = fmt::format("see {} --help", app.get_name());
+    if (unknown.starts_with("-"))
+        return fmt::format("option '{}' does not exist; the nearest is {}; {}", unknown,
+                           nearest(unknown.substr(0, unknown.find('=')), options_of(command)), help);
+    if (!unknown.empty() && !commands.empty())
+        return fmt::format("command '{}' does not exist; choose one of {} (nearest: {}); {}", unknown,
+                           fmt::join(commands, ", "), nearest(unknown, commands), help);
+    if (!unknown.empty()) return fmt::format("'{}' is one argument too many; leave it out, or {}", unknown, help);
+    return fmt::format("{}; {}", error.what(), help);
+}
+
+}  // namespace
+
+std::string plain_name(const std::string& names) {
+    const std::string last = names.substr(names.find_last_of(',') + 1);
+    return last.substr(last.find_first_not_of('-'));
+}
+
+CommandOption& CommandOption::choices(std::vector<std::string> names) {
+    *choices_ = std::move(names);
+    return *this;
+}
+CommandOption& CommandOption::required() {
+    option_->required();
+    return *this;
+}
+CommandOption& CommandOption::excludes(const std::string& other) {
+    option_->excludes(other);
+    return *this;
+}
+CommandOption& CommandOption::hide_default() {
+    option_->default_str("");
+    return *this;
+}
+CommandOption& CommandOption::group(const std::string& name) {
+    option_->group(name);
+    return *this;
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& about, const std::string& version)
+    : own_(std::make_unique<CLI::App>(about, name)), app_(own_.get()) {
+    if (!version.empty()) app_->set_version_flag("--version", version);
+    app_->fallthrough();  // its options may stand behind a command
+}
+CommandLine::CommandLine(CLI::App& app) : app_(&app) {}
+CommandLine::~CommandLine() = default;
+
+CommandLine& CommandLine::add_command(const std::string& name, const std::string& about) {
+    app_->require_subcommand(1);
+    commands_.push_back(std::unique_ptr<CommandLine>(new CommandLine(*app_->add_subcommand(name, about))));
+    return *commands_.back();
+}
+
+void CommandLine::on_run(std::function<void()> run) { app_->callback(std::move(run)); }
+
+bool CommandLine::parse(int argc, const char* const* argv) {
+    try {
+        app_->parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() != 0) throw UserError(explain(*app_, e));
+        app_->exit(e);
+        return false;
+    }
+    return true;
+}
+
+bool CommandLine::given(const std::string& name) const { return app_->count(name) > 0; }
+
+CommandOption CommandLine::described(CLI::Option& option) { return CommandOption(option, choices_[&option]); }
+
+CommandDescription CommandLine::describe() const {
+    CommandDescription out{app_->get_name(), app_->get_description(), {}, {}};
+    for (const CLI::Option* option : app_->get_options()) {
+        OptionDescription o;
+        for (const std::string& name : option->get_snames()) o.names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames()) o.names.push_back("--" + name);
+        o.positional = o.names.empty();
+        if (o.positional) o.names.push_back(option->get_name());
+        if (option->get_type_size() != 0) o.type = option->get_type_name();
+        o.default_text = option->get_default_str();
+        o.help = option->get_description();
+        o.group = option->get_group() == "Options" ? "" : option->get_group();
+        o.required = option->get_required();
+        if (const auto found = choices_.find(option); found != choices_.end()) o.choices = found->second;
+        out.options.push_back(std::move(o));
+    }
+    for (const auto& command : commands_) out.commands.push_back(command->describe());
+    return out;
+}
+
+CommandOption CommandLine::add(const std::string& name, const std::string& type, const std::string& default_text,
+                               const std::string& help, const std::function<void(const std::string&)>& read) {
+    CLI::Option* option = app_->add_option_function<std::string>(name, read, help);
+    option->type_name(type);
+    if (!default_text.empty()) option->default_str(default_text);
+    return described(*option);
+}
+
+CommandOption CommandLine::add_word(const std::string& name, std::string& value, const std::string& help) {
+    return add(name, "TEXT", value, help, [&value](const std::string& text) { value = text; });
+}
+
+CommandOption CommandLine::add_words(const std::string& name, std::vector<std::string>& values,
+                                     const std::string& help) {
+    return described(*app_->add_option(name, values, help)->allow_extra_args(false));
+}
+
+CommandOption CommandLine::add_rest(const std::string& name, std::vector<std::string>& values,
+                                    const std::string& help) {
+    return described(*app_->add_option(name, values, help)->expected(1, 1 << 20));
+}
+
+CommandOption CommandLine::add_numbers(const std::string& name, std::vector<double>& values, int count,
+                                       const std::string& help) {
+    return described(*app_->add_option(name, values, help)->expected(count)->delimiter(','));
+}
+
+CommandOption CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
+    return described(*app_->add_flag(name, value, help));
+}
+
+CommandOption CommandLine::add_switch(const std::string& name, const std::function<void()>& act,
+                                      const std::string& help) {
+    return described(*app_->add_flag_callback(name, act, help));
+}
+
+}  // namespace radiafit::harness

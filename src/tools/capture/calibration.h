@@ -1,0 +1,38 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/camera.h"
+
+/// What any reader of calibrated photographs returns: COLMAP models, transforms.json, poses_bounds.npy.
+namespace radiafit::tools {
+
+struct CalibratedImage {
+    std::string name;                 ///< relative to the folder of images; may hold a subfolder
+    Camera camera;                    ///< of the whole photograph
+    bool held_out = false;            ///< the calibration itself says so
+    std::filesystem::path mask = {};  ///< the calibration names this file; empty: none
+    uint64_t id = 0;                  ///< COLMAP's IMAGE_ID, by which its points name it
+};
+
+struct Calibration {
+    std::string origin;                   ///< what wrote it, such as COLMAP
+    std::filesystem::path cameras_file;   ///< has sizes and lenses; for messages
+    std::filesystem::path images_file;    ///< names the photographs; for messages
+    std::string size_cure;                ///< what to do about a photograph of another size than calibrated
+    std::vector<CalibratedImage> images;  ///< sorted by name, none twice, one at least
+    std::vector<std::string> remarks;     ///< what a user may want to know of how it was read
+};
+
+inline constexpr int largest_calibrated_side = 1 << 16;  ///< pixels; anything beyond is a broken file
+
+/// Sorts the images by name. Throws UserError if there is none, or a name stands twice.
+void settle_images(Calibration& calibration);
+
+/// A camera's pose from its axes in the world, the columns right, down and forward, and its centre. Axes that were
+/// rounded are made orthonormal. Throws UserError, prefixed by `where`, for axes that are not finite, or more than 1e-3
+/// from a rotation.
+void set_pose(Camera& camera, const Mat3d& axes, const Vec3d& centre, const std::string& where);
+
+}  // namespace radiafit::tools

@@ -1,0 +1,232 @@
+#include "capture/colmap.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "base/error.h"
+#include "base/read_file.h"
+#include "base/text_file.h"
+#include "base/wording.h"
+#include "capture/colmap_binary.h"
+
+namespace radiafit::tools {
+namespace {
+
+struct Model {
+    const char* name;
+    size_t focal_lengths = 0;  // f, or fx and fy; then cx, cy; 0: never a pinhole
+    size_t coefficients = 0;   // of distortion, behind them; a pinhole if all are zero
+};
+
+/// COLMAP's camera models by their number in binary files (colmap/sensor/models.h).
+constexpr std::array<Model, 12> camera_models = {{{"SIMPLE_PINHOLE", 1, 0},
+                                                  {"PINHOLE", 2, 0},
+                                                  {"SIMPLE_RADIAL", 1, 1},
+                                                  {"RADIAL", 1, 2},
+                                                  {"OPENCV", 2, 4},
+                                                  {"OPENCV_FISHEYE"},
+                                                  {"FULL_OPENCV", 2, 8},
+                                                  {"FOV"},
+                                                  {"SIMPLE_RADIAL_FISHEYE"},
+                                                  {"RADIAL_FISHEYE"},
+                                                  {"THIN_PRISM_FISHEYE"},
+                                                  {"RAD_TAN_THIN_PRISM_FISHEYE"}}};
+
+constexpr uint64_t largest_side = largest_calibrated_side;
+
+/// What an image refers to: intrinsics without a pose.
+using Intrinsics = std::map<uint32_t, Camera>;
+
+[[noreturn]] void reject_model(const std::string& where, const std::string& model) {
+    throw UserError(
+        fmt::format("{}: camera model {} is not a pinhole: undistort images and model first with `colmap "
+                    "image_undistorter`",
+                    where, model));
+}
+
+const Model& find_model(const std::string& where, std::string_view name) {
+    for (const Model& model : camera_models)
+        if (model.name == name && model.focal_lengths > 0) return model;
+    reject_model(where, std::string(name));
+}
+
+size_t parameter_count(const Model& model) { return model.focal_lengths + 2 + model.coefficients; }
+
+/// parameters: f or fx, fy; cx, cy; coefficients of distortion.
+void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, const Model& model, uint64_t width,
+                uint64_t height, std::span<const double> parameters) {
+    const auto fail = [&](const std::string& problem) {
+        throw UserError(fmt::format("{}: camera {} {}: write the model again", where, id, problem));
+    };
+    if (id > UINT32_MAX) fail("has an id beyond 32 bits");
+    if (width < 1 || height < 1 || width > largest_side || height > largest_side)
+        fail(fmt::format("has size {} x {}, outside [1, {}]", width, height, largest_side));
+    for (const double p : parameters)
+        if (!std::isfinite(p)) fail("has a parameter that is not finite (NaN or infinity)");
+    const auto distortion = parameters.last(model.coefficients);
+    if (std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0; }))
+        reject_model(where, fmt::format("{} with distortion ({})", model.name, fmt::join(distortion, ", ")));
+    Camera camera;
+    camera.width = static_cast<int>(width);
+    camera.height = static_cast<int>(height);
+    camera.fx = parameters[0];
+    camera.fy = parameters[model.focal_lengths - 1];
+    camera.cx = parameters[model.focal_lengths];
+    camera.cy = parameters[model.focal_lengths + 1];
+    if (camera.fx <= 0 || camera.fy <= 0) fail("has a focal length that is not positive");
+    if (!cameras.emplace(static_cast<uint32_t>(id), camera).second) fail("is given twice");
+}
+
+/// pose: qw, qx, qy, qz, tx, ty, tz, world to camera.
+void add_image(Calibration& model, const Intrinsics& cameras, const std::string& where, uint64_t id, std::string name,
+               uint64_t camera_id, const std::array<double, 7>& pose) {
+    const auto fail = [&](const std::string& problem) {
+        throw UserError(fmt::format("{}: image '{}' {}", where, name, problem));
+    };
+    if (name.empty()) fail("has no name: write the model again");
+    for (const double p : pose)
+        if (!std::isfinite(p)) fail("has a pose that is not finite (NaN or infinity): register it again or remove it");
+    const auto camera = cameras.find(static_cast<uint32_t>(camera_id));
+    if (camera_id > UINT32_MAX || camera == cameras.end())
+        fail(fmt::format("refers to camera {}, which {} does not hold: take both files from one model", camera_id,
+                         model.cameras_file.string()));
+    Eigen::Quaterniond rotation(pose[0], pose[1], pose[2], pose[3]);
+    if (!(rotation.norm() > 1e-12)) fail("has a zero quaternion: register it again or remove it");
+    // COLMAP writes unit quaternions, others round them or leave them as they come.
+    if (rotation.norm() < 0.1 || !(rotation.norm() < 10))
+        fail(fmt::format("has a quaternion of length {}, far from 1: write the model again", rotation.norm()));
+    CalibratedImage image{name, camera->second};
+    image.id = id;
+    image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
+    image.camera.cam_from_world_translation = {pose[4], pose[5], pose[6]};
+    check_camera(image.camera, fmt::format("{}: image '{}'", where, name));
+    model.images.push_back(std::move(image));
+}
+
+// CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
+Intrinsics read_cameras_text(const std::filesystem::path& file) {
+    TextFile text(file, "list of cameras");
+    Intrinsics cameras;
+    for (std::string_view line; text.next_entry(line);) {
+        const auto tokens = split_tokens(line);
+        if (tokens.size() < 4) text.fail("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS...: mend the line");
+        const Model& model = find_model(text.where(), tokens[1]);
+        const size_t count = parameter_count(model);
+        if (tokens.size() != 4 + count)
+            text.fail(fmt::format("{} takes {} parameters, the line has {}: mend the line", model.name, count,
+                                  tokens.size() - 4));
+        std::vector<double> parameters;
+        for (size_t i = 4; i < tokens.size(); ++i) parameters.push_back(text.to_double(tokens[i], "a parameter"));
+        add_camera(cameras, text.where(), text.to_unsigned(tokens[0], "CAMERA_ID"), model,
+                   text.to_unsigned(tokens[2], "WIDTH"), text.to_unsigned(tokens[3], "HEIGHT"), parameters);
+    }
+    return cameras;
+}
+
+/// Of COLMAP's own comment "# Number of images: 24, mean observations per image: ..."; nothing of other lines.
+std::optional<uint64_t> announced_images(const TextFile& text, std::string_view line) {
+    constexpr std::string_view words = "Number of images:";
+    const size_t at = line.find(words);
+    if (!line.starts_with('#') || at == std::string_view::npos) return {};
+    const auto tokens = split_tokens(line.substr(at + words.size()));
+    if (tokens.empty()) return {};
+    return text.to_unsigned(tokens[0].substr(0, tokens[0].find(',')), "the number of images");
+}
+
+// Two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then its points X Y POINT3D_ID..., often empty.
+void read_images_text(Calibration& model, const Intrinsics& cameras) {
+    TextFile text(model.images_file, "list of images");
+    std::optional<uint64_t> announced;
+    for (std::string_view line; text.next_line(line);) {
+        if (const auto count = announced_images(text, line)) announced = count;
+        if (line.empty() || line.starts_with('#')) continue;
+        const auto tokens = split_tokens(line);
+        if (tokens.size() < 10) text.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME: mend the line");
+        const uint64_t id = text.to_unsigned(tokens[0], "IMAGE_ID");
+        std::array<double, 7> pose;
+        constexpr const char* names[7] = {"QW", "QX", "QY", "QZ", "TX", "TY", "TZ"};
+        for (size_t i = 0; i < 7; ++i) pose[i] = text.to_double(tokens[1 + i], names[i]);
+        // A name may hold blanks: it is the rest of the line.
+        std::string name(tokens[9].data(), line.data() + line.size());
+        add_image(model, cameras, text.where(), id, std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
+        if (!text.next_line(line)) break;
+        if (split_tokens(line).size() % 3 != 0)
+            text.fail("expected the image's points X Y POINT3D_ID..., or an empty line, after each image line");
+    }
+    if (announced && *announced != model.images.size())
+        throw UserError(fmt::format("{}: says that it holds {} images, but there are {}: copy or write the model again",
+                                    model.images_file.string(), *announced, model.images.size()));
+}
+
+Intrinsics read_cameras_binary(const std::filesystem::path& path) {
+    ColmapBinary file(path);
+    Intrinsics cameras;
+    const auto count = file.get<uint64_t>();
+    for (uint64_t i = 0; i < count; ++i) {
+        file.set_entry(fmt::format("camera {} of {}", i + 1, count));
+        const auto id = file.get<uint32_t>();
+        const auto number = file.get<int32_t>();
+        const auto width = file.get<uint64_t>(), height = file.get<uint64_t>();
+        const std::string name = number >= 0 && number < static_cast<int32_t>(camera_models.size())
+                                     ? camera_models[static_cast<size_t>(number)].name
+                                     : fmt::format("number {}", number);
+        const Model& model = find_model(path.string(), name);
+        std::vector<double> parameters(parameter_count(model));
+        for (double& p : parameters) p = file.get<double>();
+        add_camera(cameras, path.string(), id, model, width, height, parameters);
+    }
+    file.expect_end();
+    return cameras;
+}
+
+void read_images_binary(Calibration& model, const Intrinsics& cameras) {
+    ColmapBinary file(model.images_file);
+    const auto count = file.get<uint64_t>();
+    for (uint64_t i = 0; i < count; ++i) {
+        file.set_entry(fmt::format("image {} of {}", i + 1, count));
+        const auto id = file.get<uint32_t>();
+        std::array<double, 7> pose;
+        for (double& p : pose) p = file.get<double>();
+        const auto camera_id = file.get<uint32_t>();
+        std::string name = file.get_string();
+        file.skip(file.get<uint64_t>(), 24);  // points: x, y, POINT3D_ID
+        add_image(model, cameras, model.images_file.string(), id, std::move(name), camera_id, pose);
+    }
+    file.expect_end();
+}
+
+}  // namespace
+
+Calibration read_colmap(const std::filesystem::path& folder) {
+    const auto holds = [&](const char* name) { return stands(folder / name); };
+    Calibration model;
+    model.origin = "COLMAP";
+    model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
+    if (holds("cameras.bin") && holds("images.bin")) {
+        model.cameras_file = folder / "cameras.bin";
+        model.images_file = folder / "images.bin";
+        read_images_binary(model, read_cameras_binary(model.cameras_file));
+    } else if (holds("cameras.txt") && holds("images.txt")) {
+        model.cameras_file = folder / "cameras.txt";
+        model.images_file = folder / "images.txt";
+        read_images_text(model, read_cameras_text(model.cameras_file));
+    } else {
+        throw UserError(
+            fmt::format("{}: no COLMAP model here: {} takes the folder that holds cameras.bin and images.bin, or "
+                        "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
+                        folder.string(), option_name("model")));
+    }
+    settle_images(model);
+    return model;
+}
+
+}  // namespace radiafit::tools

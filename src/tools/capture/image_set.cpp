@@ -1,0 +1,114 @@
+#include "capture/image_set.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/wording.h"
+#include "capture/image_file.h"
+#include "capture/image_scale.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+std::string depth_name(int bits) { return bits == 32 ? "floating-point" : fmt::format("{}-bit", bits); }
+
+void check_depth(const ImageFile& image, const fs::path& file, const ImageSetFormat& format) {
+    if (image.bits != format.bits)
+        throw UserError(fmt::format("{}: has {} channels, but {} has {} ones: export all images alike", file.string(),
+                                    depth_name(image.bits), format.first.string(), depth_name(format.bits)));
+}
+
+/// What the mask and the image's alpha leave of it; empty: all.
+std::vector<uint8_t> mask_of(const ImageFile& image, const std::vector<uint8_t>& common) {
+    std::vector<uint8_t> mask = common;
+    if (!image.alpha.empty() && mask.empty()) mask.assign(image.alpha.size(), 255);
+    for (size_t i = 0; i < image.alpha.size(); ++i)
+        if (image.alpha[i] < 128) mask[i] = 0;
+    return mask;
+}
+
+/// A dataset has finite numbers only.
+void settle_floats(std::vector<float>& rgb, const std::vector<uint8_t>& mask, const fs::path& file, int width) {
+    for (size_t i = 0; i < rgb.size(); ++i) {
+        if (std::isfinite(rgb[i])) continue;
+        const size_t pixel = i / 3;
+        if (mask.empty() || mask[pixel])
+            throw UserError(
+                fmt::format("{}: the pixel at column {}, row {} is not finite: repair the image, or mask "
+                            "the pixel out",
+                            file.string(), pixel % size_t(width), pixel / size_t(width)));
+        rgb[i] = 0;
+    }
+}
+
+template <class T>
+std::vector<uint8_t> bytes_of(const std::vector<T>& values) {
+    std::vector<uint8_t> bytes(values.size() * sizeof(T));
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    return bytes;
+}
+
+std::vector<uint8_t> pack_pixels(ImageFile& image, const ImageSetFormat& format) {
+    if (format.bits == 8) return std::move(image.rgb8);
+    if (format.bits == 32) return bytes_of(image.rgb32);
+    if (format.decode_srgb) {
+        const std::vector<float>& light = linear_table(16, false);
+        for (uint16_t& v : image.rgb16) v = static_cast<uint16_t>(std::lround(65535.0 * double(light[v])));
+    }
+    return bytes_of(image.rgb16);
+}
+
+}  // namespace
+
+ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth, int max_size) {
+    const ImageFile first = read_image(file, true);
+    if (depth != 0 && first.bits != depth)
+        throw UserError(
+            fmt::format("{}: has {} channels, but {} {} was declared: export the image again, or mend "
+                        "the declaration",
+                        file.string(), depth_name(first.bits), option_name("depth"), depth));
+    const bool srgb = transfer == "srgb" || (transfer == "auto" && first.bits == 8);
+    if (srgb && first.bits == 32)
+        throw UserError(fmt::format("{}: holds floats, which are linear: leave {} srgb out", file.string(),
+                                    option_name("transfer")));
+    const std::array<int, 2> size = size_within(first.width, first.height, max_size);
+    ImageSetFormat format{file, size[0], size[1], first.width, first.height, first.bits};
+    format.decode_srgb = srgb && first.bits == 16;
+    format.encoding = first.bits == 32   ? Encoding::f32_linear
+                      : first.bits == 16 ? Encoding::u16_linear
+                      : srgb             ? Encoding::u8_srgb
+                                         : Encoding::u8_linear;
+    return format;
+}
+
+std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format) {
+    if (mask.empty() || !format.is_scaled()) return mask;
+    return scale_down_mask(mask, format.file_width, format.file_height, format.width, format.height);
+}
+
+PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask) {
+    ImageFile image = read_image(file, true, [&](int width, int height) {
+        if (width != format.file_width || height != format.file_height)
+            throw UserError(fmt::format(
+                "{}: {} x {} pixels, but {} has {} x {}: all images are to show the same pixels", file.string(), width,
+                height, format.first.string(), format.file_width, format.file_height));
+    });
+    check_depth(image, file, format);
+    PackedImage packed;
+    packed.mask = mask_of(image, mask);
+    settle_floats(image.rgb32, packed.mask, file, image.width);
+    if (format.is_scaled()) {
+        image.linear = format.encoding != Encoding::u8_srgb && !format.decode_srgb;
+        image = scale_down(image, format.width, format.height);
+        packed.mask = scaled_mask(packed.mask, format);
+    }
+    packed.pixels = pack_pixels(image, format);
+    return packed;
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,342 @@
+#include "capture/import.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/read_file.h"
+#include "base/resources.h"
+#include "base/wording.h"
+#include "capture/colmap.h"
+#include "capture/coverage.h"
+#include "capture/file_names.h"
+#include "capture/gains.h"
+#include "capture/image_file.h"
+#include "capture/image_scale.h"
+#include "capture/llff.h"
+#include "capture/mesh_file.h"
+#include "capture/photographs.h"
+#include "capture/transforms.h"
+#include "dataset/checksums.h"
+#include "dataset/split.h"
+#include "dataset/stream_views.h"
+#include "dataset/view_directions.h"
+#include "geometry/raster.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+/// Some of the photographs, spread over the list, small: enough to tell where the mesh would have to be.
+std::vector<Silhouette> small_silhouettes(const std::vector<Photograph>& photographs, const Calibration& model) {
+    constexpr size_t most = 16;
+    constexpr int side = 256;  // pixels
+    const size_t count = std::min(most, photographs.size());
+    std::vector<Silhouette> views(count);
+    parallel_for(count, 1, [&](size_t i, int) {
+        Photograph photograph = photographs[i * photographs.size() / count];
+        photograph.camera = scaled_camera(photograph.calibrated, side);
+        views[i] = {photograph.camera, load_photograph(photograph, model).mask};
+    });
+    return views;
+}
+
+/// Refuses a mesh that covers too little of the masks, or of the images where there are none, and says what is wrong.
+void check_coverage(const std::vector<Photograph>& photographs, const Mesh& mesh, const ImportOptions& options,
+                    const Calibration& model, ImportReport& report) {
+    const bool masked =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.has_mask; });
+    const std::string of_what = masked ? "the masks" : "the images";
+    Coverage coverage;
+    for (const Photograph& p : photographs)
+        if (p.has_mask == masked) coverage += p.coverage;
+    report.coverage = coverage.share();
+    const double least = options.least_coverage.value_or(masked ? 0.2 : 0.01);
+    if (report.coverage >= least) {
+        std::string remark = fmt::format("the mesh covers {:.0f} % of {}", 100 * report.coverage, of_what);
+        if (masked && coverage.mesh)
+            remark += fmt::format("; of what shows of it, {:.0f} % is inside them",
+                                  100.0 * double(coverage.both) / double(coverage.mesh));
+        report.remarks.push_back(std::move(remark));
+        return;
+    }
+    const bool seen =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.sees_mesh; });
+    std::string text = options.mesh.string() + ": ";
+    text += seen ? fmt::format("the mesh covers {:.3g} % of {}", 100 * report.coverage, of_what)
+                 : fmt::format("no camera of {} sees this mesh", options.model.string());
+    const std::string where = describe(find_other_frame(mesh, small_silhouettes(photographs, model)), of_what);
+    if (!where.empty()) text += "; " + where;
+    text += seen && masked && where.empty()
+                ? ": bring it into the model's frame (in the masks, white is to mean object)"
+                : ": bring it into the model's frame (and turn its faces outward)";
+    throw UserError(fmt::format("{}, or lower {} ({})", text, option_name("least-coverage"), least));
+}
+
+/// Drops what sees nothing, and says so. Throws when nothing is left to fit.
+void drop_blind_views(std::vector<Photograph>& photographs, const ImportOptions& options, ImportReport& report) {
+    const size_t all = photographs.size();
+    const bool seen =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.sees_mesh; });
+    if (!seen)
+        throw UserError(
+            fmt::format("{}: no camera of {} sees this mesh: bring it into the model's frame (and turn its "
+                        "faces outward)",
+                        options.mesh.string(), options.model.string()));
+    for (const Photograph& p : photographs)
+        if (!p.seen_in_mask) report.dropped.push_back(p.name);
+    std::erase_if(photographs, [](const Photograph& p) { return !p.seen_in_mask; });
+    if (photographs.empty())
+        throw UserError(fmt::format("{}: the masks leave nothing of the mesh in any image: white is to mean object",
+                                    options.masks.empty() ? options.images.string() : options.masks.string()));
+    if (!report.dropped.empty())
+        report.notes.push_back(fmt::format("dropped {} of {} images, which see nothing of the mesh: {}",
+                                           report.dropped.size(), all, fmt::join(report.dropped, ", ")));
+    if (std::all_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.held_out; }))
+        throw UserError(fmt::format("{}: every image that sees the mesh is held out: change {}", options.model.string(),
+                                    option_name("holdout")));
+}
+
+bool estimates_gains(const ImportOptions& options) {
+    return options.gains == "estimate" || options.gains == "per-channel";
+}
+
+std::vector<Gain> choose_gains(std::vector<Photograph>& photographs, const ImportOptions& options,
+                               ImportReport& report) {
+    if (options.gains == "none") return std::vector<Gain>(photographs.size());
+    std::vector<std::string> names;
+    std::vector<uint8_t> held_out;
+    for (const Photograph& p : photographs) {
+        names.push_back(p.name);
+        held_out.push_back(p.held_out);
+    }
+    if (!estimates_gains(options)) {
+        std::vector<double> table = read_gains(options.gains, names);
+        normalize_gains(table, held_out);
+        return {table.begin(), table.end()};
+    }
+    std::vector<std::vector<GainSample>> samples;
+    for (Photograph& p : photographs) samples.push_back(std::move(p.gain_samples));
+    std::vector<Gain> gains;
+    const auto take = [&](const auto& estimate) {
+        for (const auto& gain : estimate.gains) gains.emplace_back(gain);
+        for (const size_t i : estimate.guessed)
+            report.notes.push_back(
+                fmt::format("image '{}' shares too little with others to estimate its gain: it is "
+                            "left at the mean exposure",
+                            names[i]));
+    };
+    if (options.gains == "estimate")
+        take(estimate_gains(samples, held_out));
+    else
+        take(estimate_channel_gains(samples, held_out));
+    return gains;
+}
+
+/// The crop rectangle in the dataset's encoding.
+std::vector<uint8_t> pack_pixels(const ImageFile& image, const std::array<int, 4>& crop, Encoding encoding) {
+    const std::vector<float>& light = linear_table(image.bits, image.linear);
+    const size_t row = size_t(crop[2]) * 3;
+    std::vector<uint8_t> bytes(row * size_t(crop[3]) * size_t(bytes_per_channel(encoding)));
+    for (size_t y = 0; y < size_t(crop[3]); ++y) {
+        const size_t first = ((y + size_t(crop[1])) * size_t(image.width) + size_t(crop[0])) * 3;
+        if (encoding == Encoding::u8_srgb) {
+            std::memcpy(bytes.data() + y * row, image.rgb8.data() + first, row);
+            continue;
+        }
+        for (size_t i = 0; i < row; ++i) {
+            const size_t stored = image.bits == 8 ? image.rgb8[first + i] : image.rgb16[first + i];
+            const auto value = static_cast<uint16_t>(std::lround(65535.0 * double(light[stored])));
+            std::memcpy(bytes.data() + (y * row + i) * 2, &value, 2);
+        }
+    }
+    return bytes;
+}
+
+std::vector<uint8_t> crop_mask(const std::vector<uint8_t>& mask, int width, const std::array<int, 4>& crop) {
+    std::vector<uint8_t> out;
+    if (mask.empty()) return out;
+    for (int y = crop[1]; y < crop[1] + crop[3]; ++y) {
+        const auto first = mask.begin() + ptrdiff_t(y) * width + crop[0];
+        out.insert(out.end(), first, first + crop[2]);
+    }
+    return out;
+}
+
+/// Reads the images again.
+void pack(const std::vector<Photograph>& photographs, const std::vector<Gain>& gains, const Calibration& model,
+          Encoding encoding, DatasetWriter& writer) {
+    stream_views("packing images", photographs.size(), writer, [&](size_t i, int, PackedImage& packed) {
+        const Photograph& photograph = photographs[i];
+        const LoadedPhotograph loaded = load_photograph(photograph, model);
+        if (loaded.image.bits != photograph.bits)
+            throw UserError(
+                fmt::format("{}: had {} bits per channel a moment ago and has {} now: leave the images alone "
+                            "until they are imported",
+                            photograph.image.string(), photograph.bits, loaded.image.bits));
+        packed.pixels = pack_pixels(loaded.image, photograph.crop, encoding);
+        packed.mask = crop_mask(loaded.mask, loaded.image.width, photograph.crop);
+        View view;
+        view.name = photograph.name;
+        view.camera =
+            photograph.camera.cropped(photograph.crop[0], photograph.crop[1], photograph.crop[2], photograph.crop[3]);
+        view.held_out = photograph.held_out;
+        view.gain = gains[i];
+        view.crop_origin = {photograph.crop[0], photograph.crop[1]};
+        view.full_size = {photograph.camera.width, photograph.camera.height};
+        return view;
+    });
+}
+
+/// Of the images as they are cropped, in memory by several threads at a time.
+Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Encoding encoding) {
+    const uint64_t mesh_bytes = 12 * mesh.vertex_count() + 13 * mesh.triangle_count();
+    Needs needs{.memory = 2 * mesh_bytes, .disk = mesh_bytes};
+    uint64_t largest = 0;
+    for (const Photograph& p : photographs) {
+        View view;
+        view.camera = p.camera.cropped(p.crop[0], p.crop[1], p.crop[2], p.crop[3]);
+        view.mask_offset = 0;
+        needs.disk += image_block_bytes(view, encoding) + 1000;
+        largest = std::max(largest, uint64_t(p.calibrated.width) * uint64_t(p.calibrated.height));
+    }
+    constexpr uint64_t pixel_bytes = 30;  // as read, with 16 bits, as spread to RGB, scaled, and packed
+    needs.memory += 4 * uint64_t(thread_count()) * largest * pixel_bytes;
+    return needs;
+}
+
+std::string provenance(const char* format, const ImportOptions& options) {
+    std::string text = fmt::format("radiafit import {} --model {} --images {} --mesh {}", format,
+                                   options.model.string(), options.images.string(), options.mesh.string());
+    if (!options.masks.empty()) text += fmt::format(" --masks {}", options.masks.string());
+    if (!options.holdout.empty()) text += fmt::format(" --holdout {}", options.holdout);
+    text += fmt::format(" --gains {}", options.gains);
+    if (options.least_coverage) text += fmt::format(" --least-coverage {}", *options.least_coverage);
+    if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
+    return text;
+}
+
+void check_options(const ImportOptions& options) {
+    if (options.max_size < 0)
+        throw UserError(
+            fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), options.max_size));
+    if (options.least_coverage && !(*options.least_coverage >= 0 && *options.least_coverage <= 1))
+        throw UserError(
+            fmt::format("{} {}: give a share from 0 to 1", option_name("least-coverage"), *options.least_coverage));
+}
+
+/// "." of a bare name.
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+std::vector<uint8_t> held_out_by_calibration(const Calibration& model) {
+    std::vector<uint8_t> held_out;
+    for (const CalibratedImage& image : model.images) held_out.push_back(image.held_out);
+    if (std::find(held_out.begin(), held_out.end(), 0) == held_out.end())
+        throw UserError(fmt::format("{}: all its images are held out and none is left to fit: give {}",
+                                    model.images_file.string(), option_name("holdout")));
+    return held_out;
+}
+
+/// format: of the calibration, as the command line has it.
+ImportReport import_calibrated(const char* format, ImportOptions options, const Calibration& model,
+                               const fs::path& out) {
+    const bool own_split = std::any_of(model.images.begin(), model.images.end(),
+                                       [](const CalibratedImage& image) { return image.held_out; });
+    if (options.holdout.empty() && !own_split) options.holdout = "every:8";
+    std::vector<std::string> names;
+    for (const CalibratedImage& image : model.images) names.push_back(image.name);
+    MeshFile mesh = read_mesh_file(options.mesh);
+    const Vec3d centre = surface_centre(mesh.mesh, {});
+    std::vector<Vec3d> directions;
+    for (const CalibratedImage& image : model.images)
+        directions.push_back((image.camera.center() - centre).normalized());
+    const std::vector<uint8_t> held_out =
+        options.holdout.empty() ? held_out_by_calibration(model) : choose_held_out(names, directions, options.holdout);
+    if (options.gains != "none" && !estimates_gains(options)) read_gains(options.gains, names);
+    ImportReport report;
+    report.notes = std::move(mesh.notes);
+    report.remarks = model.remarks;
+    std::vector<Photograph> photographs = list_photographs(options, model, held_out, report);
+    report.images = photographs.size();
+    DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
+
+    report.vertices = mesh.mesh.vertex_count();
+    report.triangles = mesh.mesh.triangle_count();
+    {
+        std::optional<GainPoints> points;
+        if (estimates_gains(options)) points.emplace(mesh.mesh);
+        std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
+        Progress progress("reading images", photographs.size());
+        parallel_for(photographs.size(), 1, [&](size_t i, int worker) {
+            survey(photographs[i], load_photograph(photographs[i], model), mesh.mesh, points ? &*points : nullptr,
+                   rasters[size_t(worker)]);
+            progress.advance();
+        });
+    }
+    check_coverage(photographs, mesh.mesh, options, model, report);
+    drop_blind_views(photographs, options, report);
+    const std::vector<Gain> gains = choose_gains(photographs, options, report);
+
+    const bool deep =
+        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.bits == 16; });
+    const Encoding encoding = deep ? Encoding::u16_linear : Encoding::u8_srgb;
+    announce_needs("import", needs_of(photographs, mesh.mesh, encoding), out, options.force);
+    writer.set_encoding(encoding);
+    pack(photographs, gains, model, encoding, writer);
+
+    Dataset header;
+    header.name = dataset_name(options.name, out);
+    header.description = fmt::format("{} photographs, cameras from {}", photographs.size(), model.origin);
+    header.source = provenance(format, options);
+    header.encoding = encoding;
+    header.mesh = std::move(mesh.mesh);
+    writer.finish(header);
+    std::vector<View> views(photographs.size());
+    for (size_t i = 0; i < views.size(); ++i) {
+        views[i].camera = photographs[i].calibrated;
+        views[i].held_out = photographs[i].held_out;
+    }
+    const std::string outside = outside_note(views, angles_outside(centre, views));
+    if (!outside.empty()) report.notes.push_back(outside);
+    for (const Photograph& p : photographs) ++(p.held_out ? report.held_out : report.training);
+    return report;
+}
+
+}  // namespace
+
+ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
+    check_options(options);
+    return import_calibrated("colmap", options, read_colmap(options.model), out);
+}
+
+ImportReport import_transforms(const ImportOptions& given, const fs::path& out) {
+    check_options(given);
+    ImportOptions options = given;
+    TransformsFiles files = find_transforms(options.model);
+    if (options.images.empty()) options.images = folder_of(files.main);
+    const bool test_aside = !options.holdout.empty() && !files.test.empty();
+    const std::string aside = files.test.string();
+    if (test_aside) files.test.clear();
+    Calibration model = read_transforms(files, options.images);
+    if (test_aside)
+        model.remarks.push_back(fmt::format("{} is not read: {} says what is held out", aside, option_name("holdout")));
+    return import_calibrated("transforms", options, model, out);
+}
+
+ImportReport import_llff(const ImportOptions& given, const fs::path& out) {
+    check_options(given);
+    ImportOptions options = given;
+    const fs::path file = folder_stands(options.model) ? options.model / "poses_bounds.npy" : options.model;
+    if (options.images.empty()) options.images = folder_of(file) / "images";
+    return import_calibrated("llff", options, read_llff(file, options.images), out);
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// The face of capture: what `radiafit import` calls.
+namespace radiafit::tools {
+
+struct ImportOptions {
+    std::filesystem::path model;   ///< the calibration: folder of a COLMAP model, transforms.json, poses_bounds.npy
+    std::filesystem::path images;  ///< folder of the undistorted photographs, 8 or 16 bits
+    std::filesystem::path mesh;    ///< surface in the model's frame, PLY or OBJ
+    std::filesystem::path masks;  ///< folder, white = object (names: capture/mask_names.h); empty: what the calibration
+                                  ///< names, if anything
+    std::string holdout;          ///< see capture/split.h; empty: what the calibration says, else every:8
+    int max_size = 0;             ///< longest side of a photograph, pixels; 0: as it is
+    std::string gains = "none";   ///< none, estimate, per-channel, or a table (see capture/gains.h)
+    /// Share of the masks' pixels that the mesh has to cover, without masks of all pixels; 0: any. Not given: 0.2 of
+    /// the masks, or 0.01 of the pixels.
+    std::optional<double> least_coverage;
+    std::string name;    ///< of the dataset; empty: the output folder's
+    bool force = false;  ///< go on where memory or disk will not suffice
+};
+
+struct ImportReport {
+    size_t images = 0;                  ///< in the model
+    size_t training = 0, held_out = 0;  ///< written
+    size_t vertices = 0, triangles = 0;
+    std::vector<std::string> dropped;  ///< images that see nothing of the mesh
+    std::vector<std::string> notes;    ///< what the user should know, one line each: defects, drops, guesses
+    std::vector<std::string> remarks;  ///< what a user may want to know, and is no cause to worry
+    double coverage = 0;               ///< see ImportOptions::least_coverage
+};
+
+/// Packs a capture that COLMAP calibrated (capture/colmap.h). Each photograph is cropped to what it shows of the mesh
+/// inside the mask, plus four pixels; an alpha channel is a mask too. 8-bit photographs are stored as they are
+/// (u8-srgb); one 16-bit photograph makes the whole dataset u16-linear. Everything is checked before the first image is
+/// written. Throws UserError; for a mesh that covers too little it names the frame that the mesh seems to be in
+/// (capture/coverage.h).
+ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
+
+/// The same for a NeRF's transforms.json, or the folder that has it (capture/transforms.h). `images`: what its paths
+/// are relative to; empty: its own folder. Without a rule, images of transforms_test.json beside it are held out; with
+/// one, that file is not read.
+ImportReport import_transforms(const ImportOptions& options, const std::filesystem::path& out);
+
+/// The same for LLFF's poses_bounds.npy, or the folder that has it (capture/llff.h). `images` empty: the folder images
+/// beside it.
+ImportReport import_llff(const ImportOptions& options, const std::filesystem::path& out);
+
+}  // namespace radiafit::tools

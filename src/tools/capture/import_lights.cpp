@@ -1,0 +1,408 @@
+#include "capture/import_lights.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/read_file.h"
+#include "base/resources.h"
+#include "base/wording.h"
+#include "capture/file_names.h"
+#include "capture/image_file.h"
+#include "capture/image_scale.h"
+#include "capture/image_set.h"
+#include "capture/light_file.h"
+#include "capture/normal_file.h"
+#include "capture/photometric_stereo.h"
+#include "dataset/checksums.h"
+#include "dataset/encoding.h"
+#include "dataset/split.h"
+#include "dataset/stream_views.h"
+#include "dataset/view_directions.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+/// One image on its way into the dataset.
+struct Source {
+    fs::path file;
+    View view;
+};
+
+void check_options(const LightImportOptions& o) {
+    if (o.lights.empty() == o.light_positions.empty())
+        throw UserError(fmt::format("give the lights either as directions ({}) or as places ({})",
+                                    option_name("lights"), option_name("light-positions")));
+    if (!(o.sample_width >= 0 && std::isfinite(o.sample_width)))
+        throw UserError(fmt::format("{} {}: give what an image's width covers, above 0", option_name("sample-width"),
+                                    o.sample_width));
+    const bool near = !o.light_positions.empty() || !o.camera_positions.empty();
+    if (near && o.sample_width == 0)
+        throw UserError(
+            fmt::format("places of lights or cameras mean nothing without the sample's size: give {}, what an image's "
+                        "width covers in the same unit",
+                        option_name("sample-width")));
+    if (!near && o.sample_width > 0)
+        throw UserError(
+            fmt::format("{} says nothing about directions: give places, or leave it out", option_name("sample-width")));
+    if (o.transfer != "auto" && o.transfer != "linear" && o.transfer != "srgb")
+        throw UserError(fmt::format("{} {}: choose auto, linear or srgb", option_name("transfer"), o.transfer));
+    if (o.max_size < 0)
+        throw UserError(fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), o.max_size));
+    if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
+        throw UserError(fmt::format("{} {}: choose 8, 16 or 32 (floats)", option_name("depth"), o.depth));
+    if (!folder_stands(o.images))
+        throw UserError(
+            fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
+}
+
+/// Light files often name images by where they once were, on another system, which may not tell letter cases apart.
+fs::path find_image(const fs::path& folder, const std::vector<std::string>& found, const std::string& name,
+                    const fs::path& list) {
+    const std::string base = name.substr(name.find_last_of("/\\") + 1);
+    for (const fs::path& file : {folder / name, folder / base})
+        if (stands(file)) return file;
+    const std::string lower = lower_case(base);
+    const auto alike = [&](const std::string& other) { return lower_case(other) == lower; };
+    const auto first = std::find_if(found.begin(), found.end(), alike);
+    if (first != found.end() && std::find_if(first + 1, found.end(), alike) == found.end()) return folder / *first;
+    throw UserError(fmt::format("{}: no such image, but {} names it: check {}, or take its line out",
+                                (folder / base).string(), list.string(), option_name("images")));
+}
+
+/// Entry i of a list that has one entry per image or one for all.
+const Vec3d& entry_for(const std::vector<Vec3d>& list, size_t i) { return list.size() == 1 ? list[0] : list[i]; }
+
+void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images, LightImportReport& report) {
+    if (entries == 1 && images > 1)
+        report.remarks.push_back(fmt::format("{}: one line, taken for all {} images", file.string(), images));
+    if (entries != 1 && entries != images)
+        throw UserError(fmt::format("{}: {} {}, but there are {} images: write one line per image, or one for all",
+                                    file.string(), entries, what, images));
+}
+
+/// Names, files and lights.
+std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport& report) {
+    const bool near = !o.light_positions.empty();
+    const fs::path lights_file = near ? o.light_positions : o.lights;
+    LightFile lights = read_lights(lights_file);
+    fs::path named_by = lights_file;
+    if (!lights.names.empty() && !o.names.empty())
+        throw UserError(
+            fmt::format("{}: names its images itself: leave {} out", lights_file.string(), option_name("names")));
+    const std::vector<std::string> found = list_images(o.images);
+    std::vector<std::string> names = std::move(lights.names);
+    const bool listed = !names.empty() || !o.names.empty();
+    if (!o.names.empty()) names = read_names(named_by = o.names);
+    if (!listed) names = found;
+    if (names.empty())
+        throw UserError(fmt::format("{}: no images here: check {}", o.images.string(), option_name("images")));
+    if (lights.vectors.size() != names.size())
+        throw UserError(fmt::format("{}: {} lights, but {} {} {} images: write one line per image, in the same order",
+                                    lights_file.string(), lights.vectors.size(),
+                                    listed ? o.names.string() : o.images.string(), listed ? "names" : "holds",
+                                    names.size()));
+    if (found.size() > names.size())
+        report.notes.push_back(fmt::format("{} images of {} are left out: {} does not name them",
+                                           found.size() - names.size(), o.images.string(), named_by.string()));
+
+    std::vector<Vec3d> intensities = {Vec3d::Ones()};
+    if (!o.intensities.empty()) {
+        intensities = read_intensities(o.intensities);
+        expect_entries(o.intensities, "intensities", intensities.size(), names.size(), report);
+    }
+    std::vector<Source> sources(names.size());
+    std::set<fs::path> files;
+    std::vector<Vec3d> directions;  // from the surface's centre, where the world has its origin
+    for (const Vec3d& v : lights.vectors) directions.push_back(v.normalized());
+    const std::vector<uint8_t> held_out = choose_held_out(names, directions, o.holdout);
+    for (size_t i = 0; i < names.size(); ++i) {
+        sources[i].file = find_image(o.images, found, names[i], named_by);
+        if (!files.insert(sources[i].file.lexically_normal()).second)
+            throw UserError(fmt::format("{}: '{}' means {}, as another line does: give images of different names",
+                                        named_by.string(), names[i], sources[i].file.string()));
+        View& view = sources[i].view;
+        view.name = sources[i].file.filename().string();
+        view.held_out = held_out[i] != 0;
+        view.light = near ? Light{Light::Kind::near, lights.vectors[i], entry_for(intensities, i)}
+                          : Light{Light::Kind::distant, lights.vectors[i].normalized(), entry_for(intensities, i)};
+    }
+    return sources;
+}
+
+void pack(const std::vector<Source>& sources, const std::vector<uint8_t>& mask, const ImageSetFormat& format,
+          DatasetWriter& writer) {
+    stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
+        packed = read_packed(sources[i].file, format, mask);
+        return sources[i].view;
+    });
+}
+
+/// Each view's camera, near or far away along +z.
+void place_cameras(const LightImportOptions& o, const Grid& grid, std::vector<Source>& sources,
+                   LightImportReport& report) {
+    std::vector<Vec3d> places;
+    if (!o.camera_positions.empty()) {
+        places = read_vectors(o.camera_positions, "camera position");
+        expect_entries(o.camera_positions, "camera positions", places.size(), sources.size(), report);
+    }
+    for (size_t i = 0; i < sources.size(); ++i) {
+        View& view = sources[i].view;
+        if (places.empty()) {
+            view.camera.width = grid.width;
+            view.camera.height = grid.height;
+            view.camera_direction = Vec3d::UnitZ();
+        } else {
+            view.camera = grid.camera_at(entry_for(places, i), o.camera_positions.string());
+            check_camera(view.camera, o.camera_positions.string());
+        }
+    }
+}
+
+/// [file_height][file_width]; empty: all.
+std::vector<uint8_t> read_common_mask(const LightImportOptions& o, const ImageSetFormat& format) {
+    if (o.mask.empty()) return {};
+    MaskFile mask = read_mask(o.mask, [&](int width, int height) {
+        if (width != format.file_width || height != format.file_height)
+            throw UserError(fmt::format("{}: {} x {} pixels, but the images have {} x {}: give the mask at their size",
+                                        o.mask.string(), width, height, format.file_width, format.file_height));
+    });
+    const auto is_black = [](const std::vector<uint8_t>& values) {
+        return std::all_of(values.begin(), values.end(), [](uint8_t v) { return v == 0; });
+    };
+    if (is_black(mask.values))
+        throw UserError(fmt::format("{}: the mask is black throughout: white is to mean object", o.mask.string()));
+    if (is_black(scaled_mask(mask.values, format)))
+        throw UserError(fmt::format("{}: nothing is left of the mask at {} x {} pixels: raise {}", o.mask.string(),
+                                    format.width, format.height, option_name("max-size")));
+    return std::move(mask.values);
+}
+
+bool is_flat(const LightImportOptions& o) { return o.normals == "flat"; }
+
+/// Means of what each texel covers, of length 1 again; 0 where there is none.
+std::vector<Vec3f> scale_normals(const NormalFile& file, const ImageSetFormat& format) {
+    ImageFile image{file.width, file.height, 32, true, {}, {}, {}, {}};
+    image.rgb32.resize(3 * file.normals.size());
+    std::memcpy(image.rgb32.data(), file.normals.data(), file.normals.size() * sizeof(Vec3f));
+    const ImageFile scaled = scale_down(image, format.width, format.height);
+    std::vector<Vec3f> normals(scaled.rgb32.size() / 3);
+    for (size_t i = 0; i < normals.size(); ++i) {
+        const Vec3f mean(scaled.rgb32[3 * i], scaled.rgb32[3 * i + 1], scaled.rgb32[3 * i + 2]);
+        normals[i] = mean.norm() > 1e-3f ? mean.normalized() : Vec3f(Vec3f::Zero());
+    }
+    return normals;
+}
+
+std::vector<Vec3f> read_normals(const LightImportOptions& o, const ImageSetFormat& format) {
+    const auto check_size = [&](int width, int height) {
+        if (width != format.file_width || height != format.file_height)
+            throw UserError(fmt::format(
+                "{}: normals for {} x {} pixels, but the images have {} x {}: give the normals at their size",
+                o.normals.string(), width, height, format.file_width, format.file_height));
+    };
+    NormalFile file = read_normal_file(o.normals, check_size);
+    return format.is_scaled() ? scale_normals(file, format) : std::move(file.normals);
+}
+
+/// What tells normals: images that are fitted, never those held out, under distant lamps.
+std::vector<size_t> images_for_normals(const LightImportOptions& o, const std::vector<Source>& sources,
+                                       LightImportReport& report) {
+    if (!o.normals.empty() || o.lights.empty()) return {};
+    std::vector<size_t> chosen;
+    std::vector<Vec3d> directions;
+    for (size_t i = 0; i < sources.size(); ++i) {
+        if (sources[i].view.held_out) continue;
+        chosen.push_back(i);
+        directions.push_back(sources[i].view.light->place);
+    }
+    if (lamps_tell_normals(directions)) return chosen;
+    report.remarks.push_back(fmt::format(
+        "no normals, and the lamps of {} training images (fewer than three, or all in one plane) tell none: "
+        "the surface is taken to be flat; give {}",
+        chosen.size(), option_name("normals")));
+    return {};
+}
+
+/// Linear light over the lamp's intensity, mean of the channels; not a number where it is left out or clipped.
+std::vector<float> grey_values(const PackedImage& image, const ImageSetFormat& format, const Vec3d& intensity) {
+    const size_t channel = size_t(bytes_per_channel(format.encoding)), pixels = image.pixels.size() / (3 * channel);
+    const double clipped = has_largest_value(format.encoding) ? 0.99 : std::numeric_limits<double>::infinity();
+    const std::vector<float>* table =
+        format.bits == 32 ? nullptr : &linear_table(format.bits, format.encoding != Encoding::u8_srgb);
+    std::vector<float> grey(pixels, std::numeric_limits<float>::quiet_NaN());
+    for (size_t p = 0; p < pixels; ++p) {
+        if (!image.mask.empty() && !image.mask[p]) continue;
+        double sum = 0, largest = 0;
+        int lit = 0;
+        for (size_t c = 0; c < 3; ++c) {
+            const uint8_t* at = image.pixels.data() + (3 * p + c) * channel;
+            double value = 0;
+            if (table) {
+                uint16_t stored = 0;  // little-endian
+                std::memcpy(&stored, at, channel);
+                value = double((*table)[stored]);
+            } else {
+                float stored = 0;
+                std::memcpy(&stored, at, sizeof stored);
+                value = double(stored);
+            }
+            largest = std::max(largest, value);
+            if (intensity[ptrdiff_t(c)] <= 0) continue;
+            sum += value / intensity[ptrdiff_t(c)];
+            ++lit;
+        }
+        if (lit && largest < clipped) grey[p] = static_cast<float>(sum / lit);
+    }
+    return grey;
+}
+
+/// Normals by photometric stereo from these images; towards the camera where it finds none. mask: of the files' size.
+std::vector<Vec3f> compute_normals(const std::vector<Source>& sources, const std::vector<size_t>& chosen,
+                                   const std::vector<uint8_t>& mask, const ImageSetFormat& format,
+                                   LightImportReport& report) {
+    const std::vector<uint8_t> object_mask = scaled_mask(mask, format);
+    const size_t count = chosen.size(), pixels = size_t(format.width) * size_t(format.height);
+    std::vector<Vec3d> directions(count);
+    std::vector<float> values(count * pixels);  // [pixel][image]
+    Progress progress("normals from the lights", count);
+    parallel_for(count, 1, [&](size_t k, int) {
+        const Source& source = sources[chosen[k]];
+        directions[k] = source.view.light->place;
+        const auto grey = grey_values(read_packed(source.file, format, mask), format, source.view.light->intensity);
+        for (size_t p = 0; p < pixels; ++p) values[p * count + k] = grey[p];
+        progress.advance();
+    });
+    std::vector<Vec3f> normals(pixels);
+    parallel_for(pixels, 256, [&](size_t p, int) {
+        normals[p] = photometric_normal(directions, std::span(values).subspan(p * count, count));
+    });
+    size_t none = 0, object = 0;
+    for (size_t p = 0; p < pixels; ++p) {
+        if (!object_mask.empty() && !object_mask[p]) continue;
+        ++object;
+        if (normals[p] != Vec3f::Zero()) continue;
+        normals[p] = Vec3f::UnitZ();
+        ++none;
+    }
+    report.computed_normals = true;
+    std::string remark = fmt::format("no normals given: computed from {} training images by photometric stereo", count);
+    if (none)
+        remark += fmt::format("; {:.1f} % of the pixels, too dark or clipped, are taken to face the camera",
+                              100.0 * double(none) / double(object));
+    report.remarks.push_back(remark + fmt::format("; {} FILE gives better ones, {} flat the plane's",
+                                                  option_name("normals"), option_name("normals")));
+    return normals;
+}
+
+/// The grid's normals: from the file, from the lights, or the plane's; 0 outside the mask. Empty if they are the
+/// plane's and there is no mask. file_mask: [file_height][file_width], or empty.
+std::vector<Vec3f> choose_normals(const LightImportOptions& o, const std::vector<Source>& sources,
+                                  const std::vector<size_t>& for_normals, const ImageSetFormat& format,
+                                  const std::vector<uint8_t>& file_mask, LightImportReport& report) {
+    const std::vector<uint8_t> mask = scaled_mask(file_mask, format);
+    std::vector<Vec3f> normals;
+    if (!o.normals.empty() && !is_flat(o))
+        normals = read_normals(o, format);
+    else if (!for_normals.empty())
+        normals = compute_normals(sources, for_normals, file_mask, format, report);
+    else if (!mask.empty())
+        normals.assign(mask.size(), Vec3f::UnitZ());
+    size_t missing = 0, away = 0, usable = 0;
+    for (size_t i = 0; i < normals.size(); ++i) {
+        if (!mask.empty() && !mask[i]) {
+            normals[i].setZero();
+            continue;
+        }
+        const bool none = normals[i] == Vec3f::Zero();
+        missing += none;
+        usable += !none;
+        away += normals[i].z() < 0;
+    }
+    if (!normals.empty() && usable == 0)
+        throw UserError(fmt::format("{}: no pixel has a normal: give x, y, z in red, green, blue, of length 1",
+                                    o.normals.string()));
+    if (missing) report.notes.push_back(fmt::format("{} pixels have no normal and are left out", missing));
+    if (2 * away > usable)
+        report.notes.push_back(
+            fmt::format("{} of {} normals face away from the camera: they are to have z towards it", away, usable));
+    return normals;
+}
+
+Needs needs_of(size_t images, size_t for_normals, const ImageSetFormat& format) {
+    View view;
+    view.camera.width = format.width;
+    view.camera.height = format.height;
+    view.mask_offset = 0;
+    const uint64_t pixels = uint64_t(format.width) * uint64_t(format.height);
+    const uint64_t file_pixels = uint64_t(format.file_width) * uint64_t(format.file_height);
+    const uint64_t normals = pixels * sizeof(Vec3f);
+    constexpr uint64_t pixel_bytes = 40;  // as read, floats perhaps, as spread to RGB, and packed
+    return {.memory = 4 * uint64_t(thread_count()) * file_pixels * pixel_bytes + 2 * normals +
+                      for_normals * pixels * sizeof(float),
+            .disk = images * (image_block_bytes(view, format.encoding) + 1000) + normals};
+}
+
+std::string provenance(const LightImportOptions& o) {
+    std::string text = "radiafit import lights";
+    const auto add = [&](const char* option, const std::string& value) {
+        if (!value.empty()) text += fmt::format(" {} {}", option, value);
+    };
+    add("--images", o.images.string());
+    add("--lights", o.lights.string());
+    add("--light-positions", o.light_positions.string());
+    add("--names", o.names.string());
+    add("--intensities", o.intensities.string());
+    add("--camera-positions", o.camera_positions.string());
+    if (o.sample_width > 0) add("--sample-width", fmt::format("{}", o.sample_width));
+    add("--mask", o.mask.string());
+    add("--normals", o.normals.string());
+    if (o.max_size) add("--max-size", fmt::format("{}", o.max_size));
+    add("--transfer", o.transfer);
+    if (o.depth) add("--depth", fmt::format("{}", o.depth));
+    add("--holdout", o.holdout);
+    return text;
+}
+
+}  // namespace
+
+LightImportReport import_lights(const LightImportOptions& options, const fs::path& out) {
+    check_options(options);
+    LightImportReport report;
+    std::vector<Source> sources = list_sources(options, report);
+    const ImageSetFormat format = learn_format(sources[0].file, options.transfer, options.depth, options.max_size);
+    const std::vector<uint8_t> mask = read_common_mask(options, format);
+    Dataset header;
+    header.grid =
+        Grid::centered(format.width, format.height, options.sample_width > 0 ? options.sample_width / format.width : 1);
+    place_cameras(options, header.grid, sources, report);
+    const std::vector<size_t> for_normals = images_for_normals(options, sources, report);
+
+    DatasetWriter writer(out);
+    announce_needs("import", needs_of(sources.size(), for_normals.size(), format), out, options.force);
+    header.grid.texel_normals = choose_normals(options, sources, for_normals, format, mask, report);
+    writer.set_encoding(format.encoding);
+    pack(sources, mask, format, writer);
+    header.name = dataset_name(options.name, out);
+    header.description = fmt::format("{} images of one real surface, pixel on pixel, under one {} lamp each; camera{}",
+                                     sources.size(), options.lights.empty() ? "near" : "distant",
+                                     options.camera_positions.empty() ? " fixed and distant" : "s near");
+    header.source = provenance(options);
+    writer.finish(header);
+    std::vector<View> views;
+    for (const Source& s : sources) views.push_back(s.view);
+    const std::string outside = outside_note(views, angles_outside(surface_centre({}, header.grid), views));
+    if (!outside.empty()) report.notes.push_back(outside);
+    for (const Source& s : sources) ++(s.view.held_out ? report.held_out : report.training);
+    return report;
+}
+
+}  // namespace radiafit::tools

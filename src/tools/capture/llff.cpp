@@ -1,0 +1,71 @@
+#include "capture/llff.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/read_file.h"
+#include "base/wording.h"
+#include "capture/file_names.h"
+#include "capture/npy_matrix.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr size_t pose_columns = 5, row_length = 17;
+
+int side(double value, const char* what, const std::string& where) {
+    if (!(value >= 1 && value <= largest_calibrated_side) || value != std::floor(value))
+        throw UserError(fmt::format("{}: the {} is {}, no whole number from 1 to {}: calibrate again", where, what,
+                                    value, largest_calibrated_side));
+    return static_cast<int>(value);
+}
+
+Camera read_camera(const NpyMatrix& matrix, size_t row, const std::string& where) {
+    const auto column = [&](size_t c) {
+        return Vec3d(matrix(row, c), matrix(row, c + pose_columns), matrix(row, c + 2 * pose_columns));
+    };
+    const Vec3d lens = column(4);  // height, width, focal length
+    Camera camera;
+    camera.height = side(lens[0], "height", where);
+    camera.width = side(lens[1], "width", where);
+    camera.fx = camera.fy = lens[2];
+    camera.cx = 0.5 * camera.width;
+    camera.cy = 0.5 * camera.height;
+    Mat3d axes;
+    axes << column(1), column(0), -column(2);  // right, down, forward from down, right, back
+    set_pose(camera, axes, column(3), where);
+    return camera;
+}
+
+}  // namespace
+
+Calibration read_llff(const fs::path& file, const fs::path& images) {
+    const NpyMatrix matrix = read_npy_matrix(file);
+    if (matrix.columns != row_length)
+        throw UserError(fmt::format("{}: has {} columns, not the {} of LLFF's poses_bounds.npy: write it again",
+                                    file.string(), matrix.columns, row_length));
+    if (!folder_stands(images))
+        throw UserError(
+            fmt::format("{}: no such folder of photographs: check {}", images.string(), option_name("images")));
+    const std::vector<std::string> names = list_images(images);
+    if (names.size() != matrix.rows)
+        throw UserError(
+            fmt::format("{}: has {} rows, but {} holds {} images: leave there those that were calibrated, "
+                        "and nothing else",
+                        file.string(), matrix.rows, images.string(), names.size()));
+    Calibration calibration;
+    calibration.origin = file.filename().string();
+    calibration.cameras_file = calibration.images_file = file;
+    calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
+                                        option_name("max-size"));
+    for (size_t i = 0; i < names.size(); ++i)
+        calibration.images.push_back(
+            {names[i], read_camera(matrix, i, fmt::format("{}: row {}, image '{}'", file.string(), i, names[i]))});
+    settle_images(calibration);
+    return calibration;
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,176 @@
+#include "capture/mask_names.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "capture/file_names.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+/// A mask's name without .png is `before` + the photograph's name, with or without its ending, + `behind`.
+struct Habit {
+    const char* shown;
+    const char* before;
+    bool ending;
+    const char* behind;
+    bool in_subfolder;
+
+    std::string name_for(const fs::path& photograph) const {
+        return before + photograph.stem().string() + (ending ? photograph.extension().string() : "") + behind;
+    }
+    fs::path folder_for(const fs::path& photograph) const {
+        return in_subfolder ? photograph.parent_path() : fs::path();
+    }
+};
+
+/// In the order in which they are preferred.
+constexpr std::array<Habit, 8> habits = {{{"NAME.png", "", false, "", true},
+                                          {"NAME.EXT.png", "", true, "", true},
+                                          {"NAME_mask.png", "", false, "_mask", true},
+                                          {"mask_NAME.png", "mask_", false, "", true},
+                                          {"NAME.png, without subfolders", "", false, "", false},
+                                          {"NAME.EXT.png, without subfolders", "", true, "", false},
+                                          {"NAME_mask.png, without subfolders", "", false, "_mask", false},
+                                          {"mask_NAME.png, without subfolders", "mask_", false, "", false}}};
+
+/// Its ending in small letters.
+std::string with_lower_ending(const std::string& name) { return fs::path(name).stem().string() + lower_ending(name); }
+
+/// The pictures of one folder by their names without .png, as with_lower_ending() has them.
+using Pictures = std::multimap<std::string, fs::path>;
+
+Pictures list_pictures(const fs::path& folder) {
+    Pictures pictures;
+    std::error_code error;
+    fs::directory_iterator entries(folder, error);
+    for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+        const fs::path file = entries->path();
+        if (lower_ending(file) == ".png") pictures.emplace(with_lower_ending(file.stem().string()), file);
+    }
+    return pictures;  // of a folder that cannot be listed, none: its photographs are then named as those without masks
+}
+
+/// What follows one habit.
+struct Matches {
+    const Habit* habit = nullptr;
+    std::vector<std::vector<fs::path>> files;  ///< [photographs], several where endings differ by letter case
+    std::set<fs::path> distinct;
+};
+
+class Finder {
+public:
+    Finder(const fs::path& masks, const fs::path& images, const std::vector<std::string>& names)
+        : masks_(masks), images_(images), names_(names) {}
+
+    Matches find(const Habit& habit) {
+        Matches matches{&habit, {}, {}};
+        for (const std::string& name : names_) {
+            matches.files.push_back(find(habit, name));
+            matches.distinct.insert(matches.files.back().begin(), matches.files.back().end());
+        }
+        return matches;
+    }
+
+private:
+    std::vector<fs::path> find(const Habit& habit, const fs::path& name) {
+        const fs::path folder = masks_ / habit.folder_for(name);
+        auto listed = listed_.find(folder);
+        if (listed == listed_.end()) listed = listed_.emplace(folder, list_pictures(folder)).first;
+        std::vector<fs::path> files;
+        const auto [first, last] = listed->second.equal_range(with_lower_ending(habit.name_for(name)));
+        for (auto it = first; it != last; ++it) {
+            std::error_code ignored;  // of what is no file, reading says so
+            if (!fs::equivalent(it->second, images_ / name, ignored)) files.push_back(it->second);
+        }
+        std::sort(files.begin(), files.end());
+        return files;
+    }
+
+    const fs::path &masks_, &images_;
+    const std::vector<std::string>& names_;
+    std::map<fs::path, Pictures> listed_;
+};
+
+std::string expected_name(const Habit& habit, const fs::path& photograph) {
+    return (habit.folder_for(photograph) / (habit.name_for(photograph) + ".png")).string();
+}
+
+[[noreturn]] void fail_none(const fs::path& masks, const std::string& name) {
+    throw UserError(fmt::format("{}: no mask for any image: expected, for image '{}', {}, {}, {} or {}", masks.string(),
+                                name, expected_name(habits[0], name), expected_name(habits[1], name),
+                                expected_name(habits[2], name), expected_name(habits[3], name)));
+}
+
+/// Every photograph has one mask, and no two have the same.
+void check(const fs::path& masks, const std::vector<std::string>& names, const Matches& chosen,
+           const std::vector<Matches>& all) {
+    std::map<fs::path, size_t> taken;
+    size_t missing = 0, first_missing = 0, example = 0;
+    for (size_t i = names.size(); i-- > 0;) {
+        const auto& files = chosen.files[i];
+        if (files.empty()) {
+            ++missing;
+            first_missing = i;
+            continue;
+        }
+        example = i;
+        if (files.size() > 1)
+            throw UserError(fmt::format("{} and {} may both be the mask of image '{}': take one away",
+                                        files[0].string(), files[1].string(), names[i]));
+        if (const auto [other, is_new] = taken.emplace(files[0], i); !is_new)
+            throw UserError(fmt::format("{}: may be the mask of image '{}' or of '{}': name the masks {}",
+                                        files[0].string(), names[i], names[other->second],
+                                        chosen.habit->in_subfolder ? "NAME.EXT.png" : "as the images, in subfolders"));
+    }
+    if (missing == 0) return;
+    std::string text = fmt::format(
+        "{}: no mask for image '{}' ({} of {} images have none): expected {}, as '{}' has {}", masks.string(),
+        names[first_missing], missing, names.size(), expected_name(*chosen.habit, names[first_missing]), names[example],
+        chosen.files[example][0].lexically_relative(masks).string());
+    for (const Matches& other : all)
+        if (const auto& files = other.files[first_missing]; !files.empty())
+            throw UserError(fmt::format("{}; {} is named otherwise: name all alike", text,
+                                        files[0].lexically_relative(masks).string()));
+    throw UserError(text);
+}
+
+}  // namespace
+
+MaskNames match_masks(const fs::path& masks, const fs::path& images, const std::vector<std::string>& names) {
+    Finder finder(masks, images, names);
+    const bool subfolders = std::any_of(names.begin(), names.end(),
+                                        [](const std::string& name) { return fs::path(name).has_parent_path(); });
+    std::vector<Matches> all;
+    for (const Habit& habit : habits)
+        if (habit.in_subfolder || subfolders) all.push_back(finder.find(habit));
+    const Matches& chosen = *std::max_element(all.begin(), all.end(), [](const Matches& a, const Matches& b) {
+        return a.distinct.size() < b.distinct.size();
+    });
+    if (chosen.distinct.empty()) fail_none(masks, names[0]);
+    check(masks, names, chosen, all);
+
+    MaskNames result;
+    for (const auto& files : chosen.files) result.files.push_back(files[0]);
+    result.remark = fmt::format("masks are named {}: '{}' has {}", chosen.habit->shown, names[0],
+                                result.files[0].lexically_relative(masks).string());
+    std::set<fs::path> seen = chosen.distinct;
+    for (const Matches& other : all) {
+        std::vector<fs::path> aside;
+        std::copy_if(other.distinct.begin(), other.distinct.end(), std::back_inserter(aside),
+                     [&](const fs::path& file) { return seen.insert(file).second; });
+        if (!aside.empty())
+            result.notes.push_back(fmt::format("{}: {} masks that are named {} are left aside, such as {}",
+                                               masks.string(), aside.size(), other.habit->shown,
+                                               aside[0].lexically_relative(masks).string()));
+    }
+    return result;
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,37 @@
+#include "capture/oiio_image.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "capture/oiio/read_pixels.h"
+#include "capture/tiff_header.h"
+
+namespace radiafit::tools {
+namespace {
+
+/// From the module, which is found where the program's RUNPATH leads. It stays loaded.
+ReadOiioPixels* load_reader() {
+    void* module = dlopen(oiio_module, RTLD_NOW | RTLD_LOCAL);
+    void* function = module ? dlsym(module, oiio_function) : nullptr;
+    if (!function) throw SystemError(fmt::format("JPEG, TIFF and OpenEXR pictures cannot be read: {}", dlerror()));
+    return reinterpret_cast<ReadOiioPixels*>(function);
+}
+
+}  // namespace
+
+RawImage read_oiio_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) {
+    static ReadOiioPixels* const read = load_reader();
+    if (header.format == ImageFormat::tiff) bytes = plain_tiff(file, std::move(bytes));
+    OiioPixels pixels;
+    read(file.filename().string(), bytes, header, pixels);
+    if (!pixels.failure.empty()) throw SystemError(pixels.failure);
+    if (pixels.damage) fail_damaged_image(file, *pixels.damage);
+    if (!pixels.channel_type.empty())
+        throw UserError(
+            fmt::format("{}: channels are of type {}, neither 8 or 16 bits nor float: convert the image to PNG",
+                        file.string(), pixels.channel_type));
+    return std::move(pixels.image);
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,55 @@
+#pragma once
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "capture/calibration.h"
+#include "capture/coverage.h"
+#include "capture/gains.h"
+#include "capture/image_file.h"
+#include "capture/import.h"
+#include "geometry/camera.h"
+#include "geometry/mesh.h"
+#include "geometry/raster.h"
+
+/// The photographs of a capture: which there are, their pixels, and what they show of the mesh.
+namespace radiafit::tools {
+
+/// One photograph on its way from the model into the dataset.
+struct Photograph {
+    std::string name;
+    std::filesystem::path image, mask;  ///< mask: empty if there are none
+    Camera calibrated;                  ///< as calibrated
+    Camera camera;                      ///< after max_size
+    bool held_out = false;
+    // Found by the survey:
+    int bits = 8;
+    std::array<int, 4> crop = {0, 0, 0, 0};  ///< x, y, width, height
+    bool has_mask = false, sees_mesh = false, seen_in_mask = false;
+    Coverage coverage;
+    std::vector<GainSample> gain_samples;
+};
+
+struct LoadedPhotograph {
+    ImageFile image;            ///< at the size of Photograph::camera
+    std::vector<uint8_t> mask;  ///< [height][width] of that size; empty: all
+};
+
+/// The camera of the photograph scaled to a longest side of max_size pixels; 0: as it is.
+Camera scaled_camera(Camera camera, int max_size);
+
+/// Those of the calibration, with their masks, nothing surveyed yet. held_out: one per image. What a user should know
+/// of the masks' names goes to the report. Throws UserError for what is missing, unreadable, or larger than the
+/// rasterizer can draw.
+std::vector<Photograph> list_photographs(const ImportOptions& options, const Calibration& calibration,
+                                         const std::vector<uint8_t>& held_out, ImportReport& report);
+
+/// Reads a photograph with its mask, and scales both. Throws UserError, also for another size than calibrated.
+LoadedPhotograph load_photograph(const Photograph& photograph, const Calibration& calibration);
+
+/// What the image shows of the mesh: the crop rectangle, and samples for the gains if points are given.
+void survey(Photograph& photograph, const LoadedPhotograph& loaded, const Mesh& mesh, const GainPoints* points,
+            Rasterizer& raster);
+
+}  // namespace radiafit::tools

@@ -1,0 +1,272 @@
+#include "capture/transforms.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/error.h"
+#include "base/nesting.h"
+#include "base/read_file.h"
+#include "base/wording.h"
+#include "capture/file_names.h"
+#include "capture/image_header.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A frame, which has what the file says of all frames unless it says otherwise.
+class Frame {
+public:
+    Frame(const Json& frame, const Json& whole, std::string where)
+        : levels_{&frame, &whole}, where_(std::move(where)) {}
+
+    /// The first of `keys` that the frame has, else the first that the file has, with its key.
+    std::optional<std::pair<const char*, double>> first_number(std::initializer_list<const char*> keys) const {
+        for (const Json* level : levels_)
+            for (const char* key : keys)
+                if (const auto found = level->find(key); found != level->end() && !found->is_null())
+                    return std::pair(key, number(*found, key));
+        return {};
+    }
+    std::optional<double> optional_number(const char* key) const {
+        const auto found = first_number({key});
+        return found ? std::optional(found->second) : std::nullopt;
+    }
+    const Json* value(const char* key) const {
+        for (const Json* level : levels_)
+            if (const auto found = level->find(key); found != level->end() && !found->is_null()) return &*found;
+        return nullptr;
+    }
+    double number(const Json& json, const char* key) const {
+        if (!json.is_number()) fail(fmt::format("\"{}\" must be a number", key));
+        return json.get<double>();  // JSON has no NaN and no infinity
+    }
+    const std::string& where() const { return where_; }
+    [[noreturn]] void fail(const std::string& problem) const {
+        throw UserError(fmt::format("{}: {}: write the file again", where_, problem));
+    }
+
+private:
+    std::array<const Json*, 2> levels_;
+    std::string where_;
+};
+
+/// Refuses what a pinhole cannot show.
+void check_projection(const Frame& frame) {
+    constexpr const char* cure = "undistort the photographs and calibrate those (`colmap image_undistorter`)";
+    for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
+        if (const auto coefficient = frame.optional_number(key); coefficient.value_or(0) != 0)
+            throw UserError(
+                fmt::format("{}: a lens with distortion ({} = {}): {}", frame.where(), key, *coefficient, cure));
+    const Json* fisheye = frame.value("is_fisheye");
+    if (fisheye && *fisheye != false && *fisheye != 0)
+        throw UserError(fmt::format("{}: a fisheye lens: {}", frame.where(), cure));
+    const Json* model = frame.value("camera_model");
+    if (!model) return;
+    constexpr const char* known[] = {"SIMPLE_PINHOLE", "PINHOLE", "PERSPECTIVE", "SIMPLE_RADIAL",
+                                     "RADIAL",         "OPENCV",  "FULL_OPENCV"};
+    if (!model->is_string()) frame.fail("\"camera_model\" must be a text");
+    const auto name = model->get<std::string>();
+    if (std::none_of(std::begin(known), std::end(known), [&](const char* k) { return name == k; }))
+        throw UserError(fmt::format("{}: camera model {} is not a pinhole: {}", frame.where(), name, cure));
+}
+
+int side(const Frame& frame, const char* key, double value) {
+    if (!(value >= 1 && value <= largest_calibrated_side) || value != std::floor(value))
+        frame.fail(fmt::format("\"{}\" is {}, no whole number from 1 to {}", key, value, largest_calibrated_side));
+    return static_cast<int>(value);
+}
+
+/// The size that the frame says, or else the photograph's own.
+void set_size(Camera& camera, const Frame& frame, const fs::path& photograph) {
+    const auto width = frame.optional_number("w"), height = frame.optional_number("h");
+    if (width && height) {
+        camera.width = side(frame, "w", *width);
+        camera.height = side(frame, "h", *height);
+        return;
+    }
+    const ImageHeader header = read_image_header(photograph, read_file(photograph, "image file"));
+    camera.width = static_cast<int>(header.width);
+    camera.height = static_cast<int>(header.height);
+}
+
+/// In pixels along a side of so many: as it is, or of the angle that the side spans.
+double focal_length(const Frame& frame, const char* key, double value, int pixels) {
+    if (!std::string_view(key).starts_with("camera_angle")) {
+        if (!(value > 0)) frame.fail(fmt::format("\"{}\" is {}, not positive", key, value));
+        return value;
+    }
+    if (!(value > 0 && value < M_PI)) frame.fail(fmt::format("\"{}\" is {}, not between 0 and pi", key, value));
+    return 0.5 * pixels / std::tan(0.5 * value);
+}
+
+void set_lens(Camera& camera, const Frame& frame) {
+    const auto x = frame.first_number({"fl_x", "camera_angle_x"}), y = frame.first_number({"fl_y", "camera_angle_y"});
+    if (!x) frame.fail("neither \"fl_x\" nor \"camera_angle_x\" is given");
+    camera.fx = focal_length(frame, x->first, x->second, camera.width);
+    camera.fy = y ? focal_length(frame, y->first, y->second, camera.height) : camera.fx;
+    camera.cx = frame.optional_number("cx").value_or(0.5 * camera.width);
+    camera.cy = frame.optional_number("cy").value_or(0.5 * camera.height);
+}
+
+/// From 3 or 4 rows of transform_matrix.
+void read_pose(Camera& camera, const Frame& frame, const Json& json) {
+    const auto found = json.find("transform_matrix");
+    constexpr const char* shape = "\"transform_matrix\" must be 4 rows of 4 numbers";
+    if (found == json.end() || !found->is_array() || found->size() < 3 || found->size() > 4) frame.fail(shape);
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    for (size_t row = 0; row < found->size(); ++row) {
+        const Json& numbers = (*found)[row];
+        if (!numbers.is_array() || numbers.size() != 4) frame.fail(shape);
+        for (size_t column = 0; column < 4; ++column)
+            pose(ptrdiff_t(row), ptrdiff_t(column)) = frame.number(numbers[column], "transform_matrix");
+    }
+    if (pose.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        frame.fail("the last row of \"transform_matrix\" is not 0, 0, 0, 1");
+    Mat3d axes = pose.topLeftCorner<3, 3>();  // right, up, back
+    axes.rightCols<2>() *= -1;
+    set_pose(camera, axes, pose.topRightCorner<3, 1>(), frame.where());
+}
+
+/// The photograph of this path, whose ending may be left out; nothing if there is none.
+std::optional<fs::path> with_ending(const fs::path& images, const fs::path& path, const Frame& frame) {
+    if (stands(images / path) && !folder_stands(images / path)) return path;
+    std::optional<fs::path> found;
+    for (const char* ending :
+         {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG", ".tif", ".TIF", ".tiff", ".TIFF", ".exr", ".EXR"}) {
+        const fs::path candidate = path.string() + ending;
+        if (!stands(images / candidate)) continue;
+        if (found)
+            throw UserError(fmt::format("{}: may be {} or {}: write the ending into file_path", frame.where(),
+                                        (images / *found).string(), (images / candidate).string()));
+        found = candidate;
+    }
+    return found;
+}
+
+/// Relative to the folder of images.
+fs::path find_photograph(const fs::path& images, const std::string& file_path, const Frame& frame) {
+    const fs::path path = fs::path(file_path).lexically_normal();
+    if (!path.has_filename()) frame.fail("\"file_path\" names no file");
+    if (path.is_relative())
+        if (auto found = with_ending(images, path, frame)) return *found;
+    if (auto found = with_ending(images, path.filename(), frame)) return *found;
+    throw UserError(fmt::format("{}: no such image, but {} names it: check {}", (images / path).string(), frame.where(),
+                                option_name("images")));
+}
+
+/// nerfstudio's masks, by paths from the file's own folder; empty: none.
+fs::path find_mask(const Json& json, const fs::path& file, const Frame& frame) {
+    const auto path = json.find("mask_path");
+    if (path == json.end() || path->is_null()) return {};
+    if (!path->is_string()) frame.fail("\"mask_path\" must be a text");
+    const fs::path mask = file.parent_path() / path->get<std::string>();
+    if (!stands(mask))
+        throw UserError(fmt::format("{}: no such mask, but {} names it: restore it, or give {}", mask.string(),
+                                    frame.where(), option_name("masks")));
+    return mask;
+}
+
+CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& file, size_t index,
+                           const fs::path& images) {
+    const std::string where = fmt::format("{}: frames[{}]", file.string(), index);
+    if (!json.is_object()) throw UserError(where + ": must be an object: write the file again");
+    const auto path = json.find("file_path");
+    if (path == json.end() || !path->is_string())
+        throw UserError(where + ": \"file_path\" must be a text: write the file again");
+    const Frame frame(json, whole, where);
+    CalibratedImage image;
+    check_projection(frame);
+    const fs::path photograph = find_photograph(images, path->get<std::string>(), frame);
+    image.name = photograph.generic_string();
+    image.mask = find_mask(json, file, frame);
+    set_size(image.camera, frame, images / photograph);
+    set_lens(image.camera, frame);
+    read_pose(image.camera, frame, json);
+    return image;
+}
+
+std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& images) {
+    const std::string text = read_file(file, "file of cameras");
+    if (nested_deeper(text, 100))
+        throw UserError(
+            fmt::format("{}: its brackets are nested more than 100 deep: write the file again", file.string()));
+    const Json whole = Json::parse(text, nullptr, false);
+    if (whole.is_discarded())
+        throw UserError(
+            fmt::format("{}: truncated, or no JSON (which has no NaN): copy or write the file again", file.string()));
+    const auto frames = whole.is_object() ? whole.find("frames") : whole.end();
+    if (frames == whole.end() || !frames->is_array())
+        throw UserError(fmt::format("{}: has no list of \"frames\": give a NeRF's transforms.json", file.string()));
+    std::vector<CalibratedImage> result;
+    for (size_t i = 0; i < frames->size(); ++i) result.push_back(read_frame((*frames)[i], whole, file, i, images));
+    return result;
+}
+
+/// An image that stands in both files. Another camera there would mean another photograph of the same name.
+void hold_out(CalibratedImage& image, const Camera& in_test, const TransformsFiles& files) {
+    const Camera& camera = image.camera;
+    const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::max(1.0, std::abs(a)); };
+    const bool same = camera.width == in_test.width && camera.height == in_test.height && near(camera.fx, in_test.fx) &&
+                      near(camera.fy, in_test.fy) && near(camera.cx, in_test.cx) && near(camera.cy, in_test.cy) &&
+                      camera.cam_from_world_rotation.isApprox(in_test.cam_from_world_rotation, 1e-6) &&
+                      (camera.center() - in_test.center()).norm() <= 1e-6 * std::max(1.0, camera.center().norm());
+    if (!same)
+        throw UserError(fmt::format("{}: image '{}' has another camera here than in {}: check {}", files.test.string(),
+                                    image.name, files.main.string(), option_name("images")));
+    image.held_out = true;
+}
+
+}  // namespace
+
+TransformsFiles find_transforms(const fs::path& model) {
+    TransformsFiles files;
+    if (!folder_stands(model)) {
+        files.main = model;
+    } else {
+        for (const char* name : {"transforms.json", "transforms_train.json"})
+            if (files.main.empty() && stands(model / name)) files.main = model / name;
+        if (files.main.empty())
+            throw UserError(fmt::format("{}: neither transforms.json nor transforms_train.json stands here: check {}",
+                                        model.string(), option_name("model")));
+    }
+    const fs::path test = files.main.parent_path() / "transforms_test.json";
+    if (files.main.filename() != test.filename() && stands(test)) files.test = test;
+    return files;
+}
+
+Calibration read_transforms(const TransformsFiles& files, const fs::path& images) {
+    Calibration calibration;
+    calibration.origin = files.main.filename().string();
+    calibration.cameras_file = calibration.images_file = files.main;
+    calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
+                                        option_name("max-size"));
+    calibration.images = read_frames(files.main, images);
+    settle_images(calibration);
+    if (files.test.empty()) return calibration;
+
+    std::map<std::string, size_t> known;
+    for (size_t i = 0; i < calibration.images.size(); ++i) known[calibration.images[i].name] = i;
+    std::vector<CalibratedImage> test = read_frames(files.test, images);
+    for (CalibratedImage& image : test) {
+        image.held_out = true;
+        const auto same = known.find(image.name);
+        if (same == known.end())
+            calibration.images.push_back(std::move(image));
+        else
+            hold_out(calibration.images[same->second], image.camera, files);
+    }
+    settle_images(calibration);
+    calibration.remarks.push_back(fmt::format("the {} images of {} are held out", test.size(), files.test.string()));
+    return calibration;
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,89 @@
+// export: what is fitted, and what a fit found, for other people's solvers.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "base/log.h"
+#include "base/output_lock.h"
+#include "cli/commands.h"
+#include "dataset/checksums.h"
+#include "fitting/family.h"
+#include "fitting/fit_options.h"
+
+namespace radiafit::tools {
+namespace {
+
+/// The options that say what the problems are. Who solves them has options of their own.
+constexpr const char* problem_options[] = {
+    "model", "space",        "validation",       "leave_out",   "weights", "mode",           "seed",
+    "terms", "surface_side", "texels_per_pixel", "view_side",   "view",    "lambda_surface", "lambda_view",
+    "mu",    "clip_above",   "shadow_below",     "distributor", "context", "device"};
+
+std::string options_json(const FitRequest& request) {
+    auto json = nlohmann::ordered_json::object();
+    for (const char* name : problem_options) json[name] = nlohmann::json::parse(find_fit_option(name).json(request));
+    return json.dump();
+}
+
+void add_problems(CommandLine& exporter, const Invocation& invocation) {
+    auto request = std::make_shared<FitRequest>();
+    auto folder = std::make_shared<std::string>();
+    auto out = std::make_shared<std::string>();
+    CommandLine& command = exporter.add_command("problems", "the problems of a fit, as arrays that numpy reads");
+    command.add_text("dataset", *folder, "packed dataset").required();
+    for (const char* name : problem_options) add_fit_option(command, *request, name);
+    command.add_text("-o,--output", *out, "folder of the problems").required();
+    command.on_run([=, &command] {
+        request->check();
+        const OutputLock lock(*out);
+        ProblemFolder problems(*out, "radiafit-problems");
+        Record record = make_record(invocation.argc, invocation.argv);
+        const Dataset dataset = open_dataset(*folder);
+        record.datasets->push_back(dataset_note(dataset));
+        // A problem has neither: they are for who solves it to choose.
+        const auto given = [&](const std::string& option) {
+            return option == "--optimizer" || option == "--prior" || command.given(option);
+        };
+        family_of(*request).settle(given, dataset, *request);
+        reject_idle_options(*request, dataset.has_grid());
+        problems.tell_dataset(dataset.name, fingerprint(dataset));
+        family_of(*request).export_problems(dataset, *request, problems);
+        problems.tell("options", options_json(*request));
+        problems.commit(record);
+        log_info(fmt::format("problems of {}: {}", request->text("model"), *out));
+    });
+}
+
+void add_parameters(CommandLine& exporter, const Invocation& invocation) {
+    auto folder = std::make_shared<std::string>();
+    auto moved_to = std::make_shared<std::string>();
+    auto out = std::make_shared<std::string>();
+    CommandLine& command = exporter.add_command("parameters", "a fit's parameters, in the same layout");
+    command.add_text("fit", *folder, "folder of the fit").required();
+    command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
+    command.add_text("-o,--output", *out, "folder of the parameters").required();
+    command.on_run([=] {
+        const OutputLock lock(*out);
+        ProblemFolder parameters(*out, "radiafit-parameters");
+        const Record record = make_record(invocation.argc, invocation.argv);
+        auto fit = open_fit(*folder, *moved_to);
+        parameters.tell_dataset(fit->record().dataset_name, fit->record().dataset_fingerprint);
+        fit->export_parameters(parameters);
+        parameters.commit(record);
+        log_info(fmt::format("parameters of {}: {}", *folder, *out));
+    });
+}
+
+}  // namespace
+
+void add_export(CommandLine& program, const Invocation& invocation) {
+    CommandLine& command =
+        program.add_command("export", "write a fit for other programs, problems for other people's solvers");
+    add_problems(command, invocation);
+    add_parameters(command, invocation);
+    add_export_files(command);
+}
+
+}  // namespace radiafit::tools

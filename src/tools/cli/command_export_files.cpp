@@ -1,0 +1,161 @@
+// export gltf, rti, maps: what other programs read of a fit.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/output_lock.h"
+#include "base/read_file.h"
+#include "cli/commands.h"
+#include "cli/render_options.h"
+#include "exchange/gltf.h"
+#include "exchange/relight.h"
+#include "exchange/textures.h"
+#include "fit/exr.h"
+#include "fitting/family.h"
+#include "fitting/limits.h"
+
+namespace radiafit::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+    std::string fit, dataset, output;
+    bool without_maps = false;
+    std::optional<int> view;
+    int quality = 100;
+};
+
+void add_fit_and_output(CommandLine& command, Options& o, const char* output) {
+    command.add_text("fit", o.fit, "folder of the fit").required();
+    command.add_text("--dataset", o.dataset, "where the dataset is now, if it moved");
+    command.add_text("-o,--output", o.output, output).required();
+}
+
+/// fit.json and the maps, by name.
+std::vector<OwnFile> own_files(const fs::path& fit) {
+    std::vector<fs::path> paths;
+    for (const auto& entry : fs::directory_iterator(fit))
+        if (entry.path().extension() == ".exr" || entry.path().filename() == "fit.json") paths.push_back(entry.path());
+    std::ranges::sort(paths);
+    std::vector<OwnFile> files;
+    for (const fs::path& path : paths) files.push_back({path.filename().string(), read_file(path, "map of the fit")});
+    return files;
+}
+
+void check_glb_target(const fs::path& file) {
+    if (file.extension() != ".glb") throw UserError(fmt::format("{}: name a file that ends in .glb", file.string()));
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(file, error)) && !is_our_glb(file))
+        throw UserError(fmt::format(
+            "{}: stands there and is no glTF file of radiafit; choose another name or remove it", file.string()));
+}
+
+/// A folder of ours is replaced: one with no other files than such. Throws UserError for anything else that stands
+/// there.
+void check_folder_target(const fs::path& folder, const char* what, std::span<const char* const> names) {
+    std::error_code error;
+    const auto refuse = [&](const std::string& why) {
+        throw UserError(fmt::format("{}: {}; remove it or choose another name", folder.string(), why));
+    };
+    if (!fs::exists(fs::symlink_status(folder, error))) return;
+    if (!fs::is_directory(folder, error)) refuse("a file stands there");
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (!entry.is_regular_file(error) || std::ranges::find(names, name) == names.end())
+            refuse(fmt::format("holds {}, which is no part of {}", name, what));
+    }
+}
+constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg", "plane_2.jpg",
+                                     "plane_3.jpg", "plane_4.jpg", "plane_5.jpg"};
+constexpr const char* map_files[] = {"base_colour.png", "base_colour.exr", "roughness.png",
+                                     "roughness.exr",   "normals.png",     "normals.exr"};
+
+void export_gltf(const Options& o) {
+    check_glb_target(o.output);
+    const OutputLock lock(o.output);
+    auto fit = open_fit(o.fit, o.dataset);
+    const SurfaceLook look = fit->look();
+    const auto own = o.without_maps ? std::vector<OwnFile>() : own_files(o.fit);
+    const std::string bytes = glb_of(look, fit->dataset(), fitted_model(o.fit), own);
+    write_file(o.output, bytes);
+    log_info(fmt::format("base colour: {}", look.meaning));
+    log_info(fmt::format("{}: {:.1f} MB", o.output, double(bytes.size()) / 1e6));
+}
+
+void export_rti(const Options& o) {
+    check_folder_target(o.output, "an RTI export", rti_files);
+    const OutputLock lock(o.output);
+    AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
+    auto fit = open_fit(o.fit, o.dataset);
+    if (!fit->takes_light())
+        throw UserError(
+            fmt::format("{}: its model keeps the light it was photographed under; fit a reflectance model to "
+                        "images under lamps that move",
+                        o.fit));
+    const Dataset& dataset = fit->dataset();
+    const View& view = dataset.views[chosen_view(dataset, o.view)];
+    const Relight relight = relight_of(fit->contestant(), dataset, view, o.quality);
+    for (size_t k = 0; k < relight.planes.size(); ++k)
+        write_file(folder.path() / fmt::format("plane_{}.jpg", k), relight.planes[k]);
+    write_file(folder.path() / "info.json", relight.info);
+    folder.commit();
+    log_info(fmt::format("{}/info.json: {} x {} pixels, a polynomial texture map in {} images", o.output,
+                         dataset.grid.width, dataset.grid.height, relight.planes.size()));
+}
+
+ExrImage exr_of(const TextureImage& texture, const std::vector<std::string>& channels) {
+    return {texture.width, texture.height, channels, texture.values, {}};
+}
+
+void export_maps(const Options& o) {
+    check_folder_target(o.output, "exported maps", map_files);
+    const OutputLock lock(o.output);
+    AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
+    auto fit = open_fit(o.fit, o.dataset);
+    const SurfaceLook look = fit->look();
+    const LookTextures textures = textures_of(look, fit->dataset());
+    const fs::path& to = folder.path();
+    write_file(to / "base_colour.png", base_colour_png(textures));
+    const bool alpha = textures.base_colour.channels == 4;
+    write_exr(to / "base_colour.exr", exr_of(textures.base_colour, alpha ? std::vector<std::string>{"R", "G", "B", "A"}
+                                                                         : std::vector<std::string>{"R", "G", "B"}));
+    if (textures.roughness) {
+        write_file(to / "roughness.png", roughness_png(*textures.roughness));
+        write_exr(to / "roughness.exr", exr_of(*textures.roughness, {"Y"}));
+    }
+    if (textures.normals) {
+        write_file(to / "normals.png", normals_png(*textures.normals));
+        write_exr(to / "normals.exr", exr_of(*textures.normals, {"x", "y", "z"}));
+    }
+    folder.commit();
+    log_info(fmt::format("base colour: {}", look.meaning));
+    log_info(fmt::format("{}: textures of {} x {} pixels", o.output, textures.base_colour.width,
+                         textures.base_colour.height));
+}
+
+}  // namespace
+
+void add_export_files(CommandLine& exporter) {
+    auto o = std::make_shared<Options>();
+    CommandLine& gltf = exporter.add_command("gltf", "the surface with base colour and roughness, as glTF 2.0 (GLB)");
+    gltf.add_flag("--without-maps", o->without_maps, "leave out the fit's own maps, which `extras` holds otherwise");
+    add_fit_and_output(gltf, *o, "file, which ends in .glb");
+    gltf.on_run([=] { export_gltf(*o); });
+
+    CommandLine& rti = exporter.add_command("rti", "a grid's fit for OpenLIME, relight's viewer: a PTM as JPEG images");
+    rti.add_number("--view", o->view, limits::view, "whose camera looks; in the middle of those held out if not given");
+    rti.add_number("--quality", o->quality, limits::jpeg_quality, "of the JPEG images");
+    add_fit_and_output(rti, *o, "folder of info.json and the images");
+    rti.on_run([=] { export_rti(*o); });
+
+    CommandLine& maps = exporter.add_command("maps", "base colour, roughness and normals as PNG and EXR textures");
+    add_fit_and_output(maps, *o, "folder of the textures");
+    maps.on_run([=] { export_maps(*o); });
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,126 @@
+// import: real captures, packed.
+#include <memory>
+
+#include "base/log.h"
+#include "base/output_lock.h"
+#include "capture/import.h"
+#include "capture/import_lights.h"
+#include "cli/commands.h"
+#include "fitting/image_checks.h"
+#include "fitting/limits.h"
+
+namespace radiafit::tools {
+namespace {
+
+constexpr const char* holdout_help =
+    "every:N, every:N+K, random:N, random:N:SEED, spread:N (over directions), none, or a file of image names";
+
+/// What an import has to say, and what its dataset is.
+void tell(const auto& report, const std::string& out, bool json) {
+    for (const std::string& note : report.notes) log_warning(note);
+    for (const std::string& remark : report.remarks) log_info(remark);
+    const Dataset dataset = open_dataset(out);
+    if (const auto benefit = gain_benefit(dataset)) log_info(describe_gains(*benefit));
+    const std::string suspicious = describe_suspicious(suspicious_images(dataset));
+    if (!suspicious.empty()) log_warning(suspicious);
+    print_dataset(dataset, json);
+}
+
+/// A format of calibrations: all of them take the same options.
+struct CalibrationFormat {
+    const char *name, *help, *model_help, *images_help;
+    bool images_required;
+    const char* holdout;       ///< the rule by default; empty: as holdout_help says
+    const char* holdout_help;  ///< behind what all formats have
+    ImportReport (*import)(const ImportOptions&, const std::filesystem::path&);
+};
+
+constexpr CalibrationFormat calibration_formats[] = {
+    {"colmap", "photographs with a COLMAP calibration and a mesh", "folder with cameras and images, .txt or .bin",
+     "folder of the undistorted photographs", true, "every:8", "", import_colmap},
+    {"transforms", "photographs with the cameras of a NeRF's transforms.json, and a mesh",
+     "transforms.json or transforms_train.json, or its folder",
+     "folder that its file_paths are relative to; default: its own", false, "",
+     "; default: the images of transforms_test.json, without that every:8", import_transforms},
+    {"llff", "photographs with LLFF's poses_bounds.npy and a mesh", "poses_bounds.npy, or its folder",
+     "folder of the photographs, in the rows' order when sorted by name; default: images, beside it", false, "every:8",
+     "", import_llff}};
+
+void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
+    auto options = std::make_shared<ImportOptions>();
+    auto out = std::make_shared<std::string>();
+    auto json = std::make_shared<bool>(false);
+    options->holdout = format.holdout;
+    CommandLine& import = command.add_command(format.name, format.help);
+    import.add_text("--model", options->model, format.model_help).required();
+    CommandOption images = import.add_text("--images", options->images, format.images_help);
+    if (format.images_required) images.required();
+    import.add_text("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ").required();
+    import.add_text("--masks", options->masks,
+                    "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
+    import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
+    import.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
+    import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)");
+    import.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
+                      "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
+    import.add_text("--name", options->name, "of the dataset");
+    import.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    add_force(import, options->force);
+    add_json(import, *json);
+    import.on_run([=] {
+        const OutputLock lock(*out);
+    const ImportReport report = format.import(*options, *out);
+    tell(report, *out, *json);
+});
+}  // namespace
+
+void add_lights(CommandLine& command) {
+    auto options = std::make_shared<LightImportOptions>();
+    auto out = std::make_shared<std::string>();
+    auto json = std::make_shared<bool>(false);
+    CommandLine& lights = command.add_command(
+        "lights", "images that show one surface pixel on pixel, under a lamp each: a fixed camera, or a flat sample");
+    lights.add_text("--images", options->images, "folder of the images").required();
+    lights.add_text("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
+    lights.add_text("--light-positions", options->light_positions, "in their place: where near lamps stand");
+    lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted");
+    lights.add_text("--intensities", options->intensities,
+                    "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
+                    "that faces the lamp, near lamps at distance 1; default: 1");
+    lights.add_text("--camera-positions", options->camera_positions,
+                    "x y z per line, one per image or one for all; default: far away along +z");
+    lights
+        .add_number("--sample-width", options->sample_width, limits::sample_width,
+                    "what an image's width covers, in the unit of the positions")
+        .hide_default();
+    lights.add_text("--mask", options->mask, "image, white = object");
+    lights.add_text(
+        "--normals", options->normals,
+        "picture of normals: x right, y up, z towards the camera; or flat; default: computed from the images if the "
+        "lamps are distant, else flat");
+    lights.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
+    lights.add_word("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear")
+        .choices({"linear", "srgb", "auto"});
+    lights.add_choice("--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
+                      "bits per channel that the images must have: 8, 16, 32 (floats)");
+    lights.add_text("--holdout,--held-out", options->holdout, holdout_help);
+    lights.add_text("--name", options->name, "of the dataset");
+    lights.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    add_force(lights, options->force);
+    add_json(lights, *json);
+    lights.on_run([=] {
+        const OutputLock lock(*out);
+        const LightImportReport report = import_lights(*options, *out);
+        tell(report, *out, *json);
+    });
+}
+
+}  // namespace radiafit::tools
+
+void add_import(CommandLine& program, const Invocation&) {
+    CommandLine& command = program.add_command("import", "pack a real capture");
+    for (const CalibrationFormat& format : calibration_formats) add_calibrated(command, format);
+    add_lights(command);
+}
+
+}  // namespace radiafit::tools

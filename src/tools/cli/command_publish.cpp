@@ -1,0 +1,83 @@
+// publish: a fit as a page that browsers open.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/output_lock.h"
+#include "cli/commands.h"
+#include "fit/error_bar_maps.h"
+#include "fitting/family.h"
+#include "fitting/limits.h"
+#include "publish/pages.h"
+#include "publish/publish.h"
+#include "publish/uncertainty.h"
+
+namespace radiafit::tools {
+namespace {
+
+struct Options {
+    std::string fit, output, dataset;
+    bool single_file = false;
+    PublishOptions page;
+};
+
+std::string text_of(const PublishOutcome& o) {
+    const std::string kept = std::isfinite(o.fidelity) ? fmt::format("{:.1f} dB", o.fidelity) : "no loss";
+    return fmt::format(
+        "the page's pictures against the fit's: {}; PSNR of {} {} photographs: {:.2f} dB by the page, {:.2f} dB by the "
+        "fit",
+        kept, o.photographs, o.split == Split::test ? "held-out" : "training", o.shown_psnr, o.psnr);
+}
+
+void publish_fit(const Options& o) {
+    if (o.output.empty()) throw UserError("--output is empty; name a folder, or a file for --single-file");
+    check_page_target(o.output, o.single_file);
+    const OutputLock lock(o.output);
+    auto fitted = open_fit(o.fit, o.dataset);
+    const Dataset& dataset = fitted->dataset();
+    require_viewer();
+    const auto baseline = fitted->baseline();
+    const std::vector<uint32_t> training = fitted_views(dataset, fitted->record());
+    if (has_error_bars(o.fit)) {
+        std::vector<View> asked;
+        for (const uint32_t v : uncertainty_views(training)) asked.push_back(dataset.views[v]);
+        fitted->find_error_bars(asked);
+    }
+    const PublishOutcome outcome = publish({.dataset = dataset,
+                                            .record = fitted->record(),
+                                            .description = fitted->description(),
+                                            .fit = fitted->contestant(),
+                                            .baseline = baseline->contestant(),
+                                            .baseline_name = fitted->baseline_name(),
+                                            .takes_light = fitted->takes_light(),
+                                            .training = training,
+                                            .model = fitted->page()},
+                                           o.page);
+    write_page(o.output, o.single_file, outcome.page);
+    log_info(text_of(outcome));
+    log_info(fmt::format("{}: {:.1f} MB", o.single_file ? o.output : o.output + "/index.html",
+                         double(outcome.page.written_bytes()) / 1e6));
+}
+
+}  // namespace
+
+void add_publish(CommandLine& program) {
+    auto o = std::make_shared<Options>();
+    CommandLine& command =
+        program.add_command("publish", "a page for browsers: the fit from any direction, beside its photographs");
+    command.add_text("fit", o->fit, "folder of the fit").required();
+    command.add_flag("--single-file", o->single_file, "one HTML file with everything in it, in place of a folder");
+    command.add_number("--megabytes", o->page.megabytes, limits::page_megabytes,
+                       "of the page, at most: maps are coarsened to fit");
+    command.add_number("--fidelity", o->page.fidelity, limits::page_fidelity,
+                       "dB: PSNR of the page's pictures against the fit's own, where megabytes allow");
+    command.add_number("--views", o->page.views, limits::page_views,
+                       "photographs of each kind, held-out and training, at most");
+    command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
+    command.add_text("-o,--output", o->output, "folder of the page, or file for --single-file").required();
+    command.on_run([=] { publish_fit(*o); });
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,171 @@
+// render: how a fit looks.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "base/choose.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/output_lock.h"
+#include "cli/commands.h"
+#include "cli/pictures.h"
+#include "cli/render_options.h"
+#include "cli/turntable.h"
+#include "fitting/family.h"
+#include "report/problem_picture.h"
+
+namespace radiafit::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A distant lamp in this direction, of any length.
+Light lamp_towards(const std::vector<double>& xyz) {
+    const Vec3d direction(xyz[0], xyz[1], xyz[2]);
+    const double length = direction.norm();
+    if (!(std::isfinite(length) && length > 0))
+        throw UserError(fmt::format("--light {}: a direction's length is finite and not 0; choose, say, 0,0.6,0.8",
+                                    fmt::join(xyz, ",")));
+    return {Light::Kind::distant, direction / length, Vec3d::Ones()};
+}
+
+/// Views of a fit beside their photographs.
+class Views {
+public:
+    Views(const RenderOptions& options, Fitted& fitted, Pictures& pictures)
+        : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(contestant_of(fitted)) {}
+
+    /// As the photograph shows it, and the sheet that compares them.
+    void add_photographed(const std::string& name, uint32_t view) {
+        const Dataset& dataset = fitted_->dataset();
+        if (!baseline_) baseline_ = baseline_of(*fitted_);
+        const JudgedView judged = judged_view(fit_, dataset, view, options_->points());
+        const JudgedView trivial = judged_view(contestant_of(*baseline_), dataset, view, options_->points());
+        pictures_->add(name, in_exposure(picture(dataset.views[view]), judged.gain));
+        pictures_->add_sheet(
+            name, comparison_sheet(judged, &trivial, dataset.encoding),
+            fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, baseline_name(*fitted_)));
+    }
+    /// Under another lamp, so that there is nothing to compare with.
+    void add_relit(const std::string& name, const View& shown) { pictures_->add(name, picture(shown)); }
+
+    double share_of_fit(const View& shown) const { return fit_.share_of_fit ? fit_.share_of_fit(shown) : 1; }
+
+private:
+    LightImage picture(View shown) const {
+        if (!fitted_->dataset().has_grid()) shown.camera = photograph_camera(shown);
+        if (options_->size) shown.camera = fitted_into(shown.camera, (*options_->size)[0], (*options_->size)[1]);
+        return render(fit_, fitted_->dataset(), shown, options_->points());
+    }
+
+    const RenderOptions* options_;
+    Fitted* fitted_;
+    Pictures* pictures_;
+    Contestant fit_;
+    std::optional<Fitted> baseline_;
+};
+
+void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const View& shown) {
+    const fs::path stem = picture_stem(o.output);
+    const std::string name = stem.filename().string();
+    Pictures pictures(stem.parent_path(), o.background);
+    pictures.check(name, {".png", ".exr", "_sheet.png"});
+    Views views(o, fitted, pictures);
+    tell_share(views.share_of_fit(shown));
+    if (o.light.empty())
+        views.add_photographed(name, view);
+    else
+        views.add_relit(name, shown);
+    pictures.commit();
+}
+
+/// Every view of a split, into a folder.
+void render_all(const RenderOptions& o, Fitted& fitted) {
+    const Dataset& dataset = fitted.dataset();
+    const bool held_out = choose<bool>("all", o.all, {{"held-out", true}, {"train", false}});
+    const std::vector<uint32_t> shown = dataset.split(held_out);
+    if (shown.empty()) throw UserError(fmt::format("--all {}: {} has no such view", o.all, dataset.name));
+    const auto name_of = [](uint32_t view) { return fmt::format("view{:04d}", view); };
+    Pictures pictures(o.output, o.background);
+    for (const uint32_t view : shown) pictures.check(name_of(view), {".png", ".exr", "_sheet.png"});
+    Views views(o, fitted, pictures);
+    Progress progress("render", shown.size());
+    for (const uint32_t view : shown) {
+        views.add_photographed(name_of(view), view);
+        progress.advance();
+    }
+    progress.finish();
+    pictures.commit();
+}
+
+/// Where a fit's problems ended and how, each at its texel; none where they have no place on a picture.
+std::optional<ProblemPicture> problem_picture_of(const Fitted& fitted) {
+    const auto* m = std::get_if<FittedReflectance>(&fitted.model);
+    if (!m) return {};
+    const ReflectanceFit& fit = m->fit;
+    const Atlas& atlas = *m->atlas;
+    ProblemPicture picture;
+    picture.width = atlas.width();
+    picture.height = atlas.height();
+    for (auto* map : {&picture.status, &picture.iterations, &picture.samples, &picture.rms})
+        map->assign(size_t(picture.width) * size_t(picture.height), NAN);
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
+        if (!atlas.usable(t)) continue;
+        const auto [x, y] = atlas.place(t);
+        const size_t at = size_t(y) * size_t(picture.width) + size_t(x);
+        picture.status[at] = float(fit.status[t]);
+        picture.iterations[at] = float(fit.iterations[t]);
+        picture.samples[at] = float(fit.samples[t]);
+        if (fit.samples[t] > 0) picture.rms[at] = std::sqrt(2 * fit.error[t] / (3 * float(fit.samples[t])));
+    }
+    for (size_t s = 0; s < size_t(Status::count); ++s) picture.status_names.push_back(to_string(Status(s)));
+    picture.title = fmt::format("{}: {} by {} on {}, a problem per texel", fit.dataset_name, fit.options.model->name,
+                                fit.solver, fit.engine);
+    picture.unit = "reflectance (white = 1)";
+    picture.mark = picture_mark;
+    return picture;
+}
+
+void render_problems(const RenderOptions& o, Fitted& fit) {
+    const auto picture = problem_picture_of(fit);
+    if (!picture)
+        throw UserError("--problems: those of a light field map are vertices, with no place of their own on a picture");
+    const fs::path stem = picture_stem(o.output);
+    Pictures pictures(stem.parent_path());
+    pictures.check(stem.filename().string(), {".png", ".svg"});
+    pictures.add(stem.filename().string(), *picture);
+    pictures.commit();
+}
+
+void render_fit(const RenderOptions& o) {
+    check_render_output(o);
+    check_pixel_points(o.pixel_points);
+    const OutputLock lock(picture_stem(o.output));
+    auto fit = open_fit(o.fit, o.dataset);
+    if (!o.light.empty() && !fit->takes_light())
+        throw UserError("--light: a light field map keeps the light it was photographed under");
+    if (o.problems) return render_problems(o, *fit);
+    const Dataset& dataset = fit->dataset();
+    if (o.size && dataset.has_grid())
+        throw UserError("--size: over a grid, a picture has a pixel per texel; leave it out");
+    if (!o.all.empty()) return render_all(o, *fit);
+    const uint32_t view = chosen_view(dataset, o.view);
+    View shown = dataset.views[view];
+    if (!o.light.empty()) shown.light = lamp_towards(o.light);
+    if (o.turntable > 0) return render_turntable(o, *fit, shown);
+    render_view(o, *fit, view, shown);
+}
+
+}  // namespace
+
+void add_render(CommandLine& program) {
+    auto o = std::make_shared<RenderOptions>();
+    CommandLine& command = program.add_command("render", "a view of a fit as EXR and PNG, beside the photograph");
+    add_render_options(command, *o);
+    command.on_run([=] { render_fit(*o); });
+}
+
+}  // namespace radiafit::tools

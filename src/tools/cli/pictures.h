@@ -1,0 +1,45 @@
+#pragma once
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "base/atomic_file.h"
+#include "eval/render.h"
+#include "report/problem_picture.h"
+
+/// What render leaves on the disk.
+namespace radiafit::tools {
+
+/// Throws UserError where something stands at `file` that is not render's: it does not carry picture_mark, nor is it
+/// the PNG that gnuplot draws beside an SVG that does.
+void check_ours(const std::filesystem::path& file);
+
+/// Where one view goes: FILE.png, FILE.exr and FILE.svg alike name FILE.
+std::filesystem::path picture_stem(const std::string& output);
+
+/// The pictures of one command. They are made under hidden names and appear together, over earlier ones of render and
+/// over nothing else.
+class Pictures {
+public:
+    /// background: of PNG files; EXR files have the coverage.
+    explicit Pictures(const std::filesystem::path& folder, const Background& background = {});
+
+    /// Refuses a name at which one of `endings` stands and is not render's: a fit's own map, a photograph.
+    void check(const std::string& name, std::initializer_list<const char*> endings);
+    void add(const std::string& name, const LightImage& image);
+    void add_sheet(const std::string& name, const ByteImage& sheet, const std::string& content);
+    void add(const std::string& name, const ProblemPicture& picture);
+    void commit();
+
+private:
+    void add(const std::string& name, const ByteImage& bytes) const;
+
+    std::filesystem::path folder_;
+    Background background_;
+    AtomicFiles files_;
+    std::vector<std::filesystem::path> checked_;
+    std::vector<std::string> messages_;
+};
+
+}  // namespace radiafit::tools

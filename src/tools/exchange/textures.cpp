@@ -1,0 +1,88 @@
+#include "exchange/textures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/png_file.h"
+
+namespace radiafit::tools {
+namespace {
+
+uint8_t byte_of(double value) { return uint8_t(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
+
+std::vector<float> flat(const std::vector<Vec3f>& vectors) {
+    std::vector<float> out;
+    out.reserve(3 * vectors.size());
+    for (const Vec3f& v : vectors) out.insert(out.end(), v.begin(), v.end());
+    return out;
+}
+
+TextureImage with_alpha(const TextureImage& colours, const Atlas& atlas) {
+    TextureImage out{colours.width, colours.height, 4, {}};
+    for (size_t i = 0; i < colours.values.size(); i += 3)
+        out.values.insert(out.values.end(), {colours.values[i], colours.values[i + 1], colours.values[i + 2], 0.0f});
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
+        const auto [x, y] = atlas.place(t);
+        if (atlas.usable(t)) out.values[4 * (size_t(y) * size_t(out.width) + size_t(x)) + 3] = 1;
+    }
+    return out;
+}
+
+bool all_usable(const Atlas& atlas) {
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        if (!atlas.usable(t)) return false;
+    return true;
+}
+
+TextureImage plane_normals(const Grid& grid) {
+    const Vec3d right = grid.right.normalized(), up = -grid.down.normalized(), out_of_it = grid.normal();
+    TextureImage out{grid.width, grid.height, 3, {}};
+    for (const Vec3f& normal : grid.texel_normals) {
+        const Vec3d n = normal.squaredNorm() > 0 ? Vec3d(normal.cast<double>()) : out_of_it;
+        out.values.insert(out.values.end(), {float(n.dot(right)), float(n.dot(up)), float(n.dot(out_of_it))});
+    }
+    return out;
+}
+
+}  // namespace
+
+LookTextures textures_of(const SurfaceLook& look, const Dataset& dataset) {
+    LookTextures out;
+    if (!dataset.has_grid()) out.tiles.emplace(dynamic_cast<const TriangleAtlas&>(*look.atlas));
+    const auto texture = [&](const std::vector<float>& values, int channels) {
+        return out.tiles ? out.tiles->bake(values, channels, look.lookup) : in_layout(*look.atlas, values, channels);
+    };
+    out.base_colour = texture(flat(look.base_colour), 3);
+    if (!look.roughness.empty()) out.roughness = texture(look.roughness, 1);
+    if (out.tiles) return out;
+    if (!all_usable(*look.atlas)) out.base_colour = with_alpha(out.base_colour, *look.atlas);
+    if (!dataset.grid.texel_normals.empty()) out.normals = plane_normals(dataset.grid);
+    return out;
+}
+
+std::string base_colour_png(const LookTextures& textures) {
+    const TextureImage& texture = textures.base_colour;
+    std::vector<uint8_t> bytes;
+    bytes.reserve(texture.values.size());
+    for (size_t i = 0; i < texture.values.size(); ++i) {
+        const double value = std::clamp(double(texture.values[i]), 0.0, 1.0);
+        bytes.push_back(byte_of(i % size_t(texture.channels) == 3 ? value : srgb_encode(value)));
+    }
+    return png_bytes(texture.width, texture.height, bytes, "radiafit");
+}
+
+std::string roughness_png(const TextureImage& roughness) {
+    std::vector<uint8_t> bytes;
+    bytes.reserve(3 * roughness.values.size());
+    for (const float value : roughness.values) bytes.insert(bytes.end(), {0, byte_of(double(value)), 0});
+    return png_bytes(roughness.width, roughness.height, bytes, "radiafit");
+}
+
+std::string normals_png(const TextureImage& normals) {
+    std::vector<uint8_t> bytes;
+    bytes.reserve(normals.values.size());
+    for (const float value : normals.values) bytes.push_back(byte_of(0.5 * double(value) + 0.5));
+    return png_bytes(normals.width, normals.height, bytes, "radiafit");
+}
+
+}  // namespace radiafit::tools

@@ -1,0 +1,88 @@
+// Light field maps; shaders/view/lfm.frag and lfm_vertices.frag.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/fit_maps.h"
+#include "publish/pages.h"
+
+namespace radiafit::tools {
+namespace {
+
+struct Layout {
+    TriangleAtlas atlas;
+    LfmLayout maps;
+    Layout(const Mesh& mesh, const LfmOptions& o)
+        : atlas(surface_atlas(mesh, o)), maps(VertexRings(mesh), atlas, o.view_side, o.terms) {}
+};
+
+/// A fit whose problems without samples show nothing, as the renderer has it: there the view maps are 0.
+LightFieldFit without_unseen(const LightFieldFit& fit, const LfmLayout& layout) {
+    LightFieldFit out = fit;
+    for (size_t q = 0; q < fit.samples.size(); ++q) {
+        if (fit.samples[q] > 0 && fit.status[q] != Status::no_samples) continue;
+        for (size_t at = layout.view_offset(q / 3) + q % 3; at < layout.offset(q / 3) + layout.block_size(q / 3);
+             at += 4)
+            out.parameters[at] = 0;
+    }
+    return out;
+}
+
+/// Of vertices: of the channel with the fewest samples, and the residuals of all three.
+PageTable knowledge_of(const LightFieldFit& fit) {
+    PageTable table{"vertex_knowledge", {}};
+    for (size_t q = 0; q < fit.samples.size(); q += 3) {
+        const uint32_t samples = std::min({fit.samples[q], fit.samples[q + 1], fit.samples[q + 2]});
+        const float error = fit.error[q] + fit.error[q + 1] + fit.error[q + 2];
+        table.entries.insert(table.entries.end(),
+                             {std::log2(1 + float(samples)), root_mean_square(error, samples), 0, 0});
+    }
+    return table;
+}
+
+/// Calls body(map, is a surface map, term, corner) for all maps in the shader's order.
+template <class Body>
+void for_each_map(int terms, const Body& body) {
+    for (int k = 0; k < terms; ++k)
+        for (int c = 0; c < 3; ++c) body(size_t(3 * k + c), true, k, c);
+    for (int k = 0; k < terms; ++k) body(size_t(3 * terms + k), false, k, 0);
+}
+
+}  // namespace
+
+PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
+    const auto layout = std::make_shared<const Layout>(mesh, fit.options);
+    const int terms = fit.options.terms;
+    const LightFieldFit seen = without_unseen(fit, layout->maps);
+    PageModel page{.shader = "lfm", .vertex_shader = "lfm_vertices"};
+    page.maps.resize(size_t(4 * terms));
+    for_each_map(terms, [&](size_t map, bool surface, int k, int c) {
+        page.maps[map].name = surface ? fmt::format("surface{}{}", k, c) : fmt::format("view{}", k);
+        page.maps[map].place = surface ? MapPlace::surface : MapPlace::view;
+        page.maps[map].image = surface ? surface_image(layout->atlas, layout->maps, seen.parameters, k, c)
+                                       : view_image(layout->maps, seen.parameters, k);
+    });
+    page.tables.push_back(knowledge_of(fit));
+    page.defines = {{"TERMS", std::to_string(terms)}};
+    if (fit.options.lookup == ViewLookup::nearest) page.defines.emplace_back("NEAREST", "1");
+    page.whole_uniforms = {{"view_side", fit.options.view_side}, {"view_columns", table_columns(mesh.vertex_count())}};
+    for (int k = 1; k <= terms; ++k) page.terms.push_back(fmt::format("term {}", k));
+    page.residual_unit = "pixel values, white = 1";
+    page.largest_side = fit.options.surface_side;
+    page.atlas = &layout->atlas;
+    if (fit.options.sides) page.sides = *fit.options.sides;
+    page.shown = [&fit, &mesh, layout, terms](const std::vector<PageMap>& decoded) {
+        const auto shown = std::make_shared<LightFieldFit>(fit);
+        for_each_map(terms, [&](size_t map, bool surface, int k, int c) {
+            if (surface)
+                take_surface_image(decoded[map].image, layout->atlas, layout->maps, k, c, *shown);
+            else
+                take_view_image(decoded[map].image, layout->maps, k, *shown);
+        });
+        return kept_alive(contestant_of(*shown, mesh), shown);
+    };
+    return page;
+}
+
+}  // namespace radiafit::tools

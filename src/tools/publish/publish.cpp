@@ -1,0 +1,142 @@
+#include "publish/publish.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/wording.h"
+#include "publish/choices.h"
+#include "publish/scene_json.h"
+#include "publish/steps.h"
+#include "publish/uncertainty.h"
+
+namespace radiafit::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int page_format = 1;
+constexpr double least_fidelity = 30, fidelity_step = 2;  // dB
+constexpr double base64_growth = 4.0 / 3;
+
+std::vector<CodedMap> coded_maps(const PageModel& model, const std::vector<std::array<float, 3>>& steps) {
+    std::vector<CodedMap> coded(model.maps.size());
+    parallel_for(coded.size(), 1, [&](size_t m, int) { coded[m] = code_map(model.maps[m], steps[m]); });
+    return coded;
+}
+
+/// Numbers whose steps follow from the fidelity.
+double values_with_chosen_steps(const PageModel& model) {
+    size_t values = 0;
+    for (const PageMap& map : model.maps)
+        if (map.fixed_step[0] == 0)
+            values += map.image.values.size() - size_t(std::ranges::count(map.image.values, 0.0f));
+    return std::max(1.0, double(values));
+}
+
+/// Coarser until the page is small enough: a bit less of each value for 6 dB, of which it goes most of the way at once.
+std::vector<CodedMap> maps_within(PageModel& model, const Dataset& dataset, const std::vector<uint32_t>& training,
+                                  const PublishOptions& options, uint64_t other_bytes) {
+    const auto effects = map_effects(model, dataset, training);
+    const double decibels_per_bit = 20 * std::log10(2), values = values_with_chosen_steps(model);
+    for (double fidelity = options.fidelity;;) {
+        std::vector<CodedMap> coded = coded_maps(model, map_steps(model, effects, std::pow(10, -fidelity / 20)));
+        uint64_t bytes = other_bytes;
+        for (const CodedMap& map : coded) bytes += uint64_t(base64_growth * double(map.bytes()));
+        if (double(bytes) <= 1e6 * options.megabytes) return coded;
+        if (fidelity <= std::min(least_fidelity, options.fidelity))
+            throw UserError(
+                fmt::format("the page would have {:.1f} MB at {:.0f} dB; choose more {}, fewer {}, or fit with a "
+                            "smaller surface side",
+                            double(bytes) / 1e6, fidelity, option_name("megabytes"), option_name("views")));
+        const double bits = 8 * (double(bytes) - 1e6 * options.megabytes) / base64_growth / values;
+        fidelity -= std::max(fidelity_step, 0.8 * decibels_per_bit * bits);
+        fidelity = std::max(fidelity, std::min(least_fidelity, options.fidelity));
+    }
+}
+
+void add_differences(const JudgedView& a, const JudgedView& b, ErrorSums& sums) {
+    for (size_t i = 0; i < a.foreground.size(); ++i)
+        for (size_t c = 3 * i; c < 3 * i + 3 && a.foreground[i]; ++c)
+            sums.add(double(a.render[c]) - double(b.render[c]));
+}
+
+void add_uncertainty(Published& fit) {
+    PageModel& model = fit.model;
+    model.defines.emplace_back("UNCERTAINTY_MAP", std::to_string(model.maps.size()));
+    model.maps.push_back(uncertainty_map(fit.fit, fit.dataset, fit.training, *model.atlas, model.most_uncertainty));
+    fit.fit.error_bars = {};  // they tell of no other views, and the judge would ask
+}
+
+Json scores_json(const PublishOutcome& o, double bytes_of_maps) {
+    return {{"split", o.split == Split::test ? "held out" : "training"},
+            {"photographs", o.photographs},
+            {"psnr", o.psnr},
+            {"shown_psnr", o.shown_psnr},
+            {"baseline_psnr", o.baseline_psnr},
+            {"fidelity", std::isfinite(o.fidelity) ? Json(o.fidelity) : Json()},
+            {"map_bytes", bytes_of_maps}};
+}
+
+}  // namespace
+
+PublishOutcome publish(Published fit, const PublishOptions& options) {
+    const Dataset& dataset = fit.dataset;
+    PublishOutcome out;
+    Page& page = out.page;
+    page.title = dataset.name;
+    if (fit.fit.error_bars) add_uncertainty(fit);
+    const auto held_out = dataset.split(true);
+    out.split = held_out.empty() ? Split::train : Split::test;
+
+    Json json = {{"format", page_format},
+                 {"title", dataset.name},
+                 {"about", dataset.description},
+                 {"source", dataset.source},
+                 {"pixel_points", PixelAreas(dataset).points()},
+                 {"shaders", Json::parse(shaders_json(fit))},
+                 {"surface", Json::parse(surface_json(fit, page))},
+                 {"model", Json::parse(model_json(fit, page))},
+                 {"directions", Json::parse(directions_json(fit))}};
+    std::vector<uint32_t> chosen = spread(held_out, size_t(options.views));
+    for (const uint32_t view : spread(dataset.split(false), size_t(options.views))) chosen.push_back(view);
+    std::vector<JudgedView> judged(chosen.size());
+    Json views = Json::array();
+    for (size_t i = 0; i < chosen.size(); ++i) {
+        judged[i] = judged_view(fit.fit, dataset, chosen[i]);
+        const JudgedView baseline = judged_view(fit.baseline, dataset, chosen[i]);
+        views.push_back(Json::parse(view_json(fit, chosen[i], judged[i], baseline, page)));
+    }
+    json["views"] = views;
+    page.json = json.dump();
+
+    const std::vector<CodedMap> coded = maps_within(fit.model, dataset, fit.training, options, page.written_bytes());
+    std::vector<PageMap> decoded;
+    double bytes = 0;
+    for (size_t m = 0; m < coded.size(); ++m) {
+        decoded.push_back(decoded_map(coded[m], fit.model.maps[m]));
+        bytes += double(coded[m].bytes());
+    }
+    const Contestant shown = fit.model.shown(decoded);
+    ErrorSums differences;
+    for (size_t i = 0; i < chosen.size(); ++i)
+        add_differences(judged[i], judged_view(shown, dataset, chosen[i]), differences);
+    out.fidelity = differences.psnr();
+    const JudgeResult of_fit = judge(fit.fit, dataset, out.split);
+    out.photographs = of_fit.images.size();
+    out.psnr = of_fit.psnr();
+    out.shown_psnr = judge(shown, dataset, out.split).psnr();
+    out.baseline_psnr = judge(fit.baseline, dataset, out.split).psnr();
+
+    json.update(Json::parse(maps_json(fit.model, coded, page)));
+    json["scores"] = scores_json(out, bytes);
+    page.json = json.dump();
+    return out;
+}
+
+}  // namespace radiafit::tools

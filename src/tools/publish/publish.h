@@ -1,0 +1,42 @@
+#pragma once
+#include <optional>
+
+#include "eval/judge.h"
+#include "publish/page.h"
+#include "publish/page_model.h"
+
+namespace radiafit::tools {
+
+/// A fit that is to be shown, of any family. All must outlive publish().
+struct Published {
+    const Dataset& dataset;
+    const FitRecord& record;
+    std::string description;  ///< of the model: "lafortune, 9 parameters in each of 4096 texels"
+    Contestant fit, baseline;
+    std::string baseline_name;
+    bool takes_light;                ///< may be shown under any lamp
+    std::vector<uint32_t> training;  ///< views that were fitted
+    PageModel model;
+};
+
+struct PublishOptions {
+    double fidelity =
+        50;  ///< dB: PSNR of the page's pictures against the fit's own; less where the page would be too large
+    double megabytes = 30;  ///< of the page, at most
+    int views = 8;          ///< of each split whose photographs are on the page, at most
+};
+
+/// How much of the fit the page keeps: stated on it, and to the user.
+struct PublishOutcome {
+    Page page;
+    double fidelity = 0;  ///< dB: of pictures by the maps as the page has them, against the fit's; infinite: alike
+    double psnr = 0, shown_psnr = 0, baseline_psnr = 0;  ///< of the fit, of the page's maps, of the baseline
+    Split split = Split::test;                           ///< that they are of
+    size_t photographs = 0;                              ///< of it
+};
+
+/// Encodes the maps, decodes them again, and has the judge compare renders of both. Throws UserError where no page of
+/// so few megabytes can be made.
+PublishOutcome publish(Published fit, const PublishOptions& options);
+
+}  // namespace radiafit::tools

@@ -1,0 +1,55 @@
+// View bases; shaders/view/view_basis.frag.
+#include <fmt/format.h>
+
+#include "publish/pages.h"
+
+namespace radiafit::tools {
+namespace {
+
+/// Of every block and polynomial: the means of the three channels, then the functions, in whole entries of four.
+PageTable table_of(const ViewBasis& basis) {
+    PageTable table{"basis_table", {}};
+    const size_t columns = size_t(3 + basis.rank), entries = (columns + 3) / 4;
+    for (size_t row = 0; row < basis.numbers.size(); row += columns) {
+        const auto first = basis.numbers.begin() + ptrdiff_t(row);
+        table.entries.insert(table.entries.end(), first, first + ptrdiff_t(columns));
+        table.entries.resize(table.entries.size() + 4 * entries - columns, 0);
+    }
+    return table;
+}
+
+PageMap block_map(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
+    std::vector<float> blocks;
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        blocks.push_back(atlas.usable(t) ? float(fit.basis.block_at(atlas.position(t))) : 0);
+    const TexelMap number{"block", {"number"}, 0};
+    PageMap map = parameter_maps({&number, 1}, blocks, atlas)[0];
+    map.fixed_step = {1, 1, 1};
+    return map;
+}
+
+}  // namespace
+
+PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
+    const std::vector<TexelMap> maps = maps_of(fit.basis);
+    PageModel page{.shader = "view_basis"};
+    page.maps = parameter_maps(maps, fit.parameters, atlas);
+    page.maps.push_back(block_map(fit, atlas));
+    page.maps.push_back(knowledge_map(fit, atlas));
+    page.tables.push_back(table_of(fit.basis));
+    page.defines = {{"RANK", std::to_string(fit.basis.rank)}};
+    page.terms.push_back("mean");
+    for (int k = 1; k <= fit.basis.rank; ++k) page.terms.push_back(fmt::format("function {}", k));
+    page.uniforms.push_back({"up", {fit.basis.up.begin(), fit.basis.up.end()}});
+    page.residual_unit = "pixel values, white = 1";
+    page.largest_side = fit.surface_side;
+    page.atlas = &atlas;
+    page.shown = [&fit, &atlas, maps](const std::vector<PageMap>& decoded) {
+        const auto shown = std::make_shared<ViewBasisFit>(fit);
+        shown->parameters = parameters_of(maps, decoded, atlas);
+        return kept_alive(contestant_of(*shown, atlas), shown);
+    };
+    return page;
+}
+
+}  // namespace radiafit::tools
