@@ -14,9 +14,12 @@
 #include "report/result_folder.h"
 #include "synthetic/synthetic.h"
 
+namespace radiafit {
+class Context;
+}
+
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
 namespace radiafit::harness {
-class Context;
 
 /// The paper's claims are judged on pictures as graphics hardware draws them: a pixel is what its centre sees.
 inline constexpr JudgeOptions at_pixel_centres{.pixel_points = 1};

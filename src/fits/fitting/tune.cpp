@@ -108,7 +108,7 @@ private:
         names_.push_back(name);
         const Stopwatch clock;
         const FitRequest request = request_of(setting);
-        const FinishedFit done = family_of(request).fit(dataset_, request);
+        FinishedFit done = family_of(request).fit(dataset_, request);
         const double fitting = clock.wall_s();
         const JudgeResult judged = judge(contestant_of(done.fit), judged_, Split::validation);
         expected = clock.wall_s();

@@ -7,9 +7,12 @@
 #include "base/record.h"
 #include "base/rings.h"
 
+namespace radiafit {
+class AtomicFolder;
+}
+
 /// Raw results: ROOT/EXPERIMENT/DEVICE/UTC-REVISION/, written once and never changed.
 namespace radiafit::harness {
-class AtomicFolder;
 
 /// Lower case, letters and digits, one dash for anything else: "llvmpipe (LLVM 15.0.6)" → "llvmpipe-llvm-15-0-6".
 std::string slug(const std::string& text);

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-namespace radiafit::tools {
+namespace radiafit::tools::tools {
 namespace {
 
 namespace oiio = OIIO;
@@ -55,11 +55,11 @@ void read_pixels(const std::string& name, std::string_view bytes, const ImageHea
 }
 
 }  // namespace
-}  // namespace radiafit::tools
+}  // namespace radiafit::tools::tools
 
-extern "C" radiafit::ReadOiioPixels radiafit_read_oiio_pixels;  // NOLINT: its name is looked up
+extern "C" radiafit::tools::ReadOiioPixels radiafit_read_oiio_pixels;  // NOLINT: its name is looked up
 
 extern "C" void radiafit_read_oiio_pixels(const std::string& name, std::string_view bytes,
-                                          const radiafit::ImageHeader& header, radiafit::OiioPixels& out) {
-    radiafit::read_pixels(name, bytes, header, out);
+                                          const radiafit::tools::ImageHeader& header, radiafit::tools::OiioPixels& out) {
+    radiafit::tools::read_pixels(name, bytes, header, out);
 }

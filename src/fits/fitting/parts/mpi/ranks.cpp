@@ -43,4 +43,4 @@ private:
 }  // namespace
 }  // namespace radiafit::fits
 
-extern "C" radiafit::Ranks* radiafit_join_ranks() { return new radiafit::MpiRanks; }
+extern "C" radiafit::fits::Ranks* radiafit_join_ranks() { return new radiafit::fits::MpiRanks; }
