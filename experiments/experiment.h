@@ -14,7 +14,7 @@
 #include "report/result_folder.h"
 #include "synthetic/synthetic.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 class Context;
 }
 

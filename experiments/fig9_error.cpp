@@ -75,14 +75,14 @@ struct Options {
 /// A fit's options in a row, empty where they mean nothing to it.
 class Told {
 public:
-    explicit Told(const FitRequest& request) : request_(request), uses_(uses_of(request)) {}
+    explicit Told(const FitRequest& request) : request_(request), facts_(facts_of(request)) {}
     std::string text(const char* option) const {
-        return uses_ & find_fit_option(option).uses ? request_.text(option) : "";
+        return find_fit_option(option).means_something(facts_) ? request_.text(option) : "";
     }
 
 private:
     const FitRequest& request_;
-    uint32_t uses_;
+    FitFacts facts_;
 };
 
 struct Row {
@@ -253,7 +253,7 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
         const Told told(r.request);
-        const bool pca = (uses_of(r.request) & use::refills) != 0;
+        const bool pca = facts_of(r.request).by_pca();
         csv.row({r.dataset,
                  r.seed,
                  r.method,

@@ -50,7 +50,7 @@ Settled settled(const Dataset& dataset, const FitSetting& options = {}) {
     std::set<std::string> flags;
     for (const auto& [name, value] : options) {
         out.request.set(name, value);
-        flags.insert(find_fit_option(name).flag);
+        flags.insert(find_fit_option(name).first_flag());
     }
     const auto given = [&](const char* flag) { return flags.contains(flag); };
     out.line = settle(given, dataset, out.request);

@@ -38,7 +38,8 @@ struct Family {
     const char* help;                        ///< of the models, after "--model"
     std::vector<FitOption> (*options)() = [] { return std::vector<FitOption>(); };  ///< its own; equal rows stand once
     bool has_error_bars;                                                            ///< find_error_bars()
-    uint32_t (*uses)(const Solver& solver);  ///< what a solver does with this family; 0: it fits no such
+    ModelKind kind;
+    std::optional<SolverFacts> (*facts)(const Solver& solver);  ///< how it fits this family; none: it fits no such
     /// The space of images that are streamed with 16 bits; none where a fit reads the values themselves.
     std::optional<TargetSpace> (*streamed)(const FitRequest& request);
     /// For users who name no model; nothing: none of its models suits the dataset.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -28,15 +27,10 @@ std::string text_of(const Json& options, const std::string& name) {
 std::string program_name() { return fmt::format("{} {:016x}", git_revision(), file_checksum("/proc/self/exe")); }
 }  // namespace
 
-bool decides_result(const std::string& option) {
-    static constexpr std::string_view others[] = {"memory", "sort_memory", "records", "device"};
-    return std::ranges::find(others, option) == std::end(others);
-}
-
 std::string fit_key(const Dataset& dataset, const FitRequest& request) {
     Json options = Json::object();
     for (const FitOption& o : fit_options())
-        if (decides_result(o.name)) options[o.name] = Json::parse(o.json(request));
+        if (o.decides_result) options[o.name] = Json::parse(o.json(request));
     return Json{{"program", program_name()},
                 {"dataset", fingerprint(dataset).digest},
                 {"images", dataset_checksum(dataset)},
@@ -61,8 +55,8 @@ std::string difference_of_keys(const std::string& there, const std::string& here
         found.push_back("the dataset was made anew since");
     const Json ours = a.value("options", Json()), theirs = b.value("options", Json());
     for (const FitOption& o : fit_options())
-        if (const std::string x = text_of(ours, o.name), y = text_of(theirs, o.name); decides_result(o.name) && x != y)
-            found.push_back(fmt::format("{} is {} there, {} here", o.flag.substr(0, o.flag.find(',')), x, y));
+        if (const std::string x = text_of(ours, o.name), y = text_of(theirs, o.name); o.decides_result && x != y)
+            found.push_back(fmt::format("{} is {} there, {} here", o.first_flag(), x, y));
     return found.empty() ? "it is of another kind, or damaged" : fmt::format("{}", fmt::join(found, "; "));
 }
 

@@ -10,9 +10,6 @@ namespace radiafit::fits {
 /// interrupted one left, carry it.
 std::string fit_key(const Dataset& dataset, const FitRequest& request);
 
-/// Whether an option decides what a fit comes to, and not only how it goes about it.
-bool decides_result(const std::string& option);
-
 /// What differs of two keys, for people: "--terms is 2 there, 3 here"; "its dataset has other images". Empty where
 /// nothing does.
 std::string difference_of_keys(const std::string& there, const std::string& here);

@@ -15,7 +15,8 @@
 namespace radiafit::fits {
 namespace {
 
-using rows::by_data, rows::choice, rows::dumped, rows::flag, rows::number, rows::option, rows::text;
+using rows::by_data, rows::choice, rows::dumped, rows::flag, rows::in, rows::number, rows::of_problem,
+    rows::of_resources, rows::option, rows::text;
 
 /// For a table whose entries have a name: throws UserError if none has this one.
 void check_name(const char* what, const std::string& name, const auto& table) {
@@ -61,7 +62,8 @@ std::string bytes_text(uint64_t bytes) {
     return fmt::format("{}{}", bytes, std::string_view(" KMG").substr(power, power > 0));
 }
 FitOption sort_memory_option() {
-    FitOption o = option("sort_memory", use::records, "bytes of samples that two-step's distribution holds at a time");
+    FitOption o =
+        option("sort_memory", &FitFacts::records, "bytes of samples that two-step's distribution holds at a time");
     o.values = "bytes, such as 64M";
     o.read = [](FitRequest& r, const std::string& text) { r.sort_memory = parse_bytes("sort-memory", text); };
     o.text = [](const FitRequest& r) { return bytes_text(r.sort_memory); };
@@ -71,7 +73,7 @@ FitOption sort_memory_option() {
 
 /// Bytes, or any number of them.
 FitOption memory_option() {
-    FitOption o = option("memory", 0,
+    FitOption o = option("memory", {},
                          "bytes that the program may hold, itself included: a fit that takes more goes in parts, one "
                          "after another, to the same result");
     o.values = "bytes, such as 4G, or any";
@@ -82,9 +84,8 @@ FitOption memory_option() {
 }
 
 FitOption mu_option() {
-    FitOption o = number(
-        "mu", use::bounds, [](auto& r) -> auto& { return r.mu; }, limits::weight,
-        "weight of the bounds; default: 1, in paper mode 1e-4");
+    FitOption o = number("mu", &FitFacts::minimizes_objective, &FitRequest::mu, limits::weight,
+                         "weight of the bounds; default: 1, in paper mode 1e-4");
     o.hide_default = true;
     o.json = [](const FitRequest& r) { return dumped(r.bounds_weight()); };
     o.check = [](const FitRequest& r) {
@@ -100,17 +101,16 @@ FitOption model_option() {
         for (const std::string& name : family->models()) choices.emplace_back(name, name);
         help.emplace_back(family->help);
     }
-    return by_data(choice<std::string>(
-        "model", 0, [](auto& r) -> auto& { return r.model_name; }, choices,
-        fmt::format("{}; default: by the data, in configs lfm", fmt::join(help, "; ")).c_str()));
+    return of_problem(by_data(
+        choice<std::string>("model", {}, &FitRequest::model_name, choices,
+                            fmt::format("{}; default: by the data, in configs lfm", fmt::join(help, "; ")).c_str())));
 }
 
 FitOption loss_option() {
     std::vector<std::pair<std::string, LossKind>> choices;
     for (size_t i = 0; i < std::size(loss_names); ++i) choices.emplace_back(loss_names[i], LossKind(i));
-    return choice<LossKind>(
-        "loss", use::loss, [](auto& r) -> auto& { return r.model.loss.kind; }, choices,
-        "what a residual costs: its square, or less where it is large (robust)");
+    return choice<LossKind>("loss", &FitFacts::has_loss, in(&FitRequest::model, &LfmOptions::loss, &Loss::kind),
+                            choices, "what a residual costs: its square, or less where it is large (robust)");
 }
 
 FitOption optimizer_option() {
@@ -122,14 +122,13 @@ FitOption optimizer_option() {
     }
     choices.emplace_back("lm", nullptr);
     help += "lm: Levenberg-Marquardt, of texel-local models on the CPU only, and there by default";
-    return choice<const Method*>(
-        "optimizer", use::optimizer, [](auto& r) -> auto& { return r.optimizer; }, choices, help.c_str());
+    return choice<const Method*>("optimizer", &FitFacts::optimizer, &FitRequest::optimizer, choices, help.c_str());
 }
 
 FitOption validation_option() {
-    FitOption o = number(
-        "validation", 0, [](auto& r) -> auto& { return r.validation; }, limits::validation,
-        "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
+    FitOption o =
+        number("validation", {}, &FitRequest::validation, limits::validation,
+               "leave out every n-th training view, to choose options by (judge --split validation); 0 is off");
     o.check = [in_range = o.check](const FitRequest& r) {
         in_range(r);
         if (r.validation == 1) throw UserError(fmt::format("validation = 1: {}", advice(limits::validation)));
@@ -138,7 +137,7 @@ FitOption validation_option() {
 }
 
 FitOption records_option() {
-    FitOption o = option("records", use::records, "folder to keep two-step's records in, or to find them");
+    FitOption o = option("records", &FitFacts::records, "folder to keep two-step's records in, or to find them");
     o.values = "a folder";
     o.read = [](FitRequest& r, const std::string& text) {
         if (text.empty()) throw UserError("records = '': give a name");
@@ -148,9 +147,6 @@ FitOption records_option() {
     o.json = [](const FitRequest& r) { return dumped(r.records); };
     return o;
 }
-
-#define OF(member) \
-    [](auto& r) -> auto& { return r.member; }
 
 /// Rows of options that the family has alone, or that one before it has as well.
 void add_own(const Family& family, std::vector<FitOption>& all) {
@@ -170,131 +166,153 @@ std::vector<FitOption> make_fit_options() {
         }
     };
     add("What is fitted, and by what",
-        {model_option(), one_of(text("solver", 0, OF(solver), "a name", explained(solvers()), check_solver), solvers()),
+        {model_option(),
+         one_of(text("solver", {}, &FitRequest::solver, "a name", explained(solvers()), check_solver), solvers()),
          choice<EngineKind>(
-             "engine", use::engine, OF(engine),
+             "engine", &FitFacts::on_engine, &FitRequest::engine,
              {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
              "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders; colours "
-             "by "
-             "view direction not on fragment programs"),
-         choice<TargetSpace>("space", use::space, OF(space),
-                             {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}},
-                             "what residuals are formed in"),
-         validation_option(),
-         text("leave_out", 0, OF(leave_out), "names with commas between them",
-              "training images that are not fitted, such as those that judge says to look at"),
-         memory_option()});
+             "by view direction not on fragment programs"),
+         of_problem(choice<TargetSpace>(
+             "space", [](const FitFacts& f) { return !f.texel_local(); }, &FitRequest::space,
+             {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}}, "what residuals are formed in")),
+         of_problem(validation_option()),
+         of_problem(text("leave_out", {}, &FitRequest::leave_out, "names with commas between them",
+                         "training images that are not fitted, such as those that judge says to look at")),
+         of_resources(memory_option())});
     add("Optimizer",
         {optimizer_option(), loss_option(),
-         number("loss_scale", use::loss, OF(model.loss.scale), limits::loss_scale,
+         number("loss_scale", &FitFacts::has_loss, in(&FitRequest::model, &LfmOptions::loss, &Loss::scale),
+                limits::loss_scale,
                 "residuals well below it cost their square by a robust loss; in units of pixel values"),
-         by_data(choice<SampleWeights>("weights", use::weights, OF(model.loss.weights),
-                                       {{"equal", SampleWeights::equal}, {"facing", SampleWeights::facing}},
-                                       "of squared residuals, in sums that stay over the number of samples: facing "
-                                       "is the cosine between the surface's normal and the direction to the "
-                                       "camera; a residual counts as its root times itself for the loss and for "
-                                       "stopping; default: equal; of light field maps with --surface linear facing, "
-                                       "but not in paper mode and configs")),
+         by_data(of_problem(choice<SampleWeights>(
+             "weights", &FitFacts::weighs_samples, in(&FitRequest::model, &LfmOptions::loss, &Loss::weights),
+             {{"equal", SampleWeights::equal}, {"facing", SampleWeights::facing}},
+             "of squared residuals, in sums that stay over the number of samples: facing "
+             "is the cosine between the surface's normal and the direction to the "
+             "camera; a residual counts as its root times itself for the loss and for "
+             "stopping; default: equal; of light field maps with --surface linear facing, "
+             "but not in paper mode and configs"))),
          by_data(choice<PriorKind>(
-             "prior", use::prior, OF(prior), {{"none", PriorKind::none}, {"surface", PriorKind::surface}},
+             "prior", &FitFacts::has_prior, &FitRequest::prior,
+             {{"none", PriorKind::none}, {"surface", PriorKind::surface}},
              "what is known of texels that few samples tell of: nothing, or, by a first fit, what the texels around "
              "them are like; default: surface, in configs none")),
-         choice<Mode>("mode", use::bounds, OF(mode), {{"paper", Mode::paper}, {"modern", Mode::modern}},
-                      "of the optimizer and of the bounds' penalty"),
-         number("iterations", use::iterations, OF(iterations), limits::iterations, "at most"),
-         number("stop_residual", use::residual, OF(stop_residual), limits::threshold,
+         of_problem(choice<Mode>("mode", &FitFacts::minimizes_objective, &FitRequest::mode,
+                                 {{"paper", Mode::paper}, {"modern", Mode::modern}},
+                                 "of the optimizer and of the bounds' penalty")),
+         number("iterations", &FitFacts::iterates, &FitRequest::iterations, limits::iterations, "at most"),
+         number("stop_residual", &FitFacts::minimizes_objective, &FitRequest::stop_residual, limits::threshold,
                 "stop a problem at this root mean square residual; 0 is off"),
-         number("stop_output_change", use::change, OF(stop_output_change), limits::threshold,
-                "stop a problem when its output changes less; 0 is off", "--stop-change"),
-         number("history", use::history, OF(history), limits::history, "steps that lbfgs remembers"),
-         number("learning_rate", use::learning_rate, OF(learning_rate), limits::learning_rate,
-                "adam's step in units of the parameters"),
-         number("seed", use::random_start, OF(seed), limits::seed, "of the start values of further terms"),
-         flag("deflate", use::deflation, &FitRequest::deflate, "--deflate,!--joint",
-              "fit terms one after another, or together (default)")});
+         number(
+             "stop_output_change", [](const FitFacts& f) { return f.has_loss() && f.method->stop_output_change; },
+             &FitRequest::stop_output_change, limits::threshold,
+             "stop a problem when its output changes less; 0 is off", "--stop-change"),
+         number(
+             "history", [](const FitFacts& f) { return f.has_loss() && f.method->history; }, &FitRequest::history,
+             limits::history, "steps that lbfgs remembers"),
+         number(
+             "learning_rate", [](const FitFacts& f) { return f.has_loss() && f.method->learning_rate; },
+             &FitRequest::learning_rate, limits::learning_rate, "adam's step in units of the parameters"),
+         of_problem(number("seed", &FitFacts::optimizes_maps, &FitRequest::seed, limits::seed,
+                           "of the start values of further terms")),
+         flag(
+             "deflate", [](const FitFacts& f) { return f.light_field() && f.optimizer; }, &FitRequest::deflate,
+             "--deflate,!--joint", "fit terms one after another, or together (default)")});
     add("Light field maps and penalties",
-        {by_data(number("terms", use::maps, OF(model.terms), limits::terms,
-                        "K; default: 3; of pca, in paper mode and configs 1")),
-         by_data(
-             number("surface_side", use::sides, OF(model.surface_side), limits::map_side,
-                    "n: n(n+1)/2 texels per surface map, or per triangle; default: 8; of colours by view direction 12, "
-                    "fewer where triangles are small in the photographs, of reflectance the side of the dataset's "
-                    "normals, but not in configs")),
-         number("texels_per_pixel", use::own_sides, OF(texels_per_pixel), limits::texels_per_pixel,
-                "not where OpenGL distributes; in place of one side: a side from 2 to 64 for each triangle's surface "
-                "maps, "
-                "with so many "
-                "texels for each pixel of the triangle's largest projection into the photographs"),
-         number("view_side", use::maps, OF(model.view_side), limits::map_side, "m: m x m texels per view map"),
-         choice<ViewLookup>("view", use::maps, OF(model.lookup),
-                            {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}},
-                            "look-up in view maps", "view look-up"),
+        {of_problem(by_data(number("terms", &FitFacts::has_view_maps, in(&FitRequest::model, &LfmOptions::terms),
+                                   limits::terms, "K; default: 3; of pca, in paper mode and configs 1"))),
+         of_problem(by_data(number(
+             "surface_side", [](const FitFacts& f) { return !f.grid; },
+             in(&FitRequest::model, &LfmOptions::surface_side), limits::map_side,
+             "n: n(n+1)/2 texels per surface map, or per triangle; default: 8; of colours by view direction 12, "
+             "fewer where triangles are small in the photographs, of reflectance the side of the dataset's "
+             "normals, but not in configs"))),
+         of_problem(number(
+             "texels_per_pixel", [](const FitFacts& f) { return f.light_field() && !f.streams_images(); },
+             &FitRequest::texels_per_pixel, limits::texels_per_pixel,
+             "not where OpenGL distributes; in place of one side: a side from 2 to 64 for each triangle's surface "
+             "maps, with so many texels for each pixel of the triangle's largest projection into the photographs")),
+         of_problem(number("view_side", &FitFacts::has_view_maps, in(&FitRequest::model, &LfmOptions::view_side),
+                           limits::map_side, "m: m x m texels per view map")),
+         of_problem(choice<ViewLookup>("view", &FitFacts::has_view_maps, in(&FitRequest::model, &LfmOptions::lookup),
+                                       {{"bilinear", ViewLookup::bilinear}, {"nearest", ViewLookup::nearest}},
+                                       "look-up in view maps", "view look-up")),
          by_data(choice<SurfaceLookup>(
-             "surface", use::surface_lookup, OF(surface),
+             "surface", &FitFacts::looks_up_surface, &FitRequest::surface,
              {{"nearest", SurfaceLookup::nearest}, {"linear", SurfaceLookup::linear}},
              "look-up in surface maps, or in a mesh's texels where colours by view direction are shown: the texel "
              "that a point falls in, or linearly between texels' centres; light field maps are then fitted to colours "
              "interpolated at these centres, not where OpenGL distributes; default: nearest; of colours by view "
              "direction linear, but not in configs",
              "surface look-up")),
-         number("lambda_surface", use::smoothness, OF(model.lambda_surface), limits::weight,
-                "smoothness of surface maps"),
-         by_data(number("lambda_view", use::smoothness, OF(model.lambda_view), limits::weight,
-                        "smoothness of view maps; default: 0.1, in paper mode and configs 0.001")),
-         mu_option()});
+         of_problem(number("lambda_surface", &FitFacts::optimizes_maps,
+                           in(&FitRequest::model, &LfmOptions::lambda_surface), limits::weight,
+                           "smoothness of surface maps")),
+         of_problem(
+             by_data(number("lambda_view", &FitFacts::optimizes_maps, in(&FitRequest::model, &LfmOptions::lambda_view),
+                            limits::weight, "smoothness of view maps; default: 0.1, in paper mode and configs 0.001"))),
+         of_problem(mu_option())});
     for (const Family* family : families()) add_own(*family, all);
     add("Samples",
-        {number(
-             "clip_above", use::selection, OF(clip_above), limits::share,
-             "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 is off"),
-         number("shadow_below", use::selection, OF(shadow_below), limits::share,
-                "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off"),
-         choice<DistributorKind>("distributor", use::distribution, OF(distributor),
-                                 {{"cpu", DistributorKind::cpu}, {"gl", DistributorKind::gl}},
-                                 "what finds each texel's pixels, for solvers that read a list of samples")});
+        {of_problem(
+             number("clip_above", &FitFacts::texel_local, &FitRequest::clip_above, limits::share,
+                    "leave out pixels with a channel at or above this share of the largest storable value (linear); 0 "
+                    "is off")),
+         of_problem(
+             number("shadow_below", &FitFacts::texel_local, &FitRequest::shadow_below, limits::share,
+                    "leave out samples darker than this share of what the texel's Lambertian fit says; 0 is off")),
+         of_problem(
+             choice<DistributorKind>("distributor", &FitFacts::distributes, &FitRequest::distributor,
+                                     {{"cpu", DistributorKind::cpu}, {"gl", DistributorKind::gl}},
+                                     "what finds each texel's pixels, for solvers that read a list of samples"))});
     add("OpenGL",
-        {choice<Passes>("passes", use::passes, OF(passes), {{"paper", Passes::paper}, {"combined", Passes::combined}},
+        {choice<Passes>("passes", &FitFacts::on_fragment, &FitRequest::passes,
+                        {{"paper", Passes::paper}, {"combined", Passes::combined}},
                         "one per target of the paper, or as few as today's hardware needs"),
-         choice<Storage>("storage", use::passes, OF(storage),
+         choice<Storage>("storage", &FitFacts::on_fragment, &FitRequest::storage,
                          {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}},
                          "of parameters and of all vectors like them"),
-         choice<Sums>("sums", use::passes, OF(sums), {{"fp32", Sums::fp32}, {"fp16", Sums::fp16}}, "over samples"),
+         choice<Sums>("sums", &FitFacts::on_fragment, &FitRequest::sums, {{"fp32", Sums::fp32}, {"fp16", Sums::fp16}},
+                      "over samples"),
          choice<SampleUse>(
-             "samples", use::accumulation, OF(samples),
+             "samples", &FitFacts::accumulates, &FitRequest::samples,
              {{"cached", SampleUse::cached}, {"redistributed", SampleUse::redistributed}},
              "of compute shaders over light field maps: distributed once, and kept on the device; or found "
              "again in every sweep over the images, as the paper does"),
          choice<Accumulate>(
-             "accumulate", use::accumulation, OF(accumulate),
+             "accumulate", &FitFacts::accumulates, &FitRequest::accumulate,
              {{"gather", Accumulate::gather},
               {"scatter-fixed", Accumulate::scatter_fixed},
               {"scatter-float", Accumulate::scatter_float}},
              "how compute shaders sum over samples of light field maps: each sum by its own invocation; or each sample "
              "adds to its sums, in 64-bit fixed point or in floats; floats alone don't give the same bits twice"),
          choice<ImageSource>(
-             "source", use::passes | use::images, OF(source),
+             "source", &FitFacts::streams_images, &FitRequest::source,
              {{"disk", ImageSource::disk},
               {"disk-cold", ImageSource::disk_cold},
               {"memory", ImageSource::memory},
               {"device", ImageSource::device}},
              "where images are streamed from: disk-cold is past the page cache, device keeps them there"),
-         choice<ContextKind>("context", use::opengl, OF(context.kind),
-                             {{"egl", ContextKind::egl}, {"osmesa", ContextKind::osmesa}}, "how OpenGL is reached"),
-         number("device", use::opengl, OF(context.device), limits::device,
-                "EGL device index, see radiafit devices; -1 chooses")});
+         of_problem(choice<ContextKind>(
+             "context", &FitFacts::opens_context, in(&FitRequest::context, &ContextOptions::kind),
+             {{"egl", ContextKind::egl}, {"osmesa", ContextKind::osmesa}}, "how OpenGL is reached")),
+         of_problem(
+             of_resources(number("device", &FitFacts::opens_context, in(&FitRequest::context, &ContextOptions::device),
+                                 limits::device, "EGL device index, see radiafit devices; -1 chooses")))});
     add("Other solvers",
-        {choice<RecordKind>("record", use::record_kind, OF(record),
-                            {{"compact", RecordKind::compact}, {"full", RecordKind::full}},
-                            "what two-step writes of a sample; full is the paper's"),
-         sort_memory_option(), records_option(),
-         number("refills", use::refills, OF(refills), limits::refills,
+        {choice<RecordKind>(
+             "record", [](const FitFacts& f) { return f.light_field() && f.records; }, &FitRequest::record,
+             {{"compact", RecordKind::compact}, {"full", RecordKind::full}},
+             "what two-step writes of a sample; full is the paper's"),
+         of_resources(sort_memory_option()), of_resources(records_option()),
+         number("refills", &FitFacts::by_pca, &FitRequest::refills, limits::refills,
                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms"),
-         one_of(text("ceres", use::ceres, OF(ceres), "a name", explained(ceres_settings()), check_ceres),
-                ceres_settings())});
+         one_of(
+             text("ceres", &FitFacts::by_ceres, &FitRequest::ceres, "a name", explained(ceres_settings()), check_ceres),
+             ceres_settings())});
     return all;
 }
-
-#undef OF
 
 }  // namespace
 
@@ -348,75 +366,35 @@ std::function<bool(const char*)> given_by(const FitSetting& setting) {
 }
 
 bool takes_given(const std::function<bool(const char*)>& given, const FitRequest& request) {
-    if (family_of(request).uses(find_solver(request.solver)) == 0) return false;
-    const Family& family = family_of(request);
-    const uint32_t uses = uses_of(request);
-    if (request.lacks_engine()) return false;
-    return std::ranges::all_of(fit_options(), [&](const FitOption& o) {
-        return o.means_something(family, uses) || !given(o.first_flag().c_str());
+    if (!family_of(request).facts(find_solver(request.solver)) || request.lacks_engine()) return false;
+    return std::ranges::all_of(fit_options(), [&, facts = facts_of(request)](const FitOption& o) {
+        return o.means_something(facts) || !given(o.first_flag().c_str());
     });
 }
 
-bool FitOption::means_something(const Family& family, uint32_t does) const {
-    if (!families.empty() && std::ranges::find(families, &family) == families.end()) return false;
-    return uses == 0 || uses & does;
-}
-
-namespace {
-
-/// What the request's optimizer adds to what its solver does, and takes from it.
-uint32_t with_optimizer(uint32_t uses, const FitRequest& request) {
-    if (!(uses & use::optimizer)) return uses;
-    if (request.levenberg_marquardt()) return uses & ~(use::bounds | use::residual | use::change | use::loss);
-    uses &= ~use::prior;
-    if (request.optimizer->history) uses |= use::history;
-    if (request.optimizer->learning_rate) uses |= use::learning_rate;
-    return request.optimizer->stop_output_change ? uses : uses & ~use::change;
-}
-
-}  // namespace
-
-uint32_t uses_of(const FitRequest& request, bool grid) {
-    const Family& family = family_of(request);
-    uint32_t uses = family.uses(find_solver(request.solver));
-    if (uses == 0) {
-        std::vector<std::string> others;
-        for (const Solver& other : solvers())
-            if (family.uses(other)) others.emplace_back(other.name);
-        throw UserError(fmt::format("solver {} does not fit {}; choose one of {} for --model {}", request.solver,
-                                    family.name, fmt::join(others, ", "), request.text("model")));
-    }
-    if (uses & use::engine) uses |= engine_uses(request.engine);
-    uses = with_optimizer(uses, request);
-    const bool compute = uses & use::engine && request.engine == EngineKind::compute;
-    if (uses & use::passes || compute) uses &= ~use::normal_equations;
-    if (compute) {
-        const bool streamed = uses & use::maps && request.samples == SampleUse::redistributed;
-        uses &= ~(streamed ? use::distribution : use::images);
-        if (!(uses & use::maps)) uses &= ~use::accumulation;
-    }
-    if (uses & (use::passes | use::images)) uses &= ~(use::own_sides | use::surface_lookup);
-    const bool linear = uses & use::surface_lookup && request.surface == SurfaceLookup::linear;
-    if (linear || uses & use::interpolation) uses &= ~use::distribution;
-    if (grid) uses &= ~(use::sides | (uses & use::passes ? 0u : uint32_t(use::distribution)));
-    if (!compute && !(uses & (use::passes | use::distribution))) uses &= ~use::opengl;
-    return uses;
+bool FitOption::means_something(const FitFacts& fit) const {
+    if (!families.empty() && std::ranges::find(families, fit.family) == families.end()) return false;
+    return !meaning || meaning(fit);
 }
 
 void reject_idle_options(const FitRequest& request, bool grid) {
-    const uint32_t uses = uses_of(request, grid);
+    const FitFacts facts = facts_of(request, grid);
     FitRequest plain;
     plain.mode = request.mode;  // mu's default depends on it
     for (const FitOption& o : fit_options()) {
         const FitRequest defaults = o.name == "mode" ? FitRequest() : plain;
-        if (o.means_something(family_of(request), uses) || o.json(request) == o.json(defaults)) continue;
+        if (o.means_something(facts) || o.json(request) == o.json(defaults)) continue;
+        const bool of_other_methods = std::ranges::any_of(methods, [&, fit = facts](const Method& method) mutable {
+            fit.method = &method;
+            return o.means_something(fit);
+        });
         std::string what = "solver " + request.solver;
-        if (uses & use::optimizer && request.optimizer && o.uses & (use::history | use::learning_rate | use::change))
+        if (request.optimizer && of_other_methods)
             what = "optimizer " + request.text("optimizer");
         else if (request.texel_model())
             what = "model " + request.text("model") + " with " +
                    (request.levenberg_marquardt() ? "optimizer lm" : what) + (grid ? " over a grid" : "");
-        else if (uses & use::engine)
+        else if (facts.on_engine)
             what = "engine " + request.text("engine");
         throw UserError(fmt::format("{} means nothing to {}; leave it out", o.first_flag(), what));
     }

@@ -26,12 +26,11 @@ std::string FitRequest::json() const {
 void FitRequest::check() const {
     for (const FitOption& o : fit_options())
         if (o.check) o.check(*this);
-    const uint32_t uses = uses_of(*this);
+    const FitFacts facts = facts_of(*this);
     model_options();
     if (texel_model()) texel_options();
     const bool own_sides = texels_per_pixel > 0 || model.sides;
-    if (own_sides &&
-        (on_fragment_engine() || redistributes() || (uses & use::distribution && distributor == DistributorKind::gl)))
+    if (own_sides && (facts.streams_images() || (facts.distributes() && distributor == DistributorKind::gl)))
         throw UserError(
             fmt::format("where OpenGL distributes, all surface maps have one side; leave out {}, {}, {} or {}",
                         option_name("texels-per-pixel"), option_name("engine fragment"),
@@ -39,13 +38,13 @@ void FitRequest::check() const {
     if (lacks_engine())
         throw UserError(fmt::format("{} does not fit {}; choose {} or {}", option_name("engine fragment"),
                                     family_of(*this).name, option_name("engine cpu"), option_name("engine compute")));
-    if (surface == SurfaceLookup::linear && (on_fragment_engine() || redistributes()))
+    if (surface == SurfaceLookup::linear && facts.streams_images())
         throw UserError(
             fmt::format("{} fits colours at texels' centres, but where OpenGL distributes a texel takes a pixel; "
                         "choose {}, or leave out {} or {}",
                         option_name("surface linear"), option_name("surface nearest"), option_name("engine fragment"),
                         option_name("samples redistributed")));
-    if (levenberg_marquardt() && uses & use::optimizer && !(uses & use::normal_equations))
+    if (facts.levenberg_marquardt() && !facts.has_normal_equations())
         throw UserError("optimizer lm fits texel-local models on the CPU; choose cg or sd, or --engine cpu");
 }
 
@@ -115,21 +114,19 @@ StreamOptions FitRequest::stream_options() const {
             .space = space};
 }
 
-bool FitRequest::has_prior() const { return prior != PriorKind::none && uses_of(*this) & use::prior; }
+bool FitRequest::has_prior() const { return prior != PriorKind::none && facts_of(*this).has_prior(); }
 
-bool FitRequest::redistributes() const {
-    return on_engine(EngineKind::compute) && uses_of(*this) & use::accumulation && samples == SampleUse::redistributed;
-}
+bool FitRequest::redistributes() const { return facts_of(*this).redistributes(); }
 
-bool FitRequest::on_engine(EngineKind kind) const { return uses_of(*this) & use::engine && engine == kind; }
+bool FitRequest::on_engine(EngineKind kind) const { return facts_of(*this).engine == kind; }
 
-bool FitRequest::lacks_engine() const { return on_fragment_engine() && uses_of(*this) & use::interpolation; }
+bool FitRequest::lacks_engine() const { return on_fragment_engine() && family_of(*this).kind == ModelKind::by_view; }
 
 std::string FitRequest::label() const {
-    const uint32_t uses = uses_of(*this);
-    const std::string by = uses & use::engine ? "" : solver + "-";
-    if (uses & use::ceres) return by + ceres;
-    if (!(uses & use::optimizer)) return solver;
+    const FitFacts facts = facts_of(*this);
+    const std::string by = facts.on_engine ? "" : solver + "-";
+    if (facts.by_ceres()) return by + ceres;
+    if (!facts.optimizer) return solver;
     return by + text("optimizer") + (levenberg_marquardt() ? "" : "-" + text("mode"));
 }
 

@@ -15,12 +15,13 @@
 #include "sg/sg_fit.h"
 #include "viewbasis/view_basis_fit.h"
 
-namespace radiafit {
+namespace radiafit::fits {
 class AllErrorBars;
 }
 
-/// A fit as a value, whatever its family. What is asked of one is a free function here. A ring around this one that shows
-/// a fit in a way of its own (a page, a material) writes an overload for each of the four and calls it by std::visit().
+/// A fit as a value, whatever its family. What is asked of one is a free function here. A ring around this one that
+/// shows a fit in a way of its own (a page, a material) writes an overload for each of the four and calls it by
+/// std::visit().
 namespace radiafit::fits {
 
 struct LightFieldErrorBars;
@@ -85,8 +86,8 @@ SurfaceParts surface_parts(Fitted& fitted);
 std::vector<MaterialErrors> truth_errors(Fitted& fitted);
 /// Whether it shows the surface under any lamp.
 bool takes_light(const Fitted& fitted);
-/// Finds how far noise moves the fit (cpu/texel_covariance.h, cpu/vertex_covariance.h), which truth_errors() and, of the
-/// views that will be shown, contestant_of() say from then on. Throws UserError where a model has no error bars.
+/// Finds how far noise moves the fit (cpu/texel_covariance.h, cpu/vertex_covariance.h), which truth_errors() and, of
+/// the views that will be shown, contestant_of() say from then on. Throws UserError where a model has no error bars.
 void find_error_bars(Fitted& fitted, std::span<const View> shown);
 /// As maps, once they are found; until then it writes nothing.
 void write_error_bars(const std::filesystem::path& folder, Fitted& fitted);

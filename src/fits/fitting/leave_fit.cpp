@@ -29,7 +29,7 @@ nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const Fit
         {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
     };
     if (!run.accumulation.empty()) times["accumulation"] = run.accumulation;
-    if (uses_of(request) & use::records)
+    if (facts_of(request).records)
         times["records"] = {
             {"bytes_written", run.records.bytes_written}, {"waiting_bytes_read", run.records.bytes_read},
             {"waiting_parts", run.records.waiting_parts}, {"bytes_read", run.record_bytes_read},

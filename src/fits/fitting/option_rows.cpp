@@ -17,17 +17,17 @@ std::string dumped(const std::string& value) {
 }
 std::string dumped(double value) { return nlohmann::json(value).dump(); }
 
-FitOption option(const char* name, uint32_t uses, const char* help) {
+FitOption option(const char* name, Meaning meaning, const char* help) {
     FitOption o;
     o.name = name;
     o.flag = "--" + with_dashes(name);
     o.help = help;
-    o.uses = uses;
+    o.meaning = std::move(meaning);
     return o;
 }
 
-FitOption flag(const char* name, uint32_t uses, bool FitRequest::*member, const char* flag, const char* help) {
-    FitOption o = option(name, uses, help);
+FitOption flag(const char* name, Meaning meaning, bool FitRequest::*member, const char* flag, const char* help) {
+    FitOption o = option(name, std::move(meaning), help);
     o.flag = flag;
     o.values = "true, false";
     o.flag_value = member;
@@ -41,6 +41,14 @@ FitOption flag(const char* name, uint32_t uses, bool FitRequest::*member, const 
 
 FitOption by_data(FitOption o) {
     o.hide_default = true;
+    return o;
+}
+FitOption of_problem(FitOption o) {
+    o.states_problem = true;
+    return o;
+}
+FitOption of_resources(FitOption o) {
+    o.decides_result = false;
     return o;
 }
 

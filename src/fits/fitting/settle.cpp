@@ -106,7 +106,7 @@ std::string settle(const Given& given, const Dataset& dataset, FitRequest& reque
     std::string line;
     if (auto chosen = given("--model") ? std::nullopt : chosen_model(given, dataset, request)) {
         std::erase_if(chosen->setting,
-                      [&](const auto& option) { return given(find_fit_option(option.first).flag.c_str()); });
+                      [&](const auto& option) { return given(find_fit_option(option.first).first_flag().c_str()); });
         for (const auto& [option, value] : chosen->setting) request.set(option, value);
         if (chosen->why)
             line = fmt::format("chosen by the data: {} ({}); --model and tune choose otherwise",

@@ -7,7 +7,7 @@
 #include "base/record.h"
 #include "base/rings.h"
 
-namespace radiafit {
+namespace radiafit::harness {
 class AtomicFolder;
 }
 

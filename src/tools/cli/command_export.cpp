@@ -15,15 +15,10 @@
 namespace radiafit::tools {
 namespace {
 
-/// The options that say what the problems are. Who solves them has options of their own.
-constexpr const char* problem_options[] = {
-    "model", "space",        "validation",       "leave_out",   "weights", "mode",           "seed",
-    "terms", "surface_side", "texels_per_pixel", "view_side",   "view",    "lambda_surface", "lambda_view",
-    "mu",    "clip_above",   "shadow_below",     "distributor", "context", "device"};
-
 std::string options_json(const FitRequest& request) {
     auto json = nlohmann::ordered_json::object();
-    for (const char* name : problem_options) json[name] = nlohmann::json::parse(find_fit_option(name).json(request));
+    for (const FitOption& o : fit_options())
+        if (o.states_problem) json[o.name] = nlohmann::json::parse(o.json(request));
     return json.dump();
 }
 
@@ -33,7 +28,8 @@ void add_problems(CommandLine& exporter, const Invocation& invocation) {
     auto out = std::make_shared<std::string>();
     CommandLine& command = exporter.add_command("problems", "the problems of a fit, as arrays that numpy reads");
     command.add_text("dataset", *folder, "packed dataset").required();
-    for (const char* name : problem_options) add_fit_option(command, *request, name);
+    for (const FitOption& o : fit_options())
+        if (o.states_problem) add_fit_option(command, *request, o.name);
     command.add_text("-o,--output", *out, "folder of the problems").required();
     command.on_run([=, &command] {
         request->check();

@@ -15,21 +15,41 @@
 namespace radiafit::tools {
 namespace {
 
-/// Whether a fit of the family by this solver does, or one of any family.
-bool takes(const Family& family, const Solver& solver, const FitOption& option) {
-    const uint32_t uses = family.uses(solver);
-    return uses != 0 && option.means_something(family, uses);
+/// Whether the option means something to a fit of the family by this solver, on this engine or whatever the engine.
+bool takes(const Family& family, const Solver& solver, const FitOption& option, std::optional<EngineKind> engine = {}) {
+    if (!family.facts(solver)) return false;
+    FitRequest request;
+    request.set("model", family.models().front()).set("solver", solver.name);
+    FitFacts fit = facts_of(request);
+    fit.engine = engine;
+    for (const Method* method : {request.optimizer, static_cast<const Method*>(nullptr)})
+        for (const SampleUse samples : {SampleUse::cached, SampleUse::redistributed}) {
+            fit.method = method;
+            fit.samples = samples;
+            if (option.means_something(fit)) return true;
+        }
+    return false;
 }
 bool any_takes(const Solver& solver, const FitOption& option) {
     return std::ranges::any_of(families(), [&](const Family* family) { return takes(*family, solver, option); });
 }
+/// Whether the engine is why it means something to some fit.
+bool by_engine(const FitOption& option, EngineKind engine) {
+    for (const Family* family : families())
+        for (const Solver& solver : solvers()) {
+            const auto facts = family->facts(solver);
+            if (facts && facts->on_engine && takes(*family, solver, option, engine) && !takes(*family, solver, option))
+                return true;
+        }
+    return false;
+}
 
 /// "two-step, ceres; engine fragment", or "every fit".
 std::string takers(const FitOption& option) {
-    if (option.uses == 0 && option.families.empty()) return "every fit";
+    if (!option.meaning && option.families.empty()) return "every fit";
     std::vector<std::string> all;
     for (const EngineKind engine : {EngineKind::cpu, EngineKind::fragment, EngineKind::compute})
-        if (engine_uses(engine) & option.uses) {
+        if (by_engine(option, engine)) {
             FitRequest request;
             request.engine = engine;
             all.push_back("engine " + request.text("engine"));
@@ -39,11 +59,10 @@ std::string takers(const FitOption& option) {
     for (const Family* family : families()) {
         std::vector<std::string> names;
         for (const Solver& solver : solvers()) {
-            const uint32_t uses = family->uses(solver);
             const bool it_takes = takes(*family, solver, option);
             if (it_takes) names.emplace_back(solver.name);
             if (it_takes && std::ranges::find(of_all, solver.name) == of_all.end()) of_all.emplace_back(solver.name);
-            alike = alike && (it_takes || !uses || !any_takes(solver, option));
+            alike = alike && (it_takes || !family->facts(solver) || !any_takes(solver, option));
         }
         if (!names.empty()) of_one.push_back(fmt::format("{}: {}", family->name, fmt::join(names, ", ")));
     }
@@ -51,10 +70,10 @@ std::string takers(const FitOption& option) {
         all.insert(all.end(), of_all.begin(), of_all.end());
     else
         all.push_back(fmt::format("{}", fmt::join(of_one, "; ")));
+    FitFacts fit = facts_of(FitRequest());
     for (const Method& method : methods) {
-        FitRequest request;
-        request.optimizer = &method;
-        if (uses_of(request) & ~uses_of(FitRequest()) & option.uses)
+        fit.method = &method;
+        if (option.means_something(fit) && !option.means_something(facts_of(FitRequest())))
             all.push_back("optimizer " + std::string(method.name));
     }
     return fmt::format("{}", fmt::join(all, ", "));
@@ -78,7 +97,7 @@ void print_options() {
             fmt::print("\n## {}\n\n| option | values | default | what it is | of |\n|---|---|---|---|---|\n", o.group);
         group = o.group;
         const std::string value = o.hide_default ? "" : o.text(defaults);
-        fmt::print("| `{}` | {} | {} | {} | {} |\n", cell(o.flag.substr(0, o.flag.find(','))), cell(o.values),
+        fmt::print("| `{}` | {} | {} | {} | {} |\n", cell(o.first_flag()), cell(o.values),
                    value.empty() ? "" : "`" + cell(value) + "`", cell(o.help), takers(o));
     }
 }

@@ -85,8 +85,6 @@ void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& requ
 /// What a search tries of them.
 Ladder noise_ladder();
 Ladder side_ladder();
-/// What solvers do with them: of colours at texels' centres.
-inline constexpr uint32_t by_view_uses = use::sides | use::surface_lookup | use::space | use::interpolation;
 
 /// Of n numbers per texel and a row of what all have in common, but for what else the model holds.
 Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n, PlanRow common);

@@ -47,7 +47,8 @@ std::string description_of(const FittedLightField& m) {
 Contestant contestant_of(const FittedLightField& m, const Dataset& dataset) {
     Contestant out = contestant_of(m.fit, dataset.mesh);
     if (m.error_bars)
-        out.error_bars = [error_bars = m.error_bars](const View& view, const auto& pixels, std::vector<ErrorBar>& bars) {
+        out.error_bars = [error_bars = m.error_bars](const View& view, const auto& pixels,
+                                                     std::vector<ErrorBar>& bars) {
             error_bars->at(view, pixels, bars);
         };
     return out;
@@ -58,7 +59,7 @@ void find_error_bars(FittedLightField& m, const Dataset& dataset, std::span<cons
     const FitRequest fitted = fitted_request(fit);
     LfmOptions options = fit.options;
     options.loss = fitted.model.loss;
-    if (!(uses_of(fitted) & use::smoothness)) options.lambda_surface = options.lambda_view = options.mu = 0;
+    if (!facts_of(fitted).objective) options.lambda_surface = options.lambda_view = options.mu = 0;
     auto atlas = surface_atlas(dataset.mesh, options);
     FitRequest request;
     request.space = fit.space;

@@ -25,11 +25,11 @@ FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
 void settle(const Given& given, const Dataset&, FitRequest& request) {
     if (request.texels_per_pixel > 0 && given("--surface-side"))
         throw UserError("--texels-per-pixel chooses surface maps' sides; leave out --surface-side");
-    if (request.mode == Mode::paper || !(uses_of(request) & use::smoothness)) return;
+    if (request.mode == Mode::paper || !facts_of(request).objective) return;
     if (!given("--terms")) request.model.terms = 3;
     if (!given("--lambda-view")) request.model.lambda_view = 0.1f;
     // A pixel is a sample of what it covers, a texel's centre of every image alike: its share of pixels is the cosine.
-    if (request.surface == SurfaceLookup::linear && uses_of(request) & use::weights && !given("--weights"))
+    if (request.surface == SurfaceLookup::linear && facts_of(request).optimizer && !given("--weights"))
         request.model.loss.weights = SampleWeights::facing;
 }
 
@@ -77,7 +77,8 @@ const Family light_field_maps = {
     .models = [] { return std::vector<std::string>{lfm_name}; },
     .help = "lfm is a light field map",
     .has_error_bars = true,
-    .uses = [](const Solver& solver) { return solver.uses; },
+    .kind = ModelKind::light_field,
+    .facts = [](const Solver& solver) { return solver.facts; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .choose = choose,
     .settle = settle,

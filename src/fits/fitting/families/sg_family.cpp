@@ -91,8 +91,9 @@ const Family spherical_gaussians = [] {
                                                              "spherical Gaussians of a texel: six numbers each, "
                                                              "besides three of the diffuse colour")});
     };
-    family.uses = [](const Solver& solver) -> uint32_t {
-        return solver.solve == solve_stream ? by_view_uses | use::iterations : 0;
+    family.facts = [](const Solver& solver) -> std::optional<SolverFacts> {
+        if (solver.solve == solve_stream) return SolverFacts{.iterates = true};
+        return {};
     };
     family.choose = [](const Given&, const Dataset& dataset) -> std::optional<Chosen> {
         if (dataset.light_moves()) return {};

@@ -17,10 +17,10 @@ FinishedFit fit_reflectance(const Dataset& dataset, const FitRequest& request) {
 
 /// Levenberg-Marquardt where it can, and a side for the texels: that of the mesh's normals.
 void settle(const Given& given, const Dataset& dataset, FitRequest& request) {
-    if (uses_of(request) & use::normal_equations && !given("--optimizer") && !request.model.loss.robust())
+    if (facts_of(request).has_normal_equations() && !given("--optimizer") && !request.model.loss.robust())
         request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !given("--iterations")) request.iterations = TexelFitOptions().iterations;
-    if (!given("--prior") && uses_of(request) & use::prior) request.prior = PriorKind::surface;
+    if (!given("--prior") && facts_of(request).has_prior()) request.prior = PriorKind::surface;
     if (!given("--surface-side") && !dataset.has_grid())
         request.model.surface_side =
             dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;
@@ -49,7 +49,8 @@ const Family texel_local_models = {
         },
     .help = "the others are texel-local models, of datasets with lamps",
     .has_error_bars = true,
-    .uses = [](const Solver& solver) { return solver.texel_uses; },
+    .kind = ModelKind::texel_local,
+    .facts = [](const Solver& solver) { return solver.texel_facts; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> {
         if (request.on_fragment_engine()) return TargetSpace::linear;
         return std::nullopt;

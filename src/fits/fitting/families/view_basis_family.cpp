@@ -130,8 +130,9 @@ const Family view_bases = [] {
     family.name = "view bases";
     family.help = "viewbasis is colours by view direction in each texel, on a basis that is learned over the surface";
     family.options = view_basis_options;
-    family.uses = [](const Solver& solver) -> uint32_t {
-        return solver.solve == solve_stream ? by_view_uses | use::engine : 0;
+    family.facts = [](const Solver& solver) -> std::optional<SolverFacts> {
+        if (solver.solve == solve_stream) return SolverFacts{.on_engine = true};
+        return {};
     };
     family.choose = choose_view_basis;
     family.settle = settle_by_view;

@@ -89,6 +89,7 @@ std::unique_ptr<Divided> divide_by_view(const Dataset& dataset, const FitRequest
 template <class Model>
 Family family_by_view() {
     Family family{};
+    family.kind = ModelKind::by_view;
     family.owns = [](const std::string& model) { return model == Model::name; };
     family.models = [] { return std::vector<std::string>{Model::name}; };
     family.streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; };

@@ -60,7 +60,7 @@ std::optional<Json> read_note(const fs::path& folder) {
 FitRequest request_from(const Json& options) {
     FitRequest request;
     for (const FitOption& o : fit_options()) {
-        if (!decides_result(o.name)) continue;
+        if (!o.decides_result) continue;
         const Json& value = options.at(o.name);
         const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
         if (!text.empty()) o.read(request, text);

@@ -51,7 +51,7 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
     const Solver& solver = find_solver(request.solver);
     if (!solver.vertex_bytes) return;
     std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
-    if (solver.uses & use::ceres) estimate_list(dataset, atlas, request, most_views, &tiles);
+    if (facts_of(request).by_ceres()) estimate_list(dataset, atlas, request, most_views, &tiles);
     const LfmLayout layout(rings, atlas, 1, 1);
     VertexShape largest;
     for (size_t v = 0; v < rings.vertex_count(); ++v) {
@@ -112,7 +112,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
     const std::vector<uint32_t> views = fitted_views(dataset, asked);
     const FitRequest request = with_sides(asked, dataset, views);
     const LfmOptions options = request.model_options();
-    const uint32_t uses = uses_of(request);
+    const FitFacts facts = facts_of(request);
     const VertexRings rings(dataset.mesh);
     const TriangleAtlas atlas = surface_atlas(dataset.mesh, options);
     Plan plan;
@@ -130,7 +130,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         plan.memory.push_back({std::move(name), std::move(shape), count, bytes});
     };
     const LfmLayout layout(rings, atlas, options.view_side, options.terms);
-    const bool stream = uses & use::engine && !request.on_engine(EngineKind::cpu);
+    const bool stream = facts.on_engine && !request.on_engine(EngineKind::cpu);
     for (const char* name : {"p", "trial", "d", "g", "trial g", "P", "fresh P"})
         if (stream || name == std::string_view("p"))
             add(name, fmt::format("{} texels x 4 floats", layout.size() / 4), layout.parameter_count(),
@@ -140,7 +140,7 @@ Plan plan_light_field(const Dataset& dataset, const FitRequest& asked, size_t mo
         add("vectors of the optimizer", fmt::format("{} x {} texels x 4 floats", own, layout.size() / 4),
             own * layout.parameter_count(), own * layout.size() * sizeof(float));
     const uint64_t pixels = pixels_of(dataset, views);
-    if (uses & use::records) {
+    if (facts.records) {
         const uint64_t samples = estimate_list(dataset, atlas, request, most_views).samples;
         plan.memory.push_back(held_samples(request, std::max(pixels, samples) * record_bytes(request)));
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", record_bytes(request)), samples,

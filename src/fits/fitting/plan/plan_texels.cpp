@@ -17,7 +17,7 @@ constexpr uint64_t texel_record_bytes = 2 * sizeof(TexelRadiance);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views) {
     require_lights(dataset);
     const TexelOptions options = request.texel_options();
-    const uint32_t uses = uses_of(request, dataset.has_grid());
+    const FitFacts facts = facts_of(request);
     const auto atlas = texel_atlas(dataset, options.surface_side);
     const uint64_t texels = atlas->texel_count(), n = uint64_t(options.model->parameters);
     Plan plan;
@@ -41,7 +41,7 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
             list->push_back({"samples of poorly seen texels, at most",
                              fmt::format("pixels in texels x {} bytes", sizeof(TexelRadiance)), samples,
                              samples * sizeof(TexelRadiance)});
-    if (uses & use::records) {
+    if (facts.records) {
         rows.push_back(held_samples(request, samples * texel_record_bytes));
         plan.disk.push_back({"records, about", fmt::format("samples x {} bytes", texel_record_bytes), samples,
                              samples * texel_record_bytes});
@@ -55,7 +55,7 @@ Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_
                         vectors * texels * n, vectors * texels * maps * 16});
         rows.push_back({"samples that count, about", "once more, and for the device", 2 * samples, 48 * samples});
         rows.push_back({"texels", "their surface, samples and numbers", texels, 160 * texels});
-    } else if (uses & use::engine && !request.levenberg_marquardt())
+    } else if (facts.on_engine && !request.levenberg_marquardt())
         rows.push_back(
             {"engine, about", "shaded samples in batches of eight texels; p, trial, d, g, trial g, P, fresh P", samples,
              texel_solvers(*options.model).stream_bytes(texels, samples, room_of(request.optimizer_options()))});

@@ -131,7 +131,7 @@ void describe_request(const FitRequest& request, FitRecord& fit) {
     fit.space = request.space;
     fit.surface = request.surface;
     fit.solver = request.solver;
-    fit.engine = (uses_of(request) & use::engine ? request : FitRequest()).text("engine");
+    fit.engine = (facts_of(request).on_engine ? request : FitRequest()).text("engine");
     fit.options_json = request.json();
 }
 

@@ -5,6 +5,7 @@
 
 #include "cpu/texel_solver.h"
 #include "cpu/vertex_solver.h"
+#include "fitting/fit_facts.h"
 #include "fitting/solvers/solve.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
@@ -69,9 +70,9 @@ struct Solver {
     const char* help;
     /// A light field map: fills out.fit's parameters and problems, and out.times; none: it fits no such.
     void (*solve)(FitTask& task) = nullptr;
-    uint32_t uses = 0;                                ///< of solve: bits of app/fit_options.h
-    void (*solve_texels)(TexelTask& task) = nullptr;  ///< likewise a texel-local model
-    uint32_t texel_uses = 0;
+    std::optional<SolverFacts> facts = {};            ///< of solve
+    void (*solve_texels)(TexelTask& task) = nullptr;  ///< a texel-local model; none: it fits no such
+    std::optional<SolverFacts> texel_facts = {};      ///< of solve_texels
     int halo = 0;  ///< how far beyond a vertex's own triangles its solution looks at samples: so many rings of them
     /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
     uint64_t (*vertex_bytes)(const FitRequest& request, const VertexShape& largest) = nullptr;
@@ -79,8 +80,6 @@ struct Solver {
 std::span<const Solver> solvers();
 /// Throws UserError, telling the names that there are.
 const Solver& find_solver(const std::string& name);
-/// What a fit on the engine does, besides what its solver does.
-uint32_t engine_uses(EngineKind engine);
 
 void solve_stream(FitTask& task);
 void solve_mean(FitTask& task);

@@ -123,42 +123,37 @@ static uint64_t vertex_work(const FitRequest& request, const VertexShape& vertex
 }
 
 std::span<const Solver> solvers() {
-    using namespace use;
-    constexpr uint32_t maps_of = sides | space | maps | surface_lookup, objective = smoothness | bounds,
-                       samples = distribution | opengl;
-    constexpr uint32_t of_optimizer =
-        optimizer | iterations | residual | change | random_start | deflation | loss | weights;
-    constexpr uint32_t texels = sides | selection | iterations | weights,
-                       texels_of_optimizer =
-                           texels | optimizer | normal_equations | prior | bounds | residual | change | loss;
-    constexpr uint32_t vertex_by_vertex =
-        maps_of | own_sides | objective | samples | iterations | residual | random_start;
+    constexpr SolverFacts streamed = {.iterates = true, .objective = true, .optimizer = true, .on_engine = true};
+    constexpr SolverFacts in_two_steps = {
+        .iterates = true, .objective = true, .optimizer = true, .list = true, .records = true};
+    constexpr SolverFacts vertex_by_vertex = {.iterates = true, .objective = true, .list = true};
+    constexpr SolverFacts texel_by_texel = {.iterates = true, .list = true};
     static constexpr Solver table[] = {
         {.name = "stream",
          .help = "the paper's optimizers over --engine",
          .solve = solve_stream,
-         .uses = maps_of | own_sides | objective | of_optimizer | engine,
+         .facts = streamed,
          .solve_texels = solve_texel_stream,
-         .texel_uses = texels_of_optimizer | engine,
+         .texel_facts = streamed,
          .vertex_bytes = vertex_work},
         {.name = "two-step",
          .help = "distributed to disk first, then vertex by vertex (Section 4.3)",
          .solve = solve_two_step,
-         .uses = maps_of | own_sides | objective | of_optimizer | samples | record_kind | records,
+         .facts = in_two_steps,
          .solve_texels = solve_texel_two_step,
-         .texel_uses = texels_of_optimizer | samples | records,
+         .texel_facts = in_two_steps,
          .vertex_bytes = vertex_work},
         {.name = "pca",
          .help = "factorization of the resampled light field, Chen et al. 2002",
          .solve = solve_pca,
-         .uses = maps_of | own_sides | refills,
+         .facts = SolverFacts{},
          .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return pca_bytes(r.model, v); }},
         {.name = "ceres",
          .help = "the Ceres library, vertex by vertex",
          .solve = solve_ceres,
-         .uses = vertex_by_vertex | use::ceres,
+         .facts = vertex_by_vertex,
          .solve_texels = solve_texel_ceres,
-         .texel_uses = texels | samples,
+         .texel_facts = texel_by_texel,
          .vertex_bytes =
              [](const FitRequest& r, const VertexShape& v) {
                  return ceres_bytes(r.model, v, find_ceres_setting(r.ceres).memory);
@@ -166,25 +161,25 @@ std::span<const Solver> solvers() {
         {.name = "ceres-varpro",
          .help = "variable projection by hand, what is left given to Ceres, texel by texel",
          .solve_texels = solve_texel_ceres_varpro,
-         .texel_uses = texels | samples},
+         .texel_facts = texel_by_texel},
         {.name = "tinysolver",
          .help = "Ceres' TinySolver, texel by texel",
          .solve_texels = solve_texel_tiny,
-         .texel_uses = texels | samples},
+         .texel_facts = texel_by_texel},
         {.name = "als",
          .help = "alternating least squares, vertex by vertex",
          .solve = solve_als,
-         .uses = vertex_by_vertex,
+         .facts = vertex_by_vertex,
          .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return als_bytes(r.model, v); }},
         {.name = "varpro",
          .help = "variable projection, vertex by vertex",
          .solve = solve_varpro,
-         .uses = vertex_by_vertex,
+         .facts = vertex_by_vertex,
          .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return varpro_bytes(r.model, v); }},
         {.name = "mean",
          .help = "the trivial baseline: one mean colour per texel",
          .solve = solve_mean,
-         .uses = samples | space | sides | own_sides | surface_lookup,
+         .facts = SolverFacts{.list = true},
          .halo = 1},
     };
     return table;
@@ -197,12 +192,6 @@ const Solver& find_solver(const std::string& name) {
         names.emplace_back(solver.name);
     }
     reject_name("solver", name, names);
-}
-
-uint32_t engine_uses(EngineKind engine) {
-    if (engine == EngineKind::fragment) return use::passes | use::opengl;
-    const uint32_t compute = engine == EngineKind::compute ? use::accumulation | use::images : 0;
-    return use::distribution | use::opengl | compute;
 }
 
 }  // namespace radiafit::fits

@@ -60,6 +60,7 @@ void read_pixels(const std::string& name, std::string_view bytes, const ImageHea
 extern "C" radiafit::tools::ReadOiioPixels radiafit_read_oiio_pixels;  // NOLINT: its name is looked up
 
 extern "C" void radiafit_read_oiio_pixels(const std::string& name, std::string_view bytes,
-                                          const radiafit::tools::ImageHeader& header, radiafit::tools::OiioPixels& out) {
+                                          const radiafit::tools::ImageHeader& header,
+                                          radiafit::tools::OiioPixels& out) {
     radiafit::tools::read_pixels(name, bytes, header, out);
 }

@@ -1,0 +1,34 @@
+#include "fitting/fit_facts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "fitting/family.h"
+
+namespace radiafit::fits {
+
+FitFacts facts_of(const FitRequest& request, bool grid) {
+    const Family& family = family_of(request);
+    const Solver& solver = find_solver(request.solver);
+    const auto solving = family.facts(solver);
+    if (!solving) {
+        std::vector<std::string> others;
+        for (const Solver& other : solvers())
+            if (family.facts(other)) others.emplace_back(other.name);
+        throw UserError(fmt::format("solver {} does not fit {}; choose one of {} for --model {}", request.solver,
+                                    family.name, fmt::join(others, ", "), request.text("model")));
+    }
+    FitFacts facts{*solving};
+    facts.family = &family;
+    facts.kind = family.kind;
+    facts.solver = solver.name;
+    if (solving->on_engine) facts.engine = request.engine;
+    facts.method = request.optimizer;
+    facts.samples = request.samples;
+    facts.surface = request.surface;
+    facts.grid = grid;
+    return facts;
+}
+
+}  // namespace radiafit::fits
