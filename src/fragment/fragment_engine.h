@@ -3,35 +3,13 @@
 #include <memory>
 #include <span>
 
+#include "fragment/fragment_options.h"
 #include "fragment/image_sweep.h"
 #include "fragment/map_passes.h"
 #include "gl/context.h"
 #include "optim/engine.h"
 
 namespace radiafit {
-
-enum class Passes { paper, combined };
-std::string to_string(Passes passes);
-
-struct FragmentOptions {
-    Passes passes = Passes::paper;
-    Storage storage = Storage::fp32;
-    Sums sums = Sums::fp32;
-    StreamSource source = StreamSource::memory;
-    bool keep_on_device = false;  ///< all images stay on the device, each read once from `source`: memory is O(S) then
-    TargetSpace space = TargetSpace::stored;
-    /// What texels take of each image stays on the device from the first sweep on, a map of the surface for each, and
-    /// later sweeps don't distribute again: memory is O(S), and images are needed in the first sweep only. Of light
-    /// field maps with the paper's passes.
-    bool keep_samples = false;
-    /// Images that combined passes take together; 0: as many as they can. Of light field maps at most 4, or what
-    /// varyings have room for; of reflectance as many as 256 MiB hold, but 4 at least, and over a grid there are two
-    /// such stacks. With another number sums are rounded otherwise.
-    int images_per_pass = 0;
-    /// Whether the host leaves triangles that face away out of what is drawn; sums are the same bits without.
-    bool cull = true;
-    bool scissored = false;  ///< passes over images, but for count(), cut to one texel: what remains is switching (C7)
-};
 
 /// Where the time of the sweeps over images went, since construction.
 struct FragmentTimes : SweepTimes {

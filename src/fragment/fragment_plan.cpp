@@ -4,6 +4,11 @@
 
 #include <algorithm>
 
+#include "fragment/gathers.h"
+#include "fragment/image_passes.h"
+#include "fragment/image_sweep.h"
+#include "fragment/problem_numbers.h"
+
 namespace radiafit {
 namespace {
 

@@ -1,7 +1,13 @@
 #pragma once
 #include <span>
+#include <string>
+#include <vector>
 
-#include "fragment/fragment_engine.h"
+#include "fragment/fragment_options.h"
+#include "geometry/atlas.h"
+#include "geometry/vertex_rings.h"
+#include "model/lfm.h"
+#include "optim/verbs.h"
 
 namespace radiafit {
 

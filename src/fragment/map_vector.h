@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
-#include <string>
 #include <vector>
 
+#include "fragment/fragment_options.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/program.h"
@@ -11,21 +11,9 @@
 
 namespace radiafit {
 
-/// How N-texel arrays are stored. See shaders/gather/maps.glsl.
-enum class Storage {
-    fp32,
-    fp16,          ///< binary16, rounded to nearest even
-    fp16_truncate  ///< RGBA16F render targets: truncates, as 2003's hardware may have
-};
-std::string to_string(Storage storage);
 inline GLenum storage_format(Storage storage) {
     return storage == Storage::fp32 ? GL_RGBA32F : storage == Storage::fp16 ? GL_RG32UI : GL_RGBA16F;
 }
-
-/// How sums over samples (gradient, diagonal, error, along d) are kept from image to image and pass to pass. Halves are
-/// blended as the device does it: llvmpipe truncates every sum. They hold up to 65504: no more than that many samples
-/// of residuals of order one in a ring.
-enum class Sums { fp32, fp16 };
 inline GLenum sums_format(Sums sums) { return sums == Sums::fp32 ? GL_RGBA32F : GL_RGBA16F; }
 
 /// Where problems stand in M-texel textures, and their view maps in N-texel ones: vertex v at (v % columns, v /

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "fragment/problem_numbers.h"
 #include "fragment/texel_passes.h"
 
 namespace radiafit {
