@@ -3,8 +3,8 @@
 #include <map>
 #include <string>
 
+#include "fragment/pass_costs.h"
 #include "fragment/sls_mesh.h"
-#include "gl/pass_costs.h"
 
 namespace radiafit {
 
@@ -90,7 +90,7 @@ public:
     /// llvmpipe too, where pipeline statistics count blocks of 4 x 4: fragments of texels that are covered and, in the
     /// item buffer, nearest so far. Each draw waits for its own: no time taken meanwhile tells anything.
     void tally(bool on);
-    /// By the programs' labels. Depth is left out.
+    /// By pass_label(). Depth is left out.
     const std::map<std::string, PassTally>& tallies() const { return tallies_; }
     uint64_t cleared_bytes() const { return cleared_bytes_; }
 

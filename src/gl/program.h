@@ -16,8 +16,6 @@ inline Defines operator+(Defines a, const Defines& b) {
     return a;
 }
 
-struct PassCost;
-
 /// A shader with every #include "…" (relative to shaders/) expanded once, and #line kept, so that errors name the real
 /// file. Texts are part of the library; those of a folder named by RADIAFIT_SHADERS stand in for them all. Where the
 /// name of a file is a definition's, that definition takes its place: "model/MODEL.glsl".
@@ -46,8 +44,8 @@ public:
         std::swap(inputs_, other.inputs_);
         std::swap(textures_, other.textures_);
         std::swap(buffers_, other.buffers_);
-        std::swap(label_, other.label_);
-        std::swap(cost_, other.cost_);
+        std::swap(file_, other.file_);
+        std::swap(defines_, other.defines_);
         return *this;
     }
 
@@ -73,10 +71,9 @@ public:
     void dispatch(size_t groups) const;
 
     explicit operator bool() const { return name_ != 0; }
-    /// The fragment stage and what its cost depends on, such as "gather/look_up.frag STORAGE=0 TERMS=1".
-    const std::string& label() const { return label_; }
-    /// What a fragment declares to cost; null where none is declared (gl/pass_costs.h).
-    const PassCost* cost() const { return cost_; }
+    /// Of the fragment or compute stage, under shaders/.
+    const std::string& file() const { return file_; }
+    const Defines& defines() const { return defines_; }
 
 private:
     /// A uniform in use, samplers in an array, or a storage block.
@@ -93,8 +90,8 @@ private:
     // What the program's object holds is not this handle's.
     mutable std::vector<Input> inputs_;
     mutable std::vector<GLuint> textures_, buffers_;  ///< by unit
-    std::string label_;
-    const PassCost* cost_ = nullptr;
+    std::string file_;
+    Defines defines_;
 };
 
 }  // namespace radiafit
