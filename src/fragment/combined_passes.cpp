@@ -17,9 +17,10 @@ public:
     explicit CombinedPasses(const PassResources& resources);
     int batch() const override { return batch_; }
     void count(const std::vector<ImageOnDevice>& images) override;
-    void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                   MapSums* squares) override;
-    void line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) override;
+    void gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                       MapSums* squares) override;
+    void directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                          bool quartic) override;
     void begin_sweep(MapSums* gradient, MapSums* squares) override;
     void end_sweep() override;
 
@@ -297,8 +298,8 @@ void CombinedPasses::further_terms(size_t images, const std::vector<Framebuffer>
     }
 }
 
-void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                               MapSums* squares) {
+void CombinedPasses::gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                                   MapSums* squares) {
     dirty_[error] = true;
     for (const Program* program : direction_programs_) program->bind_if_used("surface_maps", x.surface());
     begin_images(images, direction_programs_);
@@ -312,8 +313,8 @@ void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const M
     if (squares) further_terms(images.size(), square_targets_, *squares, true, 0);
 }
 
-void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
-                          bool quartic) {
+void CombinedPasses::directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                                      bool quartic) {
     dirty_[gauss_newton] = dirty_[curvature] = true;
     dirty_[third] = dirty_[fourth] = quartic;
     const std::vector<TilePass>& passes = quartic ? quartic_passes_ : line_passes_;

@@ -44,23 +44,22 @@ struct MapShape {
 /// tiled by vertex.
 class MapVector {
 public:
-    MapVector() = default;
-    MapVector(const MapShape& shape, Storage storage);
-    void upload(const MapShape& shape, std::span<const float> values);    ///< Parameters order
-    void download(const MapShape& shape, std::span<float> values) const;  ///< Parameters order; waits
+    MapVector(const MapShape& shape, Storage storage);  ///< shape must outlive it
+    void upload(std::span<const float> values);         ///< Parameters order
+    void download(std::span<float> values) const;       ///< Parameters order; waits
     void clear() {
         surface_.clear();
         view_.clear();
     }
     const Texture& surface() const { return surface_; }
     const Texture& view() const { return view_; }
-    Target surface_target(int corner, int term) const { return {&surface_, corner * terms_ + term}; }
+    Target surface_target(int corner, int term) const { return {&surface_, corner * shape_->terms() + term}; }
     Target view_target(int term) const { return {&view_, term}; }
 
 private:
     Texture surface_, view_;
-    Storage storage_ = Storage::fp32;
-    int terms_ = 1;
+    const MapShape* shape_;
+    Storage storage_;
 };
 
 }  // namespace radiafit
