@@ -33,7 +33,7 @@ public:
                 std::initializer_list<float> constants);
 
 protected:
-    /// What tells the arrays of one engine from those of the other.
+    /// In what the arrays of the two engines differ.
     struct Arrays {
         std::string problems;                ///< "vertices_given" or "texels_given", of shaders/compute
         size_t problem_count = 0;            ///< M

@@ -4,7 +4,7 @@
 namespace radiafit {
 namespace {
 
-/// A work group is a tile; every sum has its own invocation, and work groups add up in a fixed order.
+/// A work group is a tile; every sum has one invocation, and work groups add up in a fixed order.
 class CachedGather final : public SampleSweeps {
 public:
     CachedGather(const SweepResources& resources, const Dataset& dataset, const TriangleAtlas& atlas,

@@ -20,7 +20,7 @@ public:
     ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                   const SampleList& samples, const LfmOptions& options, Accumulate accumulate = Accumulate::gather);
     /// views: indices of the images to fit. The dataset and the atlas must outlive it, too; all triangles have one
-    /// side. Throws UserError likewise.
+    /// side. Throws UserError as the constructor above.
     ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                   std::vector<uint32_t> views, const LfmOptions& options, const StreamOptions& stream,
                   Accumulate accumulate = Accumulate::gather);

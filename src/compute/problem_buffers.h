@@ -16,7 +16,7 @@ struct FetchedBuffer {
     /// To be fetched only. `format`: of the texture's texels, such as GL_RGBA32F. Throws UserError, naming what it is,
     /// where the device fetches from none so large.
     FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data);
-    /// That passes write to, too; zero at first. Throws UserError likewise.
+    /// That passes write to, too; zero at first. Throws UserError where the device allows none so large.
     static FetchedBuffer written(const char* what, size_t texels, GLenum format = GL_RGBA32F);
 };
 /// A buffer that passes write to, all zero. Throws UserError, naming what it is, where the device writes to none so

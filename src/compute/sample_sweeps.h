@@ -26,7 +26,7 @@ struct SweepResources {
     ProblemBuffers& problems;
     std::vector<BufferVector>& vectors;
 
-    /// A program of shaders/compute, told of tables, problems and options; more: definitions beside theirs.
+    /// A program of shaders/compute, with tables and problems bound and options set; more: definitions beside theirs.
     Program program(const std::string& file, const Defines& more = {}) const;
     /// The same, with `maps` as its maps.
     Program program_over(int vector, const std::string& file, const Defines& more = {}) const;
@@ -38,8 +38,8 @@ struct TileStatistics {
     std::vector<float> targets;     ///< [tiles][3 corners][3] sums of L t
 };
 
-/// Sums over the samples of a light field map: what a ComputeEngine does in several ways. They stand where the passes
-/// over vertices find them that are compiled with sums() and told by bind_to().
+/// Sums over the samples of a light field map: what a ComputeEngine does in several ways. Passes over vertices find
+/// them that are compiled with sums() and bound by bind_to().
 class SampleSweeps {
 public:
     virtual ~SampleSweeps() = default;

@@ -16,7 +16,7 @@ inline GLenum storage_format(Storage storage) {
 }
 inline GLenum sums_format(Sums sums) { return sums == Sums::fp32 ? GL_RGBA32F : GL_RGBA16F; }
 
-/// Where problems stand in M-texel textures, and their view maps in N-texel ones: vertex v at (v % columns, v /
+/// Where problems are in M-texel textures, and their view maps in N-texel ones: vertex v at (v % columns, v /
 /// columns), times the view map's side.
 struct ProblemGrid {
     int columns = 1, rows = 1, view_side = 8;
@@ -24,7 +24,7 @@ struct ProblemGrid {
     std::array<int, 2> at(size_t v) const { return {int(v) % columns, int(v) / columns}; }
 };
 
-/// What shaders are told of a loss (shaders/model/loss.glsl) and weights; empty: squares of equal weight.
+/// Definitions for shaders of a loss (shaders/model/loss.glsl) and weights; empty: squares of equal weight.
 Defines loss_defines(const Loss& loss);
 
 /// Everything that fixes the shape of an N-texel array.

@@ -192,7 +192,7 @@ constexpr PassCost table[] = {
 };
 // clang-format on
 
-// Sizes that constants in the program stand for; the test counts with two values of each.
+// Sizes of maps and layouts, which change no count: tests/check_costs.py counts with two values of each.
 constexpr const char* sizes[] = {"VIEW_SIDE", "COLUMNS", "SIDE",        "RECTANGLES", "ROWS",
                                  "BANDS",     "ENTRIES", "SOURCE_SIDE", "TARGET_SIDE"};
 

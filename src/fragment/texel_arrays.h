@@ -31,7 +31,7 @@ struct TexelShape {
     Defines defines(Storage storage) const {
         return Defines{{"MODEL", model->name}, {"STORAGE", std::to_string(int(storage))}} + loss_defines(loss);
     }
-    /// Where parameter i stands: its layer and channel. See shaders/reflect/parameters.glsl.
+    /// The layer and channel of parameter i. See shaders/reflect/parameters.glsl.
     static std::array<int, 2> map_of(int parameter) { return {parameter / 3, parameter % 3}; }
 };
 

@@ -12,7 +12,7 @@ namespace radiafit {
 namespace {
 
 // Section 6.5's proposal: a fragment loops over the pixels that its texel takes, and writes all sums at once. Over a
-// grid they stand in a stack of images; over a mesh a pass for each image leaves them in a layer, until there is no
+// grid these are in a stack of images; over a mesh a pass for each image leaves them in a layer, until there is no
 // more room.
 class CombinedTexelPasses final : public TexelPasses {
 public:

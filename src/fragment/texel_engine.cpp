@@ -57,7 +57,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
                          {{"STORAGE", std::to_string(int(storage_))},
                           {"TERMS", std::to_string(shape_.maps())},
                           {"TOGETHER", ""},
-                          {"VIEW_MAPS", ""}});  // as these, maps stand one behind another in one place
+                          {"VIEW_MAPS", ""}});  // as view maps, these are layers of one texture
     for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
     gradient_.bind("sample_sums", sums_.gradient.layers);

@@ -190,7 +190,7 @@ Program::Input* Program::find(std::string_view name) const {
 Program::Input* Program::used(std::string_view name) const {
     Input* input = find(name);
     if (!input && detail::check_gl_calls) throw std::logic_error(fmt::format("{} uses no {}", file_, name));
-    if (input) input->told = true;
+    if (input) input->given = true;
     return input;
 }
 
@@ -235,7 +235,7 @@ void Program::use() const {
     for (GLuint unit = 0; unit < textures_.size(); ++unit) gl().BindTextureUnit(unit, textures_[unit]);
     if (!detail::check_gl_calls) return;
     for (const Input& input : inputs_)
-        if (!input.told) throw std::logic_error(fmt::format("{} draws without its {}", file_, input.name));
+        if (!input.given) throw std::logic_error(fmt::format("{} draws without its {}", file_, input.name));
 }
 
 Program::~Program() {
