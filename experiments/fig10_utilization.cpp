@@ -14,7 +14,7 @@
 #include "dataset/dataset_json.h"
 #include "experiment.h"
 #include "fitting/limits.h"
-#include "gl/peaks.h"
+#include "fragment/peaks.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "reflectance_problem.h"
@@ -95,7 +95,7 @@ Usage tally(E& engine, const Body& body) {
     for (const auto& [label, tally] : usage.tallies)
         if (!tally.cost)
             throw UserError(fmt::format(
-                "{} declares no cost in src/gl/pass_costs.cpp; choose a dataset with 8 bits a channel", label));
+                "{} declares no cost in src/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel", label));
     return usage;
 }
 

@@ -212,7 +212,8 @@ public:
         for (const auto& [label, tally] : passes.tallies()) {
             if (!tally.cost)
                 throw UserError(fmt::format(
-                    "{} declares no cost in src/gl/pass_costs.cpp; choose a dataset with 8 bits a channel", label));
+                    "{} declares no cost in src/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel",
+                    label));
             counts.work += tally.work();
         }
         return counts;

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Every fragment stage but those of the page (shaders/view) declares in src/gl/pass_costs.cpp what one invocation costs, and the
+"""Every fragment stage but those of the page (shaders/view) declares in src/fragment/pass_costs.cpp what one invocation costs, and the
 declaration is what its SPIR-V holds.
 
 The SPIR-V is glslangValidator's, with calls inlined, loops of constant length unrolled and dead code removed by spirv-opt,
-then counted as it stands: both sides of a branch count. What src/gl/pass_costs.h says is counted:
+then counted as it stands: both sides of a branch count. What src/fragment/pass_costs.h says is counted:
 
   - operations: components of arithmetic, conversions, comparisons, selections and bit operations, addresses included; a
     multiply-add is two, a dot product of n components 2 n - 1; a division, a root or a transcendental function is one.
@@ -13,7 +13,7 @@ then counted as it stands: both sides of a branch count. What src/gl/pass_costs.
 
 Work in a loop whose length isn't constant is declared apart, per entry; around such a loop there may be one more, whose own
 counter is left out. Definitions that a variant leaves open must not matter: each count is made twice, with other values.
-Usage: check_costs.py [ROOT]. Exit status 77 (skipped) without glslangValidator and spirv-opt."""
+Usage: check_costs.py [--write] [ROOT]. --write puts the counts into the table. Exit status 77 (skipped) without glslangValidator and spirv-opt."""
 import concurrent.futures
 import os
 import pathlib
@@ -27,6 +27,7 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import check_shaders  # noqa: E402
 
+TABLE = "src/fragment/pass_costs.cpp"
 ROW = re.compile(r'^ *\{"([\w/]+\.frag)", "([^"]*)", (\d+), \{([\d, ]*)\}, \{([\d, ]*)\}\},$', re.M)
 # What a variant leaves open, with two values for each.
 OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES": (64, 19), "ROWS": (64, 23), "BANDS": (5, 3),
@@ -201,7 +202,7 @@ def count_variant(shaders, name, variant):
         found.append(count(text, f"shaders/{name} [{variant}]", bytes_of_texels(name, given)))
     if found[0] != found[1]:
         raise CostError(f"shaders/{name} [{variant}]: {found[0]} or {found[1]}, depending on what the variant leaves open; "
-                        "put it into the variant (pass_variant in src/gl/pass_costs.cpp)")
+                        f"put it into the variant (pass_variant in {TABLE})")
     return found[0]
 
 
@@ -211,28 +212,35 @@ def row_text(name, variant, cost):
                                             ", ".join(map(str, entry)) if any(entry) else "")
 
 
-def check(root):
-    shaders, table = root / "shaders", root / "src" / "gl" / "pass_costs.cpp"
-    rows = [(m[1], m[2], m[0].strip()) for m in ROW.finditer(table.read_text(encoding="utf-8"))]
+def check(root, write=False):
+    shaders, table = root / "shaders", root / TABLE
+    text = table.read_text(encoding="utf-8")
+    rows = [(m[1], m[2], m[0].strip()) for m in ROW.finditer(text)]
     errors = []
 
-    def check_row(row):
-        name, variant, declared = row
+    def counted(row):
         try:
-            counted = row_text(name, variant, count_variant(shaders, name, variant))
+            return row_text(*row[:2], count_variant(shaders, *row[:2])), None
         except (CostError, check_shaders.ShaderError) as error:
-            return str(error)
-        return None if counted == declared else f"src/gl/pass_costs.cpp declares {declared}\n    its SPIR-V has    {counted}"
+            return row[2], str(error)
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        errors += [error for error in pool.map(check_row, rows) if error]
+        for (_, _, declared), (now, error) in zip(rows, pool.map(counted, rows)):
+            if error:
+                errors.append(error)
+            elif now != declared and write:
+                text = text.replace(declared, now)
+            elif now != declared:
+                errors.append(f"{TABLE} declares {declared}\n    its SPIR-V has    {now}")
+    if write:
+        table.write_text(text, encoding="utf-8")
     for path in sorted(shaders.rglob("*.frag")):
         name = path.relative_to(shaders).as_posix()
         if name.startswith("view/"):  # drawn by a browser, where no cost is reckoned
             continue
         if not any(row[0] == name for row in rows):
-            errors.append(f"shaders/{name}: src/gl/pass_costs.cpp declares no cost of it; add a row for each "
-                          "variant that src/fragment draws, with any numbers, and this test names the right ones")
+            errors.append(f"shaders/{name}: {TABLE} declares no cost of it; add a row for each variant that src/fragment "
+                          "draws, with any numbers, and --write puts the right ones in")
     return errors, len(rows)
 
 
@@ -241,8 +249,9 @@ def main():
     if missing:
         print(f"skipped: {' and '.join(missing)} absent (scripts/install-packages.sh installs them)")
         return 77
-    errors, rows = check(pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
-    print("\n".join(errors) if errors else f"{rows} declared costs are those of the SPIR-V")
+    write, root = "--write" in sys.argv[1:], [a for a in sys.argv[1:] if a != "--write"]
+    errors, rows = check(pathlib.Path(root[0]) if root else pathlib.Path(__file__).resolve().parent.parent, write)
+    print("\n".join([*errors, "check_costs.py --write mends the table"]) if errors else f"{rows} declared costs are those of the SPIR-V")
     return 1 if errors or rows == 0 else 0
 
 

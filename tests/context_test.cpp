@@ -10,8 +10,8 @@
 #include <map>
 
 #include "base/error.h"
+#include "fragment/peaks.h"
 #include "gl/driver_advice.h"
-#include "gl/peaks.h"
 #include "gl/program.h"
 #include "gl/texture.h"
 #include "temporary_folder.h"

@@ -27,13 +27,17 @@ STEPS = ["--solver two-step", "--solver two-step --record full", "--solver two-s
 OTHERS = [f"--solver {s} --terms {k}" for s, k in itertools.product(("pca", "ceres", "als", "varpro"), (1, 2))] + ["--solver mean"]
 FRAGMENT = [f"--engine fragment --passes {p} --storage {s} --sums {t} --optimizer {o}" for p, s, t, o in itertools.product(
     ("paper", "combined"), ("fp32", "fp16", "fp16-truncate"), ("fp32", "fp16"), ("cg", "sd"))]  # fmt: skip
+FRAGMENT += [f"--engine fragment --terms 2 --optimizer {o}" for o in ("lbfgs", "adam")]
+COMPUTE = [f"--engine compute --samples {s} --accumulate {a} --terms {k} --optimizer {o}" for s, a, k, o in itertools.product(
+    ("cached", "redistributed"), ("gather", "scatter-fixed"), (1, 3), ("cg", "lbfgs"))]  # fmt: skip
 MODES = [f"--optimizer {o} --mode {m}" for o, m in itertools.product(("cg", "sd"), ("paper", "modern"))]
 TEXELS = [f"--model {model} {more}" for model in ("lafortune", "lambert", "ptm") for more in (
     "--optimizer lm", *MODES, *(f"--solver two-step {m}" for m in ("--optimizer lm", *MODES)), "--solver ceres",
     "--engine fragment --passes paper --optimizer cg", "--engine fragment --passes combined --optimizer cg",
     "--engine fragment --passes combined --optimizer cg --storage fp16 --mode paper",
-    "--engine fragment --passes combined --optimizer sd", "--clip-above 0.9 --shadow-below 0.1 --optimizer cg")]  # fmt: skip
-FITS = [("star", f"{options} --iterations 8") for options in (*LIGHT_FIELD, *STEPS, *FRAGMENT)]
+    "--engine fragment --passes combined --optimizer sd", "--engine compute --optimizer cg",
+    "--engine compute --optimizer lbfgs --mode modern", "--clip-above 0.9 --shadow-below 0.1 --optimizer cg")]  # fmt: skip
+FITS = [("star", f"{options} --iterations 8") for options in (*LIGHT_FIELD, *STEPS, *FRAGMENT, *COMPUTE)]
 FITS += [("star", options if "pca" in options or "mean" in options else f"{options} --iterations 4") for options in OTHERS]
 FITS += [("ornament", f"{options} --iterations 6") for options in TEXELS]
 

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "base/clock.h"
+#include "fragment/peaks.h"
 #include "fragment/texel_engine.h"
-#include "gl/peaks.h"
 #include "gl_scene.h"
 #include "temporary_folder.h"
 

@@ -1,4 +1,4 @@
-// Passes with one fragment per tile loop over its texels. Tiles stand as TilePlaces says, and those that
+// Passes with one fragment per tile loop over its texels. Tiles lie as TilePlaces says, and those that
 // were not drawn loop over nothing: a vector of lanes ends with its last one.
 uniform usampler2D drawn;
 uniform usampler2D tile_vertices;  // per tile: its triangle's vertices; the tile

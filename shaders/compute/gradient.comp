@@ -9,7 +9,7 @@ uniform samplerBuffer maps;  // x
 uniform samplerBuffer smoothed;
 layout(std430) buffer Gradient { vec4 gradient[]; };  // may come as sums
 #ifdef DIAGONAL
-layout(std430) buffer Fresh { vec4 fresh[]; };  // likewise
+layout(std430) buffer Fresh { vec4 fresh[]; };  // may come as sums
 #endif
 #define OF_ELEMENTS
 #include "compute/SUMS.glsl"

@@ -1,5 +1,5 @@
-// A work group is a tile: the samples of a triangle, each of which counts for the problems of its three vertices. They stand
-// twice (compute/sample_store.h): by group, which is what the tile takes from one image, and by texel. Work items are in
+// A work group is a tile: the samples of a triangle, each of which counts for the problems of its three vertices. Each is
+// there twice (compute/sample_store.h): by group, which is what the tile takes from one image, and by texel. Work items are in
 // blocks of LANES, those with most samples first, and the samples of a block lie row by row, one of each item in a row.
 #include "compute/tiles.glsl"
 #include "compute/sample_words.glsl"

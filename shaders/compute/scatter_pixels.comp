@@ -2,7 +2,7 @@
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 ACCUMULATE=1,3 DIAGONAL=-,1 LOSS=*
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1,3 ACCUMULATE=1,3 ALONG=1 QUARTIC=-,1 LOSS=*
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1 ACCUMULATE=1 TARGET_ONLY=1
-// An image's pixels scatter, an invocation each. A vertex's pair with the image is its own number.
+// An image's pixels scatter, an invocation each. The number of a vertex is also that of its pair with the image.
 #define WITH_CORNERS
 #if !defined(ALONG) && !defined(TARGET_ONLY)
 #define WITH_ELEMENTS

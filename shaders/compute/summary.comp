@@ -1,5 +1,5 @@
 #version 450 core
-// What an iteration tells of all problems, BLOCK of them an invocation: how many run, of how many the trial was accepted, and
+// What an iteration reports of all problems, BLOCK of them an invocation: how many run, of how many the trial was accepted, and
 // the sum of their errors, a double in two words. Always in the same order.
 // variants: LANES=32 BLOCK=256 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5
 #include "optimize/dialect.glsl"

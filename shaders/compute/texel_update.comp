@@ -14,13 +14,13 @@ void main() {
     for (int k = 0; k < NUMBERS; ++k) of_problem.x[k] = vec3(number_of(number_indices[k]));
     for (int k = 0; k < PRODUCTS; ++k)
         of_problem.x[NUMBERS + k] = vec3(products[uint(number_indices[NUMBERS + k]) * uint(texel_count) + texel_index()]);
-    Constants told;
-    for (int k = 0; k < MOST_CONSTANTS; ++k) told.x[k] = constants[k];
+    Constants of_all;
+    for (int k = 0; k < MOST_CONSTANTS; ++k) of_all.x[k] = constants[k];
     for (int map = 0; map < MAP_COUNT; ++map) {
         uint at = element_index(map);
         Elements e;
         for (int k = 0; k < VECTORS; ++k) e.x[k] = vectors[k].x[at].xyz;
-        UPDATE(e, of_problem, told);
+        UPDATE(e, of_problem, of_all);
         for (int k = 0; k < WRITTEN; ++k) vectors[k].x[at] = vec4(e.x[k], 0.0);
     }
 }

@@ -11,7 +11,7 @@ layout(std430) buffer Fresh { vec4 fresh[]; };
 layout(std430) writeonly buffer GroupSquares { vec4 group_squares[]; };
 #endif
 layout(std430) buffer TileSums { vec4 tile_sums[]; };  // [tile][corner][TILE_SUMS]
-uniform float turn;  // tells this image's sums from those of others
+uniform float turn;  // a number of this image alone: sums with another alpha are of another image
 void main() {
     if (group_index() >= uint(drawn_count)) return;
     uint tile = this_tile();

@@ -17,13 +17,13 @@ void main() {
     for (int k = 0; k < PRODUCTS; ++k)
         of_problem.x[NUMBERS + k] =
             products[vertex_index() * uint(product_count) + uint(number_indices[NUMBERS + k])].xyz;
-    Constants told;
-    for (int k = 0; k < MOST_CONSTANTS; ++k) told.x[k] = constants[k];
+    Constants of_all;
+    for (int k = 0; k < MOST_CONSTANTS; ++k) of_all.x[k] = constants[k];
     uint end = v.view_first + uint(VIEW_SIDE * VIEW_SIDE * TERMS);
     for (uint i = v.first + lane(); i < end; i += uint(LANES)) {
         Elements e;
         for (int k = 0; k < VECTORS; ++k) e.x[k] = vectors[k].x[i].xyz;
-        UPDATE(e, of_problem, told);
+        UPDATE(e, of_problem, of_all);
         for (int k = 0; k < WRITTEN; ++k) vectors[k].x[i] = vec4(e.x[k], 0.0);
     }
 }

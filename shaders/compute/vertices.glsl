@@ -1,4 +1,4 @@
-// Light field maps in buffers. A work group is a vertex, whose three problems stand side by side in a vec3; its invocations
+// Light field maps in buffers. A work group is a vertex, whose three problems are side by side in a vec3; its invocations
 // share its elements. compute/sample_store.h and compute/compute_engine.h say what the buffers hold.
 #include "compute/tables.glsl"
 layout(std430) buffer Problems { vec4 problems[]; };  // [vertex][OF_VERTEX]

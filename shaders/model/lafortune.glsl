@@ -91,7 +91,7 @@ static constexpr double starts[start_count][SHAPE_COUNT] = {
     STARTS_OF(-0.85, 1), STARTS_OF(-1, 1), STARTS_OF(-1, 1 / 1.15)};
 #undef STARTS_OF
 // The last basis function at the five starts that have the Cx and Cz of s: exponents are whole, so by products alone.
-// Below the cut D^4 is under 1e-16, which stands for 0.
+// Below the cut D^4 is under 1e-16, which counts as 0.
 static void last_basis_at_starts(const Shape& s, const Terms& t, real (&out)[5]) {
     const real D1 = max(lobe_cosine(s, t), real(0.0)), D2 = D1 * D1, D4 = D2 * D2, D8 = D4 * D4;
     const real D10 = D8 * D2, D20 = D10 * D10, D25 = D20 * (D4 * D1), D50 = D25 * D25, D60 = D50 * D10;

@@ -18,17 +18,17 @@ SHARED_FN void adam_judge(INOUT(ProblemState) s, INOUT(Own) own, Given given, Tu
     s.taken = SELECT(s.status == STATUS_ACTIVE, real(1.0), real(0.0));
 }
 
-SHARED_FN void adam_keep(INOUT(Elements) e, Registers problem, Constants told) {
+SHARED_FN void adam_keep(INOUT(Elements) e, Registers problem, Constants of_all) {
     element accepted = problem.x[0];
     e.x[0] = where(accepted, e.x[1], e.x[0]);
 }
 
-// told: decay of both means, the learning rate and the weight of the squares, both without the means' bias towards zero
-SHARED_FN void adam_move(INOUT(Elements) e, Registers problem, Constants told) {
+// of_all: decay of both means, the learning rate and the weight of the squares, both without the means' bias towards zero
+SHARED_FN void adam_move(INOUT(Elements) e, Registers problem, Constants of_all) {
     const int trial = 0, mean = 1, square = 2, gradient = 3;
     element running = problem.x[0];
-    e.x[mean] = told.x[0] * e.x[mean] + (real(1.0) - told.x[0]) * e.x[gradient];
-    e.x[square] = told.x[1] * e.x[square] + (real(1.0) - told.x[1]) * e.x[gradient] * e.x[gradient];
-    element step = told.x[2] * e.x[mean] / (sqrt(told.x[3] * e.x[square]) + real(1.0e-8));
+    e.x[mean] = of_all.x[0] * e.x[mean] + (real(1.0) - of_all.x[0]) * e.x[gradient];
+    e.x[square] = of_all.x[1] * e.x[square] + (real(1.0) - of_all.x[1]) * e.x[gradient] * e.x[gradient];
+    element step = of_all.x[2] * e.x[mean] / (sqrt(of_all.x[3] * e.x[square]) + real(1.0e-8));
     e.x[trial] = where(running, e.x[trial] - step, e.x[trial]);
 }

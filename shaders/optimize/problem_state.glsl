@@ -17,7 +17,7 @@ struct ProblemState {
     real taken;        // the trial is p + taken d: alpha times its factor, 0 where the problem has stopped
 };
 
-// Registers of an optimizer's own, beside the state.
+// Registers that one optimizer alone has, beside the state.
 struct Own {
     real x[MOST_OWN];
 };
@@ -43,11 +43,11 @@ struct Given {
     real products[STEP_PRODUCTS];  // the first dot products
 };
 
-// What an iteration tells all problems.
+// What is the same for all problems in an iteration.
 struct Turn {
     int rule;     // RULE_*
     int restart;  // 1 where the preconditioner was refreshed
-    int slot;     // an optimizer's own
+    int slot;     // of what the optimizer keeps, such as a pair of lbfgs
     StopRules stop;
     int left_out;     // WITHOUT_*: 0 but where an experiment asks what a mend of the paper's text is worth (docs/paper.md)
     real first_step;  // WITHOUT_MEASURED_STEP
@@ -73,7 +73,7 @@ struct Turn {
 #define RULE_CG_PAPER 1
 #define RULE_CG_MODERN 2
 
-// Dot products that every optimizer takes; its own follow.
+// Dot products that every optimizer takes; those of one alone follow.
 #define PRODUCT_NORM 0       // z'.g'
 #define PRODUCT_CROSS 1      // z'.g
 #define PRODUCT_CONJUGATE 2  // d.g'

@@ -1,4 +1,4 @@
-// Where a fragment of an N-texel array stands: a texel of a corner's surface map, or with VIEW_MAPS of a view map.
+// Where a fragment of an N-texel array is: a texel of a corner's surface map, or with VIEW_MAPS of a view map.
 #include "distribute/tiles.glsl"
 #include "gather/maps.glsl"
 

@@ -16,8 +16,8 @@ void main() {
     Registers of_problem;
     for (int k = 0; k < NUMBERS; ++k) of_problem.x[k] = number_of(number_indices[k]);
     for (int k = 0; k < PRODUCTS; ++k) of_problem.x[NUMBERS + k] = product_of(number_indices[NUMBERS + k]);
-    Constants told;
-    for (int k = 0; k < MOST_CONSTANTS; ++k) told.x[k] = constants[k];
-    UPDATE(e, of_problem, told);
+    Constants of_all;
+    for (int k = 0; k < MOST_CONSTANTS; ++k) of_all.x[k] = constants[k];
+    UPDATE(e, of_problem, of_all);
     for (int k = 0; k < WRITTEN; ++k) written[k] = store(e.x[k]);
 }

@@ -1,4 +1,4 @@
-// Problems of light field maps: that of a vertex's colour channel c stands at (3 x + c, y), where its vertex is (x, y).
+// Problems of light field maps: that of a vertex's colour channel c is at (3 x + c, y), where its vertex is (x, y).
 uniform sampler2DArray map_sums;  // layers: Sum in fragment/problem_textures.h
 uniform sampler2DArray sample_sums;
 uniform sampler2DArray problem_constants;  // layer 0: 1/S-bar, ring texels

@@ -1,5 +1,5 @@
 // A texel's parameters in RGBA maps, layers of one array: map k < BASIS_COUNT holds the coefficients of basis function k,
-// one per channel; behind them stands the shape, three numbers a map. Lafortune's nine parameters are the paper's three
+// one per channel; behind them comes the shape, three numbers a map. Lafortune's nine parameters are the paper's three
 // maps: rho_d, rho_s, (Cx, Cz, log n).
 #include "model/prelude.glsl"
 #include "model/MODEL.glsl"

@@ -1,4 +1,4 @@
-// What an image tells a texel (docs/formats.md, "What a light means"; model/texel_options.h says what counts). ONE_IMAGE:
+// What a texel takes of an image (docs/formats.md, "What a light means"; model/texel_options.h says what counts). ONE_IMAGE:
 // the pass has one; else it loops over several. ONE_CAMERA: all are seen from one place, so that texels know it beforehand.
 // WEIGHTED: samples weigh as model/weight.glsl says.
 #include "reflect/site.glsl"

@@ -17,7 +17,7 @@
 uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
 #endif
 
-// Those of basis function k and what stands before it, behind `at` numbers of others.
+// Those of basis function k and what comes before it, behind `at` numbers of others.
 #define ADD_PRODUCTS(k, at)                                          \
     {                                                                \
         for (int j = 0; j < BASIS_COUNT; ++j)                        \

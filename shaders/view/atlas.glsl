@@ -1,4 +1,4 @@
-// Where the texels of a mesh's triangles stand (geometry/atlas.h): two tiles share a rectangle, the second one turned.
+// Where the texels of a mesh's triangles are (geometry/atlas.h): two tiles share a rectangle, the second one turned.
 uniform int largest_side, rectangles_per_row;
 
 ivec2 rectangle_of(int triangle) {

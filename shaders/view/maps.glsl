@@ -1,8 +1,8 @@
-// Maps of a page: values in steps, each channel scale * q + offset of a whole number q. q has 8 bits, which stand in a layer
-// of an array of textures, or 16, whose upper 8 stand in another (src/publish/coded_map.h). MAPS of them in all.
+// Maps of a page: values in steps, each channel scale * q + offset of a whole number q. q has 8 bits, which are in a layer
+// of an array of textures, or 16, whose upper 8 are in another (src/publish/coded_map.h). MAPS of them in all.
 uniform sampler2DArray texel_maps;  // those in the layout of the atlas, or the grid
 uniform vec4 map_scale[MAPS];       // of r, g, b; the layer of the lower bits
-uniform vec4 map_offset[MAPS];      // likewise; the layer of the upper bits, or -1
+uniform vec4 map_offset[MAPS];      // of r, g, b; the layer of the upper bits, or -1
 
 vec3 map_value(sampler2DArray maps, int map, ivec2 place) {
     vec4 scale = map_scale[map];

@@ -4,7 +4,7 @@
 namespace radiafit {
 namespace {
 
-/// A work group is a tile; every sum has its own invocation, and work groups add up in a fixed order.
+/// A work group is a tile; every sum has one invocation, and work groups add up in a fixed order.
 class CachedGather final : public SampleSweeps {
 public:
     CachedGather(const SweepResources& resources, const Dataset& dataset, const TriangleAtlas& atlas,
@@ -12,8 +12,8 @@ public:
     Defines sums() const override { return {{"SUMS", "sums_by_pair"}}; }
     void bind_to(const Program& program) const override;
     TileStatistics count() override;
-    void gradient(bool diagonal) override;
-    void line() override;
+    void gradient_pass(bool diagonal) override;
+    void directional_pass() override;
 
 private:
     Program program(int maps, const std::string& file, const Defines& more = {}) const;
@@ -94,7 +94,7 @@ void CachedGather::sum_over_pairs(const FetchedBuffer& into) {
     pair_pass_.dispatch(r_.layout.problem_count());
 }
 
-void CachedGather::gradient(bool diagonal) {
+void CachedGather::gradient_pass(bool diagonal) {
     const size_t tiles = r_.tables.tile_count();
     look_up(vector::trial);
     group_pass_.dispatch(tiles);
@@ -106,7 +106,7 @@ void CachedGather::gradient(bool diagonal) {
     texel_passes_[diagonal].dispatch(tiles);
 }
 
-void CachedGather::line() {
+void CachedGather::directional_pass() {
     look_up(vector::p);
     look_up_along_.dispatch(r_.layout.problem_count());
     line_.dispatch(r_.tables.tile_count());

@@ -14,8 +14,8 @@ public:
     Defines sums() const override { return sums_.reading_defines(); }
     void bind_to(const Program& program) const override { sums_.bind_to(program); }
     TileStatistics count() override;
-    void gradient(bool diagonal) override;
-    void line() override;
+    void gradient_pass(bool diagonal) override;
+    void directional_pass() override;
 
 private:
     Program look_up(int maps, const FetchedBuffer& into) const;
@@ -74,14 +74,14 @@ TileStatistics CachedScatter::count() {
     return counter.read();
 }
 
-void CachedScatter::gradient(bool diagonal) {
+void CachedScatter::gradient_pass(bool diagonal) {
     sums_.begin_gradient(diagonal);
     look_up_trial_.dispatch(r_.problems.groups(samples_.pair_count()));
     gradient_[diagonal].dispatch(groups());
     sums_.spread(samples_.pairs(), diagonal);
 }
 
-void CachedScatter::line() {
+void CachedScatter::directional_pass() {
     sums_.begin_line();
     look_up_p_.dispatch(r_.problems.groups(samples_.pair_count()));
     look_up_along_.dispatch(r_.problems.groups(samples_.pair_count()));

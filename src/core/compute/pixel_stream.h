@@ -8,8 +8,8 @@
 namespace radiafit {
 
 /// Images that stream past sweeps in compute shaders, one at a time, each distributed anew: the item buffer is drawn by
-/// the rasterizer, and every vertex's look-up in its view map is found and done. A vertex's pair with the image is its
-/// own number.
+/// the rasterizer, and every vertex's look-up in its view map is found and done. The number of a vertex is also that of
+/// its pair with the image.
 class PixelStream {
 public:
     /// dataset and atlas must outlive it. Throws UserError for an atlas whose triangles' sides differ.
@@ -17,7 +17,7 @@ public:
                 std::vector<uint32_t> views, const StreamOptions& options);
 
     Defines defines() const { return mesh_.defines(); }
-    /// Tells a program of all textures, buffers and uniforms that stay as they are.
+    /// Binds and sets all textures, buffers and uniforms of a program that stay as they are.
     void bind_to(const Program& program) const;
     /// body(image) for each image, on the device: its items, its views of the vertices' view maps of the vector `maps`,
     /// and along d if asked for.

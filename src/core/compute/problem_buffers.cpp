@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include "base/error.h"
 #include "gl/context.h"
@@ -57,7 +56,7 @@ Buffer storage_buffer(const char* what, size_t bytes) {
 }
 
 ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given)
-    : count_(on_this_device(problems)),
+    : DeviceNumbers(on_this_device(problems)),
       lanes_(Context::current().software() ? 8 : 32),
       given_text_(given),
       numbers_(storage_buffer("numbers of problems", problems * number_count * sizeof(float))),
@@ -86,109 +85,66 @@ void ProblemBuffers::bind_to(const Program& program) const {
     program.bind_if_used("Problems", given_);
     program.bind_if_used("Products", products_);
     program.set_if_used("product_count", product_count_);
-    program.set_if_used("problem_count", int(count_));
+    program.set_if_used("problem_count", int(count()));
 }
 
-void ProblemBuffers::reset(std::span<const Status> status) {
-    using real = float;
-    std::vector<float> numbers(count_ * number_count);
-    for (size_t i = 0; i < count_; ++i) {
+void ProblemBuffers::write_fresh(std::span<const Status> status) {
+    using real = float;  // HUGE_ERROR is text shared with GLSL
+    std::vector<float> numbers(count() * number_count);
+    for (size_t i = 0; i < count(); ++i) {
         float* of = &numbers[i * number_count];
         of[number::error] = HUGE_ERROR;
         of[number::step_factor] = 1;
         of[number::status] = float(status[i]);
     }
     numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
-    own_clear_ = true;
+    optimizer_clear_ = true;
 }
 
-void ProblemBuffers::clear_own() {
-    if (own_clear_) return;
-    own_clear_ = true;
-    std::vector<float> numbers = read_numbers();
-    for (size_t i = 0; i < count_; ++i)
+void ProblemBuffers::make_room(const Room&) {
+    if (optimizer_clear_) return;
+    optimizer_clear_ = true;
+    std::vector<float> numbers = read_all();
+    for (size_t i = 0; i < count(); ++i)
         std::fill_n(&numbers[i * number_count + number::first_own], number_count - number::first_own, 0.0f);
     numbers_.write(0, numbers.size() * sizeof(float), numbers.data());
 }
 
-const Program& ProblemBuffers::program(Step which, int left_out, float first_step) {
-    Program& step = steps_[{which, left_out, first_step}];
-    if (step) return step;
-    const StepName& name = steps[int(which)];
-    Defines all = defines() + Defines{{"PROBLEMS", given_text_}, {"TEXT", name.file}, {"STEP", name.function}};
-    if (left_out)
-        all = all + Defines{{"LEFT_OUT", std::to_string(left_out)}, {"FIRST_STEP", std::to_string(first_step)}};
-    step = Program::compute("compute/step.comp", all);
+const Program& ProblemBuffers::program(Step which, const Turn& turn) {
+    const Defines all = defines() + Defines{{"PROBLEMS", given_text_}} + step_defines(which, turn);
+    Program& step = steps_[all];
+    if (!step) step = Program::compute("compute/step.comp", all);
     return step;
 }
 
 void ProblemBuffers::step(Step which, const Turn& turn) {
-    const Program& step = program(which, turn.left_out, turn.first_step);
-    own_clear_ = false;
+    const Program& step = program(which, turn);
+    optimizer_clear_ = false;
     bind_to(step);
-    step.set_if_used("rule", turn.rule);
-    step.set_if_used("restart", turn.restart);
-    step.set_if_used("slot", turn.slot);
-    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
-    step.dispatch(groups(count_));
-}
-
-Defines ProblemBuffers::update_defines(Update which) {
-    const UpdateShape& shape = updates[int(which)];
-    return {{"TEXT", shape.file},
-            {"UPDATE", shape.function},
-            {"VECTORS", std::to_string(shape.vectors)},
-            {"WRITTEN", std::to_string(shape.written)},
-            {"NUMBERS", std::to_string(shape.numbers)},
-            {"PRODUCTS", std::to_string(shape.products)}};
-}
-
-void ProblemBuffers::tell_update(const Program& update, std::initializer_list<int> numbers,
-                                 std::initializer_list<float> constants) const {
-    int indices[4] = {};
-    float told[4] = {};
-    std::ranges::transform(numbers, indices,
-                           [](int n) { return n >= number::first_product ? n - number::first_product : n; });
-    std::ranges::copy(constants, told);
-    update.set_if_used("number_indices", std::span<const int>(indices));
-    update.set_if_used("constants", std::span<const float>(told));
-    bind_to(update);
+    set_turn(step, turn);
+    step.dispatch(groups(count()));
 }
 
 EngineSummary ProblemBuffers::summary() {
-    const size_t blocks = (count_ + block - 1) / block;
+    const size_t blocks = (count() + block - 1) / block;
     summary_.dispatch(groups(blocks));
     std::vector<std::array<uint32_t, 4>> parts(blocks);
     summaries_.read(0, blocks * sizeof parts[0], parts.data());
-    EngineSummary sum;
-    for (const auto& [active, accepted, low, high] : parts) {
-        sum.active += active;
-        sum.accepted += accepted;
-        sum.error += std::bit_cast<double>(uint64_t(high) << 32 | low);
-    }
-    return sum;
+    return sum_of(parts);
 }
 
-std::vector<float> ProblemBuffers::read_numbers() const {
-    std::vector<float> all(count_ * number_count);
+std::vector<float> ProblemBuffers::read_all() const {
+    std::vector<float> all(count() * number_count);
     numbers_.read(0, all.size() * sizeof(float), all.data());
     return all;
 }
 
-void ProblemBuffers::outcomes(std::span<ProblemOutcome> out) const {
-    using real = float;
-    const std::vector<float> numbers = read_numbers();
-    for (size_t i = 0; i < count_; ++i) {
-        const float* of = &numbers[i * number_count];
-        out[i] = {of[number::error] < HUGE_ERROR ? of[number::error] : 0, Status(int(of[number::status])),
-                  uint32_t(of[number::iterations])};
-        if (out[i].status == Status::active) out[i].status = Status::max_iterations;
-    }
-}
-
-void ProblemBuffers::read_errors(std::span<float> out) const {
-    const std::vector<float> numbers = read_numbers();
-    for (size_t i = 0; i < count_; ++i) out[i] = numbers[i * number_count + number::error];
+std::vector<float> ProblemBuffers::read(std::initializer_list<int> numbers) const {
+    const std::vector<float> all = read_all();
+    std::vector<float> out;
+    for (const int n : numbers)
+        for (size_t i = 0; i < count(); ++i) out.push_back(all[i * number_count + size_t(n)]);
+    return out;
 }
 
 }  // namespace radiafit

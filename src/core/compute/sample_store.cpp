@@ -20,7 +20,7 @@ bool is_of_8_bits(const Sample& s) {
 
 constexpr uint32_t no_pair = 0xffffffff;  // of a vertex without a ring, at the rim of a part
 
-/// A sample and the texel of its tile, or the group, that it stands under in the other order.
+/// A sample, and its place in the other order: the texel of its tile, or its group.
 struct Placed {
     const Sample* sample;
     uint32_t place;
@@ -175,7 +175,7 @@ void SampleStore::list(const SampleList& samples, Groups& groups, std::vector<ui
     listed_groups_ = upload("samples' groups", GL_R32UI, group_of_sample);
 }
 
-// Who sees each vertex: pairs of a vertex and an image, a vertex's own one after another.
+// Who sees each vertex: pairs of a vertex and an image, those of a vertex one after another.
 void SampleStore::add_pairs(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                             const SampleList& samples, const LfmOptions& options, Order order,
                             const std::vector<uint32_t>& image_of_group, MapTables& tables, Groups& groups) {

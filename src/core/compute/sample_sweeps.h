@@ -2,9 +2,9 @@
 #include <memory>
 #include <vector>
 
+#include "compute/buffer_engine.h"
 #include "compute/compute_options.h"
 #include "compute/map_tables.h"
-#include "compute/problem_buffers.h"
 #include "dataset/dataset.h"
 #include "fragment/image_sweep.h"
 #include "model/lfm.h"
@@ -24,9 +24,9 @@ struct SweepResources {
     const LfmLayout& layout;
     MapTables& tables;
     ProblemBuffers& problems;
-    std::vector<FetchedBuffer>& vectors;
+    std::vector<BufferVector>& vectors;
 
-    /// A program of shaders/compute, told of tables, problems and options; more: definitions beside theirs.
+    /// A program of shaders/compute, with tables and problems bound and options set; more: definitions beside theirs.
     Program program(const std::string& file, const Defines& more = {}) const;
     /// The same, with `maps` as its maps.
     Program program_over(int vector, const std::string& file, const Defines& more = {}) const;
@@ -38,8 +38,8 @@ struct TileStatistics {
     std::vector<float> targets;     ///< [tiles][3 corners][3] sums of L t
 };
 
-/// Sums over the samples of a light field map: what a ComputeEngine does in several ways. They stand where the passes
-/// over vertices find them that are compiled with sums() and told by bind_to().
+/// Sums over the samples of a light field map: what a ComputeEngine does in several ways. Passes over vertices find
+/// them that are compiled with sums() and bound by bind_to().
 class SampleSweeps {
 public:
     virtual ~SampleSweeps() = default;
@@ -47,9 +47,9 @@ public:
     virtual void bind_to(const Program& program) const = 0;
     virtual TileStatistics count() = 0;
     /// At the trial: E and the sums of its gradient; diagonal: also those of diag(J'J).
-    virtual void gradient(bool diagonal) = 0;
+    virtual void gradient_pass(bool diagonal) = 0;
     /// At p along d.
-    virtual void line() = 0;
+    virtual void directional_pass() = 0;
     virtual const SweepTimes& times() const;  ///< of images, where they stream
 };
 

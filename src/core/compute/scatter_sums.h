@@ -9,7 +9,7 @@ namespace radiafit {
 /// Fixed point has 64 bits and a scale for each problem and kind of sum, a power of two by which no sum of all the
 /// problem's samples can exceed 2^61: from bounds of one sample's terms by the largest elements of the problem's maps
 /// (shaders/compute/scales.comp). One term then has 60 - log2(samples) bits below its bound, some 44 of 65,000 samples,
-/// where a float has 24 below its own size.
+/// where a float has 24 below its size.
 class ScatterSums {
 public:
     /// pairs: cameras' views of vertices at a time. target_scale: of a channel of 16 bits. Throws UserError where a
@@ -45,7 +45,8 @@ private:
 /// accumulates in. It lives as long as the sweep that counts.
 class SampleCounter {
 public:
-    /// most_samples: at least as many as a tile has. target_scale: as of ScatterSums. Throws UserError likewise.
+    /// most_samples: at least as many as a tile has. target_scale: as of ScatterSums. Throws UserError as
+    /// ScatterSums does.
     SampleCounter(const MapTables& tables, float target_scale, double most_samples);
     static Defines defines();
     void bind_to(const Program& program) const;

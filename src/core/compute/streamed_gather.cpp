@@ -12,8 +12,8 @@ public:
     Defines sums() const override { return {{"SUMS", "sums_in_place"}}; }
     void bind_to(const Program& program) const override { program.bind_if_used("tile_sums", tile_sums_.texture); }
     TileStatistics count() override { return pixels_.count(); }
-    void gradient(bool diagonal) override;
-    void line() override;
+    void gradient_pass(bool diagonal) override;
+    void directional_pass() override;
     const SweepTimes& times() const override { return pixels_.times(); }
 
 private:
@@ -78,7 +78,7 @@ void StreamedGather::sum_rings(const Program& pass) {
     pass.dispatch(r_.problems.groups(r_.layout.problem_count()));
 }
 
-void StreamedGather::gradient(bool diagonal) {
+void StreamedGather::gradient_pass(bool diagonal) {
     r_.vectors[vector::trial_g].buffer.clear();
     if (diagonal) r_.vectors[vector::fresh].buffer.clear();
     tile_sums_.buffer.clear();
@@ -89,7 +89,7 @@ void StreamedGather::gradient(bool diagonal) {
     });
 }
 
-void StreamedGather::line() {
+void StreamedGather::directional_pass() {
     tile_sums_.buffer.clear();
     pixels_.run(vector::p, true, [&](const ImageOnDevice& image) { dispatch(line_, image); });
 }

@@ -12,8 +12,8 @@ public:
     Defines sums() const override { return sums_.reading_defines(); }
     void bind_to(const Program& program) const override { sums_.bind_to(program); }
     TileStatistics count() override { return pixels_.count(); }
-    void gradient(bool diagonal) override;
-    void line() override;
+    void gradient_pass(bool diagonal) override;
+    void directional_pass() override;
     const SweepTimes& times() const override { return pixels_.times(); }
 
 private:
@@ -43,7 +43,7 @@ Program StreamedScatter::scatter(int maps, const Defines& more) const {
     return made;
 }
 
-void StreamedScatter::gradient(bool diagonal) {
+void StreamedScatter::gradient_pass(bool diagonal) {
     sums_.begin_gradient(diagonal);
     pixels_.run(vector::trial, false, [&](const ImageOnDevice& image) {
         pixels_.dispatch_pixels(gradient_[diagonal], image);
@@ -51,7 +51,7 @@ void StreamedScatter::gradient(bool diagonal) {
     });
 }
 
-void StreamedScatter::line() {
+void StreamedScatter::directional_pass() {
     sums_.begin_line();
     pixels_.run(vector::p, true, [&](const ImageOnDevice& image) { pixels_.dispatch_pixels(line_, image); });
 }

@@ -19,10 +19,15 @@ TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atla
                                        const TexelOptions& options, const TexelSource& source)
     : options_((require_lights(dataset), check_options(options), options)),
       shape_(atlas, *options.model, options.loss),
-      problems_(shape_.texels(), "texels_given"),
       wide_(!has_largest_value(dataset.encoding)),
       unit_(wide_ ? 1 : ImageStream(dataset, StreamSource::disk, TargetSpace::linear).scale16()),
       surface_(GL_RGBA32F, shape_.width(), shape_.height(), 2) {
+    make({.problems = "texels_given",
+          .problem_count = shape_.texels(),
+          .given_bytes = shape_.texels() * 16,
+          .vec4s = shape_.texels() * size_t(shape_.maps()),
+          .product_bytes = shape_.texels() * sizeof(float),
+          .texels = &shape_});
     write_surface(shape_, {}, surface_);
     upload_samples(dataset, views, source);
     std::vector<float> numbers;
@@ -31,8 +36,6 @@ TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atla
         numbers.insert(numbers.end(), of_view.begin(), of_view.end());
     }
     views_ = FetchedBuffer("views", GL_RGBA32F, numbers.size() * sizeof(float), numbers.data());
-    problems_.make_given(shape_.texels() * 16);
-    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(make_vector());
     for (const bool diagonal : {false, true}) {
         const Program& gradient = gradient_passes_[diagonal] =
             program("texel_gradient.comp", diagonal ? Defines{{"DIAGONAL", ""}} : Defines{});
@@ -40,13 +43,11 @@ TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atla
         gradient.bind("Gradient", vectors_[vector::trial_g].buffer);
         gradient.bind_if_used("Fresh", vectors_[vector::fresh].buffer);
     }
-    line_ = program("texel_line.comp");
+    line_ = program("texel_line.comp", {});
     line_.bind("point", vectors_[vector::p].texture);
     line_.bind("direction", vectors_[vector::d].texture);
-    dot_ = program("texel_dot.comp");
-    make_room({});
-    for (const Step which : {Step::judge_trial, Step::step_length}) problems_.program(which);
-    for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
+    compile("texel_", numbers_->groups(shape_.texels()));
+    count_bytes();
 }
 
 void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vector<uint32_t>& views,
@@ -80,7 +81,7 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
     });
     std::vector<std::array<uint32_t, 4>> rows(texels);
     std::vector<uint32_t> words;
-    const size_t each = wide_ ? 4 : 2, lanes = problems_.lanes();
+    const size_t each = wide_ ? 4 : 2, lanes = numbers_->lanes();
     for (size_t begin = 0; begin < texels; begin += lanes) {
         const size_t width = std::min(lanes, texels - begin), first = words.size() / each;
         size_t most = 0;
@@ -106,20 +107,16 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
             counted[texel] = {};
         }
     }
+    sample_counts_ = statistics_.samples;
     texels_ = FetchedBuffer("texels", GL_RGBA32UI, rows.size() * sizeof rows[0], rows.data());
     samples_ = FetchedBuffer("samples", wide_ ? GL_RGBA32UI : GL_RG32UI, words.size() * sizeof words[0], words.data());
 }
 
-FetchedBuffer TexelComputeEngine::make_vector() const {
-    return FetchedBuffer::written("maps", shape_.texels() * size_t(shape_.maps()));
-}
-
-/// With all that programs share.
 Program TexelComputeEngine::program(const std::string& file, const Defines& more) const {
     const Defines wide = wide_ ? Defines{{"WIDE", ""}} : Defines{};
     Program made =
-        Program::compute("compute/" + file, problems_.defines() + shape_.defines(Storage::fp32) + wide + more);
-    problems_.bind_to(made);
+        Program::compute("compute/" + file, numbers_->defines() + shape_.defines(Storage::fp32) + wide + more);
+    numbers_->bind_to(made);
     made.set_if_used("texel_count", int(shape_.texels()));
     made.set_if_used("surface_width", shape_.width());
     made.bind_if_used("texels", texels_.texture);
@@ -134,96 +131,11 @@ Program TexelComputeEngine::program(const std::string& file, const Defines& more
     return made;
 }
 
-void TexelComputeEngine::write(FetchedBuffer& vector, std::span<const float> values) const {
-    const size_t texels = shape_.texels(), each = size_t(shape_.model->parameters);
-    std::vector<float> all(texels * size_t(shape_.maps()) * 4);
-    for (size_t texel = 0; texel < texels; ++texel)
-        for (size_t i = 0; i < each; ++i) {
-            const auto [map, channel] = TexelShape::map_of(int(i));
-            all[4 * (size_t(map) * texels + texel) + size_t(channel)] = values[texel * each + i];
-        }
-    vector.buffer.write(0, all.size() * sizeof(float), all.data());
-}
-
-void TexelComputeEngine::read(const Buffer& buffer, std::span<float> values) const {
-    const size_t texels = shape_.texels(), each = size_t(shape_.model->parameters);
-    std::vector<float> all(texels * size_t(shape_.maps()) * 4);
-    buffer.read(0, all.size() * sizeof(float), all.data());
-    for (size_t texel = 0; texel < texels; ++texel)
-        for (size_t i = 0; i < each; ++i) {
-            const auto [map, channel] = TexelShape::map_of(int(i));
-            values[texel * each + i] = all[4 * (size_t(map) * texels + texel) + size_t(channel)];
-        }
-}
-
-void TexelComputeEngine::reset(std::span<const float> start) {
-    for (FetchedBuffer& v : vectors_) v.buffer.clear();
-    write(vectors_[vector::trial], start);
-    write(vectors_[vector::p], start);  // what a problem without samples returns
-    problems_.reset([&](size_t texel) { return statistics_.samples[texel]; });
-}
-
-void TexelComputeEngine::make_room(const Room& room) {
-    vectors_.resize(std::min(vectors_.size(), size_t(room.vector_count())));
-    for (size_t v = vector::first_own; v < vectors_.size(); ++v) vectors_[v].buffer.clear();
-    while (vectors_.size() < size_t(room.vector_count())) vectors_.push_back(make_vector());
-    problems_.make_products(room.product_count(), shape_.texels() * sizeof(float));
-    problems_.clear_own();
-}
-
-void TexelComputeEngine::gradient_pass(bool diagonal) {
-    gradient_passes_[diagonal].dispatch(problems_.groups(shape_.texels()));
-}
-
-void TexelComputeEngine::directional_pass() { line_.dispatch(problems_.groups(shape_.texels())); }
-
-void TexelComputeEngine::dot(std::initializer_list<DotProduct> products) {
-    problems_.bind_to(dot_);
-    for (const DotProduct& product : products) {
-        const bool weighted = product.weight != vector::none;
-        dot_.bind("left", vectors_[size_t(product.a)].texture);
-        dot_.bind("right", vectors_[size_t(product.b)].texture);
-        dot_.bind("weights", vectors_[size_t(weighted ? product.weight : product.a)].texture);
-        dot_.set("weighted", int(weighted));
-        dot_.set("product", product.into);
-        dot_.dispatch(problems_.groups(shape_.texels()));
-    }
-}
-
-const Program& TexelComputeEngine::update_program(Update which) {
-    Program& made = updates_[which];
-    if (!made) made = program("texel_update.comp", ProblemBuffers::update_defines(which));
-    return made;
-}
-
-void TexelComputeEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
-                                std::initializer_list<float> constants) {
-    const Program& update = update_program(which);
-    for (size_t k = 0; k < vectors.size(); ++k)
-        update.bind_if_used("Vectors[" + std::to_string(k) + "]", vectors_[size_t(std::data(vectors)[k])].buffer);
-    problems_.tell_update(update, numbers, constants);
-    update.dispatch(problems_.groups(shape_.texels()));
-}
-
 std::vector<float> TexelComputeEngine::read_given(size_t which) const {
     std::vector<float> all(shape_.texels() * 4), out;
-    problems_.given().read(0, all.size() * sizeof(float), all.data());
+    numbers_->given().read(0, all.size() * sizeof(float), all.data());
     for (size_t texel = 0; texel < shape_.texels(); ++texel) out.push_back(all[4 * texel + which]);
     return out;
-}
-
-TexelComputeEngine::Evaluation TexelComputeEngine::read_evaluation() const {
-    Evaluation result{read_given(0), std::vector<float>(parameter_count()), std::vector<float>(parameter_count())};
-    read(vectors_[vector::trial_g].buffer, result.gradient);
-    read(vectors_[vector::fresh].buffer, result.diagonal);
-    return result;
-}
-
-TexelComputeEngine::Line TexelComputeEngine::read_line() const { return {read_given(1), read_given(2)}; }
-
-void TexelComputeEngine::set_line(std::span<const float> p, std::span<const float> d) {
-    write(vectors_[vector::p], p);
-    write(vectors_[vector::d], d);
 }
 
 }  // namespace radiafit

@@ -10,16 +10,17 @@ namespace {
 constexpr int most_batch = 4;
 
 // Section 6.5's proposal: several render targets a pass and longer programs. One pass into SLS keeps the colours and
-// blends the gradients of all corners; one fragment per tile then loops over the tile's texels; what need not be told
+// blends the gradients of all corners; one fragment per tile then loops over the tile's texels; what need not be kept
 // apart by image is summed per tile over the whole sweep and gathered over the rings once, at its end.
 class CombinedPasses final : public ImagePasses {
 public:
     explicit CombinedPasses(const PassResources& resources);
     int batch() const override { return batch_; }
     void count(const std::vector<ImageOnDevice>& images) override;
-    void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                   MapSums* squares) override;
-    void line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) override;
+    void gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                       MapSums* squares) override;
+    void directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                          bool quartic) override;
     void begin_sweep(MapSums* gradient, MapSums* squares) override;
     void end_sweep() override;
 
@@ -30,7 +31,7 @@ private:
     struct TilePass {
         Program program;
         Framebuffer target;
-        unsigned own, all;  ///< targets [own, all) are blended over batches
+        unsigned first_blended, targets;  ///< targets [first_blended, targets) are blended over batches
     };
     /// What every vertex has in one image of the batch.
     struct InImage {
@@ -89,13 +90,13 @@ CombinedPasses::CombinedPasses(const PassResources& resources)
         for (int corner = 0; corner < 3; ++corner) sum_targets_[sum].push_back(Framebuffer({{&sums_[sum], corner}}));
     in_image_.resize(size_t(batch_));
     for (int i = 0; i < batch_; ++i) {
-        InImage& own = in_image_[size_t(i)];
-        own.footprint = Texture(GL_RGBA32F, w_.shape.grid.columns, w_.shape.grid.rows, 2);
-        own.footprint_target = Framebuffer({{&own.footprint, 0}, {&own.footprint, 1}});
-        own.product = per_tile(GL_RGBA32F);
+        InImage& image = in_image_[size_t(i)];
+        image.footprint = Texture(GL_RGBA32F, w_.shape.grid.columns, w_.shape.grid.rows, 2);
+        image.footprint_target = Framebuffer({{&image.footprint, 0}, {&image.footprint, 1}});
+        image.product = per_tile(GL_RGBA32F);
         for (int term = 0; term < terms; ++term) {
-            own.value_targets.push_back(Framebuffer({{&view_values_, i * terms + term}}));
-            own.slope_targets.push_back(Framebuffer({{&view_slopes_, i * terms + term}}));
+            image.value_targets.push_back(Framebuffer({{&view_values_, i * terms + term}}));
+            image.slope_targets.push_back(Framebuffer({{&view_slopes_, i * terms + term}}));
         }
     }
 
@@ -161,9 +162,9 @@ std::vector<CombinedPasses::TilePass> CombinedPasses::tile_passes(
     for (int first = 0; first < 3; first += most) {
         const int corners = std::min(most, 3 - first);
         std::vector<Target> list;
-        const unsigned own = targets(first, corners, list);
+        const unsigned first_blended = targets(first, corners, list);
         const Defines which{{"FIRST", std::to_string(first)}, {"CORNERS", std::to_string(corners)}};
-        passes.push_back({Program::draw("common/whole.vert", shader, defines + which), Framebuffer(list), own,
+        passes.push_back({Program::draw("common/whole.vert", shader, defines + which), Framebuffer(list), first_blended,
                           unsigned(list.size())});
     }
     return passes;
@@ -182,12 +183,12 @@ std::vector<CombinedPasses::TilePass> CombinedPasses::line_passes(const std::vec
 std::vector<CombinedPasses::TilePass> CombinedPasses::gradient_passes(bool with_error, const Defines& defines) {
     return tile_passes(size_t(batch_) + with_error, "combine/tile_direction.frag", defines,
                        [&](int first, int corners, std::vector<Target>& list) {
-                           for (const InImage& own : in_image_)
-                               for (int c = first; c < first + corners; ++c) list.push_back({&own.product, c});
-                           const auto own = unsigned(list.size());
+                           for (const InImage& image : in_image_)
+                               for (int c = first; c < first + corners; ++c) list.push_back({&image.product, c});
+                           const auto first_blended = unsigned(list.size());
                            if (with_error)
                                for (int c = first; c < first + corners; ++c) list.push_back({&sums_[error], c});
-                           return own;
+                           return first_blended;
                        });
 }
 
@@ -261,7 +262,7 @@ void CombinedPasses::draw_tiles(const std::vector<TilePass>& passes, int term) {
     for (const TilePass& pass : passes) {
         pass.program.bind("drawn", w_.gathers.marks().texture());
         pass.program.set_if_used("term", term);
-        w_.run.blend_from(pass.own, pass.all);
+        w_.run.blend_from(pass.first_blended, pass.targets);
         w_.run.draw_whole(pass.target, pass.program, w_.run.tile_texels());
         w_.run.no_blend();
     }
@@ -297,8 +298,8 @@ void CombinedPasses::further_terms(size_t images, const std::vector<Framebuffer>
     }
 }
 
-void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                               MapSums* squares) {
+void CombinedPasses::gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                                   MapSums* squares) {
     dirty_[error] = true;
     for (const Program* program : direction_programs_) program->bind_if_used("surface_maps", x.surface());
     begin_images(images, direction_programs_);
@@ -312,8 +313,8 @@ void CombinedPasses::direction(const std::vector<ImageOnDevice>& images, const M
     if (squares) further_terms(images.size(), square_targets_, *squares, true, 0);
 }
 
-void CombinedPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
-                          bool quartic) {
+void CombinedPasses::directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                                      bool quartic) {
     dirty_[gauss_newton] = dirty_[curvature] = true;
     dirty_[third] = dirty_[fourth] = quartic;
     const std::vector<TilePass>& passes = quartic ? quartic_passes_ : line_passes_;

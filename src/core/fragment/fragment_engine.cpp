@@ -1,6 +1,5 @@
 #include "fragment/fragment_engine.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "model/lfm_start.h"
@@ -22,8 +21,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       run_(mesh_),
       problems_(shape_, fragment_options.sums),
       gathers_(shape_, fragment_options.storage),
-      vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4),
-      numbers_(3 * shape_.grid.columns, shape_.grid.rows, 3 * rings.vertex_count(), {}, "vertices") {
+      vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4) {
     const auto frames = vertex_frames(atlas.mesh());
     std::vector<float> layers[4];
     for (size_t v = 0; v < rings.vertex_count(); ++v) {
@@ -34,12 +32,14 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     }
     for (int layer = 0; layer < 4; ++layer) problems_.write(vertices_, layer, layers[layer]);
 
+    numbers_ = std::make_unique<ProblemNumbers>(run_, 3 * shape_.grid.columns, shape_.grid.rows,
+                                                3 * rings.vertex_count(), std::vector<uint32_t>(), "vertices");
+    make_room({});
     const Storage storage = fragment_options.storage;
-    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(MapVector(shape_, storage));
     gradient_sums_ = MapSums(shape_, fragment_options.sums);
     square_sums_ = MapSums(shape_, fragment_options.sums);
     map_passes_ =
-        std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, numbers_, vectors_, options_, storage);
+        std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, *numbers_, vectors_, options_, storage);
 
     const auto [width, height] = images_.largest();
     const PassResources resources{shape_,
@@ -61,18 +61,15 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     image_passes_ =
         fragment_options.passes == Passes::paper ? make_paper_passes(resources) : make_combined_passes(resources);
     images_.set_batch(image_passes_->batch());
-
-    bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
+    count_bytes();
 }
-
-FragmentEngine::~FragmentEngine() = default;
 
 // Streams every image once through body(images), batch by batch.
 template <class Body>
 void FragmentEngine::sweep(const Body& body) {
     images_.run(
         [&](const std::vector<ImageOnDevice>& images) {
-            if (fragment_options_.scissored && !samples_.empty()) {  // count() is spared
+            if (fragment_options_.scissored && !sample_counts_.empty()) {  // count() is spared
                 gl().Enable(GL_SCISSOR_TEST);
                 gl().Scissor(0, 0, 1, 1);
             }
@@ -84,12 +81,6 @@ void FragmentEngine::sweep(const Body& body) {
             mesh_.select({});
             gathers_.mark_tiles(mesh_);
         });
-}
-
-const FragmentTimes& FragmentEngine::times() const {
-    static_cast<SweepTimes&>(times_) = images_.times();
-    times_.counters = run_.counters;
-    return times_;
 }
 
 ProblemStatistics FragmentEngine::count() {
@@ -116,23 +107,8 @@ ProblemStatistics FragmentEngine::count() {
     }
     problems_.write(problems_.constants, 0, density);
     problems_.write(problems_.constants, 1, weights);
-    samples_ = statistics.samples;
+    sample_counts_ = statistics.samples;
     return statistics;
-}
-
-void FragmentEngine::reset(std::span<const float> start) {
-    for (MapVector& v : vectors_) v.clear();
-    vectors_[vector::trial].upload(shape_, start);
-    vectors_[vector::p].upload(shape_, start);  // what a problem without samples returns
-    numbers_.reset([&](size_t problem) { return samples_[problem / 3]; });
-}
-
-void FragmentEngine::make_room(const Room& room) {
-    const int64_t before = Context::current().allocated_bytes();
-    map_passes_->make_own_vectors(room);
-    problems_.make_products(room.product_count());
-    numbers_.make_room(room);
-    bytes_ += uint64_t(Context::current().allocated_bytes() - before);
 }
 
 void FragmentEngine::gradient_pass(bool diagonal) {
@@ -142,9 +118,9 @@ void FragmentEngine::gradient_pass(bool diagonal) {
     image_passes_->begin_sweep(&gradient_sums_, diagonal ? &square_sums_ : nullptr);
     const MapVector& trial = vectors_[vector::trial];
     sweep([&](const std::vector<ImageOnDevice>& images) {
-        image_passes_->direction(images, trial, gradient_sums_, diagonal ? &square_sums_ : nullptr);
+        image_passes_->gradient_pass(images, trial, gradient_sums_, diagonal ? &square_sums_ : nullptr);
     });
-    map_passes_->finish_direction(trial, gradient_sums_, first_term_, last_term_);
+    map_passes_->finish_gradient(trial, gradient_sums_, first_term_, last_term_);
     if (diagonal) map_passes_->finish_precondition(square_sums_);
 }
 
@@ -153,8 +129,8 @@ void FragmentEngine::directional_pass() {
     const bool quartic = options_.mode == Mode::modern;
     const MapVector &p = vectors_[vector::p], &d = vectors_[vector::d];
     image_passes_->begin_sweep(nullptr, nullptr);
-    sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->line(images, p, d, quartic); });
-    map_passes_->finish_line(p, d);
+    sweep([&](const std::vector<ImageOnDevice>& images) { image_passes_->directional_pass(images, p, d, quartic); });
+    map_passes_->finish_directional(p, d);
 }
 
 void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
@@ -162,40 +138,19 @@ void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
 }
 
 void FragmentEngine::step(Step which, const Turn& turn) {
-    problems_.bind_to(numbers_.program(which, turn));
-    numbers_.step(run_, which, turn);
+    problems_.bind_to(numbers_->program(which, turn));
+    numbers_->step(which, turn);
 }
 
-void FragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
-                            std::initializer_list<float> constants) {
-    map_passes_->update(which, {vectors.begin(), vectors.end()}, {numbers.begin(), numbers.end()},
-                        {constants.begin(), constants.end()});
-}
-
-void FragmentEngine::read_parameters(std::span<float> out) const {
-    std::fill(out.begin(), out.end(), 0.0f);
-    vectors_[vector::p].download(shape_, out);
-}
-
-FragmentEngine::Evaluation FragmentEngine::read_evaluation() const {
-    Evaluation result;
-    const auto residual = problems_.read(Sum::residual);
-    const auto penalty = problems_.read(Sum::penalty);
+std::vector<float> FragmentEngine::trial_errors() const {
+    const auto residual = problems_.read(Sum::residual), penalty = problems_.read(Sum::penalty);
     const auto constants = problems_.read(problems_.constants, 0);
+    std::vector<float> errors;
     for (size_t i = 0; i < problem_count(); ++i) {
         const size_t at = 4 * (i / 3) + i % 3;
-        result.error.push_back(0.5f * constants[4 * (i / 3)] * residual[at] + penalty[at]);
+        errors.push_back(0.5f * constants[4 * (i / 3)] * residual[at] + penalty[at]);
     }
-    result.gradient.assign(layout_.size(), 0.0f);
-    result.diagonal.assign(layout_.size(), 0.0f);
-    vectors_[vector::trial_g].download(shape_, result.gradient);
-    vectors_[vector::fresh].download(shape_, result.diagonal);
-    return result;
-}
-
-void FragmentEngine::set_line(std::span<const float> p, std::span<const float> d) {
-    vectors_[vector::p].upload(shape_, p);
-    vectors_[vector::d].upload(shape_, d);
+    return errors;
 }
 
 FragmentEngine::Line FragmentEngine::read_line() const {

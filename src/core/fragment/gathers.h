@@ -11,8 +11,8 @@ namespace radiafit {
 enum class Gather { sum, squares, maximum };
 
 /// The gathers of Section 5.2.1, at most 16 look-ups a pass: texels of a tile to one value per (triangle, corner) in
-/// levels (2 for n <= 20, or n <= 14 where an entry takes two look-ups); corners of a ring to one value per vertex, any
-/// valence; and texels of a view map likewise.
+/// levels (2 for n <= 20, or n <= 14 where an entry takes two look-ups); corners of a ring, of any valence, to one
+/// value per vertex; and texels of a view map to one value per vertex.
 class Gathers {
 public:
     /// Look-ups for entries in one pass. Of the 16, gathers over tiles take one for the tile; rings three for places.
@@ -29,8 +29,8 @@ public:
     const Texture& tile_sums() const { return tile_sums_; }
     /// One corner of tile_sums() from `source`, a 3-layer array in the SLS layout.
     void tiles(PassRunner& run, const Texture& source, int corner, Gather gather);
-    /// The same from the products of residuals and one term of surface maps, two look-ups each. squares: of the square
-    /// of the map's texel where a sample is, alpha telling so.
+    /// The same from the products of residuals and one term of surface maps, two look-ups each. squares: from the
+    /// squares of the map's texels instead, where the alpha of `residuals` says that there is a sample.
     void tile_products(PassRunner& run, const Texture& residuals, const Texture& surface, int corner, int term,
                        bool squares);
     /// Ring sums of `source`, one value per tile and corner such as tile_sums(), into `target` (M texels).

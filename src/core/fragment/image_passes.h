@@ -28,17 +28,17 @@ public:
     virtual ~ImagePasses() = default;
     /// Most images that one call may take.
     virtual int batch() const { return 1; }
-    /// Around every sweep over images; the sums that direction() will be given, if any, and always the same ones.
+    /// Around every sweep over images; the sums that gradient_pass() will be given, if any, and always the same ones.
     virtual void begin_sweep(MapSums*, MapSums*) {}
     virtual void end_sweep() {}
     /// Sum::target: sum of L t, and samples in alpha.
     virtual void count(const std::vector<ImageOnDevice>& images) = 0;
     /// At x: Sum::residual and the gradient sums; squares, if not null: diag(J'J).
-    virtual void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                           MapSums* squares) = 0;
+    virtual void gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                               MapSums* squares) = 0;
     /// At x along d: Sum::gauss_newton and curvature, with `quartic` also third and fourth.
-    virtual void line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
-                      bool quartic) = 0;
+    virtual void directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                                  bool quartic) = 0;
 };
 
 /// What every implementation of ImagePasses is made from. All references outlive it.

@@ -5,7 +5,7 @@
 namespace radiafit {
 
 /// Images of one size for passes over a grid that loop over them, in a buffer texture: of 8 bits a channel R32UI, r | g
-/// << 8 | b << 16 | a << 24; of 16 bits RG32UI, r | g << 16 and b | a << 16. Blocks of 4 x 4 pixels stand row by row;
+/// << 8 | b << 16 | a << 24; of 16 bits RG32UI, r | g << 16 and b | a << 16. Blocks of 4 x 4 pixels lie row by row;
 /// in a block each image in turn, so that a loop walks through memory. GLSL: reflect/pixel.glsl.
 class ImageStack {
 public:

@@ -32,8 +32,8 @@ struct SweepTimes {
     uint64_t sweeps = 0, images = 0;
 };
 
-/// Streams images through the device, batch by batch: over a mesh each into a slot of its own, over a grid a batch into
-/// a stack, whose texture is then that of all its images.
+/// Streams images through the device, batch by batch: over a mesh each image into a slot, over a grid a batch into one
+/// stack, whose texture is then that of all its images.
 class ImageSweep {
 public:
     /// dataset must outlive it. keep_on_device: every image gets a place that it keeps, and is read once, by
@@ -78,7 +78,7 @@ private:
     bool keep_on_device_;
     int batch_ = 1;
     std::vector<ImageSlot> slots_;    ///< two batches: one is filled while the other is read; or one for each view
-    std::vector<ImageStack> stacks_;  ///< two, likewise; or as many as hold each view
+    std::vector<ImageStack> stacks_;  ///< two, to take turns as slots do; or as many as hold each view
     TargetImage image_;
     std::vector<ImageOnDevice> on_device_;
     SweepTimes times_;

@@ -84,10 +84,6 @@ const MapPasses::Targets& MapPasses::targets(std::span<const int> vectors) {
     return targets;
 }
 
-void MapPasses::make_own_vectors(const Room& room) {
-    radiafit::make_own_vectors(room, vectors_, targets_, [&] { return MapVector(shape_, storage_); });
-}
-
 void MapPasses::set_term(const Pair& pair, int term) {
     for (const Program& program : pair.program) {
         program.set_if_used("term", term);
@@ -128,7 +124,7 @@ void MapPasses::store_pass(const Pair& pair, const Targets& targets, int term) {
     draw(pair, view, targets[view][size_t(term)]);
 }
 
-void MapPasses::finish_direction(const MapVector& x, const MapSums& sums, int first_term, int last_term) {
+void MapPasses::finish_gradient(const MapVector& x, const MapSums& sums, int first_term, int last_term) {
     for (const Pair* pair : {&penalty_error_, &gradient_}) bind(*pair, "parameters", x);
     bind(gradient_, "sample_sums", sums);
     for (int term = 0; term < shape_.terms(); ++term) {
@@ -147,7 +143,7 @@ void MapPasses::finish_precondition(const MapSums& squares) {
     for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, targets({{vector::fresh}}), term);
 }
 
-void MapPasses::finish_line(const MapVector& x, const MapVector& d) {
+void MapPasses::finish_directional(const MapVector& x, const MapVector& d) {
     if (!options_.mends.penalty_curvature) return;  // the sum stays 0
     bind(penalty_curvature_, "parameters", x);
     bind(penalty_curvature_, "direction", d);
@@ -168,12 +164,13 @@ void MapPasses::dot(const DotProduct& product) {
     gather_pass(dot_, sum, Gather::sum, 0);
 }
 
-void MapPasses::update(Update which, std::span<const int> vectors, std::span<const int> numbers,
-                       std::span<const float> constants) {
+void MapPasses::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                       std::initializer_list<float> constants) {
+    const std::span<const int> list(vectors);
     const Pair& pair = update_pair(which);
-    for (const Program& program : pair.program) numbers_.tell_update(program, problems_.products(), numbers, constants);
-    for (size_t k = 0; k < vectors.size(); ++k) bind(pair, "vectors", vectors_[size_t(vectors[k])], k);
-    const Targets& written = targets(vectors.first(size_t(updates[int(which)].written)));
+    for (const Program& program : pair.program) numbers_.set_update(program, problems_.products(), numbers, constants);
+    for (size_t k = 0; k < list.size(); ++k) bind(pair, "vectors", vectors_[size_t(list[k])], k);
+    const Targets& written = targets(list.first(size_t(updates[int(which)].written)));
     gl().TextureBarrier();
     for (int term = 0; term < shape_.terms(); ++term) store_pass(pair, written, term);
     gl().TextureBarrier();

@@ -13,23 +13,23 @@ namespace radiafit {
 /// they change.
 class MapPasses {
 public:
-    /// vectors: those of optim/verbs.h, and the optimizer's own behind them.
+    /// vectors: those of optim/verbs.h, and the optimizer's behind them.
     MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers, ProblemTextures& problems,
               const ProblemNumbers& numbers, std::vector<MapVector>& vectors, const LfmOptions& options,
               Storage storage);
 
     /// trial_g = sums / S-bar + penalties at x, zero for terms outside [first_term, last_term); adds the penalties to
     /// Sum::penalty.
-    void finish_direction(const MapVector& x, const MapSums& sums, int first_term, int last_term);
+    void finish_gradient(const MapVector& x, const MapSums& sums, int first_term, int last_term);
     /// fresh = floored preconditioner.
     void finish_precondition(const MapSums& squares);
     /// Sum::penalty_curvature at x along d.
-    void finish_line(const MapVector& x, const MapVector& d);
+    void finish_directional(const MapVector& x, const MapVector& d);
     /// Into the product's layer.
     void dot(const DotProduct& product);
-    void update(Update which, std::span<const int> vectors, std::span<const int> numbers,
-                std::span<const float> constants);
-    void make_own_vectors(const Room& room);
+    void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
+                std::initializer_list<float> constants);
+    void drop_targets() { drop_optimizers(targets_); }  ///< of vectors that will be others
 
 private:
     enum Site { surface, view };

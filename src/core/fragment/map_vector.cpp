@@ -38,10 +38,11 @@ Defines MapShape::defines(Storage storage) const {
     return all + loss_defines(loss);
 }
 
-MapVector::MapVector(const MapShape& shape, Storage storage) : storage_(storage), terms_(shape.terms()) {
+MapVector::MapVector(const MapShape& shape, Storage storage) : shape_(&shape), storage_(storage) {
     const GLenum format = storage_format(storage);
     surface_ = Texture(format, shape.atlas->width(), shape.atlas->height(), shape.surface_layers());
-    view_ = Texture(format, shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side, terms_);
+    view_ = Texture(format, shape.grid.columns * shape.grid.view_side, shape.grid.rows * shape.grid.view_side,
+                    shape.terms());
 }
 
 namespace {
@@ -73,31 +74,31 @@ void visit_view(const MapShape& shape, int term, const Visit& visit) {
 
 }  // namespace
 
-void MapVector::upload(const MapShape& shape, std::span<const float> values) {
-    for (int layer = 0; layer < 3 * terms_; ++layer) {
+void MapVector::upload(std::span<const float> values) {
+    for (int layer = 0; layer < shape_->surface_layers(); ++layer) {
         StoredLayer data(surface_, storage_);
-        visit_surface(shape, layer / terms_, layer % terms_,
+        visit_surface(*shape_, layer / shape_->terms(), layer % shape_->terms(),
                       [&](int x, int y, size_t at) { data.put(x, y, values.data() + at); });
         surface_.upload(data.format(), data.type(), data.data().data(), layer);
     }
-    for (int term = 0; term < terms_; ++term) {
+    for (int term = 0; term < shape_->terms(); ++term) {
         StoredLayer data(view_, storage_);
-        visit_view(shape, term, [&](int x, int y, size_t at) { data.put(x, y, values.data() + at); });
+        visit_view(*shape_, term, [&](int x, int y, size_t at) { data.put(x, y, values.data() + at); });
         view_.upload(data.format(), data.type(), data.data().data(), term);
     }
 }
 
-void MapVector::download(const MapShape& shape, std::span<float> values) const {
-    for (int layer = 0; layer < 3 * terms_; ++layer) {
+void MapVector::download(std::span<float> values) const {
+    for (int layer = 0; layer < shape_->surface_layers(); ++layer) {
         StoredLayer data(surface_, storage_);
         surface_.download(data.format(), data.type(), data.data().data(), data.data().size(), layer);
-        visit_surface(shape, layer / terms_, layer % terms_,
+        visit_surface(*shape_, layer / shape_->terms(), layer % shape_->terms(),
                       [&](int x, int y, size_t at) { data.get(x, y, values.data() + at); });
     }
-    for (int term = 0; term < terms_; ++term) {
+    for (int term = 0; term < shape_->terms(); ++term) {
         StoredLayer data(view_, storage_);
         view_.download(data.format(), data.type(), data.data().data(), data.data().size(), term);
-        visit_view(shape, term, [&](int x, int y, size_t at) { data.get(x, y, values.data() + at); });
+        visit_view(*shape_, term, [&](int x, int y, size_t at) { data.get(x, y, values.data() + at); });
     }
 }
 

@@ -16,7 +16,7 @@ inline GLenum storage_format(Storage storage) {
 }
 inline GLenum sums_format(Sums sums) { return sums == Sums::fp32 ? GL_RGBA32F : GL_RGBA16F; }
 
-/// Where problems stand in M-texel textures, and their view maps in N-texel ones: vertex v at (v % columns, v /
+/// Where problems are in M-texel textures, and their view maps in N-texel ones: vertex v at (v % columns, v /
 /// columns), times the view map's side.
 struct ProblemGrid {
     int columns = 1, rows = 1, view_side = 8;
@@ -24,7 +24,7 @@ struct ProblemGrid {
     std::array<int, 2> at(size_t v) const { return {int(v) % columns, int(v) / columns}; }
 };
 
-/// What shaders are told of a loss (shaders/model/loss.glsl) and weights; empty: squares of equal weight.
+/// Definitions for shaders of a loss (shaders/model/loss.glsl) and weights; empty: squares of equal weight.
 Defines loss_defines(const Loss& loss);
 
 /// Everything that fixes the shape of an N-texel array.
@@ -44,23 +44,22 @@ struct MapShape {
 /// tiled by vertex.
 class MapVector {
 public:
-    MapVector() = default;
-    MapVector(const MapShape& shape, Storage storage);
-    void upload(const MapShape& shape, std::span<const float> values);    ///< Parameters order
-    void download(const MapShape& shape, std::span<float> values) const;  ///< Parameters order; waits
+    MapVector(const MapShape& shape, Storage storage);  ///< shape must outlive it
+    void upload(std::span<const float> values);         ///< Parameters order
+    void download(std::span<float> values) const;       ///< Parameters order; waits
     void clear() {
         surface_.clear();
         view_.clear();
     }
     const Texture& surface() const { return surface_; }
     const Texture& view() const { return view_; }
-    Target surface_target(int corner, int term) const { return {&surface_, corner * terms_ + term}; }
+    Target surface_target(int corner, int term) const { return {&surface_, corner * shape_->terms() + term}; }
     Target view_target(int term) const { return {&view_, term}; }
 
 private:
     Texture surface_, view_;
-    Storage storage_ = Storage::fp32;
-    int terms_ = 1;
+    const MapShape* shape_;
+    Storage storage_;
 };
 
 }  // namespace radiafit

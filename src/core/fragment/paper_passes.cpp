@@ -40,9 +40,10 @@ class PaperPasses final : public ImagePasses {
 public:
     explicit PaperPasses(const PassResources& resources);
     void count(const std::vector<ImageOnDevice>& images) override;
-    void direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                   MapSums* squares) override;
-    void line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) override;
+    void gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                       MapSums* squares) override;
+    void directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                          bool quartic) override;
 
 private:
     void begin_image(const ImageOnDevice& image, bool distribute);
@@ -203,8 +204,8 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
     }
 }
 
-void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
-                            MapSums* squares) {
+void PaperPasses::gradient_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, MapSums& gradient,
+                                MapSums* squares) {
     for (const ImageOnDevice& image : images) {
         begin_image(image, kept_.empty());
         look_up(x, value_targets_);
@@ -217,7 +218,8 @@ void PaperPasses::direction(const std::vector<ImageOnDevice>& images, const MapV
     }
 }
 
-void PaperPasses::line(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d, bool quartic) {
+void PaperPasses::directional_pass(const std::vector<ImageOnDevice>& images, const MapVector& x, const MapVector& d,
+                                   bool quartic) {
     constexpr Sum sums[4] = {Sum::gauss_newton, Sum::curvature, Sum::third, Sum::fourth};
     for (const ImageOnDevice& image : images) {
         begin_image(image, kept_.empty());

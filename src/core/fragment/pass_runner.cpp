@@ -23,11 +23,12 @@ void PassRunner::tally(bool on) {
 void PassRunner::add_draw(uint64_t entries) {
     GLuint64 fragments = 0;
     gl().GetQueryObjectui64v(query_, GL_QUERY_RESULT, &fragments);
-    PassTally& tally = tallies_[program_->label()];
-    tally.cost = program_->cost();
+    const std::string label = pass_label(*program_);
+    PassTally& tally = tallies_[label];
+    tally.cost = find_pass_cost(*program_);
     if (tally.cost && tally.cost->targets != target_->colours())
-        throw std::logic_error(fmt::format("{} declares {} targets and has {}", program_->label(), tally.cost->targets,
-                                           target_->colours()));
+        throw std::logic_error(
+            fmt::format("{} declares {} targets and has {}", label, tally.cost->targets, target_->colours()));
     ++tally.draws;
     tally.fragments += fragments;
     tally.entries += entries;

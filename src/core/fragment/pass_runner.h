@@ -3,8 +3,8 @@
 #include <map>
 #include <string>
 
+#include "fragment/pass_costs.h"
 #include "fragment/sls_mesh.h"
-#include "gl/pass_costs.h"
 
 namespace radiafit {
 
@@ -18,7 +18,7 @@ struct PassCounters {
 
 /// What the draws of one program amount to: its declared cost times what was measured.
 struct PassTally {
-    const PassCost* cost = nullptr;  ///< null: none is declared, and no work can be told
+    const PassCost* cost = nullptr;  ///< null: none is declared, and the work is unknown
     uint64_t draws = 0;
     uint64_t fragments = 0;  ///< that reached their targets
     uint64_t entries = 0;    ///< turns of the program's loop
@@ -88,9 +88,10 @@ public:
 
     /// Starts over a tally of every pass, or ends it. Fragments are those that occlusion queries count, exact on
     /// llvmpipe too, where pipeline statistics count blocks of 4 x 4: fragments of texels that are covered and, in the
-    /// item buffer, nearest so far. Each draw waits for its own: no time taken meanwhile tells anything.
+    /// item buffer, nearest so far. Each draw waits for its query, so that times taken meanwhile mean
+    /// nothing.
     void tally(bool on);
-    /// By the programs' labels. Depth is left out.
+    /// By pass_label(). Depth is left out.
     const std::map<std::string, PassTally>& tallies() const { return tallies_; }
     uint64_t cleared_bytes() const { return cleared_bytes_; }
 

@@ -38,7 +38,7 @@ public:
     static std::array<float, 12> camera_rows(const Camera& camera);
 
 private:
-    /// Which of the triangles are drawn, as an array of their own.
+    /// Which of the triangles are drawn, as an array of them alone.
     struct Drawn {
         VertexArray array;
         Buffer elements;

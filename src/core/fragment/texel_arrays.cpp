@@ -14,9 +14,10 @@ TexelShape::TexelShape(const Atlas& texels, const TexelModel& of, const Loss& it
 }
 
 TexelVector::TexelVector(const TexelShape& shape, Storage storage)
-    : maps_(storage_format(storage), shape.width(), shape.height(), shape.maps()), storage_(storage) {}
+    : shape_(&shape), maps_(storage_format(storage), shape.width(), shape.height(), shape.maps()), storage_(storage) {}
 
-void TexelVector::upload(const TexelShape& shape, std::span<const float> values) {
+void TexelVector::upload(std::span<const float> values) {
+    const TexelShape& shape = *shape_;
     const size_t count = size_t(shape.model->parameters);
     for (int map = 0; map < shape.maps(); ++map) {
         StoredLayer data(maps_, storage_);
@@ -30,7 +31,8 @@ void TexelVector::upload(const TexelShape& shape, std::span<const float> values)
     }
 }
 
-void TexelVector::download(const TexelShape& shape, std::span<float> values) const {
+void TexelVector::download(std::span<float> values) const {
+    const TexelShape& shape = *shape_;
     const size_t count = size_t(shape.model->parameters);
     for (int map = 0; map < shape.maps(); ++map) {
         StoredLayer data(maps_, storage_);

@@ -31,25 +31,24 @@ struct TexelShape {
     Defines defines(Storage storage) const {
         return Defines{{"MODEL", model->name}, {"STORAGE", std::to_string(int(storage))}} + loss_defines(loss);
     }
-    /// Where parameter i stands: its layer and channel. See shaders/reflect/parameters.glsl.
+    /// The layer and channel of parameter i. See shaders/reflect/parameters.glsl.
     static std::array<int, 2> map_of(int parameter) { return {parameter / 3, parameter % 3}; }
 };
 
 /// Parameters, or as many numbers: RGBA maps, three numbers each. Parameters order is [texel][parameter].
 class TexelVector {
 public:
-    TexelVector() = default;
-    TexelVector(const TexelShape& shape, Storage storage);
-    void upload(const TexelShape& shape, std::span<const float> values);
-    void download(const TexelShape& shape, std::span<float> values) const;  ///< waits
+    TexelVector(const TexelShape& shape, Storage storage);  ///< shape must outlive it
+    void upload(std::span<const float> values);
+    void download(std::span<float> values) const;  ///< waits
     void clear() { maps_.clear(); }
-    Storage storage() const { return storage_; }
     const Texture& maps() const { return maps_; }
     Target target(int map) const { return {&maps_, map}; }
 
 private:
+    const TexelShape* shape_;
     Texture maps_;
-    Storage storage_ = Storage::fp32;
+    Storage storage_;
 };
 
 /// Layers of RGBA that passes over images add to, each a target by itself, or all of one pass.

@@ -12,7 +12,7 @@ namespace radiafit {
 namespace {
 
 // Section 6.5's proposal: a fragment loops over the pixels that its texel takes, and writes all sums at once. Over a
-// grid they stand in a stack of images; over a mesh a pass for each image leaves them in a layer, until there is no
+// grid these are in a stack of images; over a mesh a pass for each image leaves them in a layer, until there is no
 // more room.
 class CombinedTexelPasses final : public TexelPasses {
 public:
@@ -20,8 +20,9 @@ public:
     int batch() const override { return w_.mesh ? 1 : room_; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
-    void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
-    void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) override;
+    void gradient_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
+    void directional_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x,
+                          const TexelVector& d) override;
     void finish() override;
 
 private:
@@ -151,13 +152,14 @@ void CombinedTexelPasses::start(const std::vector<ImageOnDevice>& images, int gr
     add(images, start_[size_t(window)], sums.all);
 }
 
-void CombinedTexelPasses::direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
+void CombinedTexelPasses::gradient_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
     const Program& program = diagonal ? gradient_and_diagonal_ : gradient_;
     program.bind("parameters", x.maps());
     add(images, program, diagonal ? with_diagonal_ : w_.sums.gradient.all);
 }
 
-void CombinedTexelPasses::line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) {
+void CombinedTexelPasses::directional_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x,
+                                           const TexelVector& d) {
     line_.bind_if_used("parameters", x.maps());
     line_.bind("direction", d.maps());
     add(images, line_, w_.sums.line.all);

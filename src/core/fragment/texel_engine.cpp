@@ -1,15 +1,14 @@
 #include "fragment/texel_engine.h"
 
-#include <algorithm>
-
 #include "dataset/encoding.h"
 
 namespace radiafit {
+
 TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& atlas, std::vector<uint32_t> views,
                                          const TexelOptions& options, const FragmentOptions& fragment_options)
-    : allocated_before_(Context::current().allocated_bytes()),
-      dataset_((require_lights(dataset), &dataset)),
+    : dataset_((require_lights(dataset), &dataset)),
       options_((check_options(options), options)),
+      storage_(fragment_options.storage),
       shape_(atlas, *options.model, options.loss),
       images_(dataset, std::move(views), fragment_options.source, TargetSpace::linear,
               fragment_options.keep_on_device) {
@@ -23,10 +22,9 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     surface_ = single(2);
     for (Texture* texture : {&inverse_samples_, &penalty_})
         *texture = Texture(GL_R32F, shape_.width(), shape_.height());
-    numbers_.emplace(shape_.width(), shape_.height(), shape_.texels(), shape_.place, "texels");
-    make_products(Room().product_count());
-    const Storage storage = fragment_options.storage;
-    for (int v = 0; v < vector::first_own; ++v) vectors_.push_back(TexelVector(shape_, storage));
+    numbers_ = std::make_unique<ProblemNumbers>(*run_, shape_.width(), shape_.height(), shape_.texels(), shape_.place,
+                                                "texels");
+    make_room({});
     const GLenum summed = sums_format(fragment_options.sums);
     sums_.gradient = TexelSumLayers(summed, shape_, shape_.maps());
     sums_.diagonal = TexelSumLayers(summed, shape_, shape_.diagonal_layers());
@@ -40,7 +38,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
                                        sums_,
                                        dataset,
                                        images_,
-                                       storage,
+                                       storage_,
                                        has_largest_value(dataset.encoding) ? options_.clip_above : 0};
     passes_ = fragment_options.passes == Passes::paper
                   ? make_paper_texel_passes(resources)
@@ -49,27 +47,25 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
 
     penalty_target_ = Framebuffer({{&penalty_}});
     const auto whole = [&](const char* shader, const Defines& what = {}) {
-        return Program::draw("common/whole.vert", std::string("reflect/") + shader, shape_.defines(storage) + what);
+        return Program::draw("common/whole.vert", std::string("reflect/") + shader, shape_.defines(storage_) + what);
     };
     penalty_program_ = whole("penalty.frag");
     penalty_curvature_ = whole("penalty.frag", {{"ALONG", ""}});
     gradient_ = whole("gradient.frag");
     precondition_ = whole("precondition.frag");
     dot_ = Program::draw("common/whole.vert", "optimize/dot.frag",
-                         {{"STORAGE", std::to_string(int(storage))},
+                         {{"STORAGE", std::to_string(int(storage_))},
                           {"TERMS", std::to_string(shape_.maps())},
                           {"TOGETHER", ""},
-                          {"VIEW_MAPS", ""}});  // as these, maps stand one behind another in one place
+                          {"VIEW_MAPS", ""}});  // as view maps, these are layers of one texture
     for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
     gradient_.bind("sample_sums", sums_.gradient.layers);
     precondition_.bind("sample_sums", sums_.diagonal.layers);
     for (const Program* program : {&gradient_, &precondition_}) program->bind("inverse_samples", inverse_samples_);
     write_surface(shape_, {}, surface_);
-    bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_);
+    count_bytes();
 }
-
-TexelFragmentEngine::~TexelFragmentEngine() = default;
 
 void TexelFragmentEngine::set_bounds(const Program& program) const {
     const MapBounds bounds(shape_);
@@ -120,7 +116,7 @@ ProblemStatistics TexelFragmentEngine::count() {
     for (size_t texel = 0; texel < texels; ++texel)
         inverse_samples[texel] = statistics.samples[texel] ? 1 / float(statistics.samples[texel]) : 0.0f;
     write_texels(shape_, inverse_samples, inverse_samples_);
-    samples_ = statistics.samples;
+    sample_counts_ = statistics.samples;
     return statistics;
 }
 
@@ -146,13 +142,6 @@ std::vector<float> TexelFragmentEngine::start() {
     return std::move(solver).parameters();
 }
 
-void TexelFragmentEngine::reset(std::span<const float> start) {
-    for (TexelVector& v : vectors_) v.clear();
-    vectors_[vector::trial].upload(shape_, start);
-    vectors_[vector::p].upload(shape_, start);  // what a problem without samples returns
-    numbers_->reset([&](size_t texel) { return samples_[texel]; });
-}
-
 void TexelFragmentEngine::make_products(int count) {
     if (products_ && products_.layers() == count) return;
     product_targets_.clear();
@@ -160,18 +149,9 @@ void TexelFragmentEngine::make_products(int count) {
     for (int layer = 0; layer < count; ++layer) product_targets_.push_back(Framebuffer({{&products_, layer}}));
 }
 
-void TexelFragmentEngine::make_room(const Room& room) {
-    const int64_t before = Context::current().allocated_bytes();
-    make_own_vectors(room, vectors_, targets_, [&] { return TexelVector(shape_, vectors_[0].storage()); });
-    make_products(room.product_count());
-    numbers_->make_room(room);
-    bytes_ += uint64_t(Context::current().allocated_bytes() - before);
-}
-
 const Program& TexelFragmentEngine::update_program(Update which) {
     Program& program = updates_[which];
-    if (!program)
-        program = make_update(which, "common/whole.vert", "texel_elements", shape_.defines(vectors_[0].storage()));
+    if (!program) program = make_update(which, "common/whole.vert", "texel_elements", shape_.defines(storage_));
     return program;
 }
 
@@ -202,7 +182,7 @@ void TexelFragmentEngine::gradient_pass(bool diagonal) {
     const TexelVector& trial = vectors_[vector::trial];
     sums_.gradient.clear(*run_);
     if (diagonal) sums_.diagonal.clear(*run_);
-    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->direction(images, trial, diagonal); });
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->gradient_pass(images, trial, diagonal); });
     penalty_pass(penalty_program_, trial);
     for (const Program* program : {&gradient_, &precondition_}) program->bind_if_used("parameters", trial.maps());
     map_passes(gradient_, targets({{vector::trial_g}}));
@@ -212,7 +192,7 @@ void TexelFragmentEngine::gradient_pass(bool diagonal) {
 void TexelFragmentEngine::directional_pass() {
     const TexelVector &p = vectors_[vector::p], &d = vectors_[vector::d];
     sums_.line.clear(*run_);
-    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->line(images, p, d); });
+    sweep([&](const std::vector<ImageOnDevice>& images) { passes_->directional_pass(images, p, d); });
     penalty_curvature_.bind("direction", d.maps());
     penalty_pass(penalty_curvature_, p);
 }
@@ -235,39 +215,26 @@ void TexelFragmentEngine::step(Step which, const Turn& turn) {
     program.bind_if_used("penalties", penalty_);
     program.bind_if_used("line_sums", sums_.line.layers);
     program.bind_if_used("products", products_);
-    numbers_->step(*run_, which, turn);
+    numbers_->step(which, turn);
 }
 
 void TexelFragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                                  std::initializer_list<float> constants) {
-    const std::span<const int> list(vectors.begin(), vectors.end());
+    const std::span<const int> list(vectors);
     const Program& program = update_program(which);
-    numbers_->tell_update(program, products_, {numbers.begin(), numbers.end()}, {constants.begin(), constants.end()});
+    numbers_->set_update(program, products_, numbers, constants);
     for (size_t k = 0; k < list.size(); ++k) program.bind("vectors", vectors_[size_t(list[k])].maps(), k);
     gl().TextureBarrier();
     map_passes(program, targets(list.first(size_t(updates[int(which)].written))));
     gl().TextureBarrier();
 }
 
-void TexelFragmentEngine::read_parameters(std::span<float> out) const { vectors_[vector::p].download(shape_, out); }
-
-TexelFragmentEngine::Evaluation TexelFragmentEngine::read_evaluation() const {
-    Evaluation result;
-    const std::vector<float> squares = read_texels(shape_, sums_.gradient.layers, 3),
-                             inverse_samples = read_texels(shape_, inverse_samples_, 0),
+std::vector<float> TexelFragmentEngine::trial_errors() const {
+    std::vector<float> errors = read_texels(shape_, sums_.gradient.layers, 3);
+    const std::vector<float> inverse_samples = read_texels(shape_, inverse_samples_, 0),
                              penalty = read_texels(shape_, penalty_, 0);
-    for (size_t i = 0; i < squares.size(); ++i)
-        result.error.push_back(0.5f * inverse_samples[i] * squares[i] + penalty[i]);
-    result.gradient.resize(parameter_count());
-    result.diagonal.resize(parameter_count());
-    vectors_[vector::trial_g].download(shape_, result.gradient);
-    vectors_[vector::fresh].download(shape_, result.diagonal);
-    return result;
-}
-
-void TexelFragmentEngine::set_line(std::span<const float> p, std::span<const float> d) {
-    vectors_[vector::p].upload(shape_, p);
-    vectors_[vector::d].upload(shape_, d);
+    for (size_t i = 0; i < errors.size(); ++i) errors[i] = 0.5f * inverse_samples[i] * errors[i] + penalty[i];
+    return errors;
 }
 
 TexelFragmentEngine::Line TexelFragmentEngine::read_line() const {
@@ -278,13 +245,7 @@ TexelFragmentEngine::Line TexelFragmentEngine::read_line() const {
         for (size_t i = 0; i < out.size(); ++i) out[i] = inverse_samples[i] * out[i] + penalty[i];
         return out;
     };
-    return {sums(0), sums(1)};
-}
-
-const FragmentTimes& TexelFragmentEngine::times() const {
-    static_cast<SweepTimes&>(times_) = images_.times();
-    times_.counters = run_->counters;
-    return times_;
+    return {sums(0), sums(1), {}, {}};
 }
 
 }  // namespace radiafit

@@ -14,17 +14,15 @@ namespace radiafit {
 /// device as they do for light field maps, and each texel has one error, one step and one decision for all its
 /// parameters. Fulfils Engine, with a problem per texel of the atlas; E of a texel is over the number of its samples.
 /// Images are fitted in linear light. The context must be current wherever it is used, and when it is destroyed.
-class TexelFragmentEngine {
+class TexelFragmentEngine final : public DeviceEngine<TexelVector, ProblemNumbers> {
 public:
     /// dataset and atlas must outlive it. atlas: the triangles of the dataset's mesh, or its grid. views: indices of
     /// the images to fit, each with a light. Of fragment_options, space and scissored mean nothing here. Throws
     /// UserError for a dataset without lights, options out of range and sizes beyond the device's limits.
     TexelFragmentEngine(const Dataset& dataset, const Atlas& atlas, std::vector<uint32_t> views,
                         const TexelOptions& options, const FragmentOptions& fragment_options);
-    ~TexelFragmentEngine();
 
-    size_t problem_count() const { return shape_.texels(); }
-    size_t parameter_count() const { return shape_.texels() * size_t(shape_.model->parameters); }
+    size_t parameter_count() const override { return shape_.texels() * size_t(shape_.model->parameters); }
 
     /// samples: those that count (model/texel_options.h). mean: the Lambertian albedo sum t u_z / sum u_z^2 over them;
     /// 0 without samples. Two sweeps where shadow_below needs that albedo first.
@@ -34,37 +32,17 @@ public:
     /// starts; allocates up to eight layers for its time, and a group's sums in host memory.
     std::vector<float> start();
 
-    // The other verbs of optim/engine.h.
-    void reset(std::span<const float> start);
-    void fit_terms(int, int) {}
-    void make_room(const Room& room);
+    // The other verbs of optim/engine.h that DeviceEngine lacks.
     void gradient_pass(bool diagonal);
     void directional_pass();
     void dot(std::initializer_list<DotProduct> products);
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    EngineSummary summary() { return numbers_->summary(*run_); }
-    void outcomes(std::span<ProblemOutcome> out) const { numbers_->outcomes(out); }
-    void read_errors(std::span<float> out) const { numbers_->read_errors(out); }
-    void read_parameters(std::span<float> out) const;  ///< as they are: another gauge than the canonical one may be
+    Line read_line() const override;
 
-    // What tests and agreement checks look at.
-    struct Evaluation {
-        std::vector<float> error;               ///< [texels] E_t at the trial point
-        std::vector<float> gradient, diagonal;  ///< [texels][parameters]; diagonal: the fresh preconditioner
-    };
-    Evaluation read_evaluation() const;  ///< after gradient_pass(true)
-    struct Line {
-        std::vector<float> gauss_newton, curvature;  ///< [texels], penalties included
-    };
-    Line read_line() const;                                             ///< after directional_pass()
-    void set_line(std::span<const float> p, std::span<const float> d);  ///< for directional_pass()
-
-    const FragmentTimes& times() const;
+    FragmentTimes times() const { return {images_.times(), run_->counters}; }
     PassRunner& passes() { return *run_; }  ///< to tally them
-    /// Allocated on the device by this engine; fragment/texel_plan.h foretells it.
-    uint64_t bytes() const { return bytes_; }
 
 private:
     template <class Body>
@@ -76,19 +54,20 @@ private:
     const Program& update_program(Update which);  ///< compiled when it is first asked for
     /// Of these vectors together, [map].
     const std::vector<Framebuffer>& targets(std::span<const int> vectors);
-    void make_products(int count);
+    TexelVector make_vector() const override { return {shape_, storage_}; }
+    void make_products(int count) override;
+    void drop_targets() override { drop_optimizers(targets_); }
+    std::vector<float> trial_errors() const override;
 
-    int64_t allocated_before_;
     const Dataset* dataset_;
     TexelOptions options_;
+    Storage storage_;
     TexelShape shape_;
     ImageSweep images_;
     std::optional<SlsMesh> mesh_;  ///< none over a grid
     std::optional<PassRunner> run_;
     Texture surface_;  ///< layers: position and usability; normal and darkness
     Texture inverse_samples_, penalty_, products_;
-    std::optional<ProblemNumbers> numbers_;
-    std::vector<TexelVector> vectors_;  ///< those of optim/verbs.h, then the optimizer's own
     TexelAccumulators sums_;
     std::unique_ptr<TexelPasses> passes_;
     Framebuffer penalty_target_;
@@ -96,9 +75,6 @@ private:
     std::map<VectorList, std::vector<Framebuffer>> targets_;
     std::map<Update, Program> updates_;
     Program penalty_program_, penalty_curvature_, gradient_, precondition_, dot_;
-    std::vector<uint32_t> samples_;  ///< [texels], from count()
-    mutable FragmentTimes times_;
-    uint64_t bytes_ = 0;
 };
 
 }  // namespace radiafit

@@ -12,8 +12,9 @@ public:
     int batch() const override { return 1; }
     void count(const std::vector<ImageOnDevice>& images) override;
     void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) override;
-    void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
-    void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) override;
+    void gradient_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) override;
+    void directional_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x,
+                          const TexelVector& d) override;
 
 private:
     void keep(const ImageOnDevice& image, const Program& program);
@@ -116,7 +117,7 @@ void PaperTexelPasses::start(const std::vector<ImageOnDevice>& images, int group
     }
 }
 
-void PaperTexelPasses::direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
+void PaperTexelPasses::gradient_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) {
     for (const Program* program : all_) program->bind_if_used("parameters", x.maps());
     for (const ImageOnDevice& image : images) {
         keep(image, residual_);
@@ -126,7 +127,8 @@ void PaperTexelPasses::direction(const std::vector<ImageOnDevice>& images, const
     }
 }
 
-void PaperTexelPasses::line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) {
+void PaperTexelPasses::directional_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x,
+                                        const TexelVector& d) {
     for (const Program* program : {&residual_, &line_}) program->bind_if_used("parameters", x.maps());
     line_.bind("direction", d.maps());
     for (const ImageOnDevice& image : images) {

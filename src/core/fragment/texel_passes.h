@@ -26,9 +26,10 @@ public:
     /// One window of one group of a StartLayout into `sums`, as many layers as the window has targets.
     virtual void start(const std::vector<ImageOnDevice>& images, int group, int window, const TexelSumLayers& sums) = 0;
     /// At x: the gradient's sums, and on request the diagonal's.
-    virtual void direction(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) = 0;
+    virtual void gradient_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x, bool diagonal) = 0;
     /// At x along d.
-    virtual void line(const std::vector<ImageOnDevice>& images, const TexelVector& x, const TexelVector& d) = 0;
+    virtual void directional_pass(const std::vector<ImageOnDevice>& images, const TexelVector& x,
+                                  const TexelVector& d) = 0;
     /// Ends a sweep of one of the above: only now must every image's samples be in the sums.
     virtual void finish() {}
 };

@@ -15,7 +15,7 @@ namespace {
 
 // Uniforms that start.frag has room for.
 constexpr int most_shape_uniforms = 10;
-// Pivots below this part of their diagonal entry are what sums of floats can't tell from zero.
+// Pivots below this part of their diagonal entry are zero but for the rounding of sums of floats.
 constexpr double noise = 1e-6;
 
 template <int basis>
@@ -36,7 +36,7 @@ Fit<basis> solve(const float* numbers, int candidate, const double (&bounds)[bas
         for (auto& channel : slope) channel[k] = -double(*at++);
     }
     const bool bounded = are_meant({bounds[basis - 1][0], bounds[basis - 1][1]});
-    // a plain linear fit has no bounds that would keep coefficients small where samples don't tell them apart
+    // a plain linear fit has no bounds that would keep coefficients small where samples don't determine each of them
     const SmallFactor<double, basis> factor(normal, bounded ? noise : 10 * noise,
                                             bounded ? SmallPivots::raised : SmallPivots::left_out);
     Fit<basis> fit{};
@@ -73,11 +73,11 @@ void take_group(const StartLayout& layout, const TexelModel& model, int group, s
 
 StartLayout::StartLayout(const TexelModel& model) {
     const int plain = model.basis - 1, starts = std::max<int>(1, int(model.starts.size()));
-    const int shared = plain * (plain + 1) / 2 + 3 * plain, own = model.basis + 3;
-    candidates = std::clamp((4 * most_targets - shared) / own, 1, starts);
+    const int shared = plain * (plain + 1) / 2 + 3 * plain, of_candidate = model.basis + 3;
+    candidates = std::clamp((4 * most_targets - shared) / of_candidate, 1, starts);
     if (model.shape > 0) candidates = std::clamp(most_shape_uniforms / ((model.shape + 2) / 3), 1, candidates);
     groups = (starts + candidates - 1) / candidates;
-    numbers = shared + candidates * own;
+    numbers = shared + candidates * of_candidate;
 }
 
 StartSolver::StartSolver(const TexelModel& model, size_t texels)

@@ -9,7 +9,7 @@ namespace radiafit {
 
 class SlsMesh;
 
-/// Where each tile stands in textures with one texel per tile: y * columns + x. Neighbours in the texture face alike,
+/// Where each tile is in textures with one texel per tile: y * columns + x. Neighbours in the texture face alike,
 /// so that fragments of tiles seen and unseen seldom share a vector.
 struct TilePlaces {
     int columns, rows;

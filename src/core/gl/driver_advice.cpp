@@ -16,7 +16,7 @@ bool is_there(const fs::path& path) {
 }
 
 /// "535.183.01" of "NVRM version: NVIDIA UNIX x86_64 Kernel Module  535.183.01  Sun May 12 …", whose open modules say
-/// "UNIX Open Kernel Module for x86_64"; empty where it is not told.
+/// "UNIX Open Kernel Module for x86_64"; empty where the file says none.
 std::string nvidia_version(const fs::path& file) {
     std::ifstream in(file);
     std::string line;

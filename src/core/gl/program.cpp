@@ -14,7 +14,6 @@
 
 #include "base/error.h"
 #include "gl/embedded_shaders.h"
-#include "gl/pass_costs.h"
 
 namespace radiafit {
 namespace {
@@ -138,9 +137,8 @@ Program Program::draw(const std::string& vertex_file, const std::string& fragmen
     const GLuint fragment = compile(GL_FRAGMENT_SHADER, fragment_file, defines);
     program.name_ = link({vertex, fragment}, vertex_file + " and " + fragment_file);
     program.find_inputs();
-    const std::string variant = pass_variant(defines);
-    program.label_ = variant.empty() ? fragment_file : fragment_file + " " + variant;
-    program.cost_ = find_pass_cost(fragment_file, variant);
+    program.file_ = fragment_file;
+    program.defines_ = defines;
     return program;
 }
 
@@ -148,8 +146,8 @@ Program Program::compute(const std::string& file, const Defines& defines) {
     Program program;
     program.name_ = link({compile(GL_COMPUTE_SHADER, file, defines)}, file);
     program.find_inputs();
-    const std::string variant = pass_variant(defines);
-    program.label_ = variant.empty() ? file : file + " " + variant;
+    program.file_ = file;
+    program.defines_ = defines;
     return program;
 }
 
@@ -191,8 +189,8 @@ Program::Input* Program::find(std::string_view name) const {
 
 Program::Input* Program::used(std::string_view name) const {
     Input* input = find(name);
-    if (!input && detail::check_gl_calls) throw std::logic_error(fmt::format("{} uses no {}", label_, name));
-    if (input) input->told = true;
+    if (!input && detail::check_gl_calls) throw std::logic_error(fmt::format("{} uses no {}", file_, name));
+    if (input) input->given = true;
     return input;
 }
 
@@ -237,7 +235,7 @@ void Program::use() const {
     for (GLuint unit = 0; unit < textures_.size(); ++unit) gl().BindTextureUnit(unit, textures_[unit]);
     if (!detail::check_gl_calls) return;
     for (const Input& input : inputs_)
-        if (!input.told) throw std::logic_error(fmt::format("{} draws without its {}", label_, input.name));
+        if (!input.given) throw std::logic_error(fmt::format("{} draws without its {}", file_, input.name));
 }
 
 Program::~Program() {

@@ -16,10 +16,8 @@ inline Defines operator+(Defines a, const Defines& b) {
     return a;
 }
 
-struct PassCost;
-
 /// A shader with every #include "…" (relative to shaders/) expanded once, and #line kept, so that errors name the real
-/// file. Texts are part of the library; those of a folder named by RADIAFIT_SHADERS stand in for them all. Where the
+/// file. Texts are part of the library; those of a folder named by RADIAFIT_SHADERS replace them all. Where the
 /// name of a file is a definition's, that definition takes its place: "model/MODEL.glsl".
 struct ShaderText {
     std::string text;
@@ -28,10 +26,11 @@ struct ShaderText {
 /// `file` begins with a #version line; `defines` follow it. Throws UserError for a file that cannot be read.
 ShaderText expand_shader(const std::string& file, const Defines& defines = {});
 
-/// A linked program of the current context. What it is told goes by the names in its text: uniforms by set(), textures
-/// by bind(), both until they are told otherwise. While a debugging context is current, a name that the linked program
-/// doesn't use is a std::logic_error, and so is a draw with something untold; else either is passed over, for which
-/// names are in use is the compiler's to say. Passes that share an interface and are told alike say so: ..._if_used().
+/// A linked program of the current context. Its inputs go by the names in its text: uniforms are set, textures and
+/// buffers are bound, and each stays until it is set or bound again. While a debugging context is current, a name that
+/// the linked program doesn't use is a std::logic_error, and so is a draw with an input never set or bound; else either
+/// is passed over, for compilers differ in which names remain in use. What is set in several programs, of which not all
+/// use it, goes by ..._if_used().
 class Program {
 public:
     Program() = default;
@@ -46,8 +45,8 @@ public:
         std::swap(inputs_, other.inputs_);
         std::swap(textures_, other.textures_);
         std::swap(buffers_, other.buffers_);
-        std::swap(label_, other.label_);
-        std::swap(cost_, other.cost_);
+        std::swap(file_, other.file_);
+        std::swap(defines_, other.defines_);
         return *this;
     }
 
@@ -66,24 +65,23 @@ public:
     void bind_if_used(std::string_view name, const auto& texture_or_buffer) const {
         if (find(name)) bind(name, texture_or_buffer);
     }
-    /// Draws are with this program, its uniforms, textures and buffers, all of which it has been told.
+    /// Draws are with this program, its uniforms, textures and buffers, all of which must have been set or bound.
     void use() const;
     /// So many work groups, of a program for computing. What they write to storage buffers, later programs read there
     /// and by buffer textures, and Buffer::read().
     void dispatch(size_t groups) const;
 
     explicit operator bool() const { return name_ != 0; }
-    /// The fragment stage and what its cost depends on, such as "gather/look_up.frag STORAGE=0 TERMS=1".
-    const std::string& label() const { return label_; }
-    /// What a fragment declares to cost; null where none is declared (gl/pass_costs.h).
-    const PassCost* cost() const { return cost_; }
+    /// Of the fragment or compute stage, under shaders/.
+    const std::string& file() const { return file_; }
+    const Defines& defines() const { return defines_; }
 
 private:
     /// A uniform in use, samplers in an array, or a storage block.
     struct Input {
         std::string name;
         int location = 0, unit = -1;  ///< unit: of its first texture, or of its buffer; -1 for a uniform
-        bool told = false;
+        bool given = false;           ///< has been set or bound
     };
     void find_inputs();
     Input* find(std::string_view name) const;
@@ -93,8 +91,8 @@ private:
     // What the program's object holds is not this handle's.
     mutable std::vector<Input> inputs_;
     mutable std::vector<GLuint> textures_, buffers_;  ///< by unit
-    std::string label_;
-    const PassCost* cost_ = nullptr;
+    std::string file_;
+    Defines defines_;
 };
 
 }  // namespace radiafit

@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "cpu/peaks.h"
-#include "gl/peaks.h"
+#include "fragment/peaks.h"
 
 namespace radiafit::harness {
 namespace {

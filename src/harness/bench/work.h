@@ -23,7 +23,7 @@ struct Kept {
 PassLoad light_field_load(Pass pass, double samples, int terms, const Kept& kept);
 PassLoad lafortune_load(Pass pass, double samples, const Kept& kept);
 
-/// What fragment programs declare (gl/pass_costs.h), times how often they run while body() does.
+/// What fragment programs declare (fragment/pass_costs.h), times how often they run while body() does.
 template <class Body>
 PassLoad declared_load(PassRunner& passes, const Body& body) {
     passes.tally(true);

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <span>
 #include <string>
 
 #include "gl/program.h"
@@ -30,11 +29,13 @@ struct PassCost {
     Work fragment;
     Work entry;  ///< of one turn of its loop, if how often it turns is known to the pass alone
 };
-std::span<const PassCost> pass_costs();
 
 /// The definitions that a cost depends on: "NAME=value NAME …" in order; sizes of maps and layouts don't count.
 std::string pass_variant(const Defines& defines);
-/// Null where none is declared: terms beyond the first, parameters in 16 bits, other batches.
-const PassCost* find_pass_cost(const std::string& shader, const std::string& variant);
+/// The program's fragment stage and its variant, such as "gather/look_up.frag STORAGE=0 TERMS=1".
+std::string pass_label(const Program& program);
+/// What a fragment of it costs; null where none is declared: terms beyond the first, parameters in 16 bits, other
+/// batches.
+const PassCost* find_pass_cost(const Program& program);
 
 }  // namespace radiafit

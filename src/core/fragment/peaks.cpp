@@ -1,4 +1,4 @@
-#include "gl/peaks.h"
+#include "fragment/peaks.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "gl/pass_costs.h"
+#include "fragment/pass_costs.h"
 #include "gl/texture.h"
 #include "gl/timer.h"
 
@@ -82,8 +82,8 @@ Work rate_of_loop(const std::string& shader, float per_turn) {
     });
     expect_result(result, per_turn * float(turns), shader);
     const uint64_t fragments = uint64_t(result.width()) * result.height();
-    const Work work = Work(program.cost()->fragment * fragments) +=
-        program.cost()->entry * (fragments * uint64_t(turns));
+    const PassCost& cost = *find_pass_cost(program);
+    const Work work = Work(cost.fragment * fragments) += cost.entry * (fragments * uint64_t(turns));
     const auto rate = [&, s = seconds](uint64_t amount) { return uint64_t(double(amount) / s); };
     return {rate(work.operations), rate(work.reads), rate(work.read_bytes)};
 }
@@ -111,7 +111,7 @@ double bytes_per_second(bool blend) {
     gl().Disable(GL_BLEND);
     for (const Texture& texture : textures) expect_result(texture, 1, "peaks/copy.frag");
     const double texels = 2.0 * draws * side * side;
-    return texels * double(program.cost()->fragment.read_bytes + (blend ? 2 : 1) * 16) / seconds;
+    return texels * double(find_pass_cost(program)->fragment.read_bytes + (blend ? 2 : 1) * 16) / seconds;
 }
 
 // Of shaders/peaks/*.comp.

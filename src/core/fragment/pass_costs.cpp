@@ -1,11 +1,11 @@
-#include "gl/pass_costs.h"
+#include "fragment/pass_costs.h"
 
 #include <algorithm>
 
 namespace radiafit {
 namespace {
 
-// One line each, as tests/check_costs.py reads them and says them where they are wrong:
+// One line each, as tests/check_costs.py reads and checks them; with --write it puts in what it counts:
 // shader, variant, targets, a fragment's {operations, reads, bytes read}, {} or the same of an entry of its loop
 // clang-format off
 constexpr PassCost table[] = {
@@ -192,13 +192,11 @@ constexpr PassCost table[] = {
 };
 // clang-format on
 
-// Sizes that constants in the program stand for; the test counts with two values of each.
+// Sizes of maps and layouts, which change no count: tests/check_costs.py counts with two values of each.
 constexpr const char* sizes[] = {"VIEW_SIDE", "COLUMNS", "SIDE",        "RECTANGLES", "ROWS",
                                  "BANDS",     "ENTRIES", "SOURCE_SIDE", "TARGET_SIDE"};
 
 }  // namespace
-
-std::span<const PassCost> pass_costs() { return table; }
 
 std::string pass_variant(const Defines& defines) {
     std::vector<std::string> items;
@@ -211,9 +209,15 @@ std::string pass_variant(const Defines& defines) {
     return variant;
 }
 
-const PassCost* find_pass_cost(const std::string& shader, const std::string& variant) {
+std::string pass_label(const Program& program) {
+    const std::string variant = pass_variant(program.defines());
+    return variant.empty() ? program.file() : program.file() + " " + variant;
+}
+
+const PassCost* find_pass_cost(const Program& program) {
+    const std::string variant = pass_variant(program.defines());
     const auto found = std::find_if(std::begin(table), std::end(table), [&](const PassCost& cost) {
-        return cost.shader == shader && cost.variant == variant;
+        return cost.shader == program.file() && cost.variant == variant;
     });
     return found == std::end(table) ? nullptr : found;
 }

@@ -3,7 +3,7 @@
 namespace radiafit {
 
 /// What the fragment stage of the current context can do at most, measured: the yardsticks of utilization. Operations,
-/// reads and bytes are those that gl/pass_costs.h counts.
+/// reads and bytes are those that fragment/pass_costs.h counts.
 struct GlPeaks {
     double operations_s = 0;  ///< per second: multiply-adds in registers, two each
     double reads_s = 0;       ///< texels of 16 bytes that caches hold
