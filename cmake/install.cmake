@@ -1,14 +1,15 @@
 # find_package(radiafit) gives radiafit::core: problems, optimizers, devices, datasets, the judge, synthetic datasets. Importers
 # and the rivals (Ceres) are apart: they are the program's alone.
 include(CMakePackageConfigHelpers)
-set(core_layers base geometry model dataset synthetic samples optim cpu gl fragment compute fit eval)
+set(core_layers base image geometry model dataset synthetic samples optim cpu gl fragment compute fit eval)
 add_library(radiafit_core INTERFACE)
 target_link_libraries(radiafit_core INTERFACE radiafit_synthetic radiafit_cpu radiafit_compute radiafit_eval)
 set(core_targets radiafit_core radiafit_headers)
 foreach(layer IN LISTS core_layers)
   list(APPEND core_targets radiafit_${layer})
   set_target_properties(radiafit_${layer} PROPERTIES EXPORT_NAME ${layer})
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${layer} DESTINATION include/radiafit FILES_MATCHING PATTERN *.h)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${layer} DESTINATION include/radiafit FILES_MATCHING PATTERN *.h
+          PATTERN web EXCLUDE)
 endforeach()
 set_target_properties(radiafit_core PROPERTIES EXPORT_NAME core)
 set_target_properties(radiafit_headers PROPERTIES EXPORT_NAME headers)
@@ -18,7 +19,7 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/src/model/generated/model DESTINATION in
 install(TARGETS ${core_targets} EXPORT radiafit ARCHIVE DESTINATION lib/radiafit)
 install(EXPORT radiafit NAMESPACE radiafit:: FILE radiafit-targets.cmake DESTINATION lib/cmake/radiafit)
 file(WRITE ${PROJECT_BINARY_DIR}/radiafit-config.cmake "include(CMakeFindDependencyMacro)
-foreach(package fmt Threads Eigen3 OpenEXR)
+foreach(package fmt Threads Eigen3 OpenEXR PNG ZLIB)
   find_dependency(\${package})
 endforeach()
 include(\${CMAKE_CURRENT_LIST_DIR}/radiafit-targets.cmake)

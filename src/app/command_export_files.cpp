@@ -16,7 +16,7 @@
 #include "exchange/gltf.h"
 #include "exchange/relight.h"
 #include "exchange/textures.h"
-#include "fit/exr.h"
+#include "image/exr.h"
 
 namespace radiafit {
 namespace {

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/program.h"
-#include "capture/png_file.h"
+#include "image/png_file.h"
 
 namespace radiafit {
 namespace {

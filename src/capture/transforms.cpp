@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,7 +15,8 @@
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
-#include "capture/image_header.h"
+#include "image/image_format.h"
+#include "image/image_header.h"
 
 namespace radiafit {
 namespace fs = std::filesystem;
@@ -140,15 +142,22 @@ void read_pose(Camera& camera, const Frame& frame, const Json& json) {
 std::optional<fs::path> with_ending(const fs::path& images, const fs::path& path, const Frame& frame) {
     if (stands(images / path) && !folder_stands(images / path)) return path;
     std::optional<fs::path> found;
-    for (const char* ending :
-         {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG", ".tif", ".TIF", ".tiff", ".TIFF", ".exr", ".EXR"}) {
+    const auto try_ending = [&](const std::string& ending) {
         const fs::path candidate = path.string() + ending;
-        if (!stands(images / candidate)) continue;
+        if (!stands(images / candidate)) return;
         if (found)
             throw UserError(fmt::format("{}: may be {} or {}: write the ending into file_path", frame.where(),
                                         (images / *found).string(), (images / candidate).string()));
         found = candidate;
-    }
+    };
+    for (const ImageFormat& format : image_formats())
+        for (const std::string_view lower : format.endings) {
+            if (!format.photograph) continue;
+            std::string ending(lower);
+            try_ending(ending);
+            std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::toupper(c); });
+            try_ending(ending);
+        }
     return found;
 }
 

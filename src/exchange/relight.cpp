@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "eval/render.h"
-#include "exchange/jpeg_image.h"
+#include "image/web/jpeg_image.h"
 
 namespace radiafit {
 namespace {

@@ -13,8 +13,8 @@
 #include "eval/safe_relighting.h"
 #include "geometry/triangles_across.h"
 #include "gl/program.h"
+#include "image/web/webp_image.h"
 #include "publish/choices.h"
-#include "publish/webp_image.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit {

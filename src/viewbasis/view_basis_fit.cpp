@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "base/error.h"
-#include "fit/exr.h"
 #include "fit/texel_fit.h"
+#include "image/exr.h"
 #include "viewbasis/texel_contestant.h"
 
 namespace radiafit {

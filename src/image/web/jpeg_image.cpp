@@ -1,4 +1,4 @@
-#include "exchange/jpeg_image.h"
+#include "image/web/jpeg_image.h"
 
 #include <fmt/format.h>
 

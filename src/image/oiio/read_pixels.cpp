@@ -1,4 +1,4 @@
-#include "capture/oiio/read_pixels.h"
+#include "image/oiio/read_pixels.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -9,10 +9,6 @@ namespace radiafit {
 namespace {
 
 namespace oiio = OIIO;
-
-const char* reader_name(ImageFormat format) {
-    return format == ImageFormat::jpeg ? "jpeg" : format == ImageFormat::tiff ? "tiff" : "openexr";
-}
 
 /// read_image writes as many values as the specification says: it must be what memory was taken for.
 bool alike(const oiio::ImageSpec& spec, const ImageHeader& header) {
@@ -30,11 +26,12 @@ void read_values(oiio::ImageInput& input, oiio::TypeDesc type, OiioPixels& out) 
     if (!complete || input.has_error()) out.damage = input.geterror();
 }
 
-void read_pixels(const std::string& name, std::string_view bytes, const ImageHeader& header, OiioPixels& out) {
+void read_pixels(const std::string& name, std::string_view bytes, const ImageHeader& header, const char* reader,
+                 OiioPixels& out) {
     oiio::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());  // it only reads
-    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::create(reader_name(header.format));
+    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::create(reader);
     if (!input) {
-        out.failure = std::string("OpenImageIO has no reader for ") + reader_name(header.format);
+        out.failure = std::string("OpenImageIO has no reader for ") + reader;
         return;
     }
     oiio::ImageSpec config, spec;
@@ -60,6 +57,7 @@ void read_pixels(const std::string& name, std::string_view bytes, const ImageHea
 extern "C" radiafit::ReadOiioPixels radiafit_read_oiio_pixels;  // NOLINT: its name is looked up
 
 extern "C" void radiafit_read_oiio_pixels(const std::string& name, std::string_view bytes,
-                                          const radiafit::ImageHeader& header, radiafit::OiioPixels& out) {
-    radiafit::read_pixels(name, bytes, header, out);
+                                          const radiafit::ImageHeader& header, const char* reader,
+                                          radiafit::OiioPixels& out) {
+    radiafit::read_pixels(name, bytes, header, reader, out);
 }

@@ -1,4 +1,4 @@
-#include "capture/png_file.h"
+#include "image/png_file.h"
 
 #include <fmt/format.h>
 #include <png.h>

@@ -1,11 +1,9 @@
-#include "capture/oiio_image.h"
-
 #include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "capture/oiio/read_pixels.h"
-#include "capture/tiff_header.h"
+#include "image/codecs.h"
+#include "image/oiio/read_pixels.h"
 
 namespace radiafit {
 namespace {
@@ -20,11 +18,11 @@ ReadOiioPixels* load_reader() {
 
 }  // namespace
 
-RawImage read_oiio_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) {
+RawImage read_oiio_pixels(const std::filesystem::path& file, std::string_view bytes, const ImageHeader& header,
+                          const char* reader) {
     static ReadOiioPixels* const read = load_reader();
-    if (header.format == ImageFormat::tiff) bytes = plain_tiff(file, std::move(bytes));
     OiioPixels pixels;
-    read(file.filename().string(), bytes, header, pixels);
+    read(file.filename().string(), bytes, header, reader, pixels);
     if (!pixels.failure.empty()) throw SystemError(pixels.failure);
     if (pixels.damage) fail_damaged_image(file, *pixels.damage);
     if (!pixels.channel_type.empty())

@@ -21,10 +21,10 @@ struct ImageFile {
 /// expected.
 using HeaderCheck = std::function<void(int width, int height)>;
 
-/// Reads PNG, JPEG, TIFF, OpenEXR and PFM, told apart by their content. Colours are never multiplied by alpha. EXIF
+/// Reads the formats of image_format.h, told apart by their content. Colours are never multiplied by alpha. EXIF
 /// orientation is ignored, as COLMAP does. `floats`: halves and floats (EXR, PFM, TIFF) are taken too.
 /// Throws UserError that names file and cure: missing, another format, truncated or corrupt, larger than
-/// capture/image_header.h allows, neither 8 nor 16 bits, neither grey nor RGB.
+/// image/image_header.h allows, neither 8 nor 16 bits, neither grey nor RGB.
 ImageFile read_image(const std::filesystem::path& file, bool floats = false, const HeaderCheck& check = {});
 
 /// A mask [height][width], 255 = object, 0 = not: half of the largest grey value or more (1 in files of 0 and 1).

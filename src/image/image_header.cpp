@@ -1,42 +1,39 @@
-#include "capture/image_header.h"
+#include "image/image_header.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.h"
-#include "capture/byte_reader.h"
-#include "capture/exr_header.h"
-#include "capture/jpeg_header.h"
-#include "capture/pfm_image.h"
-#include "capture/png_image.h"
-#include "capture/tiff_header.h"
+#include "image/image_format.h"
 
 namespace radiafit {
 namespace {
-
-using namespace std::string_view_literals;
 
 // Deflate makes 1,032 bytes of one at most, LZW 1,365, and a JPEG of blank blocks some 1,400. A header that promises
 // more than this lies about the picture, and must not decide how much memory is taken. Small files have their headers'
 // worth of slack.
 constexpr uint64_t largest_ratio = 2000, slack_bytes = uint64_t(1) << 20;
 
-ImageHeader read_known(const std::filesystem::path& file, std::string_view bytes) {
-    if (bytes.starts_with("\x89PNG"sv)) return read_png_header(file, bytes);
-    if (bytes.starts_with("\xff\xd8"sv)) return read_jpeg_header(file, bytes);
-    if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return read_tiff_header(file, bytes);
-    if (bytes.starts_with("\x76\x2f\x31\x01"sv)) return read_exr_header(file, bytes);
-    if (bytes.starts_with("PF"sv) || bytes.starts_with("Pf"sv)) return read_pfm_header(file, bytes);
+const ImageFormat& find_format(const std::filesystem::path& file, std::string_view bytes) {
     if (bytes.empty()) fail_damaged_image(file, "the file has no bytes");
+    std::string known;
+    for (const ImageFormat& format : image_formats()) {
+        if (std::ranges::any_of(format.beginnings, [&](std::string_view begin) { return bytes.starts_with(begin); }))
+            return format;
+        if (!format.beginnings.empty()) known += (known.empty() ? "" : ", ") + std::string(format.name);
+    }
+    known.replace(known.rfind(","), 1, " nor");
     throw UserError(
-        fmt::format("{}: neither PNG, JPEG, TIFF, OpenEXR nor PFM, or its first bytes are corrupt: convert "
-                    "the image to PNG",
-                    file.string()));
+        fmt::format("{}: neither {}, or its first bytes are corrupt: convert the image to PNG", file.string(), known));
 }
 
 }  // namespace
 
 ImageHeader read_image_header(const std::filesystem::path& file, std::string_view bytes) {
-    const ImageHeader header = read_known(file, bytes);
+    const ImageFormat& format = find_format(file, bytes);
+    ImageHeader header = format.read_header(file, bytes);
+    header.format = &format;
     if (header.width < 1 || header.height < 1 || header.width > largest_image_side ||
         header.height > largest_image_side)
         throw UserError(fmt::format("{}: {} x {} pixels; sides run from 1 to {}: scale the image", file.string(),

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "capture/image_header.h"
+#include "image/image_header.h"
 
 namespace radiafit {
 

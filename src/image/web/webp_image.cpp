@@ -1,4 +1,4 @@
-#include "publish/webp_image.h"
+#include "image/web/webp_image.h"
 
 #include <fmt/format.h>
 #include <webp/decode.h>

@@ -1,5 +1,3 @@
-#include "capture/png_image.h"
-
 #include <png.h>
 #include <zlib.h>
 
@@ -7,7 +5,8 @@
 #include <csetjmp>
 #include <cstring>
 
-#include "capture/byte_reader.h"
+#include "image/byte_reader.h"
+#include "image/codecs.h"
 
 namespace radiafit {
 namespace {
@@ -116,10 +115,10 @@ ImageHeader read_png_header(const std::filesystem::path& file, std::string_view 
     }
     const uint64_t type = reader.number(25, 1);
     const uint64_t channels = type == 2 ? 3 : type == 4 ? 2 : type == 6 ? 4 : 1;
-    return {ImageFormat::png, reader.number(16, 4), reader.number(20, 4), channels * reader.number(24, 1)};
+    return {reader.number(16, 4), reader.number(20, 4), channels * reader.number(24, 1)};
 }
 
-RawImage read_png_pixels(const std::filesystem::path& file, std::string_view bytes) {
+RawImage read_png_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader&) {
     PngReader reader(bytes);
     RawImage image;
     png_uint_32 width = 0, height = 0;

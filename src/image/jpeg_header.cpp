@@ -1,9 +1,8 @@
-#include "capture/jpeg_header.h"
-
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "capture/byte_reader.h"
+#include "image/byte_reader.h"
+#include "image/codecs.h"
 
 namespace radiafit {
 namespace {
@@ -38,7 +37,7 @@ ImageHeader read_jpeg_header(const std::filesystem::path& file, std::string_view
     if (channels != 1 && channels != 3)
         throw UserError(fmt::format("{}: has {} colour channels, neither grey nor RGB: convert the image to RGB",
                                     file.string(), channels));
-    return {ImageFormat::jpeg, reader.number(frame + 3, 2), reader.number(frame + 1, 2), 8 * channels};
+    return {reader.number(frame + 3, 2), reader.number(frame + 1, 2), 8 * channels};
 }
 
 }  // namespace radiafit

@@ -1,5 +1,3 @@
-#include "capture/tiff_header.h"
-
 #include <fmt/format.h>
 #include <zlib.h>
 
@@ -10,7 +8,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "capture/byte_reader.h"
+#include "image/byte_reader.h"
+#include "image/codecs.h"
 
 namespace radiafit {
 namespace {
@@ -176,7 +175,7 @@ void check_pieces(const Directory& directory, const ImageHeader& header) {
 ImageHeader read_tiff_header(const std::filesystem::path& file, std::string_view bytes) {
     const ByteReader reader = open_reader(file, bytes);
     const Directory directory(reader);
-    ImageHeader header{ImageFormat::tiff, directory.value(image_width), directory.value(image_length), 0};
+    ImageHeader header{directory.value(image_width), directory.value(image_length), 0};
     if (header.width < 1 || header.height < 1 || header.width > largest_image_side ||
         header.height > largest_image_side)
         return header;  // the caller says so
@@ -185,7 +184,7 @@ ImageHeader read_tiff_header(const std::filesystem::path& file, std::string_view
     return header;
 }
 
-std::string plain_tiff(const std::filesystem::path& file, std::string bytes) {
+RawImage read_tiff_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) {
     const ByteReader reader = open_reader(file, bytes);
     const uint64_t begin = reader.number(4, 4), count = reader.number(begin, 2);
     uint64_t kept = 0;
@@ -199,7 +198,7 @@ std::string plain_tiff(const std::filesystem::path& file, std::string bytes) {
     std::fill_n(bytes.begin() + ptrdiff_t(end), 4, '\0');  // no next directory
     bytes[begin] = bytes[begin + 1] = '\0';
     bytes[begin + (bytes.starts_with("II") ? 0 : 1)] = char(kept);  // fewer than 256 tags are needed
-    return bytes;
+    return read_oiio_pixels(file, bytes, header, "tiff");
 }
 
 }  // namespace radiafit

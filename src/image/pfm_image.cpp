@@ -1,10 +1,10 @@
-#include "capture/pfm_image.h"
-
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+
+#include "image/codecs.h"
 
 namespace radiafit {
 namespace {
@@ -54,10 +54,10 @@ PfmHeader read_header(const std::filesystem::path& file, std::string_view bytes)
 
 ImageHeader read_pfm_header(const std::filesystem::path& file, std::string_view bytes) {
     const PfmHeader header = read_header(file, bytes);
-    return {ImageFormat::pfm, header.width, header.height, header.channels * 32};
+    return {header.width, header.height, header.channels * 32};
 }
 
-RawImage read_pfm_pixels(const std::filesystem::path& file, std::string_view bytes) {
+RawImage read_pfm_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader&) {
     const PfmHeader header = read_header(file, bytes);
     const size_t row = header.width * header.channels;
     if ((bytes.size() - header.bytes) / 4 < row * header.height)

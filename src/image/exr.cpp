@@ -1,4 +1,4 @@
-#include "fit/exr.h"
+#include "image/exr.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -11,14 +11,13 @@
 #include <half.h>
 
 #include <algorithm>
-#include <cstring>
 #include <exception>
 #include <fstream>
 #include <stdexcept>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "base/exr_attribute.h"
+#include "image/exr_header.h"
 
 namespace radiafit {
 namespace {
@@ -64,36 +63,12 @@ void check_size(const std::filesystem::path& path, int64_t width, int64_t height
                                     path.string(), width, height, bytes));
 }
 
-template <class T>
-T number(std::istream& in) {
-    T value = 0;
-    in.read(reinterpret_cast<char*>(&value), sizeof value);
-    return value;
-}
-
-/// OpenEXR takes the memory that attributes and lines claim to need before it finds the file shorter, and before
-/// anyone may ask how large the image is.
+/// Before OpenEXR takes memory for what the header claims.
 void check_header(const std::filesystem::path& path, const ExpectedSize& size) {
     std::ifstream in(path, std::ios::binary);
-    number<uint32_t>(in);  // magic
-    constexpr uint32_t deep = 1 << 11, multipart = 1 << 12;
-    if (number<uint32_t>(in) & (deep | multipart)) throw std::runtime_error("it holds several or deep images");
-    const uint64_t bytes = std::filesystem::file_size(path);
-    std::string name, type;
-    while (std::getline(in, name, '\0') && !name.empty()) {
-        std::getline(in, type, '\0');
-        const auto length = number<uint32_t>(in);
-        const auto begin = in.tellg();
-        if (!in || length > bytes - uint64_t(begin)) throw std::runtime_error("its header ends within an attribute");
-        std::string value(length, '\0');
-        in.read(value.data(), std::streamsize(length));
-        if (!exr_attribute_fits(type, value)) throw std::runtime_error("its attribute " + name + " is damaged");
-        if (name == "dataWindow" && type == "box2i") {
-            int32_t box[4];  // left, top, right, bottom
-            std::memcpy(box, value.data(), sizeof box);
-            check_size(path, int64_t(box[2]) - box[0] + 1, int64_t(box[3]) - box[1] + 1, size);
-        }
-    }
+    const ExrHeader header = walk_exr_header(in, std::filesystem::file_size(path));
+    if (!header.plain) throw std::runtime_error("it holds several or deep images");
+    check_size(path, header.width, header.height, size);
 }
 
 }  // namespace

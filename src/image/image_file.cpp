@@ -1,4 +1,4 @@
-#include "capture/image_file.h"
+#include "image/image_file.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,9 @@
 
 #include "base/error.h"
 #include "base/read_file.h"
-#include "capture/image_header.h"
-#include "capture/oiio_image.h"
-#include "capture/pfm_image.h"
-#include "capture/png_image.h"
-#include "capture/raw_image.h"
+#include "image/image_format.h"
+#include "image/image_header.h"
+#include "image/raw_image.h"
 
 namespace radiafit {
 namespace {
@@ -22,9 +20,7 @@ RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check) {
     std::string bytes = read_file(file, "image file");
     const ImageHeader header = read_image_header(file, bytes);
     if (check) check(int(header.width), int(header.height));
-    if (header.format == ImageFormat::png) return read_png_pixels(file, bytes);
-    if (header.format == ImageFormat::pfm) return read_pfm_pixels(file, bytes);
-    return read_oiio_pixels(file, std::move(bytes), header);
+    return header.format->read_pixels(file, std::move(bytes), header);
 }
 
 void check_colors(const std::filesystem::path& file, const RawImage& raw) {
