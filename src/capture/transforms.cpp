@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/nesting.h"
+#include "base/json.h"
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
@@ -208,7 +208,7 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
     if (nested_deeper(text, 100))
         throw UserError(
             fmt::format("{}: its brackets are nested more than 100 deep: write the file again", file.string()));
-    const Json whole = Json::parse(text, nullptr, false);
+    const Json whole = parse_json<Json>(text);
     if (whole.is_discarded())
         throw UserError(
             fmt::format("{}: truncated, or no JSON (which has no NaN): copy or write the file again", file.string()));

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "eval/render.h"
 #include "image/web/jpeg_image.h"
@@ -162,7 +163,7 @@ Relight relight_of(const Contestant& contestant, const Dataset& dataset, const V
                        {"nplanes", numbers},
                        {"quality", quality},
                        {"materials", Json::array({{{"scale", scale}, {"bias", bias}}})}};
-    out.info = info.dump(2) + "\n";
+    out.info = json_text(info, 2) + "\n";
     return out;
 }
 
