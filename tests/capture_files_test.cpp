@@ -9,12 +9,12 @@
 
 #include "capture/colmap.h"
 #include "capture/gains.h"
-#include "capture/image_file.h"
 #include "capture/image_scale.h"
-#include "capture/png_file.h"
 #include "dataset/split.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"
+#include "image/image_file.h"
+#include "image/png_file.h"
 
 namespace radiafit {
 namespace {

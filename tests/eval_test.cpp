@@ -14,8 +14,8 @@
 #include "eval/lfm_renderer.h"
 #include "eval/metrics.h"
 #include "eval/render.h"
-#include "fit/exr.h"
 #include "fit_scene.h"
+#include "image/exr.h"
 
 namespace radiafit::testing {
 namespace {

@@ -9,10 +9,10 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/rng.h"
-#include "capture/image_file.h"
 #include "exchange/gltf.h"
 #include "exchange/padded_tiles.h"
 #include "exchange/relight.h"
+#include "image/image_file.h"
 #include "mesh_shapes.h"
 #include "temporary_folder.h"
 

@@ -6,12 +6,12 @@
 #include <limits>
 #include <sstream>
 
-#include "base/exr_attribute.h"
-#include "fit/exr.h"
 #include "fit/fit_folder.h"
 #include "fit/fit_maps.h"
 #include "fit_scene.h"
 #include "geometry/raster.h"
+#include "image/exr.h"
+#include "image/exr_header.h"
 
 namespace radiafit::testing {
 namespace {

@@ -1,5 +1,5 @@
 // Picture files: values of every format as they are stored, and what is refused before memory is taken.
-#include "capture/image_file.h"
+#include "image/image_file.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -9,8 +9,10 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <set>
 
 #include "capture_fixture.h"
+#include "image/image_format.h"
 
 namespace radiafit {
 namespace {
@@ -380,12 +382,32 @@ TEST_F(Images, OtherFormatsAreRefused) {
         expect_in(name + ": neither PNG, JPEG", complaint([&] { read_image(file, true); }));
         expect_in("convert the image to PNG", complaint([&] { read_mask(file); }));
     }
+    expect_in("neither PNG, JPEG, TIFF, OpenEXR nor PFM, or", complaint([&] { read_image(root_ / "x.bmp"); }));
     expect_in("it is a folder", complaint([&] { read_image(root_); }));
     ASSERT_EQ(mkfifo((root_ / "pipe.png").c_str(), 0600), 0);
     expect_in("it is a pipe", complaint([&] { read_image(root_ / "pipe.png"); }));
     fs::create_symlink("loop.png", root_ / "loop.png");
     expect_in("symbolic links", complaint([&] { read_image(root_ / "loop.png"); }));
     expect_in("too long", complaint([&] { read_image(root_ / std::string(300, 'x')); }));
+}
+
+TEST(ImageFormats, AnEndingBelongsToOneFormat) {
+    std::set<std::string_view> endings;
+    for (const ImageFormat& format : image_formats())
+        for (const std::string_view ending : format.endings) {
+            EXPECT_TRUE(endings.insert(ending).second) << ending;
+            EXPECT_EQ(format_of_name("a.b" + std::string(ending)), &format);
+        }
+    EXPECT_EQ(format_of_name("A.JpEg"), format_of_name("b.jpg"));
+    for (const char* name : {"png", "a.gif", "a.png.bak", ".png", ""}) EXPECT_EQ(format_of_name(name), nullptr) << name;
+}
+
+TEST(ImageFormats, TheCaptureScriptCountsThoseThatColmapTakes) {
+    std::string endings;
+    for (const ImageFormat& format : image_formats())
+        for (const std::string_view ending : format.endings)
+            if (format.colmap) endings += (endings.empty() ? "" : " ") + std::string(ending.substr(1));
+    expect_in("\nendings=\"" + endings + "\" ", read_bytes(RADIAFIT_SOURCE_DIR "/datasets/scripts/capture.sh"));
 }
 
 // A small file may hold image data for hours behind its last row.

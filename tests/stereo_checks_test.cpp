@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 
 #include "capture/colmap.h"
-#include "capture/image_file.h"
 #include "capture_fixture.h"
 #include "dataset/mesh_ply.h"
+#include "image/image_file.h"
 #include "stereo/masks.h"
 #include "stereo/mesh_check.h"
 #include "stereo/mesh_cut.h"

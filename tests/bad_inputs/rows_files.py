@@ -44,7 +44,7 @@ rows += [
     ("fit tiny -o fit", field("tiny/dataset.json", "views[0].gain", 0), 2, "must be above 0"),
     (f"{colmap} -o tiny", write("photos/mesh.obj", ""), 2, "photos/mesh.obj: empty mesh"),
     (f"{lights} -o flat", write("lit/images/3.png", ""), 2, "lit/images/3.png: "),
-    (f"{colmap} -o deep/below/new", write("photos/images/2.png", "x"), 2, "photos/images/2.png: neither PNG, JPEG, TIFF, OpenEXR nor PFM"),
+    (f"{colmap} -o deep/below/new", write("photos/images/2.png", "x"), 2, "photos/images/2.png: neither PNG, JPEG, TIFF, OpenEXR"),
 ]
 
 # Links that lead round

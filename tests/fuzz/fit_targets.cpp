@@ -1,8 +1,8 @@
 // The FIT folder, file by file.
 #include "dataset_fixture.h"
-#include "fit/exr.h"
 #include "fit/fit_folder.h"
 #include "fit_scene.h"
+#include "image/exr.h"
 #include "target.h"
 
 namespace radiafit::fuzz {

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "capture/image_file.h"
 #include "capture/normal_file.h"
 #include "capture_fixture.h"
+#include "image/image_file.h"
 #include "target.h"
 
 namespace radiafit::fuzz {

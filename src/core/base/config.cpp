@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
 // Malformed files are to be reported, not to end a debug build: the library has an error for each of its assertions.
 #define TOML_ASSERT(expression) static_assert(true)
 #include <toml++/toml.h>
@@ -18,6 +19,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/wording.h"
 
 namespace radiafit {
@@ -36,9 +38,7 @@ struct Entry {
     bool applies;  // false: it stands in another profile, and is only checked
 };
 
-std::string json_text(const auto& value) {
-    return nlohmann::json(value).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string text_of(const auto& value) { return json_text(nlohmann::json(value), -1, NotUtf8::replace); }
 
 std::string_view type_name(const toml::node& node) {
     if (node.is_table()) return "a table";
@@ -283,9 +283,9 @@ void Config::read_any(std::string_view key, T& value, const std::function<void(c
     auto& resolved = sources_->resolved;
     const auto known = std::ranges::find_if(resolved, [key](const auto& pair) { return pair.first == key; });
     if (known == resolved.end())
-        resolved.emplace_back(key, json_text(value));
+        resolved.emplace_back(key, text_of(value));
     else
-        known->second = json_text(value);
+        known->second = text_of(value);
 }
 
 void Config::read(std::string_view key, bool& value) { read_any(key, value); }

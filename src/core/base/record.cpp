@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/instructions.h"
+#include "base/json.h"
 #include "base/libraries.h"  // made by CMake
 #include "base/parallel.h"
 #include "base/revision.h"  // made by CMake
@@ -118,9 +119,7 @@ Record make_record(int argc, const char* const* argv) {
     return record;
 }
 
-std::string json_string(const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string json_string(const std::string& text) { return json_text(nlohmann::json(text), -1, NotUtf8::replace); }
 
 std::string record_json(const Record& record) {
     Json json = {
@@ -148,7 +147,7 @@ std::string record_json(const Record& record) {
     for (const std::string& dataset : *record.datasets) json["datasets"].push_back(Json::parse(dataset));
     json["config"] = object_of(record.config);
     for (const auto& [key, text] : record.more) json[key] = Json::parse(text);
-    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return json_text(json, 2, NotUtf8::replace) + "\n";
 }
 
 }  // namespace radiafit

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/half.h"
 #include "base/hash.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "dataset/dataset_json.h"
 #include "dataset/truth.h"
@@ -100,7 +101,7 @@ std::string dataset_note(const Dataset& dataset) {
                                          {"source", without_places(dataset.source)},
                                          {"checksum", dataset_checksum(dataset)},
                                          {"bytes", bytes}};
-    return note.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_text(note, -1, NotUtf8::replace);
 }
 
 void check_file(const Dataset& dataset, const std::string& name) {

@@ -10,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/json.h"
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "dataset/value_file.h"
@@ -54,7 +55,7 @@ void write_truth(const ReflectanceTruth& truth, const fs::path& folder) {
                        {"texels", truth.material.size()}, {"exact", truth.exact},      {"materials", materials}};
     write_all(truth.parameters, folder / truth_parameters_name);
     write_all(truth.material, folder / truth_material_name);
-    write_file(folder / truth_json_name, json.dump(2) + "\n");
+    write_file(folder / truth_json_name, json_text(json, 2) + "\n");
 }
 
 bool has_truth(const Dataset& dataset) {
@@ -66,7 +67,7 @@ ReflectanceTruth read_truth(const fs::path& folder) {
     ReflectanceTruth truth;
     size_t texels = 0;
     try {
-        const Json json = Json::parse(read_file(file, "truth"));
+        const Json json = parse_json<Json>(read_file(file, "truth"));
         if (json.at("format") != format_name || json.at("version") != format_version)
             damaged(file, fmt::format("not a {} of version {}", format_name, format_version));
         truth.side = static_cast<int>(count_in(json, "side", 64, file));

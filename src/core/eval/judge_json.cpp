@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/json.h"
 #include "eval/judge.h"
 #include "eval/outliers.h"
 
@@ -117,7 +118,7 @@ std::string judge_json(const JudgeResult& result, const JudgeResult* baseline, s
         entry["degrees_outside"] = image.outside * 180 / std::numbers::pi;
         json["per_image"].push_back(entry);
     }
-    return json.dump(2);
+    return json_text(json, 2);
 }
 
 }  // namespace radiafit

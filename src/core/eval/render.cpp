@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "eval/exposure.h"
-#include "fit/exr.h"
+#include "image/exr.h"
 
 namespace radiafit {
 namespace {

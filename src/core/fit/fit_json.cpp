@@ -8,16 +8,14 @@
 
 #include "base/error.h"
 #include "base/hash.h"
-#include "base/nesting.h"
+#include "base/json.h"
 #include "fit/fit_maps.h"
 
 namespace radiafit {
 namespace {
 
 /// Names that are no UTF-8 lose what is not.
-std::string to_text(const nlohmann::ordered_json& json) {
-    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+std::string to_text(const nlohmann::ordered_json& json) { return json_text(json, 2, NotUtf8::replace) + "\n"; }
 
 using Json = nlohmann::ordered_json;
 
@@ -26,7 +24,7 @@ double plain(float value) { return std::stod(fmt::format("{}", value)); }
 
 Json object_of(const std::string& text, const char* what) {
     if (text.empty()) return Json::object();
-    Json parsed = Json::parse(text, nullptr, false);
+    Json parsed = parse_json<Json>(text);
     if (!parsed.is_object()) throw std::invalid_argument(fmt::format("the fit's {} are no JSON object", what));
     return parsed;
 }
@@ -43,17 +41,17 @@ Enum one_of(const Json& value, std::initializer_list<Enum> choices, const char* 
 int whole(const Json& object, const char* key) {
     const Json& value = object.at(key);
     if (!value.is_number_integer() || value != value.get<int>())
-        throw std::runtime_error(fmt::format("{} is {}, no whole number", key, value.dump()));
+        throw std::runtime_error(fmt::format("{} is {}, no whole number", key, json_text(value)));
     return value.get<int>();
 }
 uint64_t count(const Json& object, const std::string& key) {
     const Json& value = object.at(key);
-    if (!value.is_number_unsigned()) throw std::runtime_error(fmt::format("{} is {}, no count", key, value.dump()));
+    if (!value.is_number_unsigned()) throw std::runtime_error(fmt::format("{} is {}, no count", key, json_text(value)));
     return value.get<uint64_t>();
 }
 float number(const Json& object, const char* key) {
     const Json& value = object.at(key);
-    if (!value.is_number()) throw std::runtime_error(fmt::format("{} is {}, no number", key, value.dump()));
+    if (!value.is_number()) throw std::runtime_error(fmt::format("{} is {}, no number", key, json_text(value)));
     return value.get<float>();
 }
 
@@ -98,7 +96,7 @@ Json checked_json(const std::string& text, int newest = fit_version) {
     const Json& version = json.at("version");
     if (!version.is_number_integer() || version < fit_version || version > newest)
         throw std::runtime_error(
-            fmt::format("its version is {}, this program reads version {}", version.dump(), newest));
+            fmt::format("its version is {}, this program reads version {}", json_text(version), newest));
     return json;
 }
 
@@ -120,9 +118,9 @@ FitPromises take_record(const Json& json, FitRecord& fit) {
         "encoding");
     fit.dataset_fingerprint = {count(d, "vertices"), count(d, "triangles"),   count(d, "views"),
                                count(d, "held_out"), count(d, "image_bytes"), d.at("digest").get<std::string>()};
-    fit.times_json = json.at("times_s").dump();
-    fit.options_json = json.at("options").dump();
-    fit.provenance_json = json.at("provenance").dump();
+    fit.times_json = json_text(json.at("times_s"));
+    fit.options_json = json_text(json.at("options"));
+    fit.provenance_json = json_text(json.at("provenance"));
     return promises;
 }
 
@@ -168,7 +166,7 @@ TexelFitNotes notes_of(const ReflectanceFit& fit) {
     const Json own = {{"parameters", parameters},          {"surface_side", o.surface_side},
                       {"mode", to_string(o.mode)},         {"mu", plain(o.mu)},
                       {"clip_above", plain(o.clip_above)}, {"shadow_below", plain(o.shadow_below)}};
-    return {o.model->name, reflectance_key, own.dump()};
+    return {o.model->name, reflectance_key, json_text(own)};
 }
 
 void take_notes(const std::string& model, const std::string& own_json, ReflectanceFit& fit) {
@@ -197,7 +195,7 @@ std::string fit_to_json(const FitRecord& fit, const TexelFitNotes& notes, const 
 }
 
 std::vector<std::string> files_in_json(const std::string& text) {
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = parse_json<Json>(text);
     std::vector<std::string> files;
     if (!json.is_object() || !json.contains("format") || json.at("format") != fit_format || !json.contains("files"))
         return files;
@@ -246,7 +244,7 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, const std::string& key,
                           const TakeNotes& take, FitRecord& fit) {
     return reading(path, text, [&](const Json& json) {
-        take(json.at("model").get<std::string>(), json.contains(key) ? json.at(key).dump() : "{}");
+        take(json.at("model").get<std::string>(), json.contains(key) ? json_text(json.at(key)) : "{}");
         return take_record(json, fit);
     });
 }

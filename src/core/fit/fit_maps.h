@@ -1,10 +1,10 @@
 #pragma once
 #include <filesystem>
 
-#include "fit/exr.h"
 #include "fit/fit_folder.h"
 #include "fit/texel_fit.h"
 #include "geometry/atlas.h"
+#include "image/exr.h"
 #include "model/lfm.h"
 
 /// Where the numbers of a fit stand in its images (docs/formats.md).

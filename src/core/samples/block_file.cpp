@@ -8,7 +8,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "base/nesting.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/wording.h"
@@ -27,7 +27,7 @@ constexpr int version = 2;
 /// Of everything but the checksum itself.
 uint64_t checksum_of(Json description) {
     description.erase("checksum");
-    const std::string text = description.dump();
+    const std::string text = json_text(description);
     return hash_bytes(text.data(), text.size());
 }
 uint64_t checksum_of(const std::vector<BlockEntry>& index) {
@@ -53,7 +53,7 @@ std::string read_description(const fs::path& file, const std::string& key) {
     std::string text;
     if (stands(file)) text = read_file(file, "description of records");
     if (nested_deeper(text, 100)) throw_damaged(file);
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = parse_json<Json>(text);
     if (says(json, "format", format) && !says(json, "version", version))
         throw UserError(fmt::format("{}: records of another version; delete the folder {}, it is made anew",
                                     file.string(), file.parent_path().string()));
@@ -64,7 +64,7 @@ std::string read_description(const fs::path& file, const std::string& key) {
     if (!says(json, "key", key))
         throw UserError(fmt::format("{}: records of another dataset or of other options; choose another {} folder",
                                     file.string(), option_name("records")));
-    return json.dump();
+    return json_text(json);
 }
 
 }  // namespace
@@ -100,10 +100,10 @@ uint64_t BlockFileWriter::close(const std::string& key, const std::string& more)
     index.write(index_.data(), index_.size() * sizeof(BlockEntry));
     index.close();
     Json description = {{"format", format}, {"version", version}, {"key", key}};
-    description.update(Json::parse(more));
+    description.update(parse_json<Json>(more));
     description["bytes"] = blocks_.bytes();
     description["index_checksum"] = checksum_of(index_);
-    write_description(folder_ / description_name, description.dump());
+    write_description(folder_ / description_name, json_text(description));
     return blocks_.bytes() + index.bytes();
 }
 
@@ -114,7 +114,7 @@ BlockFile::BlockFile(const fs::path& folder, const std::string& key)
     const InputFile index = open_file(folder / index_name);
     index_.resize(index.size() / sizeof(BlockEntry));
     index.read(index_.data(), 0, index_.size() * sizeof(BlockEntry));
-    const Json description = Json::parse(description_);
+    const Json description = parse_json<Json>(description_);
     require_index(index.size() % sizeof(BlockEntry) == 0 && says(description, "index_checksum", checksum_of(index_)));
     const uint64_t bytes = blocks_.size();
     if (!says(description, "bytes", bytes)) throw_damaged(folder / blocks_name);
@@ -145,9 +145,9 @@ void BlockFile::require_blocks(bool whole) const {
 fs::path BlockFile::file(const fs::path& folder) { return folder / blocks_name; }
 
 void write_description(const fs::path& file, const std::string& object) {
-    Json description = Json::parse(object);
+    Json description = parse_json<Json>(object);
     description["checksum"] = checksum_of(description);
-    write_file(file, description.dump(1) + "\n");
+    write_file(file, json_text(description, 1) + "\n");
 }
 
 }  // namespace radiafit

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "model/lfm.h"
 #include "samples/image_samples.h"
 #include "samples/whole_number.h"
@@ -168,12 +169,12 @@ RecordStatistics write_records(const fs::path& folder, const Dataset& dataset, c
                               {"bits", sampler.bits()},
                               {"scale", sampler.scale()},
                               {"views", views}};
-    const uint64_t bytes = out.close(options.key, description.dump());
+    const uint64_t bytes = out.close(options.key, json_text(description));
     return {bytes + tiles.bytes_written(), tiles.bytes_read(), tiles.spills()};
 }
 
 DiskRecords::DiskRecords(const fs::path& folder, const std::string& key) : file_(folder, key) {
-    Json json = Json::parse(file_.description());
+    Json json = parse_json<Json>(file_.description());
     kind_ = json["kind"] == "full" ? RecordKind::full : RecordKind::compact;
     file_.require_description(kind_ == RecordKind::full || json["kind"] == "compact");
     bits_ = json["bits"] == 8 ? 8 : 16;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "base/json.h"
 #include "samples/image_samples.h"
 #include "samples/whole_number.h"
 
@@ -57,7 +58,7 @@ class TexelsOnDisk final : public TexelSource {
 public:
     TexelsOnDisk(const fs::path& folder, const std::string& key, uint32_t texels, const std::vector<uint32_t>& views)
         : file_(folder, key), texels_(texels), views_(views.size()) {
-        Json description = Json::parse(file_.description());
+        Json description = parse_json<Json>(file_.description());
         file_.require_description(description["kind"] == "texels" && description["texels"] == texels &&
                                   description["views"] == views);
         file_.require_index(file_.size() == block_count());
@@ -118,7 +119,7 @@ RecordStatistics write_texel_records(const fs::path& folder, const Dataset& data
     });
     waiting.remove_file();
     const Json description = {{"kind", "texels"}, {"texels", gathered.texel_count()}, {"views", views}};
-    const uint64_t bytes = out.close(key, description.dump());
+    const uint64_t bytes = out.close(key, json_text(description));
     return {bytes + waiting.bytes_written(), waiting.bytes_read(), waiting.spills()};
 }
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "base/nesting.h"
+#include "base/json.h"
 #include "base/record.h"
 #include "dataset/checksums.h"
 #include "fit/fit_folder.h"
@@ -40,10 +40,7 @@ std::string fit_key(const Dataset& dataset, const FitRequest& request) {
 
 std::string difference_of_keys(const std::string& there, const std::string& here) {
     if (there == here) return "";
-    const auto parse = [](const std::string& key) {
-        return nested_deeper(key, 100) ? Json() : Json::parse(key, nullptr, false);
-    };
-    const Json a = parse(there), b = parse(here);
+    const Json a = parse_json<Json>(there), b = parse_json<Json>(here);
     if (!a.is_object() || !b.is_object()) return "it is of another kind, or damaged";
     std::vector<std::string> found;
     const auto differ = [&](const char* what) { return a.value(what, Json()) != b.value(what, Json()); };

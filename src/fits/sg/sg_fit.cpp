@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "fit/texel_fit.h"
 #include "model/texel_local.h"
 #include "sg/sg_text.h"
@@ -18,12 +19,12 @@ using Json = nlohmann::ordered_json;
 
 TexelFitNotes notes_of(const SgFit& fit) {
     const Json own = {{"surface_side", fit.surface_side}, {"lobes", fit.lobes}, {"up", numbers_of(fit.up)}};
-    return {sg_name, sg_name, own.dump()};
+    return {sg_name, sg_name, json_text(own)};
 }
 
 void take_notes(const std::string& model, const std::string& own_json, SgFit& fit) {
     if (model != sg_name) throw std::runtime_error("its model is not of spherical Gaussians");
-    const Json own = Json::parse(own_json);
+    const Json own = parse_json<Json>(own_json);
     fit.surface_side = own.at("surface_side").get<int>();
     fit.lobes = own.at("lobes").get<int>();
     check_options(SgOptions{.lobes = fit.lobes});

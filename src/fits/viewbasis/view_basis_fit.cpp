@@ -8,8 +8,9 @@
 #include <stdexcept>
 
 #include "base/error.h"
-#include "fit/exr.h"
+#include "base/json.h"
 #include "fit/texel_fit.h"
+#include "image/exr.h"
 #include "viewbasis/texel_contestant.h"
 
 namespace radiafit::fits {
@@ -24,18 +25,17 @@ std::array<int, 2> size_of(const ViewBasis& basis) { return {3 + basis.rank, vie
 }  // namespace
 
 std::string description_of(const ViewBasis& basis) {
-    return Json{{"rank", basis.rank},
-                {"degree", view_degree},
-                {"noise", double(basis.noise)},
-                {"up", numbers_of(basis.up)},
-                {"origin", numbers_of(basis.origin)},
-                {"cube", double(basis.cube)},
-                {"cubes", basis.cubes}}
-        .dump();
+    return json_text(Json{{"rank", basis.rank},
+                          {"degree", view_degree},
+                          {"noise", double(basis.noise)},
+                          {"up", numbers_of(basis.up)},
+                          {"origin", numbers_of(basis.origin)},
+                          {"cube", double(basis.cube)},
+                          {"cubes", basis.cubes}});
 }
 
 ViewBasis described_basis(const std::string& json) {
-    const Json own = Json::parse(json);
+    const Json own = parse_json<Json>(json);
     ViewBasis b;
     if (own.at("degree") != view_degree) throw std::runtime_error("its polynomials are of another degree");
     b.rank = own.at("rank").get<int>();
@@ -59,8 +59,8 @@ std::vector<TexelMap> maps_of(const ViewBasis& basis) {
 void write_fit(const std::filesystem::path& folder, const ViewBasisFit& fit, const TriangleAtlas& atlas,
                const std::function<void(const std::filesystem::path&)>& add_files) {
     Json own = {{"surface_side", fit.surface_side}};
-    own.update(Json::parse(description_of(fit.basis)));
-    write_texel_fit(folder, fit, {view_basis_name, view_basis_name, own.dump()}, atlas, maps_of(fit.basis),
+    own.update(parse_json<Json>(description_of(fit.basis)));
+    write_texel_fit(folder, fit, {view_basis_name, view_basis_name, json_text(own)}, atlas, maps_of(fit.basis),
                     fit.parameters, [&](const auto& place) {
                         const auto [width, height] = size_of(fit.basis);
                         write_exr(place / basis_name, {width, height, {"coefficient"}, fit.basis.numbers, {}});
@@ -73,7 +73,7 @@ StoredViewBasis read_view_basis(const std::filesystem::path& folder, const std::
     ViewBasisFit& fit = stored.fit;
     const TakeNotes take = [&](const std::string& model, const std::string& own) {
         if (model != view_basis_name) throw std::runtime_error("its model is no view basis");
-        fit.surface_side = Json::parse(own).at("surface_side").get<int>();
+        fit.surface_side = parse_json<Json>(own).at("surface_side").get<int>();
         fit.basis = described_basis(own);
     };
     TexelFitReader reader(folder, view_basis_name, take, fit);

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/machine.h"
-#include "base/nesting.h"
 #include "base/read_file.h"
 #include "report/result_folder.h"
 #include "report/row_files.h"
@@ -71,7 +71,7 @@ std::string RunRecord::device() const {
 RunRecord read_run(const fs::path& folder) {
     const fs::path file = folder / record_name;
     const std::string text = read_file(file, "record of a run");
-    const json object = nested_deeper(text, 64) ? json() : json::parse(text, nullptr, false);
+    const json object = parse_json<json>(text, 64);
     if (!object.is_object())
         throw UserError(fmt::format("{}: no JSON object; run the experiment again", file.string()));
     RunRecord run{.folder = folder,
@@ -95,8 +95,7 @@ RunRecord read_run(const fs::path& folder) {
         if (found == object.end() || !found->is_object())
             throw UserError(
                 fmt::format("{}: '{}' is missing or no object; run the experiment again", file.string(), name));
-        for (const auto& [key, value] : found->items())
-            texts[key] = value.dump(-1, ' ', false, json::error_handler_t::replace);
+        for (const auto& [key, value] : found->items()) texts[key] = json_text(value, -1, NotUtf8::replace);
     };
     take("config", run.config);
     if (object.contains("files")) take("files", run.files);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/read_file.h"
 
 namespace radiafit::harness {
@@ -48,7 +49,7 @@ std::string file_list_json(const fs::path& folder) {
     Json files = Json::object();
     for (const std::string& name : run_files(folder))
         files[name] = description(read_file(folder / name, "file of rows"));
-    return files.dump();
+    return json_text(files);
 }
 
 bool has_run_file(const RunRecord& run, const std::string& name) {
@@ -73,7 +74,7 @@ std::string read_run_file(const RunRecord& run, const std::string& name) {
         throw UserError(fmt::format("{}: no such file; run the experiment again", file.string()));
     std::string bytes = fs::exists(file) ? read_file(file, "file of rows") : unpacked(packed(file));
     const auto known = run.files.find(name);
-    if (!run.files.empty() && (known == run.files.end() || known->second != description(bytes).dump()))
+    if (!run.files.empty() && (known == run.files.end() || known->second != json_text(description(bytes))))
         throw UserError(fmt::format(
             "{}: not as the run wrote it, by its checksum in run.json; run the experiment again", file.string()));
     return bytes;

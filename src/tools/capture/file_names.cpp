@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "base/error.h"
+#include "image/image_format.h"
 
 namespace radiafit::tools {
 
@@ -21,16 +22,13 @@ std::string dataset_name(const std::string& chosen, const std::filesystem::path&
 }
 
 std::vector<std::string> list_images(const std::filesystem::path& folder) {
-    constexpr std::string_view endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".pfm", ".hdr", ".bmp"};
     std::vector<std::string> names;
     std::error_code error;
     std::filesystem::directory_iterator entries(folder, error);
     for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
         const std::filesystem::directory_entry& entry = *entries;
         std::error_code ignored;
-        const std::string ending = lower_ending(entry.path());
-        if (entry.is_regular_file(ignored) &&
-            std::find(std::begin(endings), std::end(endings), ending) != std::end(endings))
+        if (entry.is_regular_file(ignored) && format_of_name(entry.path()))
             names.push_back(entry.path().filename().string());
     }
     if (error)

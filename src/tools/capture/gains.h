@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "capture/image_file.h"
 #include "geometry/camera.h"
 #include "geometry/mesh.h"
 #include "geometry/raster.h"
+#include "image/image_file.h"
 
 /// Linear gains of images, one for each or one for each of its channels, for captures with automatic exposure: gain *
 /// linear pixel value is comparable between images. Only ratios mean anything; normalize_gains fixes the rest.

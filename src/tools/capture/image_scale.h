@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "capture/image_file.h"
+#include "image/image_file.h"
 
 namespace radiafit::tools {
 

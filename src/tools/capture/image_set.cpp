@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/wording.h"
-#include "capture/image_file.h"
 #include "capture/image_scale.h"
+#include "image/image_file.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;

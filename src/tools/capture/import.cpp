@@ -19,7 +19,6 @@
 #include "capture/coverage.h"
 #include "capture/file_names.h"
 #include "capture/gains.h"
-#include "capture/image_file.h"
 #include "capture/image_scale.h"
 #include "capture/llff.h"
 #include "capture/mesh_file.h"
@@ -30,6 +29,7 @@
 #include "dataset/stream_views.h"
 #include "dataset/view_directions.h"
 #include "geometry/raster.h"
+#include "image/image_file.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;

@@ -15,7 +15,6 @@
 #include "base/resources.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
-#include "capture/image_file.h"
 #include "capture/image_scale.h"
 #include "capture/image_set.h"
 #include "capture/light_file.h"
@@ -26,6 +25,7 @@
 #include "dataset/split.h"
 #include "dataset/stream_views.h"
 #include "dataset/view_directions.h"
+#include "image/image_file.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;

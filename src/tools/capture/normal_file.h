@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/linear.h"
-#include "capture/image_file.h"
+#include "image/image_file.h"
 
 namespace radiafit::tools {
 

@@ -7,11 +7,11 @@
 #include "capture/calibration.h"
 #include "capture/coverage.h"
 #include "capture/gains.h"
-#include "capture/image_file.h"
 #include "capture/import.h"
 #include "geometry/camera.h"
 #include "geometry/mesh.h"
 #include "geometry/raster.h"
+#include "image/image_file.h"
 
 /// The photographs of a capture: which there are, their pixels, and what they show of the mesh.
 namespace radiafit::tools {

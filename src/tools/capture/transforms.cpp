@@ -4,17 +4,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/error.h"
-#include "base/nesting.h"
+#include "base/json.h"
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
-#include "capture/image_header.h"
+#include "image/image_format.h"
+#include "image/image_header.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;
@@ -140,15 +142,22 @@ void read_pose(Camera& camera, const Frame& frame, const Json& json) {
 std::optional<fs::path> with_ending(const fs::path& images, const fs::path& path, const Frame& frame) {
     if (stands(images / path) && !folder_stands(images / path)) return path;
     std::optional<fs::path> found;
-    for (const char* ending :
-         {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG", ".tif", ".TIF", ".tiff", ".TIFF", ".exr", ".EXR"}) {
+    const auto try_ending = [&](const std::string& ending) {
         const fs::path candidate = path.string() + ending;
-        if (!stands(images / candidate)) continue;
+        if (!stands(images / candidate)) return;
         if (found)
             throw UserError(fmt::format("{}: may be {} or {}: write the ending into file_path", frame.where(),
                                         (images / *found).string(), (images / candidate).string()));
         found = candidate;
-    }
+    };
+    for (const ImageFormat& format : image_formats())
+        for (const std::string_view lower : format.endings) {
+            if (!format.photograph) continue;
+            std::string ending(lower);
+            try_ending(ending);
+            std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::toupper(c); });
+            try_ending(ending);
+        }
     return found;
 }
 
@@ -199,7 +208,7 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
     if (nested_deeper(text, 100))
         throw UserError(
             fmt::format("{}: its brackets are nested more than 100 deep: write the file again", file.string()));
-    const Json whole = Json::parse(text, nullptr, false);
+    const Json whole = parse_json<Json>(text);
     if (whole.is_discarded())
         throw UserError(
             fmt::format("{}: truncated, or no JSON (which has no NaN): copy or write the file again", file.string()));

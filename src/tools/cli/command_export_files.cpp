@@ -14,9 +14,9 @@
 #include "exchange/gltf.h"
 #include "exchange/relight.h"
 #include "exchange/textures.h"
-#include "fit/exr.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
+#include "image/exr.h"
 
 namespace radiafit::tools {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "capture/png_file.h"
+#include "image/png_file.h"
 
 namespace radiafit::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/program.h"
-#include "capture/png_file.h"
 #include "cli/pictures.h"
+#include "image/png_file.h"
 
 namespace radiafit::tools {
 namespace {

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/record.h"
 #include "base/wording.h"
 #include "eval/turntable.h"
@@ -156,7 +157,7 @@ void add_material(const SurfaceLook& look, const LookTextures& textures, Buffer&
 std::string word(uint32_t x) { return {reinterpret_cast<const char*>(&x), sizeof(x)}; }
 
 std::string glb(const Json& gltf, std::string binary) {
-    std::string json = gltf.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string json = json_text(gltf, -1, NotUtf8::replace);
     json.resize((json.size() + 3) / 4 * 4, ' ');
     binary.resize((binary.size() + 3) / 4 * 4, '\0');
     const uint64_t length = 12 + 8 + uint64_t(json.size()) + 8 + uint64_t(binary.size());

@@ -8,9 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "eval/render.h"
-#include "exchange/jpeg_image.h"
+#include "image/web/jpeg_image.h"
 
 namespace radiafit::tools {
 namespace {
@@ -162,7 +163,7 @@ Relight relight_of(const Contestant& contestant, const Dataset& dataset, const V
                        {"nplanes", numbers},
                        {"quality", quality},
                        {"materials", Json::array({{{"scale", scale}, {"bias", bias}}})}};
-    out.info = info.dump(2) + "\n";
+    out.info = json_text(info, 2) + "\n";
     return out;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/png_file.h"
+#include "image/png_file.h"
 
 namespace radiafit::tools {
 namespace {

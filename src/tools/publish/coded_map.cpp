@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "publish/webp_image.h"
+#include "image/web/webp_image.h"
 
 namespace radiafit::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "eval/contestant.h"
-#include "fit/exr.h"
 #include "fit/texel_fit.h"
+#include "image/exr.h"
 
 /// What a page needs to show a fit, whatever its family: maps, tables and numbers for shaders/view, and the way back
 /// from maps as the page has them to what the judge compares.

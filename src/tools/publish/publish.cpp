@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/wording.h"
@@ -113,7 +114,7 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
         views.push_back(Json::parse(view_json(fit, chosen[i], judged[i], baseline, page)));
     }
     json["views"] = views;
-    page.json = json.dump();
+    page.json = json_text(json);
 
     const std::vector<CodedMap> coded = maps_within(fit.model, dataset, fit.training, options, page.written_bytes());
     std::vector<PageMap> decoded;
@@ -135,7 +136,7 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
 
     json.update(Json::parse(maps_json(fit.model, coded, page)));
     json["scores"] = scores_json(out, bytes);
-    page.json = json.dump();
+    page.json = json_text(json);
     return out;
 }
 

@@ -9,12 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/json.h"
 #include "dataset/view_directions.h"
 #include "eval/safe_relighting.h"
 #include "geometry/triangles_across.h"
 #include "gl/program.h"
+#include "image/web/webp_image.h"
 #include "publish/choices.h"
-#include "publish/webp_image.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit::tools {
@@ -127,7 +128,7 @@ std::string shaders_json(const Published& fit) {
         out["texels"] = text("texels.vert", {});
     }
     if (!fit.model.vertex_shader.empty()) out["vertices"] = text(fit.model.vertex_shader + ".frag", defines);
-    return out.dump();
+    return json_text(out);
 }
 
 std::string maps_json(const PageModel& model, const std::vector<CodedMap>& coded, Page& page) {
@@ -148,7 +149,7 @@ std::string maps_json(const PageModel& model, const std::vector<CodedMap>& coded
                         {"low", low},
                         {"high", high}});
     }
-    return Json{{"sets", sets}, {"maps", maps}}.dump();
+    return json_text(Json{{"sets", sets}, {"maps", maps}});
 }
 
 std::string surface_json(const Published& fit, Page& page) {
@@ -159,7 +160,7 @@ std::string surface_json(const Published& fit, Page& page) {
         const Grid& g = dataset.grid;
         out["grid"] = {{"width", g.width},          {"height", g.height},      {"origin", json_of(g.origin)},
                        {"right", json_of(g.right)}, {"down", json_of(g.down)}, {"normal", json_of(g.normal())}};
-        return out.dump();
+        return json_text(out);
     }
     const Mesh& mesh = dataset.mesh;
     std::vector<float> vertices;  // position and normal, as tables have it
@@ -180,7 +181,7 @@ std::string surface_json(const Published& fit, Page& page) {
                    {"rectangles_per_row", atlas.rectangles_per_row()}};
     if (!fit.model.sides.empty()) out["mesh"]["sides"] = add_blob(page, "sides", bytes_of(fit.model.sides));
     if (interpolated(fit)) out["mesh"]["across"] = add_blob(page, "across", bytes_of(triangles_across(atlas)));
-    return out.dump();
+    return json_text(out);
 }
 
 std::string model_json(const Published& fit, Page& page) {
@@ -197,18 +198,17 @@ std::string model_json(const Published& fit, Page& page) {
     for (const auto& [name, values] : fit.model.uniforms) uniforms[name] = values;
     Json whole = Json::object();
     for (const auto& [name, value] : fit.model.whole_uniforms) whole[name] = value;
-    return Json{{"description", fit.description},
-                {"takes_light", fit.takes_light},
-                {"terms", fit.model.terms},
-                {"tables", tables},
-                {"uniforms", uniforms},
-                {"whole_uniforms", whole},
-                {"most_samples", std::exp2(end_of_scale(samples)) - 1},
-                {"most_residual", end_of_scale(residuals)},
-                {"most_uncertainty", fit.model.most_uncertainty},
-                {"residual_unit", fit.model.residual_unit},
-                {"baseline", fit.baseline_name}}
-        .dump();
+    return json_text(Json{{"description", fit.description},
+                          {"takes_light", fit.takes_light},
+                          {"terms", fit.model.terms},
+                          {"tables", tables},
+                          {"uniforms", uniforms},
+                          {"whole_uniforms", whole},
+                          {"most_samples", std::exp2(end_of_scale(samples)) - 1},
+                          {"most_residual", end_of_scale(residuals)},
+                          {"most_uncertainty", fit.model.most_uncertainty},
+                          {"residual_unit", fit.model.residual_unit},
+                          {"baseline", fit.baseline_name}});
 }
 
 std::string directions_json(const Published& fit) {
@@ -222,12 +222,11 @@ std::string directions_json(const Published& fit) {
         lamps.push_back(json_of(view.light->direction_from(centre)));
         irradiance += view.light->irradiance_at(centre) / double(fit.training.size());
     }
-    return Json{{"cameras", cameras},
-                {"lamps", lamps},
-                {"irradiance", json_of(irradiance)},
-                {"trusted", SafeRelighting::trusted},
-                {"fade", SafeRelighting::fade}}
-        .dump();
+    return json_text(Json{{"cameras", cameras},
+                          {"lamps", lamps},
+                          {"irradiance", json_of(irradiance)},
+                          {"trusted", SafeRelighting::trusted},
+                          {"fade", SafeRelighting::fade}});
 }
 
 std::string view_json(const Published& fit, uint32_t number, const JudgedView& judged, const JudgedView& baseline,
@@ -247,7 +246,7 @@ std::string view_json(const Published& fit, uint32_t number, const JudgedView& j
                 {"photograph", picture("photograph", judged, judged.photograph, photograph_quality)},
                 {"baseline", picture("baseline", baseline, baseline.render, baseline_quality)}};
     if (view.light) out["light"] = light_json(*view.light);
-    return out.dump();
+    return json_text(out);
 }
 
 }  // namespace radiafit::tools

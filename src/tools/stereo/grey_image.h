@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "capture/image_file.h"
 #include "geometry/camera.h"
+#include "image/image_file.h"
 
 namespace radiafit::tools {
 

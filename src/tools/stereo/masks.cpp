@@ -8,10 +8,10 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "capture/image_file.h"
 #include "capture/mask_names.h"
-#include "capture/png_file.h"
 #include "geometry/raster.h"
+#include "image/image_file.h"
+#include "image/png_file.h"
 #include "stereo/output_names.h"
 
 namespace radiafit::tools {

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/nesting.h"
+#include "base/json.h"
 
 namespace radiafit::fits {
 namespace {
@@ -76,8 +76,7 @@ Head read_head(Reader& in, const fs::path& file) {
     in.check_left(size, 1);
     std::string text(size, ' ');
     in.read(text.data(), size);
-    if (nested_deeper(text, 100)) throw_damaged(file);
-    Json description = Json::parse(text, nullptr, false);
+    Json description = parse_json<Json>(text);
     if (!description.is_object()) throw_damaged(file);
     return {std::move(description), hash_bytes(text.data(), size, hash_bytes(&size, sizeof size))};
 }
@@ -91,7 +90,7 @@ void write_part_result(const fs::path& file, const std::string& key, const PartR
     description["view_side"] = result.view_side;
     description["own_json"] = result.own_json;
     description["run"] = Json::parse(result.run_json);
-    std::string text = description.dump();
+    std::string text = json_text(description);
     text.resize((text.size() + 7) / 8 * 8, ' ');
 
     AtomicFile out(file);
@@ -131,7 +130,7 @@ PartResult read_part_result(const fs::path& file, const std::string& key) {
         result.terms = description.at("terms");
         result.view_side = description.at("view_side");
         result.own_json = description.at("own_json");
-        result.run_json = description.at("run").dump();
+        result.run_json = json_text(description.at("run"));
     } catch (const Json::exception&) {
         throw_damaged(file);
     }
@@ -165,7 +164,7 @@ std::string run_to_json(const FitRun& run, const ResamplingCounts& resampling, u
 }
 
 void RunSum::add(const std::string& run_json) {
-    const Json json = Json::parse(run_json);
+    const Json json = parse_json<Json>(run_json);
     std::vector<TraceRow> rows;
     for (const Json& r : json.at("trace")) rows.push_back({int(rows.size()), r.at(0), r.at(1), r.at(2), r.at(3)});
     trace_.add(rows);

@@ -12,8 +12,8 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/json.h"
 #include "base/log.h"
-#include "base/nesting.h"
 #include "base/read_file.h"
 #include "base/resources.h"
 #include "base/wording.h"
@@ -49,8 +49,7 @@ std::optional<Json> read_note(const fs::path& folder) {
     const fs::path file = folder / shard_json_name;
     if (!stands(file)) return {};
     const std::string text = read_file(file, "shard's description");
-    if (nested_deeper(text, 100)) throw_damaged(file);
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = parse_json<Json>(text);
     if (!json.is_object() || json.value("format", Json()) != format) throw_damaged(file);
     if (json.value("version", Json()) != version)
         throw UserError(file.string() + ": a shard of another version; make it anew");
@@ -238,7 +237,7 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
                        {"dataset", fs::relative(dataset.folder, fs::absolute(folder)).string()},
                        {"files", files},
                        {"key", key}};
-    write_file(folder / shard_json_name, note.dump(2) + "\n");
+    write_file(folder / shard_json_name, json_text(note, 2) + "\n");
     log_info(fmt::format("{} is done: {}", name_of(shard), folder.string()));
 }
 
@@ -258,7 +257,7 @@ ShardNote read_shard(const fs::path& folder) {
         note.dataset = (fs::absolute(folder) / json->at("dataset").get<std::string>()).lexically_normal();
         note.key = json->at("key");
         note.files = json->at("files").get<std::vector<std::string>>();
-        note.request = request_from(Json::parse(note.key).at("options"));
+        note.request = request_from(parse_json<Json>(note.key).at("options"));
     } catch (const Json::exception&) {
         throw_damaged(folder / shard_json_name);
     }

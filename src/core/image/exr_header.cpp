@@ -1,0 +1,165 @@
+#include "image/exr_header.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <streambuf>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "image/codecs.h"
+
+namespace radiafit {
+namespace {
+
+constexpr std::pair<std::string_view, size_t> lengths[] = {{"box2f", 16},
+                                                           {"box2i", 16},
+                                                           {"chromaticities", 32},
+                                                           {"compression", 1},
+                                                           {"deepImageState", 1},
+                                                           {"double", 8},
+                                                           {"envmap", 1},
+                                                           {"float", 4},
+                                                           {"int", 4},
+                                                           {"keycode", 28},
+                                                           {"lineOrder", 1},
+                                                           {"m33d", 72},
+                                                           {"m33f", 36},
+                                                           {"m44d", 128},
+                                                           {"m44f", 64},
+                                                           {"rational", 8},
+                                                           {"tiledesc", 9},
+                                                           {"timecode", 8},
+                                                           {"v2d", 16},
+                                                           {"v2f", 8},
+                                                           {"v2i", 8},
+                                                           {"v3d", 24},
+                                                           {"v3f", 12},
+                                                           {"v3i", 12}};
+
+/// Names that zero bytes end, each with 16 bytes; an empty name ends the list.
+bool is_channel_list(std::string_view value) {
+    while (true) {
+        const size_t end = value.find('\0');
+        if (end == std::string_view::npos) return false;
+        if (end == 0) return value.size() == 1;
+        if (value.size() < end + 1 + 16) return false;
+        value.remove_prefix(end + 1 + 16);
+    }
+}
+
+/// Width, height, and four bytes a pixel.
+bool is_preview(std::string_view value) {
+    uint32_t side[2];
+    if (value.size() < sizeof side) return false;
+    std::memcpy(side, value.data(), sizeof side);
+    const uint64_t bytes = value.size() - sizeof side;
+    return bytes % 4 == 0 && uint64_t(side[0]) * side[1] == bytes / 4;
+}
+
+/// A number of the file, which is little-endian as this machine is.
+template <class T>
+T number(std::istream& in) {
+    T value = 0;
+    in.read(reinterpret_cast<char*>(&value), sizeof value);
+    return value;
+}
+
+/// A text that a zero byte ends.
+std::string take_text(std::istream& in) {
+    char text[256];  // no name is longer
+    in.getline(text, sizeof text, '\0');
+    if (!in || in.eof()) throw std::runtime_error("an OpenEXR name does not end");
+    return text;
+}
+
+/// Bits of all channels of a list: after each name 16 bytes, which begin with its type.
+uint64_t count_bits(std::string_view list) {
+    uint64_t bits = 0;
+    while (list.size() > 1) {
+        list.remove_prefix(list.find('\0') + 1);
+        bits += list[0] == 1 ? 16 : 32;  // half; unsigned or float
+        list.remove_prefix(16);
+    }
+    return bits;
+}
+
+void take_attribute(ExrHeader& header, std::string_view name, std::string_view type, std::string_view value) {
+    if (name == "channels" && type == "chlist") header.bits_per_pixel = count_bits(value);
+    uint32_t side[2];
+    if (name == "tiles" && value.size() >= sizeof side) {
+        std::memcpy(side, value.data(), sizeof side);
+        header.tile = std::max(side[0], side[1]);
+    }
+    if (name == "dataWindow" && type == "box2i") {
+        if (header.sized) throw std::runtime_error("two data windows");
+        header.sized = true;
+        int32_t box[4];  // left, top, right, bottom
+        std::memcpy(box, value.data(), sizeof box);
+        header.width = int64_t(box[2]) - box[0] + 1;
+        header.height = int64_t(box[3]) - box[1] + 1;
+    }
+}
+
+/// Bytes in memory, to be read as a stream.
+struct ViewBuffer : std::streambuf {
+    explicit ViewBuffer(std::string_view bytes) {
+        char* begin = const_cast<char*>(bytes.data());  // it only reads
+        setg(begin, begin, begin + bytes.size());
+    }
+};
+
+}  // namespace
+
+ExrHeader walk_exr_header(std::istream& in, uint64_t bytes) {
+    number<uint32_t>(in);  // magic
+    constexpr uint32_t deep = 1 << 11, multipart = 1 << 12;
+    ExrHeader header;
+    header.plain = (number<uint32_t>(in) & (deep | multipart)) == 0;
+    while (header.plain) {
+        const std::string name = take_text(in);
+        if (name.empty()) {
+            if (header.bits_per_pixel == 0 || !header.sized)
+                throw std::runtime_error("an OpenEXR header without data window or channels");
+            break;
+        }
+        const std::string type = take_text(in);
+        const auto length = number<uint32_t>(in);
+        std::string value(std::min<uint64_t>(length, bytes), '\0');
+        in.read(value.data(), std::streamsize(value.size()));
+        if (!in || value.size() < length) throw std::runtime_error("its header ends within an attribute");
+        if (!exr_attribute_fits(type, value)) throw std::runtime_error("its attribute " + name + " is damaged");
+        take_attribute(header, name, type, value);
+    }
+    return header;
+}
+
+ImageHeader read_exr_header(const std::filesystem::path& file, std::string_view bytes) {
+    constexpr uint64_t largest_tile = 2048;  // pixels a side; OpenEXR takes memory for whole tiles
+    ViewBuffer buffer(bytes);
+    std::istream in(&buffer);
+    ExrHeader header;
+    try {
+        header = walk_exr_header(in, bytes.size());
+    } catch (const std::runtime_error& e) {
+        fail_damaged_image(file, e.what());
+    }
+    if (!header.plain)
+        throw UserError(fmt::format("{}: holds several or deep pictures: export one plain picture", file.string()));
+    if (header.tile > largest_tile) fail_damaged_image(file, "tiles larger than 2048 pixels");
+    return {uint64_t(std::max<int64_t>(header.width, 0)), uint64_t(std::max<int64_t>(header.height, 0)),
+            header.bits_per_pixel};
+}
+
+bool exr_attribute_fits(std::string_view type, std::string_view value) {
+    if (type == "chlist") return is_channel_list(value);
+    if (type == "preview") return is_preview(value);
+    for (const auto& [name, length] : lengths)
+        if (type == name) return value.size() == length;
+    return true;
+}
+
+}  // namespace radiafit

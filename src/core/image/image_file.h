@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+namespace radiafit {
+
+/// A photograph as stored: row 0 on top, three channels. Grey files are spread over the three.
+struct ImageFile {
+    int width = 0, height = 0;    ///< pixels
+    int bits = 8;                 ///< per channel: 8, 16 or 32 (floats)
+    bool linear = false;          ///< 16 bits only: the file says that its values are linear; else they are sRGB
+    std::vector<uint8_t> rgb8;    ///< [height][width][3] if bits == 8
+    std::vector<uint16_t> rgb16;  ///< likewise if bits == 16
+    std::vector<float> rgb32;     ///< likewise if bits == 32; as stored, not finite values too
+    std::vector<uint8_t> alpha;   ///< [height][width], 0 to 255; empty if the file has none
+};
+
+/// Called with a picture's size in pixels before memory is taken for them: the place to throw for another than
+/// expected.
+using HeaderCheck = std::function<void(int width, int height)>;
+
+/// Reads the formats of image_format.h, told apart by their content. Colours are never multiplied by alpha. EXIF
+/// orientation is ignored, as COLMAP does. `floats`: halves and floats (EXR, PFM, TIFF) are taken too.
+/// Throws UserError that names file and cure: missing, another format, truncated or corrupt, larger than
+/// image/image_header.h allows, neither 8 nor 16 bits, neither grey nor RGB.
+ImageFile read_image(const std::filesystem::path& file, bool floats = false, const HeaderCheck& check = {});
+
+/// A mask [height][width], 255 = object, 0 = not: half of the largest grey value or more (1 in files of 0 and 1).
+struct MaskFile {
+    int width = 0, height = 0;
+    std::vector<uint8_t> values;
+};
+MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check = {});
+
+}  // namespace radiafit

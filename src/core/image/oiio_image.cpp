@@ -1,0 +1,35 @@
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "image/codecs.h"
+#include "image/oiio/read_pixels.h"
+
+namespace radiafit {
+namespace {
+
+/// From the module, which is found where the program's RUNPATH leads. It stays loaded.
+ReadOiioPixels* load_reader() {
+    void* module = dlopen(oiio_module, RTLD_NOW | RTLD_LOCAL);
+    void* function = module ? dlsym(module, oiio_function) : nullptr;
+    if (!function) throw SystemError(fmt::format("JPEG, TIFF and OpenEXR pictures cannot be read: {}", dlerror()));
+    return reinterpret_cast<ReadOiioPixels*>(function);
+}
+
+}  // namespace
+
+RawImage read_oiio_pixels(const std::filesystem::path& file, std::string_view bytes, const ImageHeader& header,
+                          const char* reader) {
+    static ReadOiioPixels* const read = load_reader();
+    OiioPixels pixels;
+    read(file.filename().string(), bytes, header, reader, pixels);
+    if (!pixels.failure.empty()) throw SystemError(pixels.failure);
+    if (pixels.damage) fail_damaged_image(file, *pixels.damage);
+    if (!pixels.channel_type.empty())
+        throw UserError(
+            fmt::format("{}: channels are of type {}, neither 8 or 16 bits nor float: convert the image to PNG",
+                        file.string(), pixels.channel_type));
+    return std::move(pixels.image);
+}
+
+}  // namespace radiafit

@@ -1,0 +1,18 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace radiafit {
+
+/// [height][width][3] sRGB bytes, or [height][width][4] with alpha (not multiplied), as a PNG file's bytes. software:
+/// the program, told near the beginning (a tEXt chunk), or empty. Throws SystemError where libpng fails.
+std::string png_bytes(int width, int height, const std::vector<uint8_t>& bytes8, std::string_view software = {});
+
+/// Writes the same as AtomicFile does. Throws UserError where it cannot.
+void write_png(const std::filesystem::path& file, int width, int height, const std::vector<uint8_t>& bytes8,
+               std::string_view software = {});
+
+}  // namespace radiafit
