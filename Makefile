@@ -8,6 +8,7 @@
 #   PYTHON=/usr/bin/python3        of `make peers`: the one that has PyTorch
 #   RUNS=FOLDER, OUTPUT=build/report  of `make report`: the runs to draw it from, and where it goes then
 #   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
+#   PACKAGES=test                  of `make packages` and `make configure`: the part of scripts/install-packages.sh
 PROFILE ?= standard
 ONLY ?=
 MINUTES ?= 1
@@ -16,6 +17,7 @@ BUILD ?= build/$(PRESET)
 JOBS ?= $(shell nproc)
 BENCH_DATASET ?= datasets/packed/star-standard
 BENCH_FLAGS ?=
+PACKAGES ?= test
 PYTHON ?= /usr/bin/python3
 RUNS ?=
 OUTPUT ?= build/report
@@ -24,25 +26,37 @@ SEED ?= 1
 
 .PHONY: build python test check clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
     format format-check archive clean
+.NOTPARALLEL:
 
-build: configure
-	@cmake --build $(BUILD) --parallel $(JOBS)
+# How each command begins: $(call configure,PART,OPTIONS) installs a part of the list of packages, and configures, always, so
+# that results name the revision that was built. CMake keeps the options, so that commands in turn compile nothing again.
+configure = @scripts/install-packages.sh $(1) && cmake --preset $(PRESET) -B $(BUILD) $(2) --log-level=WARNING
+compile = cmake --build $(BUILD) --parallel $(JOBS)
+with_python = $(if $(filter release,$(PRESET)),-DRADIAFIT_PYTHON=ON)
+
+# The program, radiafit-bench and the library: what `cmake --install` installs.
+build:
+	$(call configure,build)
+	@$(compile) --target installed
 	@echo "the program: $(BUILD)/src/app/radiafit"
 
 # The module for Python, which `make test` tests; docs/python.md.
-python test: CONFIGURE = $(if $(filter release,$(PRESET)),-DRADIAFIT_PYTHON=ON)
-python: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit_python
+python:
+	$(call configure,python,$(with_python))
+	@$(compile) --target radiafit_python
 	@echo "the module: $(BUILD)/python; PYTHONPATH=$(BUILD)/python python3 finds it"
 
-test: configure
-	@cmake --build $(BUILD) --parallel $(JOBS)
+# What only the tests' runs need, such as a browser, is installed while the compilers are busy.
+test:
+	$(call configure,test-programs,-DBUILD_TESTING=ON $(with_python))
+	@scripts/install-packages.sh test -- $(compile)
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
 
 # What `make test` has no time for: clang, faults (kills, full disks, several writers, inputs that change), sanitizers;
 # the texts' own checks first.
-check: configure
+check:
+	$(call configure,check,-DBUILD_TESTING=ON)
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
@@ -51,17 +65,19 @@ check: configure
 
 # That clang warns of nothing, and clang-tidy finds nothing.
 clang:
-	@scripts/install-packages.sh check
+	@scripts/install-packages.sh clang
 	@scripts/run-clang-tidy.sh $(JOBS)
 
 # ONLY=TEXT: kinds of faults and commands whose line contains it.
-faults: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit table1_datasets fig7_convergence
+faults:
+	$(call configure,faults)
+	@$(compile) --target radiafit table1_datasets fig7_convergence
 	@python3 -B tests/faults/faults.py $(BUILD) --count $(COUNT) --seed $(SEED) --only '$(ONLY)'
 
 # The test programs by a sanitizer's preset; its suppressions, and why, are in tests/lsan.supp and tests/tsan.supp.
-sanitized: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target test_programs
+sanitized:
+	$(call configure,test-programs)
+	@$(compile) --target test_programs
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS) --label-exclude 'smoke|program|text'
 
 # Every reader on mutated files, MINUTES each. What was learnt stays in build/fuzz/fuzz for the next time.
@@ -72,25 +88,28 @@ fuzz:
 	@tests/fuzz/run_fuzz.py build/fuzz/tests/fuzz/fuzz_readers build/fuzz/fuzz --minutes $(MINUTES) \
 	    --only "$(ONLY)" --jobs $(JOBS)
 
-experiments: configure
-	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && \
-	    cmake --build $(BUILD) --parallel $(JOBS) --target radiafit $$names
+experiments:
+	$(call configure,experiments)
+	@names=$$(scripts/run-experiments.sh --list $(ONLY)) && $(compile) --target $$names
 	@scripts/run-experiments.sh $(BUILD) $(PROFILE) $(ONLY)
 
 # Every claim, figure and table on one page, from the runs that there are, without running any again; docs/report.md.
-report: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target claims report
+report:
+	$(call configure,experiments)
+	@$(compile) --target claims report
 	@for name in claims report; do $(BUILD)/experiments/$$name --profile $(PROFILE) \
 	    $(if $(RUNS),--set 'results="$(RUNS)"' --output $(OUTPUT)) || exit; done
 
 # What differs from the runs that came with the checkout; docs/compare.md.
-compare: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit
+compare:
+	$(call configure,experiments)
+	@$(compile) --target radiafit
 	@$(BUILD)/src/app/radiafit compare results/reference results --only '$(ONLY)'
 
 # Kernels alone, by Google Benchmark; BENCH_FLAGS such as --benchmark_filter=line.
-bench: configure
-	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit bench_kernels bench_texels bench_texel_passes
+bench:
+	$(call configure,bench)
+	@$(compile) --target radiafit kernel_benches
 	@[ -d $(BENCH_DATASET) ] || $(BUILD)/src/app/radiafit generate star --scale standard -o $(BENCH_DATASET)
 	@$(BUILD)/experiments/bench/bench_kernels $(BENCH_DATASET) $(BENCH_FLAGS)
 	@$(BUILD)/experiments/bench/bench_texels $(BENCH_FLAGS)
@@ -98,31 +117,32 @@ bench: configure
 
 # One file that needs no other, to be copied to a machine with a graphics chip; docs/gpu.md.
 radiafit-bench:
-	@scripts/install-packages.sh bench
+	@scripts/install-packages.sh radiafit-bench
 	@cmake --preset bench --log-level=WARNING
 	@cmake --build build/bench --parallel $(JOBS)
 	@echo "the program: build/bench/src/bench/radiafit-bench"
 
 # PyTorch on the CPU against our own fits, on exported problems; docs/results.md, peers.
-peers: configure
-	@scripts/install-packages.sh peers
-	@cmake --build $(BUILD) --parallel $(JOBS) --target radiafit
+peers:
+	$(call configure,peers)
+	@$(compile) --target radiafit
 	@$(PYTHON) -B experiments/peers/torch_peers.py --radiafit $(BUILD)/src/app/radiafit --profile $(PROFILE)
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke
 
-# Always, so that results name the revision that was built.
-configure: packages
-	@cmake --preset $(PRESET) -B $(BUILD) $(CONFIGURE) --log-level=WARNING
+configure:
+	$(call configure,$(PACKAGES))
 
 packages:
-	@scripts/install-packages.sh
+	@scripts/install-packages.sh $(PACKAGES)
 
-format: packages
+format:
+	@scripts/install-packages.sh format
 	@find src tests experiments \( -name '*.h' -o -name '*.cpp' \) -print0 | xargs -0 clang-format -i
 
-format-check: packages
+format-check:
+	@scripts/install-packages.sh format
 	@tests/check_format
 
 # HEAD with its reference results and checksums, for a deposit: the same bytes whoever makes it.

@@ -29,10 +29,11 @@ install(FILES ${PROJECT_BINARY_DIR}/radiafit-config.cmake ${PROJECT_BINARY_DIR}/
 
 # The program, and the modules that it loads when it reads photographs, or when mpirun starts it.
 install(TARGETS radiafit RUNTIME DESTINATION bin)
-install(TARGETS radiafit_oiio LIBRARY DESTINATION lib/radiafit)
-if(TARGET radiafit_mpi)
-  install(TARGETS radiafit_mpi LIBRARY DESTINATION lib/radiafit)
-endif()
+foreach(module radiafit_oiio radiafit_mpi)
+  if(TARGET ${module})
+    install(TARGETS ${module} LIBRARY DESTINATION lib/radiafit)
+  endif()
+endforeach()
 set_target_properties(radiafit PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/radiafit")
 
 # Its manual page and completions, which it prints itself.
@@ -46,6 +47,9 @@ add_custom_command(
   COMMAND radiafit completion fish > ${pages}/radiafit.fish
   DEPENDS radiafit VERBATIM)
 add_custom_target(pages ALL DEPENDS ${pages}/radiafit.1)
+# All that is installed, and nothing else: for `make build`.
+add_custom_target(installed)
+add_dependencies(installed radiafit radiafit-bench pages ${core_targets})
 install(FILES ${pages}/radiafit.1 DESTINATION share/man/man1)
 install(FILES ${pages}/radiafit DESTINATION share/bash-completion/completions)
 install(FILES ${pages}/_radiafit DESTINATION share/zsh/site-functions)

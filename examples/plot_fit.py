@@ -5,13 +5,11 @@ error, and how the error is spread over problems and images. Run it cell by cell
     PYTHONPATH=build/release/python examples/plot_fit.py DATASET PICTURE.png [OPTION=VALUE ...]
 """
 # %% What is fitted, and with which options of `radiafit fit` (docs/options.md).
+import pathlib
+import subprocess
 import sys
+import tempfile
 
-import matplotlib
-
-if __name__ == "__main__" and "ipykernel" not in sys.modules:
-    matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 import radiafit
@@ -44,29 +42,45 @@ seen = fit.render(view)
 shown = srgb(seen[..., :3] / np.array(dataset.views[view].gain))
 inside = seen[..., 3:] == 1
 
-figure, axes = plt.subplots(2, 3, figsize=(13, 8), constrained_layout=True)
-for axis, pixels, title in (
-    (axes[0, 0], photograph, f"photograph {dataset.views[view].name}, held out"),
-    (axes[0, 1], shown, "the fit"),
-    (axes[0, 2], 4 * np.abs(shown - photograph) * inside, "4 x |error|, where the object fills the pixel"),
-):
-    axis.imshow(np.clip(pixels, 0, 1))
-    axis.set_title(title)
-    axis.set_axis_off()
+# %% What gnuplot draws: three pictures, two histograms, and which images are explained worst.
+def quoted(text):
+    return "'" + text.replace("'", "''") + "'"
 
-# %% Problems: how large their errors are, and how many samples each has.
+
+def histogram(values):
+    """A line for each bin: its middle, how many values it has."""
+    counts, edges = np.histogram(values, bins=60)
+    return "".join(f"{middle} {count}\n" for middle, count in zip((edges[1:] + edges[:-1]) / 2, counts))
+
+
 seen_problems = fit.samples > 0
 rms = np.sqrt(2 * fit.error[seen_problems] / fit.samples[seen_problems])
-axes[1, 0].hist(np.log10(rms[rms > 0]), bins=60)
-axes[1, 0].set(xlabel="log10 of a problem's root mean square residual", ylabel="problems")
-axes[1, 1].hist(fit.samples, bins=60)
-axes[1, 1].set(xlabel="samples of a problem", ylabel="problems", yscale="log")
-
-# %% Images: which are explained worst.
 per_image = sorted(figures["per_image"], key=lambda image: image["psnr"])
-axes[1, 2].barh([image["name"] for image in per_image], [image["psnr"] for image in per_image])
-axes[1, 2].set(xlabel="PSNR of held-out images, dB")
-figure.suptitle(f"{dataset.name}: {fit.description}; {figures['psnr']:.2f} dB held out, "
-                f"baseline {figures['baseline']['psnr']:.2f} dB")
-figure.savefig(picture, dpi=120)
+title = f"{dataset.name}: {fit.description}; {figures['psnr']:.2f} dB held out, baseline {figures['baseline']['psnr']:.2f} dB"
+with tempfile.TemporaryDirectory() as folder:
+    folder = pathlib.Path(folder)
+    for name, pixels in (("photograph", photograph), ("fit", shown), ("error", 4 * np.abs(shown - photograph) * inside)):
+        (folder / name).write_bytes(np.uint8(255 * np.clip(pixels, 0, 1) + 0.5).tobytes())
+    (folder / "rms").write_text(histogram(np.log10(rms[rms > 0])))
+    (folder / "samples").write_text(histogram(fit.samples))
+    (folder / "images").write_text("".join(f'{image["psnr"]} "{image["name"]}"\n' for image in per_image))
+    pixels = f"binary array=({photograph.shape[1]},{photograph.shape[0]}) flipy format='%uchar' with rgbimage notitle"
+    script = f"""
+        set terminal pngcairo noenhanced size 1560,960 font 'DejaVu Sans,11'
+        set output {quoted(str(pathlib.Path(picture).resolve()))}
+        set multiplot layout 2,3 title {quoted(title)}
+        set size ratio -1; set autoscale xfix; set autoscale yfix; unset tics; unset border
+        set title {quoted(f"photograph {dataset.views[view].name}, held out")}; plot 'photograph' {pixels}
+        set title 'the fit'; plot 'fit' {pixels}
+        set title '4 x |error|, where the object fills the pixel'; plot 'error' {pixels}
+        unset title; set size noratio; set autoscale; set yrange [0:*]
+        set border 3; set xtics nomirror; set ytics nomirror; set style fill solid
+        set xlabel "log10 of a problem's root mean square residual"; set ylabel 'problems'
+        plot 'rms' with boxes notitle
+        set xlabel 'samples of a problem'; set logscale y; set yrange [0.5:*]
+        plot 'samples' with boxes notitle
+        unset logscale; set xrange [0:*]; set yrange [-1:{len(per_image)}]; set xlabel 'PSNR of held-out images, dB'; unset ylabel
+        plot 'images' using ($1 / 2):0:($1 / 2):(0.4):ytic(2) with boxxyerror notitle
+    """
+    subprocess.run(["gnuplot", "-d"], input=script, text=True, check=True, cwd=folder)
 print(picture)

@@ -6,7 +6,8 @@
 # Variables:
 #   PROFILE=standard|smoke|paper   size of the experiments
 #   RUN="experiments test"         what to run: targets of the Makefile, one after another; RUN=configure only installs
-#                                  packages and configures
+#                                  packages and configures,
+#   PACKAGES=test                  namely those of this part of scripts/install-packages.sh
 #   JOBS=n                         compilers at a time, a gigabyte each
 #   SNAPSHOT=20250520T000000Z      day of snapshot.debian.org that packages are taken of; empty: today's, from MIRROR
 #   MIRROR=http://deb.debian.org   where archives `debian` and `debian-security` are
@@ -24,6 +25,7 @@ case $profile in smoke | standard | paper) ;; *) refuse "PROFILE=$profile: choos
 for target in ${RUN:=experiments test}; do
     case $target in *[!a-z-]*) refuse "RUN: '$target' is no target of the Makefile" ;; esac
 done
+case ${PACKAGES:=test} in *[!a-z-]*) refuse "PACKAGES=$PACKAGES: scripts/install-packages.sh names its parts" ;; esac
 sources=$(scripts/debian-sources.sh ${SNAPSHOT+"$SNAPSHOT"})
 git rev-parse -q --verify HEAD >/dev/null || refuse "bare-root.sh needs a checkout of radiafit's repository"
 command -v mmdebstrap >/dev/null || refuse "mmdebstrap is missing: run scripts/install-packages.sh bare-root"
@@ -55,7 +57,7 @@ cat >"$work/run.sh" <<END
 status=0
 for target in $RUN; do
     started=\$(date +%s)
-    if (cd /radiafit && make \$target PROFILE=$profile JOBS=$jobs </dev/null); then
+    if (cd /radiafit && make \$target PROFILE=$profile JOBS=$jobs PACKAGES=$PACKAGES </dev/null); then
         echo "bare root: make \$target passed in \$((\$(date +%s) - started)) s"
     else
         status=\$?

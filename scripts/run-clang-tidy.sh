@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 jobs=${1:-$(nproc)}
 
 cmake --preset clang --log-level=WARNING
-cmake --build build/clang --parallel "$jobs"
+cmake --build build/clang --parallel "$jobs" --target all kernel_benches
 
 log=build/clang/clang-tidy.log
 if ! run-clang-tidy -p build/clang -quiet -j "$jobs" "^$PWD/src/.*${2:-}" >"$log" 2>&1; then

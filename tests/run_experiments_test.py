@@ -115,12 +115,14 @@ class RunExperiments(Tree):
 class InstallPackages(Tree):
     """With programs of our own on PATH in place of dpkg-query, apt-get, id and sudo."""
 
-    def run_script(self, installed, **programs):
+    def run_script(self, installed, *arguments, **programs):
+        shutil.rmtree(self.root / "bin", ignore_errors=True)
+        (self.root / "log").unlink(missing_ok=True)
         self.program("bin/dpkg-query", "#!/bin/sh\nfor last; do :; done\n"
                      f"case ' {installed} ' in *' all '* | *\" $last \"*) echo 'install ok installed' ;; *) exit 1 ;; esac\n")
         self.program("bin/apt-get", f'#!/bin/sh\necho "apt-get $*" >> "{self.root}/log"\n')
         self.program("bin/id", "#!/bin/sh\necho 0\n")
-        for name in ("env", "sh"):
+        for name in ("awk", "cat", "env", "mktemp", "rm", "sh", "sleep", "touch", "true"):
             os.symlink(shutil.which(name), self.root / "bin" / name)
         for name, text in programs.items():
             path = "bin/" + name.replace("_", "-")
@@ -128,7 +130,7 @@ class InstallPackages(Tree):
                 (self.root / path).unlink()
             else:
                 self.program(path, text)
-        result = subprocess.run(["/bin/sh", str(SCRIPTS / "install-packages.sh")], capture_output=True, text=True,
+        result = subprocess.run(["/bin/sh", str(SCRIPTS / "install-packages.sh"), *arguments], capture_output=True, text=True,
                                 stdin=subprocess.DEVNULL, env={"PATH": str(self.root / "bin")})
         log = self.root / "log"
         return result, log.read_text(encoding="utf-8") if log.exists() else ""
@@ -164,9 +166,47 @@ class InstallPackages(Tree):
         self.assertIn("cannot install without sudo", result.stderr)
 
     def test_a_failed_installation_is_told(self):
-        result, _ = self.run_script("g++", apt_get="#!/bin/sh\nexit 100\n")
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("could not install:", result.stderr)
+        for command in (), ("--", "true"):
+            with self.subTest(command):
+                result, _ = self.run_script("g++", "test", *command, apt_get="#!/bin/sh\necho no disk >&2\nexit 100\n")
+                self.assertEqual(result.returncode, 1)
+                self.assertIn("no disk\n", result.stderr)
+                self.assertTrue(result.stderr.splitlines()[-1].startswith("could not install: "), result.stderr)
+
+    def test_what_is_to_be_downloaded_is_told(self):
+        apt_get = "#!/bin/sh\ncase $* in *--print-uris*) for n in 1 2 3; do echo \"'http://a/b$n.deb' b$n.deb 1300000 X\"; done ;; esac\n"
+        result, _ = self.run_script("g++", "experiments", apt_get=apt_get)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"^installing, 4 MB to download: cmake ")
+
+    def test_each_part_has_its_own(self):
+        asked = {}
+        for part in ("experiments", "build", "test-programs", "test"):
+            result, log = self.run_script("", part)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            asked[part] = {word for word in log.splitlines()[-1].split() if not word.startswith("-")}
+        self.assertLess(asked["experiments"], asked["build"])
+        self.assertLess(asked["build"], asked["test-programs"])
+        self.assertLess(asked["test-programs"], asked["test"])
+        for package in asked["experiments"]:  # no photographs' formats, page, browser, tests, ranks, checks
+            self.assertNotRegex(package, "openimageio|node|npm|chromium|gtest|mpi|clang|glslang|spirv|benchmark|numpy|matplotlib|pybind")
+        result, log = self.run_script("", "everything")
+        self.assertEqual((result.returncode, log, result.stderr.count("\n")), (2, "", 1))
+
+    def test_a_command_runs_meanwhile(self):
+        """The command and apt-get each wait for the other to begin."""
+        meet = "touch {0}; n=0; until [ -e {1} ]; do n=$((n + 1)); [ $n -lt 200 ] || exit 9; sleep 0.05; done; "
+        command, apt_get = (meet.format(f"'{self.root}/{mine}'", f"'{self.root}/{other}'")
+                            for mine, other in (("command", "apt-get"), ("apt-get", "command")))  # fmt: skip
+        apt_get = f"#!/bin/sh\ncase $* in *--print-uris*) ;; *' install '*) {apt_get} sleep 0.2; echo \"$*\" >>'{self.root}/log' ;; esac\n"
+        for status in 0, 3:
+            result, log = self.run_script("g++", "test", "--", "sh", "-c", f"{command} echo built; exit {status}", apt_get=apt_get)
+            self.assertEqual((result.returncode, result.stdout), (status, "built\n"), result.stderr)
+            self.assertIn("chromium", log)  # it was waited for
+            for name in "command", "apt-get":
+                (self.root / name).unlink()
+        result, log = self.run_script("all", "test", "--", "sh", "-c", "exit 3")
+        self.assertEqual((result.returncode, result.stderr, log), (3, "", ""))
 
 
 if __name__ == "__main__":

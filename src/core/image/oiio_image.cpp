@@ -12,7 +12,11 @@ namespace {
 ReadOiioPixels* load_reader() {
     void* module = dlopen(oiio_module, RTLD_NOW | RTLD_LOCAL);
     void* function = module ? dlsym(module, oiio_function) : nullptr;
-    if (!function) throw SystemError(fmt::format("JPEG, TIFF and OpenEXR pictures cannot be read: {}", dlerror()));
+    if (!function)
+        throw UserError(
+            fmt::format("JPEG, TIFF and OpenEXR pictures cannot be read ({}): install libopenimageio-dev and build "
+                        "radiafit again, or convert them to PNG",
+                        dlerror()));
     return reinterpret_cast<ReadOiioPixels*>(function);
 }
 
