@@ -38,14 +38,17 @@ python: configure
 test: configure
 	@cmake --build $(BUILD) --parallel $(JOBS)
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
+	@scripts/slowest.py $(BUILD)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
 
-# What `make test` has no time for: clang, faults (kills, full disks, several writers, inputs that change), sanitizers;
-# the texts' own checks first.
+# What `make test` has no time for: clang, faults (kills, full disks, several writers, inputs that change), radiafit-bench
+# as it is built for other machines, sanitizers; the texts' own checks first.
 check: configure
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
+	@$(MAKE) --no-print-directory radiafit-bench
+	@python3 -B tests/bench_alone_test.py build/bench/src/bench/radiafit-bench . "$$(command -v c++)"
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
 
@@ -63,6 +66,7 @@ faults: configure
 sanitized: configure
 	@cmake --build $(BUILD) --parallel $(JOBS) --target test_programs
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS) --label-exclude 'smoke|program|text'
+	@scripts/slowest.py $(BUILD)
 
 # Every reader on mutated files, MINUTES each. What was learnt stays in build/fuzz/fuzz for the next time.
 fuzz:

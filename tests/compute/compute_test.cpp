@@ -148,7 +148,7 @@ Sums sums_of(ComputeEngine& engine, std::span<const float> p, std::span<const fl
 class FixedPoint : public ::testing::TestWithParam<Way> {};
 /// Images the other way round, and samples of a group in any order.
 TEST_P(FixedPoint, IsTheSameBitsInAnyOrder) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Scene scene;
     std::vector<uint32_t> backwards = all_views();
     std::ranges::reverse(backwards);
@@ -173,7 +173,7 @@ TEST_P(FixedPoint, IsTheSameBitsInAnyOrder) {
 
 /// Constant maps make every term as large as its bound allows; and magnitudes far from 1.
 TEST_P(FixedPoint, DoesNotOverflow) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Scene scene;
     const SampleList list = scene.list();
     LfmOptions options;
@@ -196,7 +196,7 @@ TEST_P(FixedPoint, DoesNotOverflow) {
 
 /// Where a term may be no float, no sum is taken for one.
 TEST_P(FixedPoint, KnowsNoSumsOfWhatIsNotFinite) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Scene scene;
     const auto engine = scene.engine(GetParam(), scene.list());
     const ProblemStatistics statistics = engine->count();
@@ -215,7 +215,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, FixedPoint, ::testing::Values(ways[1], ways[5]), 
 class FloatScatter : public ::testing::TestWithParam<Way> {};
 /// Repeated sums differ, by rounding alone: told, and at most a tenth of what tests allow of any engine.
 TEST_P(FloatScatter, SpreadsLittle) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Scene scene;
     const SampleList list = scene.list();
     const LfmOptions options{.lambda_surface = 0, .lambda_view = 0, .mu = 0};
@@ -246,7 +246,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, FloatScatter, ::testing::Values(ways[2], ways[3],
 
 /// Whatever sums come about by, fits end alike.
 TEST(Compute, FitsEndAlikeInEveryWay) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Scene scene;
     const SampleList list = scene.list();
     std::vector<double> errors;
@@ -263,7 +263,7 @@ TEST(Compute, FitsEndAlikeInEveryWay) {
 
 /// What is planned is no less than what the device holds, and not much more; the host's part is in the plan, too.
 TEST(Compute, TakesWhatIsPlanned) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Scene scene;
     const SampleList list = scene.list();
     for (const int terms : {1, 3})
@@ -304,7 +304,7 @@ Fitted fitted(E& engine, const LfmLayout& layout, const OptimizerOptions& optimi
 
 /// Problems that end while others of their vertex and triangle run on; and terms one after another.
 TEST(Compute, EndsProblemsOneByOne) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const NoiseDataset noise(awkward_mesh(1));
     const TriangleAtlas atlas(noise.dataset.mesh, 8);
     const VertexRings rings(noise.dataset.mesh);
@@ -338,7 +338,7 @@ TEST(Compute, EndsProblemsOneByOne) {
 
 /// Sides of each triangle's own, which the fragment engine has not.
 TEST(Compute, TakesTrianglesOfSeveralSides) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const NoiseDataset noise(awkward_mesh(1));
     std::vector<uint8_t> sides(noise.dataset.mesh.triangle_count());
     for (size_t i = 0; i < sides.size(); ++i) sides[i] = uint8_t(3 + i % 6);
