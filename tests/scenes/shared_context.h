@@ -18,7 +18,7 @@ public:
 
 private:
     inline static std::unique_ptr<Context> context_;
-    inline static ::testing::Environment* const registered_ = ::testing::AddGlobalTestEnvironment(new SharedContext);
 };
+inline ::testing::Environment* const shared_context_closer = ::testing::AddGlobalTestEnvironment(new SharedContext);
 
 }  // namespace radiafit
