@@ -51,15 +51,18 @@ test:
 	$(call configure,test-programs,-DBUILD_TESTING=ON $(with_python))
 	@scripts/install-packages.sh test -- $(compile)
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
+	@scripts/slowest.py $(BUILD)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
 
-# What `make test` has no time for: clang, faults (kills, full disks, several writers, inputs that change), sanitizers;
-# the texts' own checks first.
+# What `make test` has no time for: clang, faults (kills, full disks, several writers, inputs that change), radiafit-bench
+# as it is built for other machines, sanitizers; the texts' own checks first.
 check:
 	$(call configure,check,-DBUILD_TESTING=ON)
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
+	@$(MAKE) --no-print-directory radiafit-bench
+	@python3 -B tests/bench_alone_test.py build/bench/src/bench/radiafit-bench . "$$(command -v c++)"
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
 
@@ -79,6 +82,7 @@ sanitized:
 	$(call configure,test-programs)
 	@$(compile) --target test_programs
 	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS) --label-exclude 'smoke|program|text'
+	@scripts/slowest.py $(BUILD)
 
 # Every reader on mutated files, MINUTES each. What was learnt stays in build/fuzz/fuzz for the next time.
 fuzz:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What `make radiafit-bench` makes: it is built without the libraries of images, meshes and solvers, and needs no shared one
-but the C library's.
+"""radiafit-bench for other machines: linked so, it needs no shared library but the C library's; and `make radiafit-bench`
+configures without the libraries of images, meshes and solvers. `make check` builds that.
 
-Arguments: the checkout, where to build (what lies there is used again), the compiler.
+Arguments: radiafit-bench-alone, the checkout, the compiler.
 """
 import platform
 import re
@@ -12,7 +12,7 @@ import unittest
 
 from cli_fixture import take_arguments
 
-CHECKOUT = BUILD = COMPILER = None
+PROGRAM = CHECKOUT = COMPILER = None
 ABSENT = ["Ceres", "Qhull", "OpenEXR", "PkgConfig", "PNG", "GTest", "benchmark"]
 NEEDED = {"linux-vdso.so.1", "libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "ld-linux-x86-64.so.2",
           "ld-linux-aarch64.so.1"}
@@ -26,16 +26,8 @@ def run(*command):
 
 
 class Alone(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ABSENT]
-        quick = "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG"  # to compile
-        run("cmake", "--preset", "bench", "-S", CHECKOUT, "-B", BUILD, f"-DCMAKE_CXX_COMPILER={COMPILER}", quick, *absent)
-        run("cmake", "--build", BUILD, "--parallel", "2")
-        cls.program = BUILD / "src" / "bench" / "radiafit-bench"
-
     def test_needs_the_c_library_alone(self):
-        names = {line.split()[0].rpartition("/")[2] for line in run("ldd", self.program).splitlines()}
+        names = {line.split()[0].rpartition("/")[2] for line in run("ldd", PROGRAM).splitlines()}
         self.assertTrue(names & {"libc.so.6"}, names)
         self.assertEqual(names - NEEDED, set())
 
@@ -43,19 +35,27 @@ class Alone(unittest.TestCase):
         said = re.search(r"C library\s+\(glibc\) of version (\d+)\.(\d+)", (CHECKOUT / "docs" / "gpu.md").read_text())
         if platform.libc_ver() != ("glibc", "2.36"):
             self.skipTest("said of builds on Debian 12")
-        versions = re.findall(r"GLIBC_(\d+)\.(\d+)", run("objdump", "-T", self.program))
+        versions = re.findall(r"GLIBC_(\d+)\.(\d+)", run("objdump", "-T", PROGRAM))
         newest = max((int(major), int(minor)) for major, minor in versions)
         self.assertEqual(newest, (int(said[1]), int(said[2])))
 
     def test_names_no_folder_of_this_machine(self):
-        self.assertNotRegex(run("readelf", "-d", self.program), "R(UN)?PATH")
+        self.assertNotRegex(run("readelf", "-d", PROGRAM), "R(UN)?PATH")
 
     def test_runs(self):
         with tempfile.TemporaryDirectory(prefix="radiafit-bench-") as folder:
-            run(self.program, "--scale", "smoke", "--device", "compute", "--repetitions", "1", "-o", folder)
-        self.assertTrue(re.match("radiafit-bench [0-9.]+ ", run(self.program, "--version")))
+            run(PROGRAM, "--scale", "smoke", "--device", "compute", "--repetitions", "1", "-o", folder)
+        self.assertTrue(re.match("radiafit-bench [0-9.]+ ", run(PROGRAM, "--version")))
+
+    def test_configures_without_other_libraries(self):
+        absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ABSENT]
+        with tempfile.TemporaryDirectory(prefix="radiafit-bench-") as build:
+            run("cmake", "--preset", "bench", "-S", CHECKOUT, "-B", build, f"-DCMAKE_CXX_COMPILER={COMPILER}", *absent)
+            targets = run("cmake", "--build", build, "--", "-t", "targets", "all")
+        self.assertIn("src/bench/radiafit-bench: ", targets)
+        self.assertNotRegex(targets, "radiafit_(reference|capture|stereo|fit|eval|app)[.:]")
 
 
 if __name__ == "__main__":
-    CHECKOUT, BUILD, COMPILER = take_arguments(3)
+    PROGRAM, CHECKOUT, COMPILER = take_arguments(3)
     unittest.main()

@@ -43,7 +43,7 @@ class CaptureScript(ProgramTest):
         fake.chmod(0o755)
         cls.environment = {"RADIAFIT": str(cls.program), "RADIAFIT_SKIP_PACKAGES": "1", "FAKE_COLMAP": str(cls.root / "truth"),
                            "PATH": f"{programs}:{os.environ['PATH']}"}  # fmt: skip
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("star")
         write_capture(cls.root / "star", cls.root / "truth")
         write_binary_model(cls.root / "truth/sparse", cls.root / "truth/model")
         write_points(surface_points(cls.root / "star"), cls.root / "truth/model/points3D.bin")

@@ -23,8 +23,8 @@ class Captures(ProgramTest):
         shutil.copy(CHECKOUT / "experiments/captures.toml", self.root / "experiments")
 
     def pack(self):
-        self.good("generate", "star", "-o", "datasets/packed/cape", program=RADIAFIT)
-        self.good("generate", "ornament", "-o", "datasets/packed/reading", program=RADIAFIT)
+        self.dataset("star", "datasets/packed/cape", program=RADIAFIT)
+        self.dataset("ornament", "datasets/packed/reading", program=RADIAFIT)
         (self.root / "flat").mkdir()
         lamps = []
         for i in range(8):

@@ -15,6 +15,11 @@ import unittest
 import zlib
 
 
+# What many tests begin with: made once for all of them by the test `datasets` (shared_datasets.py) in the folder that
+# RADIAFIT_DATASETS names.
+SHARED = {"star": ("star",), "ornament": ("ornament",), "ornament-f32": ("ornament", "--encoding", "f32-linear")}
+
+
 def take_arguments(count):
     """The first `count` arguments of the test's command line: programs and folders. The rest is unittest's."""
     if len(sys.argv) <= count:
@@ -73,6 +78,15 @@ class ProgramTest(unittest.TestCase):
         if result.returncode != 0:
             raise AssertionError(f"{arguments}: status {result.returncode}: {result.stderr}")
         return result
+
+    @classmethod
+    def dataset(cls, shared, name=None, **options):
+        """One of SHARED in root, by default under its shape's name: a copy, or made here if no test made it before."""
+        shape, made = SHARED[shared][0], os.environ.get("RADIAFIT_DATASETS")
+        if made:
+            shutil.copytree(pathlib.Path(made, shared), cls.root / (name or shape))
+        else:
+            cls.good("generate", *SHARED[shared], "-o", name or shape, **options)
 
     def refused(self, *arguments, says, **options):
         """The user's mistake: status 2, one line with all of `says`, nothing on standard output, and not a file or

@@ -27,7 +27,7 @@ class CommandLine(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("star")
         cls.good("fit", "star", "--model", "lfm", "-o", "fit")
 
     def judge(self, fit, split="test"):

@@ -30,8 +30,8 @@ class Exchange(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
-        cls.good("generate", "ornament", "-o", "ornament")
+        cls.dataset("star")
+        cls.dataset("ornament")
         cls.good("fit", "ornament", "--model", "lafortune", "-o", "lafortune")
         for model in ("sg", "viewbasis", "lfm"):
             cls.good("fit", "star", "--model", model, "--surface-side", "5", "-o", model)

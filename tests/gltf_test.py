@@ -18,8 +18,8 @@ WEB = pathlib.Path(__file__).resolve().parent / "web"
 
 class Gltf(ProgramTest):
     def test_validator(self):
-        self.good("generate", "star", "-o", "star")
-        self.good("generate", "ornament", "-o", "ornament")
+        self.dataset("star")
+        self.dataset("ornament")
         write_dome(self.root / "dome", 20, 15, 24)
         for name, normals in (("relief", "flat"), ("bumps", None)):  # the latter by photometric stereo
             options = ["--normals", normals] if normals else []
@@ -44,7 +44,7 @@ class Gltf(ProgramTest):
 
     def test_validator_sees_errors(self):
         """The test's own: a file with a vertex's normal cut short."""
-        self.good("generate", "star", "-o", "star2")
+        self.dataset("star", "star2")
         self.good("fit", "star2", "--solver", "mean", "-o", "mean")
         self.good("export", "gltf", "mean", "--without-maps", "-o", "good.glb")
         broken = self.root / "broken.glb"

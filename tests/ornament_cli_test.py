@@ -12,16 +12,20 @@ from cli_fixture import ProgramTest, take_arguments
 
 
 class Ornament(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.dataset("ornament", "set")
+
     def info(self, name):
         return json.loads(self.good("info", name, "--json").stdout)
 
     def test_what_it_says_of_itself(self):
-        self.good("generate", "ornament", "-o", "plain")
         self.good(
             *("generate", "ornament", "--encoding", "u8-srgb", "--shading", "pixel", "--light", "near"),
             *("--read-noise", "0.01", "--shot-noise", "0.02", "-o", "camera"),
         )
-        plain, camera = self.info("plain"), self.info("camera")
+        plain, camera = self.info("set"), self.info("camera")
         self.assertEqual((plain["light"], camera["light"]), ("distant", "near"))
         self.assertEqual(plain["encoding"], "u16-linear")
         self.assertEqual(plain["image_bytes"], 2 * camera["image_bytes"])
@@ -36,7 +40,6 @@ class Ornament(ProgramTest):
 
     def test_files_read_without_this_program(self):
         """By docs/formats.md and the standard library alone."""
-        self.good("generate", "ornament", "-o", "set")
         folder = self.root / "set"
         truth = json.loads((folder / "truth.json").read_text())
         dataset = json.loads((folder / "dataset.json").read_text())
@@ -74,7 +77,6 @@ class Ornament(ProgramTest):
         self.assertLess(peak_bytes() - before, images / 4)
 
     def test_no_light_field(self):
-        self.good("generate", "ornament", "-o", "set")
         for command in (("fit", "set", "--model", "lfm", "-o", "new"), ("plan", "set", "--model", "lfm")):
             self.refused(*command, says=("set", "lamp that moves", "import colmap"))
 

@@ -22,8 +22,8 @@ class PartsTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
-        cls.good("generate", "ornament", "-o", "ornament")
+        cls.dataset("star")
+        cls.dataset("ornament")
         cls.good("fit", "star", *FIT, "-o", "whole")
         cls.flat_sample("flat", size=24, noise=(3,))
 

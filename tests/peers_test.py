@@ -49,7 +49,7 @@ class Peers(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("star")
 
     def python(self, program, *arguments):
         result = subprocess.run([PYTHON, "-B", "-c", program, *arguments], cwd=self.root, capture_output=True, text=True,

@@ -25,8 +25,8 @@ class Problems(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
-        cls.good("generate", "ornament", "-o", "ornament")
+        cls.dataset("star")
+        cls.dataset("ornament")
         cls.names = (f"{i}" for i in itertools.count())
 
     def export(self, dataset, *options):
@@ -165,7 +165,7 @@ class Folders(Problems):
     def test_a_dataset_that_holds_nothing_out(self):
         for dataset, model in (("star", "lfm"), ("ornament", "lambert")):
             name = next(self.names)
-            self.good("generate", dataset, "-o", f"whole{name}")
+            self.dataset(dataset, f"whole{name}")
             path = self.root / f"whole{name}/dataset.json"
             about = json.loads(path.read_text())
             for view in about["views"]:

@@ -26,7 +26,7 @@ class PythonModule(ProgramTest):
     def setUp(self):
         if not (self.root / "star").exists():
             self.good("generate", "star", "--seed", "3", "-o", "star")
-            self.good("generate", "ornament", "-o", "ornament")
+            self.dataset("ornament")
         self.star, self.ornament = (radiafit.Dataset(self.root / name) for name in ("star", "ornament"))
 
     def memory_of(self, array):

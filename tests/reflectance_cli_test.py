@@ -16,8 +16,8 @@ class Reflectance(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "ornament", "--encoding", "f32-linear", "-o", "ornament")
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("ornament-f32")
+        cls.dataset("star")
         cls.good("fit", "ornament", "--model", "lafortune", "-o", "lm")
 
     def judged(self, fit, *options):

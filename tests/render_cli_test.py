@@ -39,7 +39,7 @@ class Render(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("star")
         write_capture(cls.root / "star", cls.root / "photos")
         # The same photographs, told to have been exposed differently: those held out as well.
         names = sorted(p.name for p in (cls.root / "photos/images").iterdir())

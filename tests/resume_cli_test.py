@@ -31,8 +31,8 @@ class Resume(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
-        cls.good("generate", "ornament", "-o", "ornament")
+        cls.dataset("star")
+        cls.dataset("ornament")
 
     def setUp(self):
         for path in self.root.iterdir():

@@ -17,7 +17,7 @@ class Terminal(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("star")
         cls.good("fit", "star", "--iterations", "2", "-o", "fit")
 
     def on_terminal(self, *arguments, **environment):

@@ -21,7 +21,7 @@ class TwoStep(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
+        cls.dataset("star")
 
     def setUp(self):
         for path in self.root.iterdir():

@@ -23,8 +23,8 @@ class Viewer(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
-        cls.good("generate", "ornament", "-o", "ornament")
+        cls.dataset("star")
+        cls.dataset("ornament")
         cls.good("fit", "star", "--solver", "mean", "-o", "plain")
         published = cls.run_program("publish", "plain", "--views", "1", "-o", "plain_page")
         if "built without the viewer" in published.stderr:

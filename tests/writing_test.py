@@ -21,8 +21,8 @@ class Writing(ProgramTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.good("generate", "star", "-o", "star")
-        cls.good("generate", "ornament", "-o", "ornament")
+        cls.dataset("star")
+        cls.dataset("ornament")
         cls.good("fit", "star", "--iterations", "1", "-o", "fit")
         cls.good("fit", "ornament", "--model", "lambert", "-o", "lambert")
         write_capture(cls.root / "star", cls.root / "capture")

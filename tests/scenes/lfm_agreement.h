@@ -5,9 +5,9 @@
 #include "cpu/lfm_engine.h"
 #include "fragment/fragment_engine.h"
 #include "fragment/gl_distributor.h"
-#include "gl_scene.h"
 #include "model/lfm_start.h"
 #include "optim/optimizer.h"
+#include "shared_context.h"
 #include "temporary_folder.h"
 
 /// OpenGL's engines of light field maps against the naive oracle in double and against the CPU engine, on one shared
@@ -91,7 +91,7 @@ struct Tally {
 /// make(dataset, atlas, rings, list, options): an engine whose samples are the list's.
 template <class Make>
 void agree_with_the_oracle(const Case& c, const Make& make) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const NoiseDataset noise(awkward_mesh(c.levels), c.encoding);
     const Dataset& dataset = noise.dataset;
     const TriangleAtlas atlas(dataset.mesh, c.surface_side);
@@ -161,7 +161,7 @@ void agree_with_the_oracle(const Case& c, const Make& make) {
 /// Some iterations of every verb, penalties included, against the CPU engine in double.
 template <class Make>
 void agree_with_the_cpu_engine_over_iterations(const Case& c, const Make& make) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const NoiseDataset noise(awkward_mesh(c.levels), c.encoding);
     const Dataset& dataset = noise.dataset;
     const TriangleAtlas atlas(dataset.mesh, c.surface_side);

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "fragment/gl_distributor.h"
-#include "gl_scene.h"
 #include "samples/raster_distributor.h"
+#include "shared_context.h"
 
 namespace radiafit {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr int width = 300, height = 260, cameras = 6;
 
 TEST(GlDistribution, KeepsTheRule) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Mesh mesh = awkward_mesh(3);
     for (int side : {3, 8}) {
         const TriangleAtlas atlas(mesh, side);
@@ -46,7 +46,7 @@ TEST(GlDistribution, KeepsTheRule) {
 }
 
 TEST(GlDistribution, AgreesWithTheCpuRasterizer) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const Mesh mesh = awkward_mesh(3);
     const TriangleAtlas atlas(mesh, 8);
     GlDistributor by_gl(atlas);

@@ -11,6 +11,7 @@
 #include "fragment/texel_plan.h"
 #include "model/small_solve.h"
 #include "optim/optimizer.h"
+#include "shared_context.h"
 #include "synthetic/synthetic.h"
 #include "texel_fragment_scene.h"
 
@@ -77,7 +78,7 @@ class TexelFragmentAgreement : public ::testing::TestWithParam<Case> {};
 template <class Text>
 void agree(const Case& c) {
     using Model = TexelLocal<Text>;
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const TexelDataset data(c.scene);
     const TexelOptions options = c.options();
     TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options,
@@ -450,7 +451,7 @@ TEST(TexelFragment, RecoversGoldAndGreenOfTheOrnament) {
     const Dataset dataset = open_dataset(folder.path() / "set");
     const ReflectanceTruth truth = read_truth(folder.path() / "set");
     const TriangleAtlas atlas = reflectance_atlas(dataset, truth.side);
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     TexelOptions options;
     options.model = find_texel_model("lafortune");
     std::vector<uint32_t> views(dataset.views.size());

@@ -6,6 +6,7 @@
 #include "cpu/texel_solver.h"
 #include "optim/optimizer.h"
 #include "samples/grid_distributor.h"
+#include "shared_context.h"
 #include "texel_fragment_scene.h"
 
 namespace radiafit {
@@ -57,7 +58,7 @@ class TexelComputeAgreement : public ::testing::TestWithParam<Case> {};
 template <class Text>
 void agree(const Case& c) {
     using Model = TexelLocal<Text>;
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const TexelDataset data(c.scene);
     const TexelOptions options = c.options();
     const auto source = gather(data);
@@ -154,7 +155,7 @@ Fitted run(ContextKind kind, const TexelDataset& data, const TexelOptions& optio
 
 /// The start of every texel, as the CPU has it.
 std::vector<float> start_of(const TexelDataset& data, const TexelOptions& options) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const auto source = gather(data);
     const TexelLoader loader(data.dataset, *data.atlas, data.views, options);
     const auto fit =
@@ -176,7 +177,7 @@ TEST(TexelCompute, FitsAsTheCpuDoes) {
             const Fitted a = run(ContextKind::egl, data, options, optimizer, start);
             Trace b;
             {
-                const auto context = make_context(ContextKind::egl);
+                SharedContext::use();
                 const auto source = gather(data);
                 const TexelLoader loader(data.dataset, *data.atlas, data.views, options);
                 b = texel_solvers(*options.model).stream({*source, loader, options}, optimizer, {}).trace;

@@ -165,15 +165,24 @@ TEST(TexelEngine, EvaluatesLambertAsDefined) { check_engine<texel_text::lambert>
 
 // --- over a dataset ---
 
+/// The ornament at smoke scale, made once.
+Dataset ornament() {
+    struct Made : TemporaryFolder {
+        Made() {
+            OrnamentOptions options;
+            options.sensor.encoding = Encoding::f32_linear;
+            generate_synthetic({.shape = "ornament", .scale = "smoke", .seed = 3, .ornament = options}, path() / "set");
+        }
+    };
+    static const Made folder;
+    return open_dataset(folder.path() / "set");
+}
+
 class TexelDataset : public ::testing::Test {
 protected:
     TexelDataset() {
         set_quiet(true);
-        OrnamentOptions ornament;
-        ornament.sensor.encoding = Encoding::f32_linear;
-        generate_synthetic({.shape = "ornament", .scale = "smoke", .seed = 3, .ornament = ornament},
-                           folder_.path() / "set");
-        dataset_ = open_dataset(folder_.path() / "set");
+        dataset_ = ornament();
         views_ = dataset_.split(false);
         atlas_ = std::make_unique<TriangleAtlas>(reflectance_atlas(dataset_, dataset_.normal_map.side));
         distributors_ = raster_distributors(*atlas_);

@@ -172,7 +172,7 @@ TEST(Background, MixesInLinearLight) {
     EXPECT_EQ(transparent.rgb, (std::vector<uint8_t>{0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 128}));
 }
 
-TEST(Exposure, OfThePhotograph) {
+TEST(Turntable, ExposureIsThePhotographs) {
     const LightImage image{1, 1, {0.5f, 0.6f, 0.8f}, {1}};
     EXPECT_EQ(in_exposure(image, Gain(2)).rgb, (std::vector<float>{0.25f, 0.3f, 0.4f}));
     EXPECT_EQ(in_exposure(image, Gain({1, 2, 4})).rgb, (std::vector<float>{0.5f, 0.3f, 0.2f}));

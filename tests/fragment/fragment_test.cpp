@@ -98,7 +98,7 @@ TEST(Fragment, SamplesThatAreKeptGiveTheSameBits) {
         const NoiseDataset noise(awkward_mesh(1), encoding);
         const TriangleAtlas atlas(noise.dataset.mesh, 8);
         const VertexRings rings(noise.dataset.mesh);
-        const auto context = make_context(ContextKind::egl);
+        SharedContext::use();
         std::vector<float> fitted[2];
         for (const bool keep : {false, true}) {
             const FragmentOptions fragment{.passes = Passes::paper, .keep_on_device = true, .keep_samples = keep};
@@ -187,7 +187,7 @@ TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {
 // tests/check_costs.py holds the declarations to the shaders; this, the passes to the declarations.
 TEST(Fragment, EveryPassDeclaresItsCostAndItsInvocationsAreCounted) {
     const NoiseDataset noise(awkward_mesh(1));
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     const TriangleAtlas atlas(noise.dataset.mesh, 8);
     const VertexRings rings(noise.dataset.mesh);
     for (Passes passes : {Passes::paper, Passes::combined})

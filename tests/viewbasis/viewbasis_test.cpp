@@ -10,8 +10,8 @@
 #include "eval/pixel_areas.h"
 #include "fit_scene.h"
 #include "geometry/ray_cast.h"
-#include "gl_scene.h"
 #include "samples/interpolated_samples.h"
+#include "shared_context.h"
 #include "viewbasis/basis_texels.h"
 #include "viewbasis/learn_view_basis.h"
 #include "viewbasis/solve_view_basis.h"
@@ -187,7 +187,7 @@ TEST(ViewBasis, SolvesTheNormalEquations) {
 // The same equations by either engine, of texels with few samples and with several times what a work group looks at at
 // once; sums of floats in another order.
 TEST(ViewBasis, IsSolvedOnTheDeviceAsOnTheCpu) {
-    const auto context = make_context(ContextKind::egl);
+    SharedContext::use();
     for (const auto& [images, share] : {std::pair(5, 0.4f), {90, 0.9f}}) {
         const Surface surface(images, share);
         for (const int rank : {1, 10, 28}) {
