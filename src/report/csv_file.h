@@ -1,4 +1,7 @@
 #pragma once
+#include <cmath>
+
+#include "base/statistics.h"
 #include "report/columns.h"
 #include "report/csv.h"
 
@@ -21,6 +24,19 @@ private:
     const RowFileOf<Row>& file_;
     CsvWriter writer_;
 };
+
+/// The ends of an interval, as columns `low` and `high` have them: empty where there is none.
+struct IntervalEnds {
+    std::optional<double> low, high;
+};
+inline IntervalEnds ends_of(const std::optional<Interval>& interval) {
+    return interval ? IntervalEnds{interval->low, interval->high} : IntervalEnds{};
+}
+
+/// Nothing in place of what is no number.
+inline std::optional<double> unless_nan(double value) {
+    return std::isnan(value) ? std::nullopt : std::optional(value);
+}
 
 /// All rows of a file.
 template <class Row>

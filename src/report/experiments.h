@@ -25,6 +25,8 @@ struct ExperimentEntry {
 
 /// By place.
 const std::vector<const ExperimentEntry*>& all_experiments();
+/// Those of which the report has something.
+std::vector<const ExperimentEntry*> reported_experiments();
 
 /// What a file of an experiment is; null if it is of none.
 const RowFile* find_row_file(std::string_view experiment, std::string_view file);
