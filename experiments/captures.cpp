@@ -1,5 +1,7 @@
 // Real captures: how good fits are on images that were held out, by two rules for holding out, and inside and outside
 // the directions of the images that were fitted.
+#include "report/rows/captures.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,11 +15,13 @@
 #include "fitting/family.h"
 #include "fitting/settle.h"
 #include "reachable/reachable.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::captures;
 
 constexpr Range<int> nth{2, 1000};
 
@@ -185,27 +189,22 @@ private:
 
     void write() {
         ResultFolder results = experiment_.open_results(experiment_.cpu_device());
-        CsvWriter figures(results.path() / "captures.csv",
-                          {"capture", "split", "method", "training", "held_out", "outside", "psnr_db", "ape",
-                           "mean_image_psnr_db", "psnr_inside_db", "psnr_outside_db", "seconds"});
-        CsvWriter images(results.path() / "images.csv",
-                         {"capture", "split", "method", "image", "pixels", "psnr_db", "ape", "degrees_outside"});
+        CsvFile figures(results.path(), rows::figures);
+        CsvFile images(results.path(), rows::images);
         Table table({"capture", "held out", "method", "PSNR", "APE", "mean of images", "amid the training directions",
                      "beyond them"});
-        const auto decibels = [](double x) { return std::isfinite(x) ? fmt::format("{:.4f}", x) : std::string(); };
+        const auto finite = [](double x) { return std::isfinite(x) ? std::optional(x) : std::nullopt; };
         const auto shown = [](const ErrorSums& e) { return e.values ? fmt::format("{:.2f} dB", e.psnr()) : "none"; };
         for (const Row& r : rows_) {
-            figures.row({r.capture, r.rule, r.method, std::to_string(r.training), std::to_string(r.images.size()),
-                         std::to_string(r.outside_count), decibels(r.all.psnr()), fmt::format("{:.4f}", r.all.ape()),
-                         decibels(r.mean_psnr()), decibels(r.inside.psnr()), decibels(r.outside.psnr()),
-                         fmt::format("{:.3f}", r.seconds)});
+            figures.add({r.capture, r.rule, r.method, r.training, r.images.size(), r.outside_count,
+                         finite(r.all.psnr()), r.all.ape(), finite(r.mean_psnr()), finite(r.inside.psnr()),
+                         finite(r.outside.psnr()), r.seconds});
             table.add({r.capture, fmt::format("{} ({} images)", r.rule, r.images.size()), r.method,
                        fmt::format("{:.2f} dB", r.all.psnr()), fmt::format("{:.2f}", r.all.ape()),
                        fmt::format("{:.2f} dB", r.mean_psnr()), shown(r.inside), shown(r.outside)});
             for (const ImageFigures& image : r.images)
-                images.row({r.capture, r.rule, r.method, image.name, std::to_string(image.pixels),
-                            decibels(image.stored.psnr()), fmt::format("{:.4f}", image.stored.ape()),
-                            fmt::format("{:.2f}", 180 / M_PI * image.outside)});
+                images.add({r.capture, r.rule, r.method, image.name, image.pixels, finite(image.stored.psnr()),
+                            image.stored.ape(), 180 / M_PI * image.outside});
         }
         figures.commit();
         images.commit();

@@ -1,5 +1,7 @@
 // What our mends of the paper's text are worth, each left out by itself (docs/paper.md numbers them): how far the
 // paper's optimizers then come, on light field maps of the star and on Lafortune's model on the ornament.
+#include "report/rows/departures.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +19,7 @@
 #include "model/lfm_start.h"
 #include "model/texel_model_of.h"
 #include "model/texel_texts.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 #include "samples/texel_loader.h"
 
@@ -41,6 +43,8 @@ struct lafortune_one_start : lafortune<real_type> {
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::departures;
 
 constexpr const char* fitted_model = "lafortune";
 
@@ -178,7 +182,7 @@ private:
     Dataset dataset_;
     double density_ = 1;
     std::vector<Row> rows_;
-    std::vector<std::vector<std::string>> culling_;
+    std::vector<rows::Culling> culling_;
 };
 
 double sum(const std::vector<float>& values) {
@@ -309,10 +313,8 @@ void Departures::culling() {
     const bool same = parameters[0] == parameters[1];
     for (const bool cull : {true, false})
         culling_.push_back({cull ? "" : "H7", cull ? "culled on the CPU" : "all triangles", context->renderer(),
-                            std::to_string(views.size()), fmt::format("{:.0f}", amounts[cull][0]),
-                            fmt::format("{:.0f}", amounts[cull][1]), fmt::format("{:.0f}", amounts[cull][2]),
-                            fmt::format("{:.4f}", amounts[cull][1] / amounts[1][1]),
-                            fmt::format("{:.4f}", amounts[cull][2] / amounts[1][2]), same ? "1" : "0"});
+                            views.size(), amounts[cull][0], amounts[cull][1], amounts[cull][2],
+                            amounts[cull][1] / amounts[1][1], amounts[cull][2] / amounts[1][2], same});
 }
 
 /// Lafortune's model by a text of its own: all of TexelSolversOf's, over the same samples.
@@ -407,22 +409,17 @@ void Departures::reflectance() {
 }
 
 void Departures::write() {
-    ResultFolder results = experiment_.open_results(culling_.front()[2]);
-    CsvWriter csv(results.path() / "fits.csv",
-                  {"departure", "without", "problem", "optimizer", "numbers", "renderer", "iterations", "problems",
-                   "arrived_share", "iterations_median", "stalled_share", "not_finite_share", "error", "error_ratio",
-                   "psnr_db", "ape", "held_psnr_db"});
+    ResultFolder results = experiment_.open_results(culling_.front().renderer);
+    CsvFile csv(results.path(), rows::fits);
     Table table({"problem", "optimizer", "floats", "left out", "arrived", "iterations", "stalled", "not finite", "E",
                  "PSNR", "held out"});
     const auto number = [](const char* format, double x) {
         return std::isnan(x) ? std::string() : fmt::format(fmt::runtime(format), x);
     };
     for (const Row& r : rows_) {
-        csv.row({r.departure.id, r.departure.without, r.problem, r.optimizer, r.numbers, r.renderer,
-                 std::to_string(r.iterations), std::to_string(r.problems), number("{:.4f}", r.arrived),
-                 number("{:g}", r.iterations_median), number("{:.4f}", r.stalled), number("{:.4f}", r.not_finite),
-                 number("{:.6g}", r.error), number("{:.5g}", r.error_ratio), number("{:.3f}", r.psnr),
-                 number("{:.3f}", r.ape), number("{:.3f}", r.held_psnr)});
+        csv.add({r.departure.id, r.departure.without, r.problem, r.optimizer, r.numbers, r.renderer, r.iterations,
+                 r.problems, unless_nan(r.arrived), unless_nan(r.iterations_median), r.stalled, r.not_finite, r.error,
+                 r.error_ratio, unless_nan(r.psnr), unless_nan(r.ape), unless_nan(r.held_psnr)});
         table.add({r.problem, r.optimizer, r.numbers,
                    r.departure.id.empty() ? "nothing" : fmt::format("{}: {}", r.departure.id, r.departure.without),
                    number("{:.1f} %", 100 * r.arrived), number("{:g}", r.iterations_median),
@@ -430,19 +427,12 @@ void Departures::write() {
                    number("× {:.4g}", r.error_ratio), number("{:.2f} dB", r.psnr), number("{:.2f} dB", r.held_psnr)});
     }
     csv.commit();
-    const std::vector<std::string> culling_columns = {"departure",   "without",        "renderer", "images",
-                                                      "fragments",   "operations",     "reads",    "operations_ratio",
-                                                      "reads_ratio", "same_parameters"};
-    CsvWriter culling(results.path() / "culling.csv", culling_columns);
-    Table work(culling_columns);
-    for (const auto& row : culling_) {
-        culling.row(row);
-        work.add(row);
-    }
-    culling.commit();
+    write_rows(results.path(), rows::culling, culling_);
+    Table work(rows::culling.header({}));
+    for (const rows::Culling& row : culling_) work.add(rows::culling.fields(row));
     log_info(table.text());
     const std::string caption = fmt::format("{} and {}, {} scale; {}; {}", o_.dataset, o_.reflectance,
-                                            experiment_.profile(), experiment_.cpu_device(), culling_.front()[2]);
+                                            experiment_.profile(), experiment_.cpu_device(), culling_.front().renderer);
     write_file(
         results.path() / "departures.md",
         fmt::format("# What mends of the paper's text are worth: {}\n\nEvery row leaves out one mend; docs/paper.md "

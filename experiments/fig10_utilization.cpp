@@ -1,6 +1,8 @@
 // Figure 10 of the paper: the share of the device's peaks of arithmetic, memory traffic and texture reads that the
 // fragment engines reach, by what their programs declare, how often they ran, and how long an iteration took. The same
 // counts tell what penalties cost, and are those that a model of the paper's chip starts from.
+#include "report/rows/fig10_utilization.h"
+
 #include <fmt/format.h>
 
 #include <functional>
@@ -18,11 +20,13 @@
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "reflectance_problem.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::fig10_utilization;
 
 struct Options {
     std::string dataset = "star";
@@ -168,60 +172,47 @@ Contest lafortune(const ReflectanceProblem& problem, const FitRequest& request) 
     return contest("Lafortune", request, engine, engine->start(), problem.dataset(), problem.views());
 }
 
-std::string number(double x) { return fmt::format("{:.5g}", x); }
-
 void write_passes(const ResultFolder& results, const std::vector<Contest>& contests) {
-    CsvWriter rows(results.path() / "passes.csv",
-                   {"problem", "optimizer", "passes", "program", "draws", "fragments", "entries", "operations", "reads",
-                    "read_bytes", "written_bytes", "blended_bytes"});
+    CsvFile rows(results.path(), rows::passes);
     for (const Contest& c : contests)
         for (const Usage& u : c.usages)
             for (const auto& [label, t] : u.tallies) {
                 const Work work = t.work();
-                std::vector<std::string> row{c.problem, u.optimizer, c.passes, label};
-                for (uint64_t value : {t.draws, t.fragments, t.entries, work.operations, work.reads, work.read_bytes,
-                                       t.written_bytes, t.blended_bytes})
-                    row.push_back(std::to_string(value));
-                rows.row(row);
+                rows.add({c.problem, u.optimizer, c.passes, label, t.draws, t.fragments, t.entries, work.operations,
+                          work.reads, work.read_bytes, t.written_bytes, t.blended_bytes});
             }
     rows.commit();
 }
 
 /// Sums over an iteration's passes.
 void write_work(const ResultFolder& results, const std::vector<Contest>& contests) {
-    CsvWriter rows(results.path() / "work.csv", {"problem", "optimizer", "passes", "operations", "reads", "bytes",
-                                                 "switches", "image_bytes", "penalty_operations", "shared_operations"});
+    CsvFile rows(results.path(), rows::work);
     for (const Contest& c : contests)
         for (const Usage& u : c.usages) {
             const Work work = u.work();
-            std::vector<std::string> row{c.problem, u.optimizer, c.passes};
-            for (uint64_t value : {work.operations, work.reads, u.bytes(), u.switches, u.image_bytes,
-                                   u.penalty_operations, u.shared_operations})
-                row.push_back(std::to_string(value));
-            rows.row(row);
+            rows.add({c.problem, u.optimizer, c.passes, work.operations, work.reads, u.bytes(), u.switches,
+                      u.image_bytes, u.penalty_operations, u.shared_operations});
         }
     rows.commit();
 }
 
 void write_iterations(const ResultFolder& results, const std::vector<Contest>& contests) {
-    CsvWriter rows(results.path() / "iterations.csv",
-                   {"problem", "optimizer", "passes", "repetition", "seconds", "penalties_s", "cached_share"});
+    CsvFile rows(results.path(), rows::iterations);
     for (const Contest& c : contests)
         for (const std::string optimizer : optimizer_names)
             for (size_t r = 0; r < c.times.size(); ++r) {
                 const HalfTime time = c.times[r].of(is_descent(optimizer));
-                rows.row({c.problem, optimizer, c.passes, std::to_string(r), number(time.seconds),
-                          number(time.penalties), number(c.times[r].cached_share)});
+                rows.add({c.problem, optimizer, c.passes, r, time.seconds, time.penalties, c.times[r].cached_share});
             }
     rows.commit();
 }
 
 void write_peaks(const ResultFolder& results, const std::vector<Peaks>& peaks, const std::string& renderer,
                  const std::string& processor) {
-    CsvWriter rows(results.path() / "peaks.csv", {"device", "peak", "repetition", "per_second"});
+    CsvFile rows(results.path(), rows::peaks);
     for (size_t r = 0; r < peaks.size(); ++r) {
         const auto row = [&](const std::string& device, const char* peak, double rate) {
-            rows.row({device, peak, std::to_string(r), number(rate)});
+            rows.add({device, peak, r, rate});
         };
         const auto& [gl, cpu] = peaks[r];
         row(renderer, "operations of fragments", gl.operations_s);
@@ -238,10 +229,7 @@ void write_peaks(const ResultFolder& results, const std::vector<Peaks>& peaks, c
 /// enough repetitions for one.
 void write_utilization(const ResultFolder& results, const std::vector<Contest>& contests,
                        const std::vector<Peaks>& peaks, const FitRequest& request, const std::string& renderer) {
-    CsvWriter rows(results.path() / "utilization.csv",
-                   {"problem", "optimizer", "passes", "computation_share", "computation_low", "computation_high",
-                    "bandwidth_share", "bandwidth_low", "bandwidth_high", "reads_share", "reads_low", "reads_high",
-                    "seconds_per_iteration", "repetitions", "source", "renderer"});
+    CsvFile rows(results.path(), rows::utilization);
     Table table({"problem", "passes", "time per iteration", "computation", "memory bandwidth", "texture reads"});
     for (const Contest& c : contests)
         for (const Usage& u : c.usages) {
@@ -253,17 +241,11 @@ void write_utilization(const ResultFolder& results, const std::vector<Contest>& 
                 bandwidth.push_back(double(u.bytes()) / s / peaks[r].gl.bytes_s);
                 reads.push_back(double(u.work().reads) / s / peaks[r].gl.reads_s);
             }
-            std::vector<std::string> row{c.problem, u.optimizer, c.passes};
-            for (const auto* shares : {&computation, &bandwidth, &reads}) {
-                const auto interval = median_interval(*shares, shares->size());
-                row.push_back(number(median(*shares)));
-                row.push_back(interval ? number(interval->low) : "");
-                row.push_back(interval ? number(interval->high) : "");
-            }
-            for (const std::string& text :
-                 {number(median(seconds)), std::to_string(seconds.size()), request.text("source"), renderer})
-                row.push_back(text);
-            rows.row(row);
+            const auto ends = [](const std::vector<double>& x) { return ends_of(median_interval(x, x.size())); };
+            const IntervalEnds c_ends = ends(computation), b_ends = ends(bandwidth), r_ends = ends(reads);
+            rows.add({c.problem, u.optimizer, c.passes, median(computation), c_ends.low, c_ends.high, median(bandwidth),
+                      b_ends.low, b_ends.high, median(reads), r_ends.low, r_ends.high, median(seconds), seconds.size(),
+                      request.text("source"), renderer});
             const auto percent = [](const std::vector<double>& x) { return fmt::format("{:.1f} %", 100 * median(x)); };
             table.add({fmt::format("{}, {}", c.problem, u.optimizer), c.passes,
                        fmt::format("{:.3f} s", median(seconds)), percent(computation), percent(bandwidth),

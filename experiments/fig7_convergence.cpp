@@ -1,5 +1,7 @@
 // Figure 7 of the paper: how fast conjugate gradients and steepest descent converge, in the paper's mode; and to which
 // ends both come when they run on.
+#include "report/rows/fig7_convergence.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +14,13 @@
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "report/csv.h"
+#include "report/csv_file.h"
 #include "vertex_bench.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::fig7_convergence;
 
 constexpr Range<int> caps{10, limits::iterations.upper}, shown_problems{1, 6};
 
@@ -92,33 +97,25 @@ struct Problem {
 
 std::string channel_name(size_t channel) { return std::string(1, "rgb"[channel]); }
 
-/// The files of rows.
-struct Rows {
-    CsvWriter problems, ends, curves, summary;
-    explicit Rows(const std::filesystem::path& folder);
-    void commit() {
-        for (CsvWriter* file : {&problems, &ends, &curves, &summary}) file->commit();
-    }
-};
-
-std::vector<std::string> problem_columns() {
-    std::vector<std::string> columns = {"dataset",    "lambda",      "vertex",        "channel",
-                                        "best_error", "best_solver", "varpro_penalty"};
-    for (const Entrant& e : entrants()) columns.push_back(e.name);
-    columns.push_back(newton_name);
-    return columns;
+/// Names of the columns of iterations.
+std::vector<std::string> solver_names() {
+    std::vector<std::string> names;
+    for (const Entrant& e : entrants()) names.push_back(e.name);
+    names.push_back(newton_name);
+    return names;
 }
 
-Rows::Rows(const std::filesystem::path& folder)
-    : problems(folder / "problems.csv", problem_columns()),
-      ends(folder / "ends.csv",
-           {"dataset", "vertex", "channel", "cg_error", "sd_error", "cg_iterations", "sd_iterations", "cg_at_rest",
-            "sd_at_rest", "cg_minimum", "sd_minimum", "cg_minimum_at_rest", "sd_minimum_at_rest"}),
-      curves(folder / "curves.csv",
-             {"dataset", "method", "shown", "vertex", "channel", "iteration", "error", "error_over_best"}),
-      summary(folder / "summary.csv", {"dataset", "lambda", "problems", "cap", "ratio_quartile1", "ratio_median",
-                                       "ratio_quartile3", "cg_median_iterations", "sd_median_iterations",
-                                       "varpro_median_iterations", "cg_censored_share", "sd_censored_share"}) {}
+struct Files {
+    CsvFile<rows::Problem> problems;
+    CsvFile<rows::End> ends;
+    CsvFile<rows::Point> curves;
+    CsvFile<rows::Summary> summary;
+    explicit Files(const std::filesystem::path& folder)
+        : problems(folder, rows::problems, solver_names()),
+          ends(folder, rows::ends),
+          curves(folder, rows::curves),
+          summary(folder, rows::summary) {}
+};
 
 /// All solvers on all problems of a dataset at one lambda. At the one that claims are judged at, some vertices run on
 /// to their ends, and some problems are shown.
@@ -129,11 +126,11 @@ public:
         bench_.for_each(lambda_, fmt::format("{}, lambda {:g}, vertices", dataset_, lambda_),
                         [&](size_t i, BenchVertex& vertex) { solve(i, vertex); });
     }
-    void write(Rows& rows) const;
+    void write(Files& files) const;
 
 private:
     void solve(size_t i, BenchVertex& vertex);
-    void summarize(Rows& rows) const;
+    void summarize(Files& files) const;
     double counted(const Problem& p, size_t solver) const {
         return p.arrived[solver] < 0 ? double(cap_) : double(p.arrived[solver]);
     }
@@ -195,25 +192,17 @@ void Contest::solve(size_t i, BenchVertex& vertex) {
     }
 }
 
-void Contest::write(Rows& rows) const {
-    const auto number = [](double x) { return fmt::format("{:.8g}", x); };
+void Contest::write(Files& files) const {
     for (size_t i = 0; i < problems_.size(); ++i)
         for (size_t c = 0; c < 3; ++c) {
             const Problem& p = problems_[i][c];
-            const std::string vertex = std::to_string(bench_.seen()[i]), channel = channel_name(c);
-            std::vector<std::string> row = {
-                dataset_,      fmt::format("{:g}", lambda_),    vertex, channel, number(p.best),
-                p.best_solver, fmt::format("{:.3g}", p.penalty)};
-            for (const int k : p.arrived) row.push_back(std::to_string(k));
-            rows.problems.row(row);
+            const uint32_t vertex = bench_.seen()[i];
+            files.problems.add(
+                {dataset_, lambda_, vertex, channel_name(c), p.best, p.best_solver, p.penalty, p.arrived});
             if (p.ends.empty()) continue;
-            row = {dataset_, vertex, channel};
-            for (const End& end : p.ends) row.push_back(number(end.error));
-            for (const End& end : p.ends) row.push_back(std::to_string(end.iterations));
-            for (const End& end : p.ends) row.push_back(end.at_rest ? "1" : "0");
-            for (const End& end : p.ends) row.push_back(number(end.minimum));
-            for (const End& end : p.ends) row.push_back(end.minimum_at_rest ? "1" : "0");
-            rows.ends.row(row);
+            const End &a = p.ends[cg], &b = p.ends[sd];
+            files.ends.add({dataset_, vertex, channel_name(c), a.error, b.error, a.iterations, b.iterations, a.at_rest,
+                            b.at_rest, a.minimum, b.minimum, a.minimum_at_rest, b.minimum_at_rest});
         }
     for (size_t shown = 0; shown < shown_.size(); ++shown) {
         const size_t i = shown_[shown] / 3, c = shown_[shown] % 3;
@@ -221,15 +210,14 @@ void Contest::write(Rows& rows) const {
         for (size_t s = 0; s < methods_of_paper; ++s)
             for (const int k : sparse_iterations(cap_)) {
                 const double error = p.curves[s][size_t(k)];
-                rows.curves.row({dataset_, s == cg ? "cg" : "sd", std::to_string(shown + 1),
-                                 std::to_string(bench_.seen()[i]), channel_name(c), std::to_string(k), number(error),
-                                 number(error / p.best)});
+                files.curves.add({dataset_, s == cg ? "cg" : "sd", shown + 1, bench_.seen()[i], channel_name(c), k,
+                                  error, error / p.best});
             }
     }
-    summarize(rows);
+    summarize(files);
 }
 
-void Contest::summarize(Rows& rows) const {
+void Contest::summarize(Files& files) const {
     const size_t newton = entrants_.size();
     std::vector<double> ratios, cg_iterations, sd_iterations, newton_iterations;
     double cg_censored = 0, sd_censored = 0;
@@ -243,11 +231,9 @@ void Contest::summarize(Rows& rows) const {
             sd_censored += p.arrived[sd] < 0;
         }
     const double count = double(ratios.size());
-    const auto text = [](double x) { return fmt::format("{:.4g}", x); };
-    rows.summary.row({dataset_, fmt::format("{:g}", lambda_), std::to_string(ratios.size()), std::to_string(cap_),
-                      text(quantile(ratios, 0.25)), text(median(ratios)), text(quantile(ratios, 0.75)),
-                      text(median(cg_iterations)), text(median(sd_iterations)), text(median(newton_iterations)),
-                      text(cg_censored / count), text(sd_censored / count)});
+    files.summary.add({dataset_, lambda_, ratios.size(), cap_, quantile(ratios, 0.25), median(ratios),
+                       quantile(ratios, 0.75), median(cg_iterations), median(sd_iterations), median(newton_iterations),
+                       cg_censored / count, sd_censored / count});
     log_info(fmt::format(
         "{}, lambda {:g}: steepest descent needs {:.3g} times the iterations of conjugate gradients (quartiles {:.3g} "
         "and {:.3g}); after {}, {:.1f} % and {:.1f} % of the problems are not there",
@@ -258,19 +244,22 @@ void Contest::summarize(Rows& rows) const {
 void fig7(Experiment& experiment) {
     const Options o(experiment.config());
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    Rows rows(results.path());
+    Files files(results.path());
     for (const std::string& shape : o.datasets) {
         const Dataset dataset = experiment.dataset(shape);
         const VertexBench bench(dataset, o.model, o.vertices, o.seed);
         const auto run = [&](double lambda, bool judged) {
             Contest contest(o, bench, dataset.name, lambda, judged);
             contest.run();
-            contest.write(rows);
+            contest.write(files);
         };
         run(o.lambda(), true);
         for (const double lambda : o.other_lambdas) run(lambda, false);
     }
-    rows.commit();
+    files.problems.commit();
+    files.ends.commit();
+    files.curves.commit();
+    files.summary.commit();
     experiment.finish(results,
                       fmt::format("synthetic stand-ins of the paper's star and bust, {} scale; lambda = {:g}; {}",
                                   experiment.profile(), o.lambda(), experiment.cpu_device()));

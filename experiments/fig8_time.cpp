@@ -1,6 +1,8 @@
 // Figure 8 of the paper: the time of the CPU baseline, distribution and optimization, against OpenGL's, image
 // streaming, computation and switching; conjugate gradients and steepest descent in the paper's mode. Every round runs
 // each contestant once, so that what slows the machine for a while meets all.
+#include "report/rows/fig8_time.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,11 +20,13 @@
 #include "fitting/limits.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::fig8_time;
 
 constexpr Range<double> budget_seconds{0, 1e6};
 /// The time of an iteration is told from those after the first.
@@ -229,47 +233,37 @@ private:
     std::unique_ptr<FragmentEngine> whole_, scissored_;
 };
 
-std::string number(double x) { return fmt::format("{:.5g}", x); }
-
 void write_repetitions(const ResultFolder& results, const std::vector<Contestant>& all) {
-    CsvWriter rows(results.path() / "repetitions.csv",
-                   {"method", "optimizer", "threads", "iterations", "repetition", "distribution_s", "streaming_s",
-                    "optimization_s", "total_s", "iteration_s", "error", "cached_share"});
+    CsvFile rows(results.path(), rows::repetitions);
     for (const auto& [runs, opengl, run] : all)
         for (size_t r = 0; r < runs.times.size(); ++r) {
             const FitTimes& t = runs.times[r];
             const double iteration =
                 runs.iteration_s.empty() ? t.optimization / double(runs.iterations) : runs.iteration_s[r];
-            std::vector<std::string> row{runs.method, runs.optimizer, std::to_string(runs.threads),
-                                         std::to_string(runs.iterations), std::to_string(r)};
-            for (double x : {t.distribution, t.streaming, t.optimization, t.total, iteration}) row.push_back(number(x));
-            row.push_back(fmt::format("{:.8g}", runs.error));
-            row.push_back(number(runs.cached_share[r]));
-            rows.row(row);
+            rows.add({runs.method, runs.optimizer, runs.threads, runs.iterations, r, t.distribution, t.streaming,
+                      t.optimization, t.total, iteration, runs.error, runs.cached_share[r]});
         }
     rows.commit();
 }
 
 void write_iterations(const ResultFolder& results, const std::vector<Iterations>& all) {
-    CsvWriter rows(results.path() / "iterations.csv",
-                   {"method", "optimizer", "repetition", "seconds", "streaming_s", "switching_s", "cached_share"});
+    CsvFile rows(results.path(), rows::iterations);
     for (const Iterations& one : all)
         for (const std::string optimizer : optimizer_names)
             for (size_t r = 0; r < one.times.size(); ++r) {
                 const HalfTime time = one.times[r].of(is_descent(optimizer));
-                rows.row({one.name, optimizer, std::to_string(r), number(time.seconds), number(time.streaming),
-                          number(one.switching(r, is_descent(optimizer))), number(one.times[r].cached_share)});
+                rows.add({one.name, optimizer, r, time.seconds, time.streaming, one.switching(r, is_descent(optimizer)),
+                          one.times[r].cached_share});
             }
     rows.commit();
 }
 
 void write_work(const ResultFolder& results, std::vector<Iterations>& all) {
-    CsvWriter rows(results.path() / "work.csv", {"method", "optimizer", "operations", "reads", "draws", "switches"});
+    CsvFile rows(results.path(), rows::work);
     for (Iterations& one : all)
         for (const std::string optimizer : optimizer_names) {
             const Iterations::Counts counts = one.count(is_descent(optimizer));
-            rows.row({one.name, optimizer, std::to_string(counts.work.operations), std::to_string(counts.work.reads),
-                      std::to_string(counts.draws), std::to_string(counts.switches)});
+            rows.add({one.name, optimizer, counts.work.operations, counts.work.reads, counts.draws, counts.switches});
         }
     rows.commit();
 }
@@ -346,11 +340,7 @@ std::vector<Contestant> contestants(const Options& o, const Dataset& dataset, bo
 
 void write_times(const ResultFolder& results, const Options& o, const std::vector<Contestant>& all,
                  const std::vector<Iterations>& iterations, const std::string& cpu, const std::string& renderer) {
-    CsvWriter rows(results.path() / "times.csv",
-                   {"method",         "optimizer",     "threads",       "iterations",  "timed_iterations",
-                    "distribution_s", "streaming_s",   "computation_s", "switching_s", "remainder_s",
-                    "total_s",        "low_s",         "high_s",        "repetitions", "error",
-                    "agreeing_share", "bytes_written", "bytes_read",    "source",      "renderer"});
+    CsvFile rows(results.path(), rows::times);
     Table table({"method", "threads", "distribution", "streaming, reading", "computation", "switching", "remainder",
                  "total", "same end"});
     for (const auto& [runs, opengl, run] : all) {
@@ -358,18 +348,27 @@ void write_times(const ResultFolder& results, const Options& o, const std::vecto
         const auto own = std::ranges::find(iterations, runs.method, &Iterations::name);
         const Bar bar = opengl ? opengl_bar(runs, o.request.iterations, *own) : two_step_bar(runs);
         const std::vector<double> totals = runs.totals(o.request.iterations);
-        const auto interval = median_interval(totals, totals.size());
-        std::vector<std::string> row{runs.method, runs.optimizer, std::to_string(runs.threads),
-                                     std::to_string(o.request.iterations), std::to_string(runs.iterations)};
-        for (double x : {bar.distribution, bar.streaming, bar.computation, bar.switching, bar.remainder(), bar.total})
-            row.push_back(fmt::format("{:.4f}", x));
-        for (const std::string& text :
-             {interval ? number(interval->low) : "", interval ? number(interval->high) : "",
-              std::to_string(totals.size()), fmt::format("{:.8g}", runs.error), fmt::format("{:.4f}", *runs.agreeing),
-              std::to_string(runs.bytes_written), std::to_string(runs.bytes_read), o.request.text("source"),
-              opengl ? renderer : cpu})
-            row.push_back(text);
-        rows.row(row);
+        const auto [low, high] = ends_of(median_interval(totals, totals.size()));
+        rows.add({runs.method,
+                  runs.optimizer,
+                  runs.threads,
+                  o.request.iterations,
+                  runs.iterations,
+                  bar.distribution,
+                  bar.streaming,
+                  bar.computation,
+                  bar.switching,
+                  bar.remainder(),
+                  bar.total,
+                  low,
+                  high,
+                  totals.size(),
+                  runs.error,
+                  *runs.agreeing,
+                  runs.bytes_written,
+                  runs.bytes_read,
+                  o.request.text("source"),
+                  opengl ? renderer : cpu});
         const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
         table.add({fmt::format("{}, {}", runs.method, runs.optimizer), std::to_string(runs.threads),
                    seconds(bar.distribution), seconds(bar.streaming), seconds(bar.computation), seconds(bar.switching),

@@ -1,5 +1,7 @@
 // Figure 9 of the paper: error of factorization (PCA) and of nonlinear optimization at the same high resolution, and of
 // the CPU in 32-bit and OpenGL in 16-bit floats at a low one, on training and on held-out views.
+#include "report/rows/fig9_error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +14,14 @@
 #include "fitting/fit_options.h"
 #include "fitting/limits.h"
 #include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 #include "samples/projected_sides.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::fig9_error;
 
 constexpr Range<double> mean_texels{0, double(TriangleTile::texels_of(largest_side)), "0: one side for all"};
 
@@ -225,41 +230,18 @@ private:
     std::vector<Trial> trials_;
 };
 
-void write_errors(const std::filesystem::path& folder, const std::vector<Row>& rows) {
-    CsvWriter csv(folder / "errors.csv", {"dataset",
-                                          "seed",
-                                          "method",
-                                          "weights",
-                                          "terms",
-                                          "surface_side",
-                                          "view_side",
-                                          "mode",
-                                          "passes",
-                                          "storage",
-                                          "sums",
-                                          "iterations",
-                                          "refills",
-                                          "lambda_surface",
-                                          "lambda_view",
-                                          "train_psnr_db",
-                                          "train_ape",
-                                          "held_psnr_db",
-                                          "held_ape",
-                                          "invented_share",
-                                          "seconds",
-                                          "surface_texels",
-                                          "texels_per_pixel",
-                                          "renderer"});
+void write_errors(const std::filesystem::path& folder, const std::vector<Row>& fits) {
+    CsvFile csv(folder, rows::errors);
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
-    for (const Row& r : rows) {
+    for (const Row& r : fits) {
         const Told told(r.request);
         const bool pca = facts_of(r.request).by_pca();
-        csv.row({r.dataset,
+        csv.add({r.dataset,
                  r.seed,
                  r.method,
                  r.weights,
                  r.request.text("terms"),
-                 std::to_string(r.surface_side),
+                 r.surface_side,
                  told.text("view_side"),
                  told.text("mode"),
                  told.text("passes"),
@@ -269,13 +251,13 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
                  told.text("refills"),
                  told.text("lambda_surface"),
                  told.text("lambda_view"),
-                 fmt::format("{:.4f}", r.train.psnr()),
-                 fmt::format("{:.4f}", r.train.ape()),
-                 fmt::format("{:.4f}", r.held.psnr()),
-                 fmt::format("{:.4f}", r.held.ape()),
-                 pca ? fmt::format("{:.5f}", r.invented_share) : "",
-                 fmt::format("{:.3f}", r.seconds),
-                 fmt::format("{:.1f}", r.surface_texels),
+                 r.train.psnr(),
+                 r.train.ape(),
+                 r.held.psnr(),
+                 r.held.ape(),
+                 pca ? std::optional(r.invented_share) : std::nullopt,
+                 r.seconds,
+                 r.surface_texels,
                  told.text("texels_per_pixel"),
                  r.renderer});
         table.add({fmt::format("{} {}, {}{}{}, K = {}", r.dataset, r.seed, r.method,
@@ -291,13 +273,11 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
 
 void write_choice(const std::filesystem::path& folder, const std::vector<Trial>& trials) {
     if (trials.empty()) return;
-    CsvWriter csv(folder / "choice.csv", {"dataset", "seed", "method", "lambda_surface", "lambda_view", "refills",
-                                          "validation_psnr_db", "validation_ape", "chosen"});
+    CsvFile csv(folder, rows::choice);
     for (const Trial& t : trials) {
         const Told told(t.request);
-        csv.row({t.dataset, t.seed, t.method, told.text("lambda_surface"), told.text("lambda_view"),
-                 told.text("refills"), fmt::format("{:.4f}", t.judged.psnr()), fmt::format("{:.4f}", t.judged.ape()),
-                 t.chosen ? "1" : "0"});
+        csv.add({t.dataset, t.seed, t.method, told.text("lambda_surface"), told.text("lambda_view"),
+                 told.text("refills"), t.judged.psnr(), t.judged.ape(), t.chosen});
     }
     csv.commit();
 }

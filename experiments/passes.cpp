@@ -1,6 +1,8 @@
 // From the paper's passes to samples in the CPU's caches, step by step (Sections 6.5 and 6.6): what an image and a
 // sweep over it cost where passes write to one target each, then to several, over several images at a time, in compute
 // shaders, and on the CPU; with samples found again in every sweep, and kept. All steps by turns in one run.
+#include "report/rows/passes.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -21,11 +23,13 @@
 #include "geometry/vertex_rings.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::passes;
 
 struct Options {
     std::string dataset = "star";
@@ -175,10 +179,8 @@ double milliseconds(const Step& step, size_t round, size_t images) {
 }
 
 void write_rows(const ResultFolder& results, const Ladder& ladder, const std::string& gl, const std::string& cpu) {
-    CsvWriter rounds(results.path() / "rounds.csv", {"step", "name", "repetition", "images", "samples",
-                                                     "ms_per_image_and_sweep", "mj_per_image_and_sweep", "renderer"});
-    CsvWriter ladder_rows(results.path() / "ladder.csv", {"step", "name", "median_ms", "low_ms", "high_ms",
-                                                          "over_previous", "over_first", "renderer"});
+    CsvFile rounds(results.path(), rows::rounds);
+    CsvFile ladder_rows(results.path(), rows::ladder);
     Table table({"step", "ms per image and sweep", "95 % interval", "over the step before", "over the first"});
     for (size_t i = 0; i < ladder.steps().size(); ++i) {
         const Step& step = ladder.steps()[i];
@@ -189,16 +191,12 @@ void write_rows(const ResultFolder& results, const Ladder& ladder, const std::st
             over_previous.push_back(ms.back() / milliseconds(ladder.steps()[i ? i - 1 : 0], round, ladder.images()));
             over_first.push_back(ms.back() / milliseconds(ladder.steps().front(), round, ladder.images()));
             const double mj = of_image_and_sweep(step.joules[round], ladder.images());
-            rounds.row({std::to_string(i), step.name, std::to_string(round), std::to_string(ladder.images()),
-                        std::to_string(ladder.samples()), fmt::format("{:.6g}", ms.back()),
-                        std::isnan(mj) ? "" : fmt::format("{:.6g}", mj), renderer});
+            rounds.add({i, step.name, round, ladder.images(), ladder.samples(), ms.back(), unless_nan(mj), renderer});
         }
-        const auto interval = median_interval(ms, ms.size());
+        const auto [low, high] = ends_of(median_interval(ms, ms.size()));
         const auto number = [](double x) { return fmt::format("{:.4g}", x); };
-        const std::string low = interval ? number(interval->low) : "", high = interval ? number(interval->high) : "";
-        ladder_rows.row({std::to_string(i), step.name, number(median(ms)), low, high, number(median(over_previous)),
-                         number(median(over_first)), renderer});
-        table.add({step.name, number(median(ms)), interval ? low + " to " + high : "too few rounds",
+        ladder_rows.add({i, step.name, median(ms), low, high, median(over_previous), median(over_first), renderer});
+        table.add({step.name, number(median(ms)), low ? number(*low) + " to " + number(*high) : "too few rounds",
                    number(median(over_previous)), number(median(over_first))});
     }
     rounds.commit();

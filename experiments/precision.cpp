@@ -1,5 +1,7 @@
 // What 16-bit floats cost: the fragment engine with parameters and sums over samples in 32 and 16 bits, conjugate
 // gradients and steepest descent in the paper's mode (Sections 6.3 and 6.4; behind claim C9).
+#include "report/rows/precision.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,10 +11,13 @@
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::precision;
 
 struct Options {
     std::string dataset = "star";
@@ -73,11 +78,8 @@ void precision(Experiment& experiment) {
             }
 
     ResultFolder results = experiment.open_results(runs[0].renderer);
-    CsvWriter curves(results.path() / "curves.csv",
-                     {"optimizer", "storage", "sums", "iteration", "error", "error_over_fp32", "active"});
-    CsvWriter finals(results.path() / "finals.csv",
-                     {"optimizer", "storage", "sums", "iterations", "images", "error", "error_over_fp32", "psnr", "ape",
-                      "psnr_less_fp32", "problems_not_finite", "seconds", "renderer"});
+    CsvFile curves(results.path(), rows::curves);
+    CsvFile finals(results.path(), rows::finals);
     Table table({"optimizer", "parameters", "sums", "error / fp32's", "PSNR", "less fp32's", "not finite"});
     const Run* single = nullptr;
     for (const Run& r : runs) {
@@ -85,15 +87,13 @@ void precision(Experiment& experiment) {
         for (size_t i = 0; i < r.trace.rows.size(); ++i) {
             const TraceRow& row = r.trace.rows[i];
             const size_t same = std::min(i, single->trace.rows.size() - 1);
-            curves.row({r.optimizer, r.storage, r.sums, std::to_string(row.iteration), fmt::format("{:.8g}", row.error),
-                        fmt::format("{:.8g}", row.error / single->trace.rows[same].error), std::to_string(row.active)});
+            curves.add({r.optimizer, r.storage, r.sums, row.iteration, row.error,
+                        row.error / single->trace.rows[same].error, row.active});
         }
         const double error = r.trace.rows.back().error, ratio = error / single->trace.rows.back().error;
         const double psnr = r.judged.psnr(), less = psnr - single->judged.psnr();
-        finals.row({r.optimizer, r.storage, r.sums, std::to_string(o.request.iterations), std::to_string(views.size()),
-                    fmt::format("{:.8g}", error), fmt::format("{:.6f}", ratio), fmt::format("{:.4f}", psnr),
-                    fmt::format("{:.4f}", r.judged.ape()), fmt::format("{:.4f}", less), std::to_string(r.not_finite),
-                    fmt::format("{:.3f}", r.seconds), r.renderer});
+        finals.add({r.optimizer, r.storage, r.sums, o.request.iterations, views.size(), error, ratio, psnr,
+                    r.judged.ape(), less, r.not_finite, r.seconds, r.renderer});
         table.add({r.optimizer, r.storage, r.sums, fmt::format("{:.4f}", ratio), fmt::format("{:.2f} dB", psnr),
                    fmt::format("{:+.3f} dB", less), std::to_string(r.not_finite)});
     }

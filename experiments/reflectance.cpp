@@ -1,6 +1,8 @@
 // Lafortune's reflectance model (Sections 4.2 and 6.5): every solver on the same samples of the ornament, against its
 // truth and against Ceres, texel by texel, and against held-out images. White, which is made by another model, has no
 // truth that parameters could be compared with.
+#include "report/rows/reflectance.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,10 +21,13 @@
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::reflectance;
 
 constexpr const char* fitted_model = "lafortune";
 constexpr Range<double> exponents{0, 1e6}, distances{0, 1e6};
@@ -166,22 +171,17 @@ struct Images {
     std::vector<Group> groups;
 };
 
-class Rows {
+class Files {
 public:
-    explicit Rows(const std::filesystem::path& folder)
+    explicit Files(const std::filesystem::path& folder)
         : folder_(folder),
-          fits_(folder / "fits.csv",
-                {"images", "method", "renderer", "iterations", "group", "texels", "worst_error_median",
-                 "recovered_share", "within_share", "rms_error", "iterations_median"}),
+          fits_(folder, rows::fits),
           // samples: those that count. solve_s: from samples at hand to parameters and their errors, the same work in
           // every row but OpenGL's: it reads images in load_s and distributes them in solve_s, both in every sweep,
           // where the others share one distribution, and load_s is reading its samples and shading them (Ceres': once
           // more for its errors).
-          times_(folder / "times.csv",
-                 {"images", "method", "renderer", "distributes", "texels", "samples", "distribution_s", "load_s",
-                  "solve_s", "fits_per_s", "ns_per_sample_iteration"}),
-          pictures_(folder / "images.csv",
-                    {"images", "method", "renderer", "part", "pixels", "held_psnr_db", "held_ape"}),
+          times_(folder, rows::times),
+          pictures_(folder, rows::pictures),
           table_({"images", "method", "solve s", "fits/s", "gold within", "green within", "white within", "gold off by",
                   "green off by", "held-out PSNR"}) {}
 
@@ -193,18 +193,14 @@ public:
         const double ns = 1e9 * solve_s / double(std::max<uint64_t>(1, outcome.sample_iterations));
         uint64_t samples = 0;
         for (const uint32_t n : outcome.fit.samples) samples += n;
-        times_.row({images.name, entrant.name, renderer, streams ? "every sweep" : "once", fmt::format("{}", texels),
-                    fmt::format("{}", samples), fmt::format("{:.4g}", streams ? 0 : distribution_s),
-                    fmt::format("{:.4g}", t.streaming), fmt::format("{:.4g}", solve_s),
-                    fmt::format("{:.4g}", texels / solve_s), fmt::format("{:.4g}", ns)});
+        times_.add({images.name, entrant.name, renderer, streams ? "every sweep" : "once", outcome.fit.problem_count(),
+                    samples, streams ? 0 : distribution_s, t.streaming, solve_s, texels / solve_s, ns});
         std::map<std::string, Verdict> verdicts;
         for (const Group& group : images.groups) {
             const Verdict v = compare(group, outcome.fit, ceres, images.truth, o);
             verdicts.emplace(group.name, v);
-            fits_.row({images.name, entrant.name, renderer, std::to_string(entrant.request.iterations), group.name,
-                       fmt::format("{}", v.texels), v.worst_median ? fmt::format("{:.4g}", *v.worst_median) : "",
-                       v.recovered ? fmt::format("{:.5f}", *v.recovered) : "", fmt::format("{:.5f}", v.within),
-                       fmt::format("{:.4g}", v.rms), fmt::format("{}", v.iterations)});
+            fits_.add({images.name, entrant.name, renderer, entrant.request.iterations, group.name, v.texels,
+                       v.worst_median, v.recovered, v.within, v.rms, v.iterations});
         }
         const auto within = [&](const char* group) { return fmt::format("{:.2f} %", 100 * verdicts[group].within); };
         const auto off_by = [&](const char* group) {
@@ -229,13 +225,15 @@ private:
                              const ReflectanceOutcome& outcome) {
         const std::vector<PartFigures> parts = image_errors(outcome, images.dataset, images.truth);
         for (const PartFigures& part : parts)
-            pictures_.row({images.name, method, renderer, part.name, std::to_string(part.stored.values / 3),
-                           fmt::format("{:.4f}", part.stored.psnr()), fmt::format("{:.4f}", part.stored.ape())});
+            pictures_.add({images.name, method, renderer, part.name, part.stored.values / 3, part.stored.psnr(),
+                           part.stored.ape()});
         return fmt::format("{:.2f} dB", parts.front().stored.psnr());
     }
 
     std::filesystem::path folder_;
-    CsvWriter fits_, times_, pictures_;
+    CsvFile<rows::Fit> fits_;
+    CsvFile<rows::Time> times_;
+    CsvFile<rows::Part> pictures_;
     Table table_;
 };
 
@@ -261,7 +259,7 @@ void reflectance(Experiment& experiment) {
     const std::string cpu = experiment.cpu_name();
     std::string opengl;
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    Rows rows(results.path());
+    Files files(results.path());
     for (const bool noisy : {false, true}) {
         const Images images = images_of(experiment, o, noisy);
         const Dataset& dataset = images.dataset;
@@ -274,11 +272,11 @@ void reflectance(Experiment& experiment) {
             if (&entrant == &entrants.front()) ceres = outcome.fit;
             if (!outcome.gl_renderer.empty()) note_gl(outcome, results.record());
             if (!outcome.gl_renderer.empty()) opengl = "; OpenGL: " + outcome.gl_renderer;
-            rows.add(images, entrant, outcome.gl_renderer.empty() ? cpu : outcome.gl_renderer, outcome, ceres,
-                     shared.seconds, o);
+            files.add(images, entrant, outcome.gl_renderer.empty() ? cpu : outcome.gl_renderer, outcome, ceres,
+                      shared.seconds, o);
         }
     }
-    rows.commit();
+    files.commit();
     experiment.finish(results,
                       fmt::format("ornament, {} scale; {}{}", experiment.profile(), experiment.cpu_device(), opengl));
 }

@@ -15,7 +15,6 @@
 #include "page/claims_part.h"
 #include "page/comparison_part.h"
 #include "page/environment_part.h"
-#include "page/exhibits.h"
 #include "page/exhibits_part.h"
 #include "page/pieces.h"
 #include "page/profile_part.h"
@@ -36,8 +35,8 @@ struct Section {
 
 std::vector<RunRecord> all_shown(const RunFolders& folders, const std::string& profile) {
     std::vector<RunRecord> runs;
-    for (const Exhibit& exhibit : exhibits())
-        for (RunRecord& run : shown_runs(folders, exhibit.experiment, profile)) runs.push_back(std::move(run));
+    for (const ExperimentEntry* entry : reported_experiments())
+        for (RunRecord& run : shown_runs(folders, entry->name, profile)) runs.push_back(std::move(run));
     return runs;
 }
 
@@ -45,8 +44,8 @@ Html contents(const std::vector<Section>& sections) {
     Html list;
     for (const Section& section : sections) list << element("li", link(fmt::format("#{}", section.id), section.title));
     Html figures;
-    for (const Exhibit& exhibit : exhibits())
-        figures << element("li", link(fmt::format("#{}", exhibit.experiment), exhibit.title));
+    for (const ExperimentEntry* entry : reported_experiments())
+        figures << element("li", link(fmt::format("#{}", entry->name), entry->title));
     return element("nav", {{"aria-label", "Contents"}},
                    element("h2", "Contents")
                        << element("ol", list) << element("p", "Figures and tables:") << element("ul", figures));

@@ -1,6 +1,8 @@
 // Memory and time against the size of the problem (Sections 3.2, 4.3, 6.3 and 6.6; claims C13, C14, C15 and C18): bytes
 // of the fragment engine over parameters; seconds of an iteration over radiance samples and over texels of the surface;
 // gathered and scattered; and what it costs to find every texel's pixel again in each sweep over the images.
+#include "report/rows/scaling.h"
+
 #include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -19,11 +21,13 @@
 #include "gl/held_bytes.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::scaling;
 
 constexpr const char* cpu_engine = "cpu";
 
@@ -306,13 +310,12 @@ std::vector<Contestant> time_all(const Dataset& dataset, const VertexRings& ring
 /// Medians over rounds, each with its interval of 95 % where there were enough.
 class Summary {
 public:
-    explicit Summary(const ResultFolder& results)
-        : rows_(results.path() / "summary.csv", {"of", "engine", "median", "low", "high"}) {}
+    explicit Summary(const ResultFolder& results) : rows_(results.path(), rows::summary) {}
     void add(const std::string& of, const std::string& engine, double value, const std::optional<Interval>& interval) {
         const auto number = [](double x) { return fmt::format("{:.4f}", x); };
-        const std::string low = interval ? number(interval->low) : "", high = interval ? number(interval->high) : "";
-        rows_.row({of, engine, number(value), low, high});
-        table_.add({of, engine, number(value), interval ? low + " to " + high : "too few rounds"});
+        const auto [low, high] = ends_of(interval);
+        rows_.add({of, engine, value, low, high});
+        table_.add({of, engine, number(value), low ? number(*low) + " to " + number(*high) : "too few rounds"});
     }
     void add(const std::string& of, const std::string& engine, const std::vector<double>& values) {
         add(of, engine, median(values), median_interval(values, values.size()));
@@ -339,25 +342,20 @@ public:
     }
 
 private:
-    CsvWriter rows_;
+    CsvFile<rows::Summary> rows_;
     Table table_{{"of", "engine", "median", "95 % interval"}};
 };
 
 void write_memory(const ResultFolder& results, const Dataset& dataset, const std::vector<Memory>& memory,
                   Summary& summary) {
-    CsvWriter rows(results.path() / "memory.csv",
-                   {"engine", "storage", "passes", "side", "triangles", "vertices", "parameters", "planned_bytes",
-                    "allocated_bytes", "opengl_bytes", "process_bytes", "paper_layout_bytes"});
+    CsvFile rows(results.path(), rows::memory);
     Table table({"engine", "side of maps", "parameters", "plan", "allocated", "OpenGL's own account",
                  "growth of the process", "Section 6.3's accounting"});
     const auto megabytes = [](double b) { return fmt::format("{:.2f} MB", b / 1e6); };
     std::map<std::string, Points> bytes;
     for (const Memory& m : memory) {
-        rows.row({"fragment", m.storage, m.passes, std::to_string(m.side),
-                  std::to_string(dataset.mesh.triangle_count()), std::to_string(dataset.mesh.vertex_count()),
-                  std::to_string(m.parameters), std::to_string(m.planned), std::to_string(m.allocated),
-                  std::to_string(m.told_by_gl), m.process ? std::to_string(*m.process) : "",
-                  std::to_string(m.paper_layout)});
+        rows.add({"fragment", m.storage, m.passes, m.side, dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
+                  m.parameters, m.planned, m.allocated, m.told_by_gl, m.process, m.paper_layout});
         const std::string name = fmt::format("fragment {} {}", m.passes, m.storage);
         table.add({name, std::to_string(m.side), std::to_string(m.parameters), megabytes(double(m.planned)),
                    megabytes(double(m.allocated)), megabytes(double(m.told_by_gl)),
@@ -374,14 +372,11 @@ void write_memory(const ResultFolder& results, const Dataset& dataset, const std
 
 void write_times(const ResultFolder& results, const std::vector<Contestant>& times, const std::string& gl_renderer,
                  const std::string& cpu) {
-    CsvWriter rows(results.path() / "time.csv", {"part", "engine", "what", "side", "images", "texels", "samples",
-                                                 "parameters", "repetition", "seconds", "sweep_seconds", "renderer"});
+    CsvFile rows(results.path(), rows::time);
     for (const Contestant& c : times)
         for (size_t round = 0; round < c.seconds.size(); ++round)
-            rows.row({c.part, c.engine, c.what, std::to_string(c.side), std::to_string(c.images),
-                      std::to_string(c.texels), std::to_string(c.samples), std::to_string(c.parameters),
-                      std::to_string(round), fmt::format("{:.6g}", c.seconds[round]),
-                      c.sweeps.empty() ? "" : fmt::format("{:.6g}", c.sweeps[round]),
+            rows.add({c.part, c.engine, c.what, c.side, c.images, c.texels, c.samples, c.parameters, round,
+                      c.seconds[round], c.sweeps.empty() ? std::nullopt : std::optional(c.sweeps[round]),
                       c.engine == cpu_engine ? cpu : gl_renderer});
     rows.commit();
 }

@@ -1,5 +1,7 @@
 // Solvers side by side: Ceres in each of its settings, alternating least squares, variable projection, and the CPU
 // two-step solver's optimizers, on the same vertices, one thread. What counts is the time to the same error.
+#include "report/rows/solvers.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,12 +22,14 @@
 #include "reference/als_solver.h"
 #include "reference/ceres_solver.h"
 #include "reference/varpro_solver.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 #include "samples/disk_records.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::solvers;
 
 constexpr Range<double> contest_seconds{0, 1e6};
 
@@ -295,17 +299,14 @@ std::vector<uint32_t> draw(const ProblemStatistics& statistics, const Options& o
 
 void write_problems(const ResultFolder& results, const Options& o, const std::vector<Summary>& table,
                     const std::vector<Vertex>& vertices) {
-    CsvWriter problems(results.path() / "problems.csv", {"solver", "setting", "vertex", "channel", "iterations_to_101",
-                                                         "reached", "iterations", "error", "best_error"});
+    CsvFile problems(results.path(), rows::problems);
     for (const Summary& s : table) {
         const Contestant& c = *s.contestant;
         for (size_t v = 0; v < c.vertices(); ++v) {
             const Reached r = reached(c.runs[v], vertices[v], o.tolerance);
             for (size_t k = 0; k < 3; ++k)
-                problems.row({c.solver, c.setting, std::to_string(vertices[v].id), std::string(1, "rgb"[k]),
-                              std::to_string(r.row[k]), r.reached[k] ? "1" : "0",
-                              std::to_string(c.runs[v].channel[k].iterations()), fmt::format("{:.8g}", c.errors[v][k]),
-                              fmt::format("{:.8g}", vertices[v].best[k])});
+                problems.add({c.solver, c.setting, vertices[v].id, std::string(1, "rgb"[k]), r.row[k], r.reached[k],
+                              int(c.runs[v].channel[k].iterations()), c.errors[v][k], vertices[v].best[k]});
         }
     }
     problems.commit();
@@ -314,13 +315,13 @@ void write_problems(const ResultFolder& results, const Options& o, const std::ve
 /// What the performance profile of the report is of: a vertex's three problems are solved, and timed, together.
 void write_vertices(const ResultFolder& results, const Options& o, const std::vector<Summary>& table,
                     const std::vector<Vertex>& vertices) {
-    CsvWriter rows(results.path() / "vertices.csv", {"solver", "setting", "vertex", "reached", "seconds_to_101"});
+    CsvFile rows(results.path(), rows::vertices);
     for (const Summary& s : table) {
         const Contestant& c = *s.contestant;
         for (size_t v = 0; v < c.vertices(); ++v) {
             const Reached r = reached(c.runs[v], vertices[v], o.tolerance);
-            rows.row({c.solver, c.setting, std::to_string(vertices[v].id),
-                      std::to_string(std::ranges::count(r.reached, true)), fmt::format("{:.6g}", median_to_101(c, v))});
+            rows.add({c.solver, c.setting, vertices[v].id, size_t(std::ranges::count(r.reached, true)),
+                      median_to_101(c, v)});
         }
     }
     rows.commit();
@@ -328,14 +329,12 @@ void write_vertices(const ResultFolder& results, const Options& o, const std::ve
 
 /// The sums over a solver's vertices that the medians of solvers.csv are of.
 void write_repetitions(const ResultFolder& results, const std::vector<Summary>& table) {
-    CsvWriter repetitions(results.path() / "repetitions.csv",
-                          {"solver", "setting", "vertices", "repetition", "seconds_to_101", "seconds_total"});
+    CsvFile repetitions(results.path(), rows::repetitions);
     for (const Summary& s : table) {
         const Contestant& c = *s.contestant;
         const std::vector<double> to_101 = sums(c.to_101, c.vertices()), to_end = sums(c.to_end, c.vertices());
         for (size_t i = 0; i < to_101.size(); ++i)
-            repetitions.row({c.solver, c.setting, std::to_string(c.vertices()), std::to_string(i),
-                             fmt::format("{:.6g}", to_101[i]), fmt::format("{:.6g}", to_end[i])});
+            repetitions.add({c.solver, c.setting, c.vertices(), i, to_101[i], to_end[i]});
     }
     repetitions.commit();
 }
@@ -354,21 +353,15 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
     std::ranges::stable_sort(table, {}, [](const Summary& s) { return s.to_modern.all; });
 
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    CsvWriter rows(results.path() / "solvers.csv",
-                   {"solver", "setting", "threads", "vertices", "problems", "reached_share", "seconds_to_101",
-                    "seconds_to_101_least", "seconds_to_101_most", "times_cg_modern", "times_cg_modern_median",
-                    "times_varpro", "times_varpro_median", "iterations_median", "final_over_best_median",
-                    "seconds_setup", "seconds_total", "repetitions"});
+    CsvFile rows(results.path(), rows::solvers);
     Table text({"solver", "vertices", "per vertex, to 1.01", "spread", "times cg modern", "median vertex",
                 "times varpro", "median vertex", "reached", "iterations to it", "final / best",
                 "per vertex, to its end"});
     for (const Summary& s : table) {
         const Contestant& c = *s.contestant;
-        const auto number = [](double x) { return fmt::format("{:.6g}", x); };
-        rows.row({c.solver, c.setting, "1", std::to_string(c.vertices()), std::to_string(3 * c.vertices()),
-                  number(s.reached_share), number(s.seconds), number(s.least), number(s.most), number(s.to_modern.all),
-                  number(s.to_modern.median), number(s.to_varpro.all), number(s.to_varpro.median), number(s.iterations),
-                  number(s.final_over_best), number(s.setup), number(s.to_end), std::to_string(c.to_101.size())});
+        rows.add({c.solver, c.setting, 1, c.vertices(), 3 * c.vertices(), s.reached_share, s.seconds, s.least, s.most,
+                  s.to_modern.all, s.to_modern.median, s.to_varpro.all, s.to_varpro.median, s.iterations,
+                  s.final_over_best, s.setup, s.to_end, c.to_101.size()});
         const auto per_vertex = [&](double seconds) { return fmt::format("{:.3g} ms", 1e3 * s.per_vertex(seconds)); };
         text.add({c.name(), std::to_string(c.vertices()), per_vertex(s.seconds),
                   c.to_101.size() > 1 ? fmt::format("{:.1f} %", 50 * (s.most - s.least) / s.seconds) : "one run",

@@ -1,5 +1,7 @@
 // Section 5.3.2: what the two threshold rules for stopping do to the problems and to the use that is made of the
 // stream.
+#include "report/rows/stopping.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,11 +13,14 @@
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 #include "vertex_bench.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::stopping;
 
 constexpr Range<double> thresholds{1e-6, 1e6};
 
@@ -148,47 +153,39 @@ Summary summarize(const Options& o, const std::vector<Vertex>& vertices, const S
 
 void write(const ResultFolder& results, const Options& o, const std::vector<Setting>& all,
            const std::vector<Vertex>& vertices) {
-    CsvWriter problems(results.path() / "problems.csv", {"rule", "levels", "optimizer", "vertex", "channel",
-                                                         "stopped_at", "arrived_at", "error_over_best"});
-    CsvWriter weights(results.path() / "weights.csv", {"vertex", "weight"});
-    CsvWriter curves(results.path() / "curves.csv",
-                     {"rule", "levels", "optimizer", "iteration", "active_share", "median_error_over_best"});
-    CsvWriter rules(results.path() / "rules.csv",
-                    {"rule", "levels", "optimizer", "first_below_half", "median_reached", "median_error_over_best",
-                     "mean_active_share", "short_of_best_share", "iterations"});
+    CsvFile problems(results.path(), rows::problems);
+    CsvFile weights(results.path(), rows::weights);
+    CsvFile curves(results.path(), rows::curves);
+    CsvFile rules(results.path(), rows::rules);
     Table table({"rule", "threshold", "optimizer", "half idle at iteration", "median arrives at", "it ends at",
                  "active on average"});
     std::vector<double> all_weights;
     for (const Vertex& vertex : vertices) {
-        weights.row({std::to_string(vertex.id), fmt::format("{:.5g}", vertex.weight)});
+        weights.add({vertex.id, vertex.weight});
         all_weights.push_back(vertex.weight);
     }
     for (size_t s = 0; s < all.size(); ++s) {
-        const std::vector<std::string> keys = {all[s].rule, fmt::format("{:g}", all[s].levels), all[s].optimizer};
-        const auto row = [&](std::vector<std::string> more) {
-            more.insert(more.begin(), keys.begin(), keys.end());
-            return more;
-        };
+        const auto& [rule, levels, optimizer, options] = all[s];
         for (const Vertex& vertex : vertices)
             for (size_t c = 0; c < 3; ++c) {
                 const Stopped& one = vertex.settings[s];
-                problems.row(
-                    row({std::to_string(vertex.id), std::string(1, "rgb"[c]), std::to_string(one.stopped_at[c]),
-                         std::to_string(one.arrived_at[c]), fmt::format("{:.6g}", one.final[c])}));
+                problems.add({rule, levels, optimizer, vertex.id, std::string(1, "rgb"[c]), one.stopped_at[c],
+                              one.arrived_at[c], one.final[c]});
             }
         const Summary sum = summarize(o, vertices, all[s], s);
-        for (const int k : sparse_iterations(all[s].options.iterations))
-            curves.row(row({std::to_string(k), fmt::format("{:.5f}", sum.active[size_t(k)]),
-                            fmt::format("{:.6g}", sum.median[size_t(k)])}));
-        rules.row(row({std::to_string(sum.first_below_half), std::to_string(sum.median_reached),
-                       fmt::format("{:.6g}", sum.median.back()), fmt::format("{:.5f}", sum.mean_active()),
-                       fmt::format("{:.5f}", sum.short_of_best), std::to_string(all[s].options.iterations)}));
+        for (const int k : sparse_iterations(options.iterations))
+            curves.add({rule, levels, optimizer, k, sum.active[size_t(k)], sum.median[size_t(k)]});
+        rules.add({rule, levels, optimizer, sum.first_below_half, sum.median_reached, sum.median.back(),
+                   sum.mean_active(), sum.short_of_best, options.iterations});
         const auto iteration = [&](int k) { return k < 0 ? "never" : std::to_string(k); };
-        table.add({keys[0], all[s].levels > 0 ? keys[1] + "/255" : "", keys[2], iteration(sum.first_below_half),
+        table.add({rule, levels > 0 ? fmt::format("{:g}/255", levels) : "", optimizer, iteration(sum.first_below_half),
                    iteration(sum.median_reached), fmt::format("{:.3f} x best", sum.median.back()),
                    fmt::format("{:.1f} %", 100 * sum.mean_active())});
     }
-    for (CsvWriter* file : {&problems, &weights, &curves, &rules}) file->commit();
+    problems.commit();
+    weights.commit();
+    curves.commit();
+    rules.commit();
     log_info(
         fmt::format("threshold rules for stopping; a pixel's residual counts {:.2f} of itself in the median "
                     "vertex\n{}",

@@ -1,5 +1,7 @@
 // Section 6.5: what it costs where the images of every sweep come from: a cold disk, the page cache, host memory, or
 // textures that stay on the device.
+#include "report/rows/streaming.h"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -13,11 +15,13 @@
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "reflectance_problem.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::streaming;
 
 constexpr ImageSource sources[] = {ImageSource::disk_cold, ImageSource::disk, ImageSource::memory, ImageSource::device};
 constexpr const char* source_names[] = {"disk-cold", "disk", "memory", "device"};
@@ -72,29 +76,21 @@ Contest contest(const Dataset& dataset, const Options& o, const char* problem, c
     return c;
 }
 
-std::string number(double x) { return fmt::format("{:.5g}", x); }
-
 void write_iterations(const ResultFolder& results, const std::vector<Contest>& contests) {
-    CsvWriter rows(results.path() / "iterations.csv",
-                   {"problem", "passes", "source", "repetition", "line_s", "line_streaming_s", "direction_s",
-                    "direction_streaming_s", "cached_share"});
+    CsvFile rows(results.path(), rows::iterations);
     for (const Contest& c : contests)
         for (int i = 0; i < source_count; ++i)
             for (size_t r = 0; r < c.times[i].size(); ++r) {
                 const auto& [line, direction, cached_share] = c.times[i][r];
-                std::vector<std::string> row{c.problem, c.passes, source_names[i], std::to_string(r)};
-                for (double x : {line.seconds, line.streaming, direction.seconds, direction.streaming, cached_share})
-                    row.push_back(number(x));
-                rows.row(row);
+                rows.add({c.problem, c.passes, source_names[i], r, line.seconds, line.streaming, direction.seconds,
+                          direction.streaming, cached_share});
             }
     rows.commit();
 }
 
 /// Medians of the same, with the 95 % interval of the time where there are enough repetitions for one.
 void write_times(const ResultFolder& results, const std::vector<Contest>& contests, const std::string& renderer) {
-    CsvWriter rows(results.path() / "times.csv",
-                   {"problem", "passes", "optimizer", "source", "seconds_per_iteration", "low_s", "high_s",
-                    "streaming_s", "streaming_share", "over_disk_cold", "repetitions", "renderer"});
+    CsvFile rows(results.path(), rows::times);
     Table table({"problem", "passes", "source", "time per iteration", "streaming", "over a cold disk"});
     for (const Contest& c : contests)
         for (const std::string optimizer : optimizer_names)
@@ -107,11 +103,9 @@ void write_times(const ResultFolder& results, const std::vector<Contest>& contes
                     shares.push_back(time.streaming / time.seconds);
                     ratios.push_back(time.seconds / c.times[cold][r].of(is_descent(optimizer)).seconds);
                 }
-                const auto interval = median_interval(seconds, seconds.size());
-                rows.row({c.problem, c.passes, optimizer, source_names[i], number(median(seconds)),
-                          interval ? number(interval->low) : "", interval ? number(interval->high) : "",
-                          number(median(streaming)), number(median(shares)), number(median(ratios)),
-                          std::to_string(seconds.size()), renderer});
+                const auto [low, high] = ends_of(median_interval(seconds, seconds.size()));
+                rows.add({c.problem, c.passes, optimizer, source_names[i], median(seconds), low, high,
+                          median(streaming), median(shares), median(ratios), seconds.size(), renderer});
                 table.add({fmt::format("{}, {}", c.problem, optimizer), c.passes, source_names[i],
                            fmt::format("{:.3f} s", median(seconds)), fmt::format("{:.1f} %", 100 * median(shares)),
                            fmt::format("{:.3f}", median(ratios))});

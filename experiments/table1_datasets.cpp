@@ -1,4 +1,6 @@
 // Table 1 of the paper: what the models are made of, what they need in memory, and how their pixels reach texels.
+#include "report/rows/table1_datasets.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,11 +15,14 @@
 #include "fitting/solvers/solver.h"
 #include "image/png_file.h"
 #include "report/csv.h"
+#include "report/csv_file.h"
 #include "report/table.h"
 #include "samples/image_samples.h"
 
 namespace radiafit::harness {
 namespace {
+
+namespace rows = rows_of::table1_datasets;
 
 struct Options {
     std::vector<std::string> datasets = {"star", "bust", "ornament"};
@@ -92,13 +97,11 @@ std::vector<ImageCounts> count_images(const Dataset& dataset, const TriangleAtla
 
 /// Writes them; returns the median over images of texels that face the camera per covered pixel.
 double write_images(const Dataset& dataset, const std::vector<uint32_t>& views, const std::vector<ImageCounts>& counts,
-                    const std::filesystem::path& file) {
-    CsvWriter rows(file, {"image", "covered_pixels", "kept_pixels", "facing_texels"});
+                    CsvFile<rows::Image> rows) {
     std::vector<double> ratios;
     for (size_t i = 0; i < views.size(); ++i) {
         const ImageCounts& c = counts[i];
-        rows.row({dataset.views[views[i]].name, std::to_string(c.covered_pixels), std::to_string(c.kept_pixels),
-                  std::to_string(c.facing_texels)});
+        rows.add({dataset.views[views[i]].name, c.covered_pixels, c.kept_pixels, c.facing_texels});
         if (c.covered_pixels) ratios.push_back(double(c.facing_texels) / c.covered_pixels);
     }
     rows.commit();
@@ -162,26 +165,7 @@ void table1(Experiment& experiment) {
     request.model.terms = o.terms;
     request.check();
     ResultFolder results = experiment.open_results(experiment.cpu_device());
-    CsvWriter rows(results.path() / "datasets.csv", {"dataset",
-                                                     "sides",
-                                                     "triangles",
-                                                     "vertices",
-                                                     "images",
-                                                     "held_out",
-                                                     "image_bytes",
-                                                     "parameters",
-                                                     "parameter_texels",
-                                                     "problems",
-                                                     "samples",
-                                                     "covered_pixels",
-                                                     "kept_share",
-                                                     "texels_per_pixel",
-                                                     "median_samples_per_texel",
-                                                     "without_samples_share",
-                                                     "below_10_samples_share",
-                                                     "shared_texels",
-                                                     "paper_layout_bytes",
-                                                     "cpu_engine_bytes"});
+    CsvFile rows(results.path(), rows::datasets);
     Table table({"dataset", "texels per triangle", "triangles (paper)", "vertices", "images (held out)",
                  "raw images (paper)", "parameters", "parameter texels", "problems", "samples", "pixels kept",
                  "texels per covered pixel (median image)", "samples per texel (median)", "texels without samples",
@@ -196,28 +180,28 @@ void table1(Experiment& experiment) {
         const std::vector<uint64_t>& histogram = s.texels_taking;
         const std::vector<uint32_t> views = dataset.split(false);
         const double texels_per_pixel = write_images(dataset, views, count_images(dataset, atlas, here, views),
-                                                     results.path() / (name + "_images.csv"));
+                                                     CsvFile(results.path(), rows::images, {}, name));
         const size_t held_out = dataset.split(true).size();
-        rows.row({dataset.name,
+        rows.add({dataset.name,
                   own ? "own" : "one",
-                  std::to_string(dataset.mesh.triangle_count()),
-                  std::to_string(dataset.mesh.vertex_count()),
-                  std::to_string(dataset.views.size()),
-                  std::to_string(held_out),
-                  std::to_string(dataset.image_bytes()),
-                  std::to_string(sizes.parameters),
-                  std::to_string(sizes.texels),
-                  std::to_string(sizes.problems),
-                  std::to_string(s.samples),
-                  std::to_string(s.covered_pixels),
-                  fmt::format("{:.4f}", s.kept_share()),
-                  fmt::format("{:.4f}", texels_per_pixel),
-                  fmt::format("{:g}", s.median_samples_per_texel),
-                  fmt::format("{:.4f}", share_below(1, histogram)),
-                  fmt::format("{:.4f}", share_below(10, histogram)),
-                  std::to_string(shared_texels(samples.list)),
-                  std::to_string(sizes.paper_bytes),
-                  std::to_string(sizes.engine_bytes)});
+                  dataset.mesh.triangle_count(),
+                  dataset.mesh.vertex_count(),
+                  dataset.views.size(),
+                  held_out,
+                  dataset.image_bytes(),
+                  sizes.parameters,
+                  sizes.texels,
+                  sizes.problems,
+                  s.samples,
+                  s.covered_pixels,
+                  s.kept_share(),
+                  texels_per_pixel,
+                  s.median_samples_per_texel,
+                  share_below(1, histogram),
+                  share_below(10, histogram),
+                  shared_texels(samples.list),
+                  sizes.paper_bytes,
+                  sizes.engine_bytes});
         const Stated stated = stated_in_paper(shape);
         const auto mega = [](double x, const char* unit) { return fmt::format("{:.2f} {}", x / 1e6, unit); };
         const double mean_texels = double(atlas.used_texels()) / double(dataset.mesh.triangle_count());
@@ -233,9 +217,8 @@ void table1(Experiment& experiment) {
              fmt::format("{:.1f}%", 100 * share_below(10, histogram)),
              sizes.paper_bytes ? mega(double(sizes.paper_bytes), "MB") : "", mega(double(sizes.engine_bytes), "MB")});
 
-        CsvWriter histogram_rows(results.path() / (name + "_samples_per_texel.csv"), {"samples", "texels"});
-        for (size_t i = 0; i < histogram.size(); ++i)
-            histogram_rows.row({std::to_string(i), std::to_string(histogram[i])});
+        CsvFile histogram_rows(results.path(), rows::histogram, {}, name);
+        for (size_t i = 0; i < histogram.size(); ++i) histogram_rows.add({i, histogram[i]});
         histogram_rows.commit();
     };
     for (const std::string& shape : o.datasets) {

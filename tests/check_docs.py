@@ -5,9 +5,6 @@ and in docs/paper.md every file between backticks, and behind a colon the name t
     `src/a/b.h`                 a file or folder
     `src/a/b.h: name`           and the name within, as a whole word
     `tests/a_test.cpp: A.B`     and TEST(A, B), TEST_F or TEST_P within
-
-docs/results.md describes every file and column that src/report/columns.cpp knows, and no other: under "## EXPERIMENT" and
-"### `FILE`" a table whose first cells name columns between backticks.
 Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
@@ -65,54 +62,11 @@ def missing(root, cited):
     return None if re.search(pattern, text) else f"{path} has no {name}"
 
 
-def registered_columns(text):
-    """{(experiment, file): set of columns} of src/report/columns.cpp."""
-    text = re.sub(r"//[^\n]*", "", text)
-    found = {}
-    for table in re.finditer(r'\{"(\w+)",\s*"([\w*]+\.csv)",\s*\{(.*?)\}\s*(?:,\s*partial\s*)?\},', text, re.S):
-        columns = " ".join(re.findall(r'"([^"]*)"', table[3])).split()
-        found.setdefault((table[1], table[2]), set()).update(columns)
-    return found
-
-
-def described_columns(text):
-    """The same of docs/results.md."""
-    found, experiment, file = {}, None, None
-    for line in text.splitlines():
-        if heading := re.fullmatch(r"## (\w+)", line):
-            experiment, file = heading[1], None
-        elif heading := re.fullmatch(r"### `([\w*]+\.csv)`", line):
-            file = heading[1]
-            found[experiment, file] = set()
-        elif file and (row := re.match(r"\| (`[^|]*`) \|", line)):
-            found[experiment, file].update(re.findall(r"`([^`]+)`", row[1]))
-    return found
-
-
-def bad_results(root):
-    page, source = root / "docs" / "results.md", root / "src" / "report" / "columns.cpp"
-    if not source.exists():
-        return
-    registered = registered_columns(source.read_text(encoding="utf-8"))
-    described = described_columns(page.read_text(encoding="utf-8") if page.exists() else "")
-    for experiment, file in sorted(registered.keys() | described.keys()):
-        ours, theirs = (table.get((experiment, file)) for table in (described, registered))
-        where = f"docs/results.md: {experiment}, {file}"
-        if ours is None or theirs is None:
-            yield f"{where}: " + ("not described" if ours is None else "not in src/report/columns.cpp")
-            continue
-        for column in sorted(theirs - ours):
-            yield f"{where}: column {column} is not described"
-        for column in sorted(ours - theirs):
-            yield f"{where}: column {column} is not in src/report/columns.cpp"
-
-
 def check(root):
     """(errors, what was looked up)"""
     errors, count = [], 0
     for page in pages(root):
         errors += bad_links(root, page)
-    errors += bad_results(root)
     page = root / "docs" / "paper.md"
     text = page.read_text(encoding="utf-8") if page.exists() else ""
     for cited in CITED.finditer(text):

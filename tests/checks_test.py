@@ -70,24 +70,6 @@ class Docs(Tree):
         self.assertEqual(self.errors("first\n"), ["docs/other.md:1: no such file: gone.md"])
 
 
-    def test_results_are_described_as_they_are_registered(self):
-        self.write("docs/paper.md", "")
-        self.write("src/report/columns.cpp", '{"one",\n "a.csv",\n {keys("dataset"),  // "x"\n errors("error ape", 1e-4)},\n partial},\n'
-                   '{"one", "*_b.csv", {shares("*")}},\n')
-        page = "## one\n### `a.csv`\n| column | unit |\n|---|---|\n| `dataset` | |\n| `error`, `ape` | 1 |\n### `*_b.csv`\n| `*` | |\n"
-        self.write("docs/results.md", page)
-        self.assertEqual(check_docs.check(self.root)[0], [])
-        for changed, expected in [
-            (page.replace("`error`, ", ""), ["docs/results.md: one, a.csv: column error is not described"]),
-            (page.replace("`ape`", "`apes`"), ["docs/results.md: one, a.csv: column ape is not described",
-                                              "docs/results.md: one, a.csv: column apes is not in src/report/columns.cpp"]),
-            (page.replace("*_b", "b"), ["docs/results.md: one, *_b.csv: not described",
-                                       "docs/results.md: one, b.csv: not in src/report/columns.cpp"]),
-        ]:
-            self.write("docs/results.md", changed)
-            self.assertEqual(check_docs.check(self.root)[0], expected)
-
-
 class Layers(Tree):
     def errors(self):
         return check_layers.check(self.root)[0]

@@ -97,8 +97,6 @@ std::optional<Interval> quotient(const std::optional<Interval>& above, const std
 
 constexpr double both = 0.975;  ///< confidence of each of two intervals that hold together in 95 %
 
-}  // namespace
-
 Judgement iteration_ratio(const FinishedRun& run) {
     const CsvTable t = run.table("problems.csv"), summary = run.table("summary.csv");
     Judgement j;
@@ -336,6 +334,36 @@ Judgement consistent_ratio(const FinishedRun& run) {
         "gradients' lie {}.",
         fmt::join(found, " and "));
     return j;
+}
+
+}  // namespace
+
+std::span<const Claim> convergence_claims() {
+    static constexpr Claim table[] = {
+        {"C1", "6.1, Fig. 7", "CG needs about a tenth of SD's iterations",
+         "the median, over all problems, of SD's over CG's iterations to 1.01 of the least error any solver found is "
+         "at least 5 on both datasets; who doesn't arrive counts as arriving at the cap",
+         "fig7_convergence", iteration_ratio},
+        {"C2", "6.1", "CG usually finds a better local minimum",
+         "300 problems run until E_t falls by less than a millionth in 200 iterations, or for 30,000; a fast method "
+         "goes on from there to the minimum: more than 5 % of the minima lie more than 1 % apart, and of those CG's "
+         "is the lower in more than half",
+         "fig7_convergence", better_minimum},
+        {"C16", "5.3.2", "threshold stopping rules are too restrictive, and utilization falls as problems finish",
+         "with CG under both rules, at some threshold that leaves the median problem above 1.05 of its best error, "
+         "less than half of the problems are active before the median one is within 1.01, or ever; without a "
+         "threshold the median problem arrives",
+         "stopping", idle_before_arrival},
+        {"C19", "3", "CG has the convergence rate of the Newton method",
+         "iterations to 1.01 of the best error, CG's over Newton steps' (variable projection), of the problems where "
+         "no bounds are at work, for those have one objective: median at most 2; not comparable where bounds are at "
+         "work in more than a quarter",
+         "fig7_convergence", newton_rate},
+        {"C22", "6.1", "the ratio of CG's and SD's iterations is consistent across optimizations and datasets",
+         "upper over lower quartile of C1's ratio at most 3, and the two datasets' medians within a factor of 1.5",
+         "fig7_convergence", consistent_ratio},
+    };
+    return table;
 }
 
 }  // namespace radiafit::harness

@@ -1,5 +1,6 @@
 #pragma once
 #include <span>
+#include <vector>
 
 #include "finished_run.h"
 #include "judgement.h"
@@ -8,44 +9,18 @@
 /// that lack what it needs.
 namespace radiafit::harness {
 
-// How fast, and to which ends, optimizers converge: convergence.cpp.
-Judgement iteration_ratio(const FinishedRun& run);
-Judgement better_minimum(const FinishedRun& run);
-Judgement idle_before_arrival(const FinishedRun& run);
-Judgement newton_rate(const FinishedRun& run);
-Judgement consistent_ratio(const FinishedRun& run);
-
-// How good the pictures are: images.cpp.
-Judgement above_pca(const FinishedRun& run);
-Judgement half_as_good(const FinishedRun& run);
-Judgement resolution_matters(const FinishedRun& run);
-
-// Where the time goes: time.cpp.
-Judgement faster_than_cpu(const FinishedRun& run);
-Judgement distribution_share(const FinishedRun& run);
-Judgement streaming_share(const FinishedRun& run);
-Judgement lafortune_streaming(const FinishedRun& run);
-Judgement switching_share(const FinishedRun& run);
-Judgement memory_over_disk(const FinishedRun& run);
-Judgement combined_passes(const FinishedRun& run);
-
-// What the fragment stage does with it: utilization.cpp.
-Judgement utilization(const FinishedRun& run);
-Judgement cheap_penalties(const FinishedRun& run);
-Judgement paper_chip(const FinishedRun& run);
-
-// How time and memory grow: scale.cpp.
-Judgement redistribution(const FinishedRun& run);
-Judgement memory_linear(const FinishedRun& run);
-Judgement gather_and_scatter(const FinishedRun& run);
-Judgement pixels_and_texels(const FinishedRun& run);
-Judgement cost_linear(const FinishedRun& run);
-
 struct Claim {
     const char *id, *section, *states, *rule;
     const char* experiment;  ///< whose rows it is judged from
     Judgement (*judge)(const FinishedRun& run);
 };
-std::span<const Claim> claims();
+/// All, C1 first.
+const std::vector<Claim>& claims();
+
+std::span<const Claim> convergence_claims();  ///< how fast, and to which ends, optimizers converge
+std::span<const Claim> images_claims();       ///< how good the pictures are
+std::span<const Claim> time_claims();         ///< where the time goes
+std::span<const Claim> utilization_claims();  ///< what the fragment stage does with it
+std::span<const Claim> scale_claims();        ///< how time and memory grow
 
 }  // namespace radiafit::harness

@@ -96,8 +96,6 @@ private:
     }
 };
 
-}  // namespace
-
 Judgement redistribution(const FinishedRun& run) {
     const Times times(run);
     Judgement j{.renderer = times.renderer};
@@ -231,8 +229,6 @@ Judgement gather_and_scatter(const FinishedRun& run) {
     return j;
 }
 
-namespace {
-
 /// How pixels reach texels, from table1_datasets' rows of one dataset and way to choose sides.
 struct Reached {
     double texels_per_pixel;  ///< that face the camera, in the median image
@@ -265,8 +261,6 @@ Reached reached(const FinishedRun& run, const std::string& files) {
     }
     return {median(density), 1 - kept / covered, middle, without / texels, few / texels};
 }
-
-}  // namespace
 
 Judgement pixels_and_texels(const FinishedRun& run) {
     const CsvTable t = run.table("datasets.csv");
@@ -334,6 +328,35 @@ Judgement cost_linear(const FinishedRun& run) {
         "as the number of parameters to the power {:.3g} at most.",
         factor, fmt::join(found, ", "), lines.largest());
     return j;
+}
+
+}  // namespace
+
+std::span<const Claim> scale_claims() {
+    static constexpr Claim table[] = {
+        {"C13", "4.3", "redistributing every iteration costs almost nothing",
+         "time of an iteration that distributes in each sweep over that with samples kept on the device, in OpenGL "
+         "without streaming, by the paper's passes and in compute shaders that gather and that scatter, is at most 1.1",
+         "scaling", redistribution},
+        {"C14", "6.3", "memory is O(N); 142 MB for the star at 32 bits",
+         "the bytes of all textures and buffers, as OpenGL tells them, exceed the plan by at most 5 %; slope of log "
+         "bytes over log parameters at most 1.05, sides 8 to 32; the paper's layout for the star within 5 % of 142 MB",
+         "scaling", memory_linear},
+        {"C15", "6.6", "limited scatter and gather would remove the dependence on the sampling rate",
+         "slope of log time of sweeps over log texels at fixed images: gather in fragment programs at least 0.5, "
+         "scatter in compute shaders at most 0.2",
+         "scaling", gather_and_scatter},
+        {"C17", "5.1.1", "a pixel lands in one texel, and every parameter still gets many samples",
+         "with surface maps of sides by their triangles' projected size, where the median image has at least one "
+         "texel that faces it per covered pixel: no texel takes two pixels of one image, and the median texel has at "
+         "least 10 samples",
+         "table1_datasets", pixels_and_texels},
+        {"C18", "3.2", "an iteration costs O(S), memory O(N)",
+         "slope of log time over log samples at most 1.1, on the CPU and in OpenGL, at least 5 sizes over a factor of "
+         "16, distinct images; slope of log bytes over log parameters at most 1.1",
+         "scaling", cost_linear},
+    };
+    return table;
 }
 
 }  // namespace radiafit::harness

@@ -47,8 +47,6 @@ std::set<int> those_of(const CsvTable& t, const char* column) {
     return numbers;
 }
 
-}  // namespace
-
 Judgement faster_than_cpu(const FinishedRun& run) {
     const CsvTable t = run.table("repetitions.csv");
     Judgement j{.renderer = run.device()};
@@ -111,8 +109,6 @@ Judgement distribution_share(const FinishedRun& run) {
     return j;
 }
 
-namespace {
-
 /// The share of an iteration that streaming from a cold disk takes. seconds(optimizer): of its streaming, and all of
 /// it.
 Judgement judge_streaming(const FinishedRun& run, const CsvTable& t, const Where& where, const Bound& bound,
@@ -133,8 +129,6 @@ Judgement judge_streaming(const FinishedRun& run, const CsvTable& t, const Where
         fitting, j.measures[0].value_text(), j.measures[1].value_text(), stated);
     return j;
 }
-
-}  // namespace
 
 Judgement streaming_share(const FinishedRun& run) {
     const CsvTable t = run.table("iterations.csv");
@@ -207,8 +201,6 @@ Judgement combined_passes(const FinishedRun& run) {
 
 // Streaming.
 
-namespace {
-
 /// Seconds of an iteration, or of its streaming, with images from `source`.
 Rounds streamed(const CsvTable& t, const std::string& problem, const std::string& passes, const std::string& source,
                 const std::string& optimizer, bool streaming = false) {
@@ -217,8 +209,6 @@ Rounds streamed(const CsvTable& t, const std::string& problem, const std::string
         return direction + (is_descent(optimizer) ? 0 : t.number(row, streaming ? "line_streaming_s" : "line_s"));
     });
 }
-
-}  // namespace
 
 Judgement lafortune_streaming(const FinishedRun& run) {
     const CsvTable t = run.table("iterations.csv");
@@ -256,6 +246,35 @@ Judgement memory_over_disk(const FinishedRun& run) {
         "from a cold disk.",
         percent(least->figure.value), least->of, percent(most->figure.value), most->of);
     return j;
+}
+
+}  // namespace
+
+std::span<const Claim> time_claims() {
+    static constexpr Claim table[] = {
+        {"C3", "6.2, Fig. 8", "the GPU is more than 5 times faster than the CPU, for CG and for SD",
+         "both ratios of wall time, distribution included, the faster record, are above 5, against one thread and "
+         "against all",
+         "fig8_time", faster_than_cpu},
+        {"C4", "4.3", "distribution takes up to half of the CPU's time",
+         "the largest share, over optimizers and 25 and 100 iterations, with the paper's record: above 35 % holds, "
+         "below 20 % does not",
+         "fig8_time", distribution_share},
+        {"C5", "6.2", "streaming images takes about 20 % of the GPU's time",
+         "10 to 30 % of an iteration, from disk with a cold page cache", "fig8_time", streaming_share},
+        {"C6", "6.5", "streaming from disk takes about 70 % of the time for the Lafortune model",
+         "50 to 90 % of an iteration, from disk with a cold page cache", "streaming", lafortune_streaming},
+        {"C7", "6.2", "context switches take about half of SD's time, almost 66 % of CG's",
+         "the same commands cut to one texel take 35 to 65 % of SD's iteration, and a larger share of CG's",
+         "fig8_time", switching_share},
+        {"C11", "6.5", "streaming from host memory instead of disk raises utilization",
+         "an iteration takes less time in every combination of problem, passes and optimizer", "streaming",
+         memory_over_disk},
+        {"C12", "6.5", "combining passes cuts the switch overhead and redundant reads",
+         "switching time and declared texture reads, image by image, are both at most 0.7 of the paper's passes'",
+         "fig8_time", combined_passes},
+    };
+    return table;
 }
 
 }  // namespace radiafit::harness

@@ -21,8 +21,6 @@ private:
 // What Section 6.5 states of a Radeon 9700: operations and 64-bit texture reads a second.
 constexpr double chip_operations = 2.6e9, chip_reads = 0.65e9;
 
-}  // namespace
-
 Judgement utilization(const FinishedRun& run) {
     const CsvTable t = run.table("iterations.csv"), table = run.table("work.csv"), peaks = run.table("peaks.csv");
     Judgement j{.renderer = run.device(),
@@ -156,6 +154,24 @@ Judgement paper_chip(const FinishedRun& run) {
         fmt::format("By a model that takes the paper's shares for granted, a Radeon 9700 computes at least {}: {}.",
                     fmt::join(found, "; "), plausible ? "plausible" : "not plausible");
     return j;
+}
+
+}  // namespace
+
+std::span<const Claim> utilization_claims() {
+    static constexpr Claim table[] = {
+        {"C10", "6.5, Fig. 10", "29 % utilization for the light field map",
+         "none: operations counted over the peaks of the same device are told beside the paper's", "fig10_utilization",
+         utilization},
+        {"C20", "3.2", "regularization and bounds cost a negligible part",
+         "at most 5 % of an iteration's time, and of its declared operations; the gradient's last step, which adds "
+         "them to the sums over samples, counts as theirs for what holds, and not for what does not hold",
+         "fig10_utilization", cheap_penalties},
+        {"C23", "6.5", "on a Radeon 9700: 20 % streaming, 50 to 66 % switching, the rest computation",
+         "none: a model from the declared work of the paper's passes and the peaks the paper states",
+         "fig10_utilization", paper_chip},
+    };
+    return table;
 }
 
 }  // namespace radiafit::harness

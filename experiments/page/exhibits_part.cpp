@@ -17,14 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
-        text.replace(at, what.size(), by);
-    return text;
-}
-
-std::string command_of(const Exhibit& exhibit, const std::string& profile) {
-    return replaced(exhibit.command, "=PROFILE", "=" + profile);
+std::string command_of(const ExperimentEntry& entry, const std::string& profile) {
+    const std::string command = fmt::format("make {} PROFILE={}", entry.target, profile);
+    return entry.target == std::string(entry.name) ? command : fmt::format("{} ONLY={}", command, entry.name);
 }
 
 std::string name_of_run(const RunFolders& folders, const RunRecord& run) {
@@ -34,13 +29,13 @@ std::string name_of_run(const RunFolders& folders, const RunRecord& run) {
 /// What one run has to show.
 class RunPart {
 public:
-    RunPart(const Exhibit& exhibit, const RunRecord& run, const RunFolders& folders, fs::path scratch)
-        : exhibit_(exhibit), run_(run), folders_(folders), scratch_(std::move(scratch)) {}
+    RunPart(const ExperimentEntry& entry, const RunRecord& run, const RunFolders& folders, fs::path scratch)
+        : entry_(entry), run_(run), folders_(folders), scratch_(std::move(scratch)) {}
 
     Html html() const {
         Html part;
-        if (*exhibit_.shows) part << figure();
-        for (const char* file : exhibit_.tables) part << table(file);
+        if (*entry_.figure) part << figure();
+        for (const char* file : entry_.tables) part << table(file);
         return part;
     }
 
@@ -60,45 +55,45 @@ private:
             return not_run(
                 fmt::format("the figure cannot be drawn from these rows; run the experiment again ({})", e.what()));
         }
-        return element("figure", scroll_box(exhibit_.title, image(scratch_ / run_.experiment, exhibit_.shows))
+        return element("figure", scroll_box(entry_.title, image(scratch_ / run_.experiment, entry_.figure))
                                      << element("figcaption", told_by()));
     }
 
     Html table(const std::string& file) const {
         try {
-            Html part = file.ends_with(".md") ? html_of_markdown(exhibit_.title, read_run_file(run_, file))
+            Html part = file.ends_with(".md") ? html_of_markdown(entry_.title, read_run_file(run_, file))
                                               : rows_table(run_, file);
-            if (!*exhibit_.shows) part << element("p", {{"class", "caption"}}, told_by());
+            if (!*entry_.figure) part << element("p", {{"class", "caption"}}, told_by());
             return part;
         } catch (const UserError& e) {
             return not_run(fmt::format("the table: {}", e.what()));
         }
     }
 
-    const Exhibit& exhibit_;
+    const ExperimentEntry& entry_;
     const RunRecord& run_;
     const RunFolders& folders_;
     fs::path scratch_;
 };
 
-Html paper_says(const Exhibit& exhibit) {
+Html paper_says(const ExperimentEntry& entry) {
     Html says;
-    if (*exhibit.section)
-        says << element("p", element("b", fmt::format("The paper, Section {}. ", exhibit.section)) << exhibit.paper);
+    if (*entry.section)
+        says << element("p", element("b", fmt::format("The paper, Section {}. ", entry.section)) << entry.paper);
     else
         says << element("p", "The paper has nothing like it.");
     return element("div", {{"class", "paper"}}, says);
 }
 
-Html article_of(const Exhibit& exhibit, const RunFolders& folders, const std::string& profile,
+Html article_of(const ExperimentEntry& entry, const RunFolders& folders, const std::string& profile,
                 std::span<const ClaimFindings> claims, const fs::path& scratch) {
-    Html article = element("h3", exhibit.title);
-    article << paper_says(exhibit) << claims_of(claims, exhibit.experiment);
-    const std::vector<RunRecord> runs = shown_runs(folders, exhibit.experiment, profile);
+    Html article = element("h3", entry.title);
+    article << paper_says(entry) << claims_of(claims, entry.name);
+    const std::vector<RunRecord> runs = shown_runs(folders, entry.name, profile);
     Html others;
     size_t other_count = 0;
     for (size_t i = 0; i < runs.size(); ++i) {
-        const Html part = RunPart(exhibit, runs[i], folders, scratch / std::to_string(i)).html();
+        const Html part = RunPart(entry, runs[i], folders, scratch / std::to_string(i)).html();
         if (i == 0) {
             article << part;
         } else {
@@ -106,16 +101,15 @@ Html article_of(const Exhibit& exhibit, const RunFolders& folders, const std::st
             ++other_count;
         }
     }
-    if (runs.empty())
-        article << not_run(fmt::format("no {} results; ", exhibit.experiment) + command_of(exhibit, profile));
+    if (runs.empty()) article << not_run(fmt::format("no {} results; ", entry.name) + command_of(entry, profile));
     if (!others.empty())
         article << element("details", element("summary", fmt::format("{} more run{}: other profiles and machines",
                                                                      other_count, other_count == 1 ? "" : "s"))
                                           << others);
     article << element("p", {{"class", "source"}},
                        Html("Made anew by ")
-                           << command_line(command_of(exhibit, runs.empty() ? profile : runs.front().profile)));
-    return element("article", {{"class", "exhibit"}, {"id", exhibit.experiment}}, article);
+                           << command_line(command_of(entry, runs.empty() ? profile : runs.front().profile)));
+    return element("article", {{"class", "exhibit"}, {"id", entry.name}}, article);
 }
 
 }  // namespace
@@ -135,11 +129,11 @@ std::vector<RunRecord> shown_runs(const RunFolders& folders, const std::string& 
 
 Html exhibits_part(const RunFolders& folders, const std::string& profile, std::span<const ClaimFindings> claims,
                    const fs::path& scratch) {
-    const auto all = exhibits();
+    const std::vector<const ExperimentEntry*> all = reported_experiments();
     std::vector<Html> articles(all.size());
     Progress progress("figures and tables", all.size());
     parallel_for(all.size(), 1, [&](size_t i, int) {
-        articles[i] = article_of(all[i], folders, profile, claims, scratch / all[i].experiment);
+        articles[i] = article_of(*all[i], folders, profile, claims, scratch / all[i]->name);
         progress.advance();
     });
     Html part;

@@ -2,7 +2,7 @@
 #include <span>
 
 #include "claims/findings.h"
-#include "exhibits.h"
+#include "report/experiments.h"
 #include "report/html.h"
 
 namespace radiafit::harness {

@@ -1,4 +1,8 @@
 """Rules of experiments/claims/convergence.cpp."""
+import math
+from collections import defaultdict
+from statistics import median, quantiles
+
 from claims.fixture import ClaimsTest
 
 CONFIG = {"lambda": 1e-4, "tolerance": 1.01, "cap": 3000, "ends_cap": 30000}
@@ -148,3 +152,42 @@ class Convergence(ClaimsTest):
         self.assertEqual(self.stopping({8: early}, {8: (0.8, 1.01, 0.01)})["verdict"], "does not hold", "good enough")
         self.assertEqual(self.stopping({8: early}, {8: early}, free=-1)["verdict"], "not comparable")
         self.assertEqual(self.stopping({8: early}, {8: early}, tolerance=1.1)["verdict"], "not comparable")
+
+
+# Values anew.
+
+
+def arrivals(run, above, below, comparable=False):  # ratios of iterations, dataset by dataset, the bust first
+    out, cap = defaultdict(list), run.config["cap"]
+    for r in run.rows("problems"):
+        if float(r["lambda"]) == run.config["lambda"] and not (comparable and abs(float(r["varpro_penalty"])) > 1e-3):
+            a, b = (cap if float(r[s]) < 0 else max(1, float(r[s])) for s in (above, below))
+            out[r["dataset"]].append(a / b)
+    return [out[name] for name in sorted(out)]
+
+
+def minima(run):
+    ends = [[float(r[f"{o}_minimum"]) for o in ("cg", "sd")] for r in run.rows("ends")
+            if float(r["cg_minimum_at_rest"]) and float(r["sd_minimum_at_rest"])]
+    apart = [(cg, sd) for cg, sd in ends if max(cg, sd) > 1.01 * min(cg, sd)]
+    return len(apart) / max(1, len(ends)), sum(cg < sd for cg, sd in apart) / len(apart) if apart else None
+
+
+def stopping(run):  # the thresholds that were chosen are in the measures' names: "residual below 0.5/255, ..."
+    for i, of in enumerate(run.told):
+        rule, levels = of.split("/255")[0].rsplit(" below ", 1)
+        problems = [r for r in run.rows("problems", optimizer="cg", rule=rule) if float(r["levels"]) == float(levels)]
+        arrived = sorted(math.inf if float(r["arrived_at"]) < 0 else float(r["arrived_at"]) for r in problems)
+        last = arrived[len(arrived) // 2] - 1
+        running = sum(float(r["stopped_at"]) < 0 or float(r["stopped_at"]) > last for r in problems) / len(problems)
+        yield running if i % 2 else median(float(r["error_over_best"]) for r in problems)
+
+
+VALUES = {
+    "C1": lambda run: map(median, arrivals(run, "sd", "cg_paper")),
+    "C2": minima,
+    "C16": stopping,
+    "C19": lambda run: map(median, arrivals(run, "cg_paper", "varpro", comparable=True)),
+    "C22": lambda run: (lambda qs: [q[2] / q[0] for q in qs] + [max(q[1] for q in qs) / min(q[1] for q in qs)])(
+        [quantiles(r, n=4, method="inclusive") for r in arrivals(run, "sd", "cg_paper")]),
+}

@@ -1,4 +1,6 @@
 """Rules of experiments/claims/images.cpp."""
+from statistics import mean
+
 from claims.fixture import GPU, ClaimsTest
 
 # of every dataset: PSNR by method and weights
@@ -81,3 +83,23 @@ class Images(ClaimsTest):
         self.assertEqual(self.judged("C21", changed={"cg-low": 26.58})["verdict"], "undecided")
         self.assertEqual(self.judged("C21", options={"cg-low": {"mode": "modern"}})["verdict"], "not comparable")
         self.assertEqual(self.judged("C21", trials=choice(methods=("cg-high",)))["verdict"], "not comparable")
+
+
+# Values anew.
+
+
+def differences(run, *pairs):  # means over seeds of one method's figure less another's: (method, weights), (method, weights), column
+    rows = [r for r in run.rows("errors", terms=1) if r["seed"]]
+    for dataset in dict.fromkeys(r["dataset"] for r in rows):
+        for *methods, column in pairs:
+            a, b = ({r["seed"]: float(r[column]) for r in rows if (r["dataset"], r["method"], r["weights"]) == (dataset, *m)} for m in methods)
+            yield mean(a[seed] - b[seed] for seed in a if seed in b)
+
+
+HIGH, LOW, TRAINING = ("cg-high", "chosen"), ("cg-low", "chosen"), "train_psnr_db"
+RIVALS = (("pca-published", ""), ("pca-refilled", ""))
+VALUES = {
+    "C8": lambda run: differences(run, *(pair for r in RIVALS for pair in ((HIGH, r, TRAINING), (r, HIGH, "train_ape")))),
+    "C9": lambda run: differences(run, (("cg-low-fp16", "chosen"), ("cg-low-brief", "chosen"), TRAINING)),
+    "C21": lambda run: differences(run, (HIGH, LOW, TRAINING)),
+}

@@ -1,4 +1,8 @@
 """Rules of experiments/claims/scale.cpp."""
+from collections import defaultdict
+from statistics import median
+
+from claims.anew import ratio, slope
 from claims.fixture import GPU, LLVMPIPE, ClaimsTest
 
 SIZES = (1e5, 2e5, 4e5, 8e5, 1.6e6)
@@ -166,3 +170,49 @@ class Samples(ClaimsTest):
         self.assertEqual(row["verdict"], "not comparable")
         self.assertIn("bust has 0.9", row["reason"])
         self.assertEqual(self.verdict_of(names=("bust",))["verdict"], "not comparable")
+
+
+# Values anew.
+
+
+def memory_slopes(run):
+    lines = defaultdict(list)
+    for r in run.rows("memory"):
+        lines[f"{r['passes']} passes, {r['storage']}"].append((float(r["parameters"]), float(r["opengl_bytes"])))
+    return [slope(lines[name]) for name in sorted(lines)]
+
+
+def memory_values(run):
+    rows = run.rows("memory")
+    yield from (max(float(r["opengl_bytes"]) / float(r["planned_bytes"]) for r in rows), *memory_slopes(run))
+    if abs(float(rows[0]["triangles"]) / 6093 - 1) <= 0.01:
+        yield float([r for r in rows if r["side"] == "8"][-1]["paper_layout_bytes"]) / 1e6
+
+
+def time_slope(run, of, engine, column="seconds"):
+    rounds = defaultdict(list)
+    for r in run.rows("time", part=of, engine=engine, what="iteration"):
+        rounds[r["repetition"]].append((float(r[of]), float(r.get(column, r["seconds"]))))
+    return median(map(slope, rounds.values()))
+
+
+def timed(run, part, *engines):  # those of the engines that the run has
+    return [e for e in engines if run.rows("time", part=part, engine=e)]
+
+
+def samples(run):
+    for row in run.rows("datasets", sides="own"):
+        texels = [int(r["texels"]) for r in run.rows(row["dataset"] + "_own_sides_samples_per_texel")]
+        yield from (next(i for i in range(len(texels)) if sum(texels[: i + 1]) >= sum(texels) / 2), float(row["shared_texels"]))
+
+
+VALUES = {
+    "C13": lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine=e, what=what)
+                                for what in ("iteration", "iteration, samples kept")))
+                        for e in timed(run, "distribution", "fragment paper", "compute gather", "compute scatter")),
+    "C14": memory_values,
+    "C15": lambda run: (time_slope(run, "texels", e, "sweep_seconds")
+                        for e in timed(run, "texels", "fragment paper", "fragment combined", "compute scatter")),
+    "C17": samples,
+    "C18": lambda run: (*(time_slope(run, "samples", e) for e in ("cpu", "fragment paper", "fragment combined")), max(memory_slopes(run))),
+}

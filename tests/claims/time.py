@@ -1,4 +1,8 @@
 """Rules of experiments/claims/time.cpp."""
+from collections import defaultdict
+from statistics import median
+
+from claims.anew import ALONE, BOTH, ratio
 from claims.fixture import GPU, LLVMPIPE, ClaimsTest
 
 ROUNDS = 9
@@ -181,3 +185,77 @@ class Time(ClaimsTest):
         self.assertAlmostEqual(model["SD, computation at least"], 1e-6, places=12)
         self.assertAlmostEqual(model["SD, a disk at most as fast"], 40 / (0.2 / 0.3), places=6)
         self.assertAlmostEqual(model["CG, a switch at least as long"], 0.66 / 0.14 / 3, places=6)
+
+
+# Values anew.
+
+
+def cpu_over_opengl(run):
+    n = run.config["iterations"]
+    for o in BOTH:
+        opengl = {r["repetition"]: float(r["total_s"]) + (n - float(r["iterations"])) * float(r["iteration_s"])
+                  for r in run.rows("repetitions", method=PAPER, optimizer=o)}
+        for threads in sorted({int(r["threads"]) for r in run.rows("repetitions", method="two-step (full record)")}):
+            cpu = [run.rounds("repetitions", "total_s", method=f"two-step ({record} record)", optimizer=o, iterations=n,
+                              threads=threads) for record in ("full", "compact")]
+            yield ratio(min(cpu, key=lambda c: median(c.values())), opengl)
+
+
+def distribution(run):
+    shares, rows = defaultdict(list), run.rows("repetitions", method="two-step (full record)")
+    for r in [r for r in rows if int(r["threads"]) == max(int(r["threads"]) for r in rows)]:
+        shares[r["optimizer"], r["iterations"]].append(float(r["distribution_s"]) / float(r["total_s"]))
+    return (max(map(median, shares.values())),)
+
+
+def switching(run):
+    sd, cg = ({k: v / run.part("seconds", o)[k] for k, v in run.part("switching_s", o).items()} for o in BOTH)
+    return median(sd.values()), median(cg[k] - sd[k] for k in cg if k in sd)
+
+
+def combined(run):
+    for o in BOTH:
+        reads = [float(run.rows("work", method=m, optimizer=o)[0]["reads"]) for m in (ALONE, PAPER)]
+        yield from (ratio(run.part("switching_s", o, ALONE), run.part("switching_s", o)), reads[0] / reads[1])
+
+
+def streamed(run, problem, passes, source, o, part=""):
+    columns = [f"{half}{part}_s" for half in ("direction", "line")[: 1 + (o == "cg")]]
+    return run.rounds("iterations", *columns, problem=problem, passes=passes, source=source)
+
+
+def fig10(run, values):
+    for problem in PROBLEMS:
+        for o in BOTH:
+            key = {"problem": problem, "optimizer": o, "passes": "paper"}
+            work = {k: float(v) for k, v in run.rows("work", **key)[0].items() if k not in key}
+            yield from values(work, lambda column: run.rounds("iterations", column, **key))
+
+
+def utilization(run):
+    peaks = {c: run.rounds("peaks", "per_second", peak=p) for c, p in {"operations": "operations of fragments", "reads": "texture reads"}.items()}
+    return fig10(run, lambda w, t: [median(w[c] / s / p[k] for k, s in t("seconds").items()) for c, p in peaks.items()])
+
+
+def radeon(run):
+    for o, switches in (("sd", 0.5), ("cg", 0.66)):
+        w = {k: float(v) for k, v in run.rows("work", problem=PROBLEMS[0], optimizer=o, passes="paper")[0].items() if v[0].isdigit()}
+        computing = max(w["reads"] / 0.65e9, w["operations"] / 2.6e9 / 8)
+        total = computing / (1 - 0.2 - switches)
+        yield from (computing, total, w["image_bytes"] / (0.2 * total) / 1e6, switches * total / w["switches"] * 1e6)
+
+
+VALUES = {
+    "C3": cpu_over_opengl,
+    "C4": distribution,
+    "C5": lambda run: (ratio(run.part("streaming_s", o), run.part("seconds", o)) for o in BOTH),
+    "C6": lambda run: (ratio(*(streamed(run, "Lafortune", "paper", "disk-cold", o, p) for p in ("_streaming", ""))) for o in BOTH),
+    "C7": switching,
+    "C10": utilization,
+    "C11": lambda run: (ratio(*(streamed(run, problem, passes, source, o) for source in ("memory", "disk-cold")))
+                        for problem in PROBLEMS for passes in ("paper", "combined") for o in BOTH),
+    "C12": combined,
+    "C20": lambda run: fig10(run, lambda w, t: (ratio(t("penalties_s"), t("seconds")),
+                                                (w["penalty_operations"] + w["shared_operations"]) / w["operations"])),
+    "C23": radeon,
+}

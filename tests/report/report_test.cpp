@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
+#include "report/experiments.h"
 #include "report/figures.h"
 #include "report/finished_runs.h"
 #include "report/problem_picture.h"
@@ -111,6 +113,49 @@ TEST(Csv, ABadFileIsNamedWithItsLine) {
     EXPECT_THROW(CsvTable("no/such.csv"), UserError);
     write_file(path, "a,b\r\n1,2\r\n");
     EXPECT_EQ(CsvTable(path).number(0, "b"), 2) << "line ends of other systems";
+}
+
+// Rows that are structs.
+
+struct Measured {
+    std::string name;
+    double error, share;
+    bool reached;
+    std::optional<int64_t> bytes;
+    std::vector<int> arrived;
+};
+const RowFileOf<Measured> measured{"*_measured.csv",
+                                   "One row.",
+                                   {{"name", columns::key(), "", &Measured::name},
+                                    {"error share", columns::errors("{:.3g}"), "", &Measured::error, &Measured::share},
+                                    {"reached", columns::exact(), "", &Measured::reached},
+                                    {"bytes", columns::memory(), "", &Measured::bytes},
+                                    {"*", columns::iterations(), "", &Measured::arrived}}};
+
+TEST(CsvFile, AMemberForEachColumnWrittenByItsFormat) {
+    const TemporaryFolder folder;
+    CsvFile file(folder.path(), measured, {"cg", "sd"}, "star");
+    file.add({"a, b", 1.23456, 0.5, true, 12, {3, -1}});
+    file.add({"c", 1e-9, NAN, false, {}, {0, 1}});
+    EXPECT_THROW(file.add({"d", 0, 0, false, {}, {1}}), std::logic_error);
+    file.commit();
+    EXPECT_EQ(contents(folder.path() / "star_measured.csv"),
+              "name,error,share,reached,bytes,cg,sd\n\"a, b\",1.23,0.5,1,12,3,-1\nc,1e-09,nan,0,,0,1\n");
+    EXPECT_TRUE(measured.covers("bust_measured.csv"));
+    EXPECT_FALSE(measured.covers("measured"));
+    EXPECT_EQ(measured.rule("share")->kind, ColumnKind::relative);
+    EXPECT_EQ(measured.rule("any")->kind, ColumnKind::iterations);
+    EXPECT_THROW(ColumnsOf<Measured>("one two", columns::key(), "", &Measured::name), std::logic_error);
+}
+
+TEST(Experiments, EachFileHasItsColumnsOnce) {
+    for (const ExperimentEntry* entry : all_experiments())
+        for (const RowFile* file : entry->files) {
+            EXPECT_EQ(find_row_file(entry->name, file->name()), file) << entry->name;
+            const std::vector<std::string> header = file->header({});
+            EXPECT_EQ(std::set(header.begin(), header.end()).size(), header.size()) << entry->name << file->name();
+        }
+    EXPECT_EQ(find_row_file("passes", "times.csv"), nullptr);
 }
 
 TEST(Table, TextAndMarkdown) {

@@ -5,33 +5,30 @@
 #include <algorithm>
 
 #include "base/statistics.h"
-#include "report/csv.h"
+#include "report/csv_file.h"
+#include "report/rows/bench.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
 namespace {
 
-std::string number(double x) { return fmt::format("{:.5g}", x); }
-std::string number(const std::optional<double>& x) { return x ? number(*x) : ""; }
+namespace rows = rows_of::bench;
 
 void write_scenes(const BenchResults& results, const ResultFolder& folder) {
-    CsvWriter rows(folder.path() / "scenes.csv", {"problem", "images", "samples", "sites", "parameters"});
+    CsvFile rows(folder.path(), rows::scenes);
     for (const auto& [name, facts] : results.scenes)
-        rows.row({name, std::to_string(facts.images), std::to_string(facts.samples), std::to_string(facts.sites),
-                  std::to_string(facts.parameters)});
+        rows.add({name, facts.images, facts.samples, facts.sites, facts.parameters});
     rows.commit();
 }
 
 void write_agreement(const BenchResults& results, const ResultFolder& folder) {
-    CsvWriter rows(folder.path() / "agreement.csv",
-                   {"problem", "device", "quantity", "difference", "tolerance", "agrees"});
+    CsvFile rows(folder.path(), rows::agreement);
     for (const Checked& c : results.checked) {
         const auto row = [&](const std::string& quantity, double difference, double tolerance) {
-            rows.row({c.scene, name_of(c.device), quantity, fmt::format("{:.2g}", difference), number(tolerance),
-                      std::to_string(int(difference <= tolerance))});
+            rows.add({c.scene, name_of(c.device), quantity, difference, tolerance, difference <= tolerance});
         };
         if (!c.failure.empty()) {
-            rows.row({c.scene, name_of(c.device), "run", "", "", "0"});
+            rows.add({c.scene, name_of(c.device), "run", {}, {}, false});
             continue;
         }
         row("samples", c.sums.other_share(), Agreement::most_other_sites);
@@ -43,22 +40,21 @@ void write_agreement(const BenchResults& results, const ResultFolder& folder) {
 }
 
 void write_repetitions(const BenchResults& results, const ResultFolder& folder) {
-    CsvWriter rows(folder.path() / "rows.csv", {"problem", "device", "pass", "repetition", "seconds", "streaming_s"});
+    CsvFile rows(folder.path(), rows::measurements);
     for (const Timed& t : results.timed)
         for (const auto& [pass, series] : t.series)
             for (size_t r = 0; r < series.seconds.size(); ++r)
-                rows.row({t.scene, name_of(t.device), name_of(pass), std::to_string(r), number(series.seconds[r]),
-                          number(series.streaming_s[r])});
+                rows.add({t.scene, name_of(t.device), name_of(pass), r, series.seconds[r], series.streaming_s[r]});
     rows.commit();
 }
 
 void write_peaks(const BenchResults& results, const ResultFolder& folder) {
-    CsvWriter rows(folder.path() / "peaks.csv", {"device", "peak", "repetition", "per_second"});
+    CsvFile rows(folder.path(), rows::peaks);
     for (size_t r = 0; r < results.peaks.size(); ++r)
         for (const auto& [device, peaks] : results.peaks[r])
             for (const auto& [name, rate] :
                  {std::pair{"operations", peaks.operations}, {"reads", peaks.reads}, {"bytes", peaks.bytes}})
-                if (rate > 0) rows.row({name_of(device), name, std::to_string(r), number(rate)});
+                if (rate > 0) rows.add({name_of(device), name, r, rate});
     rows.commit();
 }
 
@@ -94,18 +90,14 @@ Summary summary_of(const BenchResults& results, const Timed& t, Pass pass) {
 }
 
 void write_summary(const BenchResults& results, const ResultFolder& folder) {
-    CsvWriter rows(
-        folder.path() / "summary.csv",
-        {"problem", "device", "pass", "seconds", "low_s", "high_s", "ms_per_image", "ns_per_sample", "operations",
-         "reads", "bytes", "operations_share", "reads_share", "bytes_share", "repetitions", "renderer"});
+    CsvFile rows(folder.path(), rows::summary);
     for (const Timed& t : results.timed)
         for (const auto& [pass, series] : t.series) {
             const Summary s = summary_of(results, t, pass);
-            rows.row({t.scene, name_of(t.device), name_of(pass), number(s.seconds),
-                      s.interval ? number(s.interval->low) : "", s.interval ? number(s.interval->high) : "",
-                      number(s.ms_per_image), number(s.ns_per_sample), number(s.load.operations), number(s.load.reads),
-                      number(s.load.bytes), number(s.shares.operations), number(s.shares.reads), number(s.shares.bytes),
-                      std::to_string(series.seconds.size()),
+            const auto [low, high] = ends_of(s.interval);
+            rows.add({t.scene, name_of(t.device), name_of(pass), s.seconds, low, high, s.ms_per_image, s.ns_per_sample,
+                      s.load.operations, s.load.reads, s.load.bytes, s.shares.operations, s.shares.reads,
+                      s.shares.bytes, series.seconds.size(),
                       needs_opengl(t.device) ? results.renderer : results.processor});
         }
     rows.commit();

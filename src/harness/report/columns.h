@@ -1,12 +1,14 @@
 #pragma once
+#include <concepts>
+#include <functional>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/rings.h"
-
-/// What the columns of the experiments' rows are, so that two runs can be compared: one table for all of them, in
-/// columns.cpp.
+/// What the columns of a file of rows are. One description, in rows/EXPERIMENT.h, is what an experiment writes its rows
+/// by (report/csv_file.h), what `radiafit compare` judges two runs by, and what docs/results.md says of them.
 namespace radiafit::harness {
 
 enum class ColumnKind {
@@ -26,36 +28,137 @@ enum class ColumnKind {
 struct ColumnRule {
     ColumnKind kind;
     double tolerance = 0;   ///< of absolute, relative and iterations
-    const char* unit = "";  ///< of absolute
+    const char* unit = "";  ///< of absolute, in messages
 };
 
-/// The rules of one file of rows.
-class TableRules {
-public:
-    struct Columns {
-        ColumnRule rule;
-        const char* names;  ///< between blanks; "*" is every other column
-    };
-    TableRules(const char* experiment, const char* file, std::vector<Columns> columns, bool partial = false);
+/// How a column is compared and written.
+struct ColumnType {
+    ColumnRule rule;
+    const char* format = "{}";  ///< of fmt, for numbers with a point
+    const char* unit = "";      ///< in docs/results.md
 
-    /// File names may begin with a dataset's, which "*" stands for.
-    bool covers(std::string_view experiment, std::string_view file) const;
+    ColumnType in(const char* other_unit) const { return {rule, format, other_unit}; }
+};
+
+namespace columns {
+
+inline ColumnType key(const char* format = "{}") { return {{ColumnKind::key}, format}; }
+inline ColumnType device() { return {{ColumnKind::device}}; }
+inline ColumnType repetition() { return {{ColumnKind::repetition}}; }
+inline ColumnType work() { return {{ColumnKind::work}}; }
+inline ColumnType exact(const char* format = "{}") { return {{ColumnKind::exact}, format}; }
+/// PSNR is written with four digits: its last one may round the other way.
+inline ColumnType decibels(const char* format) { return {{ColumnKind::absolute, 1e-4, "dB"}, format, "dB"}; }
+/// Of what stops on its way.
+inline ColumnType rough_decibels(const char* format) { return {{ColumnKind::absolute, 0.01, "dB"}, format, "dB"}; }
+/// Shares of problems, texels or vertices: one in a thousand may fall on the other side of a threshold.
+inline ColumnType shares(const char* format) { return {{ColumnKind::absolute, 1e-3}, format, "share"}; }
+/// Errors are sums of squares in 32 bits, written with four to eight digits.
+inline ColumnType errors(const char* format, double tolerance = 1e-4) {
+    return {{ColumnKind::relative, tolerance}, format};
+}
+/// An error that passes a threshold by a rounding does so one iteration sooner or later.
+inline ColumnType iterations(const char* format = "{}") { return {{ColumnKind::iterations, 1}, format, "iterations"}; }
+/// Of such counts.
+inline ColumnType ratios(const char* format) { return {{ColumnKind::relative, 0.01}, format}; }
+inline ColumnType times(const char* format) { return {{ColumnKind::time}, format, "s"}; }
+inline ColumnType memory() { return {{ColumnKind::memory}, "{}", "bytes"}; }
+inline ColumnType told(const char* format = "{}") { return {{ColumnKind::told}, format}; }
+
+/// In place of what a column is: an earlier file of the experiment says it.
+inline constexpr const char* as_before = nullptr;
+/// A slow machine writes fewer rows: those of one run only say nothing.
+inline constexpr bool partial = true;
+
+}  // namespace columns
+
+/// Neighbours that are told in one line.
+struct Columns {
+    /// names: between blanks; "*" is any number of columns, named where the file is written.
+    Columns(const char* names, const ColumnType& type, const char* what);
+
+    std::vector<std::string> names;
+    ColumnType type;
+    const char* what;  ///< or as_before
+};
+
+/// A file of rows that some experiment leaves.
+class RowFile {
+public:
+    /// name: may begin with "*", which stands for a dataset's name. what: of a row.
+    RowFile(const char* name, const char* what, std::vector<Columns> columns, bool partial = false)
+        : name_(name), what_(what), columns_(std::move(columns)), partial_(partial) {}
+
+    const std::string& name() const { return name_; }
+    const char* what() const { return what_; }
+    const std::vector<Columns>& columns() const { return columns_; }
+    bool partial() const { return partial_; }
+    bool covers(std::string_view file) const;
     /// The rule of a column; null if there is none.
     const ColumnRule* rule(std::string_view column) const;
-    const std::vector<std::pair<std::string_view, ColumnRule>>& columns() const { return columns_; }
-    /// Whether a slow machine writes fewer rows: those of one run only say nothing.
-    bool partial() const { return partial_; }
+    /// Of a file with `several` columns in place of "*".
+    std::vector<std::string> header(const std::vector<std::string>& several) const;
 
 private:
-    std::string_view experiment_, file_;
-    std::vector<std::pair<std::string_view, ColumnRule>> columns_;
+    std::string name_;
+    const char* what_;
+    std::vector<Columns> columns_;
     bool partial_;
 };
 
-/// The rules of a file of an experiment; null if there are none.
-const TableRules* find_table_rules(std::string_view experiment, std::string_view file);
+using Fields = std::vector<std::string>;
+inline void append_field(Fields& fields, const std::string& text, const char*) { fields.push_back(text); }
+void append_field(Fields& fields, double value, const char* format);
+inline void append_field(Fields& fields, bool value, const char*) { fields.emplace_back(value ? "1" : "0"); }
+template <std::integral Whole>
+void append_field(Fields& fields, Whole value, const char*) {
+    fields.push_back(std::to_string(value));
+}
+/// Nothing is an empty field.
+template <class Value>
+void append_field(Fields& fields, const std::optional<Value>& value, const char* format) {
+    if (value)
+        append_field(fields, *value, format);
+    else
+        fields.emplace_back();
+}
+template <class Value>
+void append_field(Fields& fields, const std::vector<Value>& values, const char* format) {
+    for (const Value& value : values) append_field(fields, value, format);
+}
 
-/// Where the table stands, for messages.
-constexpr const char* columns_file = "src/report/columns.cpp";
+/// Columns and the members of a row that they show, in order.
+template <class Row>
+struct ColumnsOf : Columns {
+    template <class... Values>
+    ColumnsOf(const char* names, const ColumnType& type, const char* what, Values Row::*... members)
+        : Columns(names, type, what) {
+        if (this->names.size() != sizeof...(members))
+            throw std::logic_error(std::string(names) + ": a member for each");
+        (writers.push_back([member = members, format = type.format](const Row& row, Fields& fields) {
+            append_field(fields, row.*member, format);
+        }),
+         ...);
+    }
+    std::vector<std::function<void(const Row&, Fields&)>> writers;
+};
+
+template <class Row>
+class RowFileOf : public RowFile {
+public:
+    RowFileOf(const char* name, const char* what, std::initializer_list<ColumnsOf<Row>> columns, bool partial = false)
+        : RowFile(name, what, {columns.begin(), columns.end()}, partial) {
+        for (const ColumnsOf<Row>& group : columns)
+            writers_.insert(writers_.end(), group.writers.begin(), group.writers.end());
+    }
+    Fields fields(const Row& row) const {
+        Fields fields;
+        for (const auto& write : writers_) write(row, fields);
+        return fields;
+    }
+
+private:
+    std::vector<std::function<void(const Row&, Fields&)>> writers_;
+};
 
 }  // namespace radiafit::harness

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "report/experiments.h"
 #include "report/keyed_rows.h"
 #include "report/row_files.h"
 
@@ -40,7 +41,7 @@ class TableComparison {
 public:
     /// Of each side the newest run's rows, then those of runs that repeat it; `united`: both sides repeat one another.
     /// `apart`: why times can't be compared.
-    TableComparison(const TableRules& rules, std::string name, const std::vector<KeyedRows>& before,
+    TableComparison(const RowFile& rules, std::string name, const std::vector<KeyedRows>& before,
                     const std::vector<KeyedRows>& after, bool united, std::string apart)
         : rules_(rules),
           name_(std::move(name)),
@@ -192,7 +193,7 @@ private:
         return place->second;
     }
 
-    const TableRules& rules_;
+    const RowFile& rules_;
     std::string name_;
     const std::vector<KeyedRows>&before_, &after_;
     std::string apart_;
@@ -211,7 +212,7 @@ std::set<std::string> files_of(const RunRecord& run) {
 }
 
 /// This file of each run that has it.
-std::vector<KeyedRows> rows_of(const std::vector<RunRecord>& runs, const std::string& name, const TableRules& rules) {
+std::vector<KeyedRows> rows_of(const std::vector<RunRecord>& runs, const std::string& name, const RowFile& rules) {
     std::vector<KeyedRows> rows;
     for (const RunRecord& run : runs)
         if (has_run_file(run, name)) rows.emplace_back(run, name, rules);
@@ -307,11 +308,11 @@ std::vector<Cell> compare_runs(const RunPair& pair) {
     names.merge(files_of(b));
     std::vector<Cell> cells;
     for (const std::string& name : names) {
-        const TableRules* rules = find_table_rules(a.experiment, name);
+        const RowFile* rules = find_row_file(a.experiment, name);
         if (!rules)
             throw UserError(fmt::format("{}: no rules for this file of {}; say what its columns are in {}",
                                         ((has_run_file(a, name) ? a : b).folder / name).string(), a.experiment,
-                                        columns_file));
+                                        rows_folder));
         const bool here = has_run_file(a, name), there = has_run_file(b, name);
         // read in any case, so that a damaged file is told
         const std::vector<KeyedRows> before = rows_of(pair.before, name, *rules),

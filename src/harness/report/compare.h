@@ -44,7 +44,7 @@ struct Cell {
 };
 
 /// Every figure of the newest runs of both sides. Throws UserError, naming the file: for rows that can't be read, or
-/// matched, and for files and columns that have no rule (report/columns.h).
+/// matched, and for files and columns that have no rule (report/experiments.h).
 std::vector<Cell> compare_runs(const RunPair& pair);
 
 /// In what the newest runs differ so that their times mean different things: "device: A, then B"; empty if in nothing.

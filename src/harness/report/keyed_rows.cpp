@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "report/experiments.h"
 #include "report/row_files.h"
 
 namespace radiafit::harness {
@@ -17,7 +18,7 @@ std::string shown(const RowKey& key) {
     return fmt::format("{}", fmt::join(told, ", "));
 }
 
-KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const TableRules& rules)
+KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const RowFile& rules)
     : file_(run.folder / name), table_(read_rows(run, name)) {
     std::set<std::string> seen;
     bool repeated = false;
@@ -25,14 +26,15 @@ KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const TableR
         const ColumnRule* rule = rules.rule(column);
         if (!rule)
             throw UserError(fmt::format("{}: column '{}' of {} has no rule; say what it is in {}", file_.string(),
-                                        column, run.experiment, columns_file));
+                                        column, run.experiment, rows_folder));
         if (!seen.insert(column).second)
             throw UserError(fmt::format("{}: column '{}' stands twice; remake the file", file_.string(), column));
         repeated = repeated || rule->kind == ColumnKind::repetition;
     }
-    for (const auto& [column, rule] : rules.columns())  // in one order, whatever the file's is
-        if ((rule.kind == ColumnKind::key || rule.kind == ColumnKind::device) && seen.contains(std::string(column)))
-            keys_.emplace_back(column, &rule);
+    for (const Columns& group : rules.columns())  // in one order, whatever the file's is
+        if (group.type.rule.kind == ColumnKind::key || group.type.rule.kind == ColumnKind::device)
+            for (const std::string& column : group.names)
+                if (seen.contains(column)) keys_.emplace_back(column, &group.type.rule);
     if (keys_.empty()) return;  // nothing of it is compared
     for (size_t row = 0; row < table_.row_count(); ++row) {
         const RowKey key = key_of(row);

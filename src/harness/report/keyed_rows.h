@@ -22,7 +22,7 @@ class KeyedRows {
 public:
     /// Throws UserError, naming the file: for columns without a rule, columns that stand twice, and rows with the same
     /// keys which are no repetitions.
-    KeyedRows(const RunRecord& run, const std::string& name, const TableRules& rules);
+    KeyedRows(const RunRecord& run, const std::string& name, const RowFile& rules);
 
     const CsvTable& table() const { return table_; }
     const std::vector<RowKey>& order() const { return order_; }  ///< keys, as their first rows stand in the file
