@@ -16,6 +16,7 @@
 #include "base/statistics.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
+#include "fragment/fragment_engine.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "report/csv.h"

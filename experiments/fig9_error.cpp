@@ -253,7 +253,7 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& r
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : rows) {
         const Told told(r.request);
-        const bool pca = facts_of(r.request).by_pca();
+        const bool pca = facts_of(r.request).resamples;
         csv.row({r.dataset,
                  r.seed,
                  r.method,

@@ -6,6 +6,7 @@
 #include "app/fit_request.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "fragment/fragment_engine.h"
 #include "gl/context.h"
 #include "optim/optimizer.h"
 

@@ -17,6 +17,7 @@
 #include "cpu/lfm_engine.h"
 #include "cpu/vertex_solver.h"
 #include "experiment.h"
+#include "fragment/fragment_engine.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "iteration_time.h"

@@ -14,6 +14,7 @@
 #include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
+#include "fragment/fragment_engine.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/held_bytes.h"

@@ -17,6 +17,7 @@
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
 #include "model/lfm_start.h"
+#include "optim/optimizer.h"
 #include "reference/als_solver.h"
 #include "reference/ceres_solver.h"
 #include "reference/varpro_solver.h"

@@ -10,6 +10,7 @@
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "app/man_page.h"
+#include "app/solver.h"
 #include "base/record.h"
 
 namespace radiafit {

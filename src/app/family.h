@@ -7,7 +7,7 @@
 #include "app/fit_array.h"
 #include "app/fit_options.h"
 #include "app/problem_folder.h"
-#include "app/solver.h"
+#include "app/solve.h"
 #include "app/tune_candidate.h"
 #include "eval/judge.h"
 #include "report/problem_picture.h"
@@ -17,6 +17,7 @@
 namespace radiafit {
 
 struct PageModel;
+struct Solver;
 struct SurfaceLook;
 
 /// A fit of any family, with the dataset that was fitted.

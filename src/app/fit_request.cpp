@@ -7,6 +7,7 @@
 #include "app/solver.h"
 #include "base/error.h"
 #include "base/wording.h"
+#include "cpu/vertex_options.h"
 
 namespace radiafit {
 
@@ -125,7 +126,7 @@ bool FitRequest::lacks_engine() const { return on_fragment_engine() && family_of
 std::string FitRequest::label() const {
     const FitFacts facts = facts_of(*this);
     const std::string by = facts.on_engine ? "" : solver + "-";
-    if (facts.by_ceres()) return by + ceres;
+    if (facts.ceres) return by + ceres;
     if (!facts.optimizer) return solver;
     return by + text("optimizer") + (levenberg_marquardt() ? "" : "-" + text("mode"));
 }

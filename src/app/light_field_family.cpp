@@ -5,6 +5,7 @@
 
 #include "app/family.h"
 #include "app/fit_options.h"
+#include "app/solver.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "cpu/vertex_covariance.h"

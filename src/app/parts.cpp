@@ -15,6 +15,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/journal.h"
 #include "base/log.h"
 #include "base/nesting.h"
 #include "base/read_file.h"

@@ -6,6 +6,7 @@
 #include "app/family.h"
 #include "app/fit_options.h"
 #include "app/plan_rows.h"
+#include "app/solver.h"
 #include "base/parallel.h"
 #include "compute/compute_plan.h"
 #include "cpu/lfm_kernels.h"
@@ -51,7 +52,7 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
     const Solver& solver = find_solver(request.solver);
     if (!solver.vertex_bytes) return;
     std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
-    if (facts_of(request).by_ceres()) estimate_list(dataset, atlas, request, most_views, &tiles);
+    if (facts_of(request).ceres) estimate_list(dataset, atlas, request, most_views, &tiles);
     const LfmLayout layout(rings, atlas, 1, 1);
     VertexShape largest;
     for (size_t v = 0; v < rings.vertex_count(); ++v) {

@@ -2,6 +2,7 @@
 
 #include "app/family.h"
 #include "app/fit_options.h"
+#include "app/solver.h"
 #include "base/clock.h"
 #include "cpu/vertex_solver.h"
 #include "geometry/atlas.h"

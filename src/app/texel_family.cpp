@@ -5,6 +5,7 @@
 
 #include "app/family.h"
 #include "app/fit_options.h"
+#include "app/solver.h"
 #include "cpu/texel_covariance.h"
 #include "cpu/texel_fit.h"
 #include "dataset/texel_shading.h"
