@@ -16,6 +16,8 @@
 #include "eval/judge.h"
 #include "experiment.h"
 #include "fitting/limits.h"
+#include "fragment/fragment_engine.h"
+#include "gl/context.h"
 #include "model/lfm_start.h"
 #include "model/texel_model_of.h"
 #include "model/texel_texts.h"

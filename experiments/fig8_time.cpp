@@ -18,6 +18,7 @@
 #include "dataset/dataset_json.h"
 #include "experiment.h"
 #include "fitting/limits.h"
+#include "fragment/fragment_engine.h"
 #include "iteration_time.h"
 #include "model/lfm_start.h"
 #include "report/csv_file.h"

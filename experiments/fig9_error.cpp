@@ -235,7 +235,7 @@ void write_errors(const std::filesystem::path& folder, const std::vector<Row>& f
     Table table({"method", "training PSNR", "APE", "held-out PSNR", "APE", "invented"});
     for (const Row& r : fits) {
         const Told told(r.request);
-        const bool pca = facts_of(r.request).by_pca();
+        const bool pca = facts_of(r.request).resamples;
         csv.add({r.dataset,
                  r.seed,
                  r.method,

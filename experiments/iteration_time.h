@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "fitting/fit_request.h"
+#include "fragment/fragment_engine.h"
 #include "gl/context.h"
 #include "optim/optimizer.h"
 

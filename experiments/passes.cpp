@@ -19,6 +19,7 @@
 #include "cpu/vertex_solver.h"
 #include "experiment.h"
 #include "fitting/limits.h"
+#include "fragment/fragment_engine.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "iteration_time.h"

@@ -16,6 +16,7 @@
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
 #include "fitting/limits.h"
+#include "fragment/fragment_engine.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/held_bytes.h"

@@ -19,6 +19,7 @@
 #include "fitting/limits.h"
 #include "fitting/solvers/solver.h"
 #include "model/lfm_start.h"
+#include "optim/optimizer.h"
 #include "reference/als_solver.h"
 #include "reference/ceres_solver.h"
 #include "reference/varpro_solver.h"

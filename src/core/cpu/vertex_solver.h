@@ -3,19 +3,13 @@
 #include <memory>
 
 #include "base/journal.h"
+#include "cpu/vertex_options.h"
 #include "cpu/vertex_problem.h"
 #include "optim/optimizer.h"
 
 /// Step 2 of the CPU baseline (Section 4.3): vertex after vertex to its end with the same optimizer as everywhere, all
 /// threads over vertices, so that what a sweep reads and writes stays in the L2 cache.
 namespace radiafit {
-
-struct VertexSolverOptions {
-    OptimizerOptions optimizer;
-    bool deflate = false;        ///< terms one after another
-    uint64_t seed = 1;           ///< of lfm_start
-    Journal* journal = nullptr;  ///< of vertices that are finished, if they are kept
-};
 
 struct VertexSolution {
     std::vector<float> parameters;         ///< LfmLayout order

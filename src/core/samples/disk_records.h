@@ -8,25 +8,14 @@
 #include "geometry/vertex_rings.h"
 #include "samples/block_file.h"
 #include "samples/distributor.h"
+#include "samples/record_options.h"
 
 /// Step 1 of the CPU baseline (Sections 4.3 and 6.2): radiance samples distributed to disk, so that each vertex's
 /// problem reads back in one piece. Samples of a vertex stand by (image, ring position, texel); every sample stands
 /// three times, once for each corner of its triangle. Layout of the files: docs/formats.md.
 namespace radiafit {
 
-enum class RecordKind {
-    compact,  ///< stored channels and the place in the vertex's maps: 4 to 10 bytes a sample and vertex
-    full      ///< the paper's: target, residual, surface-map coordinate, three view-map coordinates; 56 bytes
-};
-
 class TileSampler;  // samples/image_samples.h
-
-struct RecordOptions {
-    RecordKind kind = RecordKind::compact;
-    TargetSpace space = TargetSpace::stored;
-    uint64_t memory = uint64_t(1) << 30;  ///< bytes of samples held at a time; what exceeds it waits in files
-    std::string key = {};                 ///< what the records come from; compared when they are opened again
-};
 
 /// What the last block says of each vertex's problem; vertex v's samples are block v.
 struct VertexRecord {

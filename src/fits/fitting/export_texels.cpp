@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "cpu/texel_solver.h"
 #include "fitting/family.h"
+#include "fitting/solvers/solver.h"
 #include "gl/embedded_shaders.h"
 #include "model/texel_local.h"
 

@@ -6,12 +6,14 @@
 
 #include "fitting/fit_options.h"
 #include "fitting/fitted.h"
-#include "fitting/solvers/solver.h"
+#include "fitting/solvers/solve.h"
 #include "fitting/tune_candidate.h"
 
 /// The families of models: light field maps, texel-local models, view bases, spherical Gaussians. What commands ask of
 /// one is said here, once; they themselves never ask which it is.
 namespace radiafit::fits {
+
+struct Solver;
 
 struct FinishedFit {
     FitRun run;

@@ -5,13 +5,13 @@
 
 #include "base/error.h"
 #include "fitting/family.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 
 FitFacts facts_of(const FitRequest& request, bool grid) {
     const Family& family = family_of(request);
-    const Solver& solver = find_solver(request.solver);
-    const auto solving = family.facts(solver);
+    const auto solving = family.facts(find_solver(request.solver));
     if (!solving) {
         std::vector<std::string> others;
         for (const Solver& other : solvers())
@@ -22,7 +22,6 @@ FitFacts facts_of(const FitRequest& request, bool grid) {
     FitFacts facts{*solving};
     facts.family = &family;
     facts.kind = family.kind;
-    facts.solver = solver.name;
     if (solving->on_engine) facts.engine = request.engine;
     facts.method = request.optimizer;
     facts.samples = request.samples;

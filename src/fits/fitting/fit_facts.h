@@ -1,7 +1,6 @@
 #pragma once
 #include <functional>
 #include <optional>
-#include <string_view>
 
 #include "fitting/fit_request.h"
 
@@ -19,17 +18,19 @@ enum class ModelKind {
 /// How a solver fits models of one kind. Rows of the table of solvers, and families, state it.
 struct SolverFacts {
     bool iterates = false;
-    bool objective = false;  ///< minimizes the paper's objective, penalties included, and may stop at a residual
-    bool optimizer = false;  ///< by the method that --optimizer chooses
-    bool on_engine = false;  ///< on the engine that --engine chooses
-    bool list = false;       ///< reads a list of samples that is made beforehand
-    bool records = false;    ///< from disk
+    bool objective = false;     ///< minimizes the paper's objective, penalties included, and may stop at a residual
+    bool optimizer = false;     ///< by the method that --optimizer chooses
+    bool on_engine = false;     ///< on the engine that --engine chooses
+    bool list = false;          ///< reads a list of samples that is made beforehand
+    bool records = false;       ///< from disk
+    bool mean_colours = false;  ///< of the surface's texels is all that it finds: no view maps
+    bool resamples = false;     ///< images to whole light fields, and has to invent what no image shows
+    bool ceres = false;         ///< by the setting of Ceres that --ceres chooses
 };
 
 struct FitFacts : SolverFacts {
     const Family* family = nullptr;
     ModelKind kind = ModelKind::light_field;
-    std::string_view solver = {};           ///< its name
     std::optional<EngineKind> engine = {};  ///< of a solver that runs on one
     const Method* method = nullptr;         ///< of a solver with an optimizer; null: Levenberg-Marquardt
     SampleUse samples = SampleUse::cached;
@@ -48,11 +49,9 @@ struct FitFacts : SolverFacts {
     /// With the penalty of the bounds, until the residual is small: Levenberg-Marquardt knows neither.
     bool minimizes_objective() const { return objective && !levenberg_marquardt(); }
     bool has_prior() const { return texel_local() && levenberg_marquardt(); }
-    bool has_view_maps() const { return light_field() && solver != "mean"; }
+    bool has_view_maps() const { return light_field() && !mean_colours; }
     bool optimizes_maps() const { return light_field() && objective; }
     bool weighs_samples() const { return texel_local() || (light_field() && optimizer); }
-    bool by_ceres() const { return light_field() && solver == "ceres"; }
-    bool by_pca() const { return solver == "pca"; }
 
     /// Compute shaders sum over a light field map's samples, in one of several ways.
     bool accumulates() const { return light_field() && on_compute(); }

@@ -11,6 +11,7 @@
 #include "fitting/family.h"
 #include "fitting/limits.h"
 #include "fitting/option_rows.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 namespace {
@@ -306,11 +307,10 @@ std::vector<FitOption> make_fit_options() {
              {{"compact", RecordKind::compact}, {"full", RecordKind::full}},
              "what two-step writes of a sample; full is the paper's"),
          of_resources(sort_memory_option()), of_resources(records_option()),
-         number("refills", &FitFacts::by_pca, &FitRequest::refills, limits::refills,
+         number("refills", &FitFacts::resamples, &FitRequest::refills, limits::refills,
                 "how often pca replaces entries that it had to invent by what its terms say, and refines the terms"),
-         one_of(
-             text("ceres", &FitFacts::by_ceres, &FitRequest::ceres, "a name", explained(ceres_settings()), check_ceres),
-             ceres_settings())});
+         one_of(text("ceres", &FitFacts::ceres, &FitRequest::ceres, "a name", explained(ceres_settings()), check_ceres),
+                ceres_settings())});
     return all;
 }
 

@@ -4,9 +4,7 @@
 
 #include "base/error.h"
 #include "base/wording.h"
-#include "fitting/family.h"
-#include "fitting/fit_options.h"
-#include "fitting/solvers/solver.h"
+#include "cpu/vertex_options.h"
 
 namespace radiafit::fits {
 
@@ -125,7 +123,7 @@ bool FitRequest::lacks_engine() const { return on_fragment_engine() && family_of
 std::string FitRequest::label() const {
     const FitFacts facts = facts_of(*this);
     const std::string by = facts.on_engine ? "" : solver + "-";
-    if (facts.by_ceres()) return by + ceres;
+    if (facts.ceres) return by + ceres;
     if (!facts.optimizer) return solver;
     return by + text("optimizer") + (levenberg_marquardt() ? "" : "-" + text("mode"));
 }

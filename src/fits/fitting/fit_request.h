@@ -3,20 +3,21 @@
 #include <memory>
 #include <string>
 
-#include "base/journal.h"
 #include "compute/compute_options.h"
-#include "cpu/vertex_solver.h"
 #include "fitting/own_options.h"
-#include "fragment/fragment_engine.h"
+#include "fragment/fragment_options.h"
 #include "geometry/surface_lookup.h"
-#include "gl/context.h"
+#include "gl/context_options.h"
 #include "model/lfm.h"
 #include "model/texel_options.h"
-#include "optim/optimizer.h"
-#include "reference/ceres_solver.h"
-#include "samples/disk_records.h"
+#include "optim/methods.h"
+#include "reference/ceres_options.h"
+#include "samples/record_options.h"
 
 namespace radiafit::fits {
+
+class Journal;
+struct VertexSolverOptions;
 
 enum class EngineKind { cpu, fragment, compute };
 enum class DistributorKind { cpu, gl };
@@ -27,7 +28,7 @@ enum class ImageSource { disk, disk_cold, memory, device };
 /// What to fit with. Every member but those from `scratch` on is an option of the table in app/fit_options.h, which
 /// says what it means, what values it takes and which fits it means something to.
 struct FitRequest {
-    std::string model_name = lfm_name;           ///< of a family's models (app/family.h)
+    std::string model_name = lfm_name;           ///< one of Family::models(), which decides the family
     std::string solver = "stream";               ///< a name in solvers()
     std::string ceres = CeresOptions().setting;  ///< a name in ceres_settings()
     EngineKind engine = EngineKind::cpu;
@@ -44,9 +45,13 @@ struct FitRequest {
     ImageSource source = ImageSource::memory;
     TargetSpace space = TargetSpace::stored;
     ContextOptions context;
-    LfmOptions model;  ///< its surface_side is any model's; its mode and mu are those below
+    /// Of light field maps; surface_side and loss hold for other models, too. Its mode and mu are not read: mode and mu
+    /// of the request replace them in model_options().
+    LfmOptions model;
     SurfaceLookup surface = SurfaceLookup::nearest;
-    double texels_per_pixel = 0;             ///< 0, or of what model.sides are chosen by, unless they are there
+    /// If not 0, each triangle gets a side by its size in the photographs: with_sides() fills model.sides, unless they
+    /// are given.
+    double texels_per_pixel = 0;
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
     PriorKind prior = PriorKind::none;
     double mu = -1;  ///< weight of the bounds; below 0: the mode's default
@@ -57,20 +62,20 @@ struct FitRequest {
     double stop_residual = 0, stop_output_change = 0;
     uint64_t seed = 1;
     RecordKind record = RecordKind::compact;
-    uint64_t memory = 0;                       ///< bytes, beyond which a fit goes in parts; 0: any
+    uint64_t memory = 0;                       ///< bytes; a fit that needs more is made in parts; 0: no limit
     uint64_t sort_memory = uint64_t(1) << 30;  ///< bytes
-    std::string records;                       ///< empty: they go again
+    std::string records;                       ///< folder that keeps them; empty: they are deleted after the fit
     int refills = 0;
-    OwnOptions of_families;  ///< see own()
+    OwnOptions of_families;  ///< options that single families have; read by own()
 
-    std::filesystem::path scratch;     ///< where records go that don't stay; empty: the folder for such files
-    std::shared_ptr<Journal> journal;  ///< of what is finished, by solvers whose problems end one after another
-    double checkpoint_s = 10;          ///< how often what is finished goes to disk; 0: never
-    bool cold = false;                 ///< records leave the page cache between the steps
-    bool part = false;                 ///< fits a part of a surface (app/parts.h), which may be unseen
-    int left_out = 0;                  ///< of OptimizerOptions; model.mends are others
-    float first_step = 1;              ///< likewise
-    bool cull = true;                  ///< of FragmentOptions
+    std::filesystem::path scratch;     ///< folder of records that are deleted; empty: the system's for temporary files
+    std::shared_ptr<Journal> journal;  ///< problems that an interrupted run has finished; null: none are kept
+    double checkpoint_s = 10;          ///< seconds between writes of the journal to disk; 0: never
+    bool cold = false;                 ///< drop records from the page cache before they are read
+    bool part = false;                 ///< fit a part of a surface (app/parts.h); no image needs to show it
+    int left_out = 0;                  ///< OptimizerOptions::left_out: corrections of the paper to do without
+    float first_step = 1;              ///< OptimizerOptions::first_step
+    bool cull = true;                  ///< FragmentOptions::cull
 
     /// A family's own options, by the type of their struct.
     template <class Block>

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/rings.h"
+
 /// What the columns of a file of rows are. One description, in rows/EXPERIMENT.h, is what an experiment writes its rows
 /// by (report/csv_file.h), what `radiafit compare` judges two runs by, and what docs/results.md says of them.
 namespace radiafit::harness {

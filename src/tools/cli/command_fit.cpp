@@ -9,6 +9,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/interrupt.h"
+#include "base/journal.h"
 #include "base/log.h"
 #include "base/output_lock.h"
 #include "base/record.h"

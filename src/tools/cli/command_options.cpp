@@ -11,6 +11,7 @@
 #include "command_line/man_page.h"
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::tools {
 namespace {

@@ -7,6 +7,7 @@
 #include "fit/error_bar_maps.h"
 #include "fitting/families/fitted_models.h"
 #include "fitting/fit_options.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 

@@ -12,6 +12,7 @@
 #include "fit/error_bar_maps.h"
 #include "fit/texel_fit.h"
 #include "fitting/families/fitted_models.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 namespace {

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 namespace {

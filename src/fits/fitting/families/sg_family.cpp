@@ -4,6 +4,7 @@
 
 #include "fitting/families/fitted_models.h"
 #include "fitting/parts/by_view_parts.h"
+#include "fitting/solvers/solver.h"
 #include "sg/sg_fit.h"
 #include "viewbasis/texel_views.h"
 

@@ -5,6 +5,7 @@
 #include "cpu/texel_fit.h"
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 namespace {

@@ -5,6 +5,7 @@
 #include "fitting/families/fitted_models.h"
 #include "fitting/parts/by_view_parts.h"
 #include "fitting/settle.h"
+#include "fitting/solvers/solver.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
 

@@ -12,7 +12,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/hash.h"
-#include "base/json.h"
+#include "base/journal.h"
 #include "base/log.h"
 #include "base/read_file.h"
 #include "base/resources.h"

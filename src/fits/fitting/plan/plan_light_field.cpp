@@ -10,6 +10,7 @@
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
 #include "fitting/plan/plan_rows.h"
+#include "fitting/solvers/solver.h"
 #include "fragment/fragment_plan.h"
 #include "geometry/vertex_rings.h"
 #include "reference/solver_memory.h"
@@ -51,7 +52,7 @@ void add_vertex_work(const Dataset& dataset, const TriangleAtlas& atlas, const V
     const Solver& solver = find_solver(request.solver);
     if (!solver.vertex_bytes) return;
     std::vector<uint64_t> tiles(dataset.mesh.triangle_count());
-    if (facts_of(request).by_ceres()) estimate_list(dataset, atlas, request, most_views, &tiles);
+    if (facts_of(request).ceres) estimate_list(dataset, atlas, request, most_views, &tiles);
     const LfmLayout layout(rings, atlas, 1, 1);
     VertexShape largest;
     for (size_t v = 0; v < rings.vertex_count(); ++v) {

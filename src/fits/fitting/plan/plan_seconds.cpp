@@ -4,6 +4,7 @@
 #include "cpu/vertex_solver.h"
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
+#include "fitting/solvers/solver.h"
 #include "geometry/atlas.h"
 #include "geometry/mesh_part.h"
 #include "geometry/vertex_rings.h"

@@ -7,13 +7,10 @@
 
 #include "dataset/image_stream.h"
 #include "fit/fit_folder.h"
-#include "fitting/fit_request.h"
-#include "fragment/fragment_engine.h"
 #include "model/lfm.h"
-#include "optim/optimizer.h"
-#include "reference/ceres_solver.h"
-#include "reference/ring_resampler.h"
-#include "samples/disk_records.h"
+#include "optim/trace.h"
+#include "reference/resampling_counts.h"
+#include "samples/block_file.h"
 #include "samples/distributor.h"
 #include "samples/texel_source.h"
 
@@ -33,7 +30,6 @@ struct FitRun {
     FitTimes times;
     std::string gl_vendor, gl_renderer, gl_version;
     double sweep_cpu_ms_per_image = 0;  ///< process CPU time of sweeps over images that stream
-    FragmentTimes sweeps;               ///< of these
     double images_cached_share = 0;     ///< of images.bin's pages, when they were done
     std::string accumulation;           ///< how the compute engine summed over samples, for people; else empty
     uint64_t engine_bytes = 0;          ///< device memory (or vectors) of the engine

@@ -100,7 +100,6 @@ std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run) {
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run) {
     run.times.streaming = times.stream_s + times.upload_s;
     run.times.optimization = seconds - run.times.streaming;
-    run.sweeps = times;
     run.images_cached_share = cached_share(dataset.folder / dataset_images_name);
     run.sweep_cpu_ms_per_image = times.images ? 1e3 * times.sweep_cpu_s / double(times.images) : 0;
 }

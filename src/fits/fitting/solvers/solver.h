@@ -3,17 +3,22 @@
 #include <optional>
 #include <span>
 
-#include "cpu/texel_solver.h"
-#include "cpu/vertex_solver.h"
 #include "fitting/fit_facts.h"
 #include "fitting/solvers/solve.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/context.h"
-#include "reference/solver_memory.h"
+#include "optim/engine.h"
 
 /// The solvers that `--solver` names: one table, one function each.
 namespace radiafit::fits {
+
+class TexelSolvers;
+struct FragmentTimes;
+struct TexelFitOptions;
+struct TexelProblem;
+struct VertexShape;
+struct VertexSolution;
 
 /// One fit as its solver sees it.
 class FitTask {
@@ -61,8 +66,8 @@ struct TexelTask {
     TexelOptions options;
     ReflectanceOutcome& out;
 
-    const TexelSolvers& solvers() const { return texel_solvers(*options.model); }
-    TexelFitOptions fit_options() const { return {.iterations = request.iterations}; }
+    const TexelSolvers& solvers() const;
+    TexelFitOptions fit_options() const;
 };
 
 struct Solver {
@@ -105,8 +110,8 @@ void describe_request(const FitRequest& request, FitRecord& fit);
 void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& times,
                   const std::function<void(const std::filesystem::path& folder)>& write,
                   const std::function<void(const std::filesystem::path& folder)>& read);
-/// All that decides what records hold that are to stay; empty if they aren't. sides: what that of surface maps is told
-/// as.
+/// All that decides what records hold, if they are to stay; else empty. sides: the sides of surface maps, as the key
+/// writes them.
 std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views,
                        const std::string& sides, const std::string& kind);
 /// Drops records from the page cache if so requested, and notes how much of them is there.

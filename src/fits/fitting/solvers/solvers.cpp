@@ -7,9 +7,10 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cpu/lfm_problem.h"
-#include "fitting/fit_options.h"
-#include "fitting/solvers/solver.h"
+#include "cpu/texel_solver.h"
+#include "cpu/vertex_solver.h"
 #include "model/penalty.h"
+#include "reference/ceres_options.h"
 #include "reference/mean_solver.h"
 
 namespace radiafit::fits {
@@ -36,6 +37,9 @@ const SampleList& FitTask::samples() {
     out.distribution = shared_->statistics;
     return shared_->list;
 }
+
+const TexelSolvers& TexelTask::solvers() const { return texel_solvers(*options.model); }
+TexelFitOptions TexelTask::fit_options() const { return {.iterations = request.iterations}; }
 
 LfmLayout FitTask::layout() const { return LfmLayout(rings, atlas, options.view_side, options.terms); }
 
@@ -127,6 +131,7 @@ std::span<const Solver> solvers() {
     constexpr SolverFacts in_two_steps = {
         .iterates = true, .objective = true, .optimizer = true, .list = true, .records = true};
     constexpr SolverFacts vertex_by_vertex = {.iterates = true, .objective = true, .list = true};
+    constexpr SolverFacts by_ceres = {.iterates = true, .objective = true, .list = true, .ceres = true};
     constexpr SolverFacts texel_by_texel = {.iterates = true, .list = true};
     static constexpr Solver table[] = {
         {.name = "stream",
@@ -146,12 +151,12 @@ std::span<const Solver> solvers() {
         {.name = "pca",
          .help = "factorization of the resampled light field, Chen et al. 2002",
          .solve = solve_pca,
-         .facts = SolverFacts{},
+         .facts = SolverFacts{.resamples = true},
          .vertex_bytes = [](const FitRequest& r, const VertexShape& v) { return pca_bytes(r.model, v); }},
         {.name = "ceres",
          .help = "the Ceres library, vertex by vertex",
          .solve = solve_ceres,
-         .facts = vertex_by_vertex,
+         .facts = by_ceres,
          .solve_texels = solve_texel_ceres,
          .texel_facts = texel_by_texel,
          .vertex_bytes =
@@ -179,7 +184,7 @@ std::span<const Solver> solvers() {
         {.name = "mean",
          .help = "the trivial baseline: one mean colour per texel",
          .solve = solve_mean,
-         .facts = SolverFacts{.list = true},
+         .facts = SolverFacts{.list = true, .mean_colours = true},
          .halo = 1},
     };
     return table;
