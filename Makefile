@@ -38,7 +38,7 @@ with_python = $(if $(filter release,$(PRESET)),-DRADIAFIT_PYTHON=ON)
 build:
 	$(call configure,build)
 	@$(compile) --target installed
-	@echo "the program: $(BUILD)/src/app/radiafit"
+	@echo "the program: $(BUILD)/bin/radiafit"
 
 # The module for Python, which `make test` tests; docs/python.md.
 python:
@@ -62,7 +62,7 @@ check:
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
 	@$(MAKE) --no-print-directory radiafit-bench
-	@python3 -B tests/bench_alone_test.py build/bench/src/bench/radiafit-bench . "$$(command -v c++)"
+	@python3 -B tests/bench_alone_test.py build/bench/bin/radiafit-bench . "$$(command -v c++)"
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
 
@@ -108,13 +108,13 @@ report:
 compare:
 	$(call configure,experiments)
 	@$(compile) --target radiafit
-	@$(BUILD)/src/app/radiafit compare results/reference results --only '$(ONLY)'
+	@$(BUILD)/bin/radiafit compare results/reference results --only '$(ONLY)'
 
 # Kernels alone, by Google Benchmark; BENCH_FLAGS such as --benchmark_filter=line.
 bench:
 	$(call configure,bench)
 	@$(compile) --target radiafit kernel_benches
-	@[ -d $(BENCH_DATASET) ] || $(BUILD)/src/app/radiafit generate star --scale standard -o $(BENCH_DATASET)
+	@[ -d $(BENCH_DATASET) ] || $(BUILD)/bin/radiafit generate star --scale standard -o $(BENCH_DATASET)
 	@$(BUILD)/experiments/bench/bench_kernels $(BENCH_DATASET) $(BENCH_FLAGS)
 	@$(BUILD)/experiments/bench/bench_texels $(BENCH_FLAGS)
 	@$(BUILD)/experiments/bench/bench_texel_passes $(BENCH_FLAGS)
@@ -124,13 +124,13 @@ radiafit-bench:
 	@scripts/install-packages.sh radiafit-bench
 	@cmake --preset bench --log-level=WARNING
 	@cmake --build build/bench --parallel $(JOBS)
-	@echo "the program: build/bench/src/bench/radiafit-bench"
+	@echo "the program: build/bench/bin/radiafit-bench"
 
 # PyTorch on the CPU against our own fits, on exported problems; docs/results.md, peers.
 peers:
 	$(call configure,peers)
 	@$(compile) --target radiafit
-	@$(PYTHON) -B experiments/peers/torch_peers.py --radiafit $(BUILD)/src/app/radiafit --profile $(PROFILE)
+	@$(PYTHON) -B experiments/peers/torch_peers.py --radiafit $(BUILD)/bin/radiafit --profile $(PROFILE)
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke

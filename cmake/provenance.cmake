@@ -1,4 +1,4 @@
-# What results say of how the program was built (src/base/record.h).
+# What results say of how the program was built (src/core/base/record.h).
 
 # radiafit_library(NAME VERSION): a library that a layer has found; its version, or "" where that is not told.
 function(radiafit_library name)

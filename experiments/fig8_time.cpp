@@ -217,7 +217,7 @@ public:
         for (const auto& [label, tally] : passes.tallies()) {
             if (!tally.cost)
                 throw UserError(fmt::format(
-                    "{} declares no cost in src/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel",
+                    "{} declares no cost in src/core/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel",
                     label));
             counts.work += tally.work();
         }

@@ -52,7 +52,7 @@ class Alone(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="radiafit-bench-") as build:
             run("cmake", "--preset", "bench", "-S", CHECKOUT, "-B", build, f"-DCMAKE_CXX_COMPILER={COMPILER}", *absent)
             targets = run("cmake", "--build", build, "--", "-t", "targets", "all")
-        self.assertIn("src/bench/radiafit-bench: ", targets)
+        self.assertIn("bin/radiafit-bench: ", targets)
         self.assertNotRegex(targets, "radiafit_(reference|capture|stereo|fit|eval|app)[.:]")
 
 

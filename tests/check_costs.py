@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Every fragment stage but those of the page (shaders/view) declares in src/fragment/pass_costs.cpp what one invocation costs, and the
+"""Every fragment stage but those of the page (shaders/view) declares in src/core/fragment/pass_costs.cpp what one invocation costs, and the
 declaration is what its SPIR-V holds.
 
 The SPIR-V is glslangValidator's, with calls inlined, loops of constant length unrolled and dead code removed by spirv-opt,
-then counted as it stands: both sides of a branch count. What src/fragment/pass_costs.h says is counted:
+then counted as it stands: both sides of a branch count. What src/core/fragment/pass_costs.h says is counted:
 
   - operations: components of arithmetic, conversions, comparisons, selections and bit operations, addresses included; a
     multiply-add is two, a dot product of n components 2 n - 1; a division, a root or a transcendental function is one.
@@ -27,7 +27,7 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import check_shaders  # noqa: E402
 
-TABLE = "src/fragment/pass_costs.cpp"
+TABLE = "src/core/fragment/pass_costs.cpp"
 ROW = re.compile(r'^ *\{"([\w/]+\.frag)", "([^"]*)", (\d+), \{([\d, ]*)\}, \{([\d, ]*)\}\},$', re.M)
 # What a variant leaves open, with two values for each.
 OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES": (64, 19), "ROWS": (64, 23), "BANDS": (5, 3),
@@ -239,7 +239,7 @@ def check(root, write=False):
         if name.startswith("view/"):  # drawn by a browser, where no cost is reckoned
             continue
         if not any(row[0] == name for row in rows):
-            errors.append(f"shaders/{name}: {TABLE} declares no cost of it; add a row for each variant that src/fragment "
+            errors.append(f"shaders/{name}: {TABLE} declares no cost of it; add a row for each variant that src/core/fragment "
                           "draws, with any numbers, and --write puts the right ones in")
     return errors, len(rows)
 

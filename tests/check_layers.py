@@ -1,16 +1,25 @@
 #!/usr/bin/env python3
-"""No include, and no link list, breaks the layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference;
-image and gl on base, fragment on gl, and compute on fragment; synthetic on dataset; capture and fit on dataset and image, stereo on
-capture, eval on fit; report on base; bench on what reads no foreign file; app on all, and below nothing but experiments and the
-Python module.
+"""No include, and no link list, breaks the rings or the layers within them. RINGS: core, fits, harness, tools; a ring sees
+those within it. Layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference; image and gl on base,
+fragment on gl, and compute on fragment; synthetic on dataset; capture and fit on dataset and image, stereo on capture, eval on
+fit; report and command_line on base; bench on what reads no foreign file. Experiments are of the harness.
 
-Also: which folder may include which foreign library, that heavy headers stay out of our headers, and that no message below
-app names options and commands as the command line has them, which mean nothing to a caller of the library.
+Also: that src/CMakeLists.txt and the map in docs/architecture.md name the same layers, that no class is defined twice
+where one place sees both, which folder may include which foreign library, that heavy headers stay out of our headers, and that
+no message of a library names options and commands as the command line has them, which mean nothing to its caller.
 Usage: check_layers.py [ROOT]"""
 import pathlib
 import re
 import sys
 
+RINGS = {
+    "core": ["base", "image", "geometry", "model", "dataset", "synthetic", "samples", "optim", "cpu", "gl", "fragment", "compute",
+             "fit", "eval"],
+    "fits": ["reference", "viewbasis", "sg", "reachable", "fitting"],
+    "harness": ["report", "command_line", "bench"],
+    "tools": ["capture", "stereo", "exchange", "publish", "cli", "python"],
+}
+RING_OF = {layer: ring for ring, layers in RINGS.items() for layer in layers}
 CHAIN = ["base", "geometry", "model", "dataset", "samples", "optim"]
 
 
@@ -18,31 +27,38 @@ def up_to(layer):
     return set(CHAIN[: CHAIN.index(layer) + 1])
 
 
-# What each folder of src/ may include, besides itself.
+def rings(*names):
+    return {layer for name in names for layer in RINGS[name]}
+
+
+# What each layer may include, besides itself.
 ALLOWED = {layer: set(CHAIN[:i]) for i, layer in enumerate(CHAIN)}
 ALLOWED.update(
     cpu=up_to("optim"),
     image={"base"},
-    image_web={"base"},  # src/image/web, a target of its own
+    image_web={"base"},  # src/core/image/web, a target of its own
     gl={"base"},
     fragment=up_to("optim") | {"gl"},
     compute=up_to("optim") | {"gl", "fragment"},
     synthetic=up_to("dataset"),
-    reference=up_to("optim"),
-    capture=up_to("dataset") | {"image"},
-    stereo=up_to("dataset") | {"image", "capture"},
     fit=up_to("dataset") | {"image"},
     eval=up_to("dataset") | {"image", "fit"},
+    reference=up_to("optim"),
     viewbasis=up_to("samples") | {"image", "gl", "fit", "eval"},
     sg=up_to("optim") | {"image", "cpu", "gl", "fit", "eval", "viewbasis"},
-    exchange=up_to("optim") | {"image", "image_web", "cpu", "gl", "fit", "eval", "viewbasis", "sg"},
-    publish=up_to("samples") | {"image", "image_web", "cpu", "optim", "gl", "fit", "eval", "viewbasis", "sg"},
     reachable=up_to("samples") | {"image", "gl", "fit", "eval", "viewbasis"},
+    fitting=rings("core") | {"reference", "viewbasis", "sg"},
     report={"base"},
+    command_line={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
+    capture=up_to("dataset") | {"image"},
+    stereo=up_to("dataset") | {"image", "capture"},
+    exchange=rings("core", "fits") | {"image_web"},
+    publish=rings("core", "fits") | {"image_web"},
+    cli=rings("core", "fits", "harness", "tools") | {"image_web"},
+    python=rings("core", "fits"),
 )
-ALLOWED["app"] = set(ALLOWED)
-ALLOWED["python"] = set(ALLOWED)
+EXPERIMENTS = rings("core", "fits", "harness")
 
 # Texts under shaders/ that C++ includes too, and the first layer that may.
 SHARED_TEXTS = {"model": "model", "optimize": "optim"}
@@ -55,21 +71,21 @@ LIBRARIES = [
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
     (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),
-    (r"CLI/", {"app", "bench"}),
+    (r"CLI/", {"command_line", "bench"}),
     (r"(webp/|jpeglib)", {"image"}),
     (r"pybind11/", {"python"}),
 ]
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 
-PROGRAMS = {"app", "bench",  # whose messages nobody reads but at the command line
-            "python"}        # whose documentation leads to the program's
+PROGRAMS = {"fitting", "command_line", "cli", "bench",  # whose messages nobody reads but at the command line
+            "python"}  # whose documentation leads to the program's
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.
 TYPED = re.compile(r"(?<![\w-])--[a-z][\w-]*|\bradiafit (?:capture|compare|devices|export|fit|generate|import|info|judge|options|plan|publish|render|tune)\b")
 # No messages: these functions put down, in a dataset, the command that makes it again.
-PROVENANCE = {"src/capture/import.cpp": "provenance", "src/capture/import_lights.cpp": "provenance",
-              "src/synthetic/synthetic.cpp": "synthetic_source"}
+PROVENANCE = {"src/tools/capture/import.cpp": "provenance", "src/tools/capture/import_lights.cpp": "provenance",
+              "src/core/synthetic/synthetic.cpp": "synthetic_source"}
 TOKEN = re.compile(r"""(?P<skip>\s+|//[^\n]*|/\*.*?\*/)
     | (?:u8|[uUL])?R"(?P<mark>[^()\s]*)\((?P<raw>.*?)\)(?P=mark)"
     | (?:u8|[uUL])?"(?P<text>(?:\\.|[^"\\\n])*)"
@@ -144,14 +160,18 @@ def check_words(root, path):
     return errors
 
 
+def layer_folders(root):
+    """(layer, its folder) of src/RING/LAYER."""
+    for ring in sorted(path for path in (root / "src").iterdir() if path.is_dir()):
+        for folder in sorted(path for path in ring.iterdir() if path.is_dir()):
+            yield folder.name, folder
+
+
 def check_sources(root):
     errors, count = [], 0
-    for folder in sorted((root / "src").iterdir()):
-        if not folder.is_dir():
-            continue
-        layer = folder.name
-        if layer not in ALLOWED:
-            errors.append(f"src/{layer}: not a layer; add it to tests/check_layers.py")
+    for layer, folder in layer_folders(root):
+        if folder.parent.name != RING_OF.get(layer):
+            errors.append(f"{folder.relative_to(root)}: not a layer of this ring; see RINGS in tests/check_layers.py")
             continue
         for path in sources(folder):
             for number, own, foreign in includes(path):
@@ -161,24 +181,80 @@ def check_sources(root):
                 count += own is not None
             if layer not in PROGRAMS:
                 errors += check_words(root, path)
-    # Experiments stand above app and may include all of src, but bring in none of the libraries that have a place.
     for path in sources(root / "experiments") if (root / "experiments").is_dir() else []:
-        for number, _, foreign in includes(path):
+        for number, own, foreign in includes(path):
+            where = f"{path.relative_to(root)}:{number}: {own or foreign}"
+            if own and own.split("/")[0] in ALLOWED and own.split("/")[0] not in EXPERIMENTS:
+                errors.append(f"{where}: experiments may not include {own.split('/')[0]}")
+            # They bring in none of the libraries that have a place.
             for pattern, folders in LIBRARIES:
-                if foreign and re.match(pattern, foreign) and "app" not in folders:
-                    errors.append(f"{path.relative_to(root)}:{number}: {foreign}: only {', '.join(sorted(folders))} may include it")
+                if foreign and re.match(pattern, foreign):
+                    errors.append(f"{where}: only {', '.join(sorted(folders))} may include it")
     return errors, count
+
+
+def classes(path):
+    """(namespace, class) of each class, struct and enum that a header defines in a namespace, which is never indented."""
+    spaces = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if opened := re.match(r"namespace ([\w:]*) *\{$", line):
+            spaces.append(opened[1])
+        elif re.match(r"\}(  // namespace.*)?$", line) and spaces:
+            spaces.pop()
+        elif found := re.match(r"(?:template <.*> ?)?(?:class|struct|enum class|enum) (?:alignas\(\w+\) )?(\w+)\b[^;<]*(?:\{|$)", line):
+            yield "::".join(spaces), found[1]
+        if line.startswith("namespace ") and line.endswith("}") and spaces:
+            continue
+        if re.match(r"(?:template <.*> ?)?(?:class|struct|enum).*\{$", line):
+            spaces.append("{")
+        elif line.startswith("};") and spaces and spaces[-1] == "{":
+            spaces.pop()
+
+
+def check_classes(root):
+    """A class of one name twice in one namespace breaks a program without a word; of two rings, one hides the other."""
+    seen, errors = {}, []
+    for path in (path for _, folder in layer_folders(root) for path in sources(folder) if path.suffix == ".h"):
+        for space, name in classes(path):
+            if "{" in space:
+                continue
+            ringless = re.sub(r"^radiafit::(fits|harness|tools)\b", "radiafit", space)
+            first = seen.setdefault((ringless, name), path)
+            if first != path:
+                errors.append(f"{path.relative_to(root)}: defines {space}::{name}, as {first.relative_to(root)} does; rename one")
+    return errors
+
+
+def check_map(root):
+    """That src/CMakeLists.txt and docs/architecture.md have the layers of RINGS, each in its ring."""
+    errors = []
+    build = root / "src/CMakeLists.txt"
+    if build.exists():
+        text = build.read_text(encoding="utf-8")
+        for ring, layers in RINGS.items():
+            found = re.search(rf"^set\({ring} ([^)]*)\)", text, re.M)
+            if found is None or set(found[1].split()) != set(layers) - {"python"}:
+                errors.append(f"src/CMakeLists.txt: set({ring} ...) is not RINGS of tests/check_layers.py")
+    page = root / "docs/architecture.md"
+    if page.exists():
+        rows = re.findall(r"^\| (\w+) \| `(\w+)` \|", page.read_text(encoding="utf-8"), re.M)
+        for ring, layers in RINGS.items():
+            told = {layer for where, layer in rows if where == ring}
+            for layer in sorted(told ^ set(layers)):
+                errors.append(f"docs/architecture.md: the map {'has' if layer in told else 'lacks'} {layer} in {ring}")
+    return errors
 
 
 def check_links(root):
     """radiafit_layer(NAME LINKS radiafit_x ...): with all that those link in turn, no more than NAME may include; and
     every layer that NAME's files include is among them."""
-    direct, errors = {}, []
-    for path in sorted((root / "src").rglob("CMakeLists.txt")):
+    direct, errors, at = {}, [], {}
+    for path in sorted((root / "src").glob("*/*/CMakeLists.txt")):
         text = re.sub(r"#.*", "", path.read_text(encoding="utf-8"))
         for name, rest in re.findall(r"radiafit_layer\(\s*(\w+)([^)]*)\)", text):
             links = re.search(r"\bLINKS\b(.*?)(\bEXTERNAL\b|$)", rest, re.S)
             direct[name] = set(re.findall(r"\bradiafit_(\w+)", links[1])) if links else set()
+            at[name] = path.relative_to(root)
 
     def closure(name):
         result = set()
@@ -189,11 +265,11 @@ def check_links(root):
     for name in direct:
         linked = closure(name)
         for extra in sorted(linked - ALLOWED.get(name, set())):
-            errors.append(f"src/{name}/CMakeLists.txt: {name} may not link {extra}")
-        included = {own.split("/")[0] for path in sources(root / "src" / name) for _, own, _ in includes(path)
+            errors.append(f"{at[name]}: {name} may not link {extra}")
+        included = {own.split("/")[0] for path in sources((root / at[name]).parent) for _, own, _ in includes(path)
                     if own and not own.endswith(".glsl")}
         for missing in sorted((included & ALLOWED.get(name, set())) - linked - {name}):
-            errors.append(f"src/{name}/CMakeLists.txt: {name} includes {missing} but doesn't link it")
+            errors.append(f"{at[name]}: {name} includes {missing} but doesn't link it")
     return errors, len(direct)
 
 
@@ -201,7 +277,7 @@ def check(root):
     root = pathlib.Path(root)
     source_errors, count = check_sources(root)
     link_errors, targets = check_links(root)
-    return source_errors + link_errors, count, targets
+    return source_errors + link_errors + check_classes(root) + check_map(root), count, targets
 
 
 def main():

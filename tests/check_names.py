@@ -14,12 +14,12 @@ def text(path):
 
 def names():
     """Of all tables."""
-    found = re.findall(r'\.name = "([^"]+)"', text("src/app/solvers.cpp"))
-    found += re.findall(r'\{\.name = "([^"]+)"', text("src/optim/methods.h"))
-    found += re.findall(r'\{\{"([^"]+)", "', text("src/reference/ceres_solver.cpp"))
-    found += re.findall(r'lfm_name = "([^"]+)"', text("src/model/lfm.h"))
-    found += re.findall(r'\{"([^"]+)", EngineKind::', text("src/app/fit_options.cpp"))
-    found += re.search(r"set\(texel_models([^)]*)\)", text("src/model/CMakeLists.txt"))[1].split()
+    found = re.findall(r'\.name = "([^"]+)"', text("src/fits/fitting/solvers/solvers.cpp"))
+    found += re.findall(r'\{\.name = "([^"]+)"', text("src/core/optim/methods.h"))
+    found += re.findall(r'\{\{"([^"]+)", "', text("src/fits/reference/ceres_solver.cpp"))
+    found += re.findall(r'lfm_name = "([^"]+)"', text("src/core/model/lfm.h"))
+    found += re.findall(r'\{"([^"]+)", EngineKind::', text("src/fits/fitting/fit_options.cpp"))
+    found += re.search(r"set\(texel_models([^)]*)\)", text("src/core/model/CMakeLists.txt"))[1].split()
     return found
 
 

@@ -2,7 +2,7 @@
 """Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands locations: of uniforms any); those of
 published pages, "#version 300 es", as WebGL 2 takes them, for which there is no SPIR-V.
 
-#include "..." lines are expanded as src/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
+#include "..." lines are expanded as src/core/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
 after the #version line, and where the name of a file is a definition's, that in its place. A stage is compiled
 
   - as it stands;
@@ -72,7 +72,7 @@ def texel_models(shaders):
 
 
 def optimizer_texts(shaders, axis):
-    """The definitions of each step, or update, that a text in shaders/optimize holds; src/optim/methods.h lists them."""
+    """The definitions of each step, or update, that a text in shaders/optimize holds; src/core/optim/methods.h lists them."""
     found = []
     for path in sorted((shaders / "optimize").glob("*.glsl")):
         state = "ProblemState" if axis == "STEP" else "Elements"
@@ -83,7 +83,7 @@ def optimizer_texts(shaders, axis):
     for defines in found:
         numbers = [row[2].split(", ")[1:] for row in shapes if [row[0], row[1]] == [value for _, value in defines]]
         if not numbers:
-            raise ShaderError(f"shaders/optimize/{defines[0][1]}.glsl: src/optim/methods.h doesn't list {defines[1][1]}")
+            raise ShaderError(f"shaders/optimize/{defines[0][1]}.glsl: src/core/optim/methods.h doesn't list {defines[1][1]}")
         defines += zip(("VECTORS", "WRITTEN", "NUMBERS", "PRODUCTS"), numbers[0])
     return found
 

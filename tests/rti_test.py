@@ -45,7 +45,7 @@ def openlime_script(build):
     for name in ("dist/js/openlime.min.js", "dist/js/openlime.js"):
         if (package / name).exists():
             return (package / name).read_bytes(), None
-    bundler = build / "src/publish/viewer/node_modules/.bin/esbuild"
+    bundler = build / "src/tools/publish/viewer/node_modules/.bin/esbuild"
     if not (package / "src/LayerRTI.js").exists():
         return None, f"{package} has neither dist/js/openlime.js nor src/LayerRTI.js"
     if not bundler.exists():

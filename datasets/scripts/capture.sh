@@ -17,7 +17,7 @@
 # page, OUT/fit/fit the fit. Exit status: 0 done, 2 something to mend, as said.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
-radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
+radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
 export QT_QPA_PLATFORM=offscreen  # COLMAP asks for no display then
 
 die() { printf '%s\n' "capture.sh: $1" >&2; exit 2; }
@@ -55,7 +55,7 @@ photos=$(cd "$photos" && pwd)
 lights=$(find "$photos/" -maxdepth 1 -type f,l -iname '*.lp' | sort)
 case $lights in *"
 "*) die "$photos: several light files (.lp): keep the one that belongs to these images" ;; esac
-endings="png jpg jpeg tif tiff"  # those that src/image/image_format.cpp has for COLMAP; tests/image_file_test.cpp compares
+endings="png jpg jpeg tif tiff"  # those that src/core/image/image_format.cpp has for COLMAP; tests/image_file_test.cpp compares
 count=$(find "$photos/" -maxdepth 1 -type f,l | grep -icE "\.($(echo $endings | tr ' ' '|'))\$") || true
 [ -n "$lights" ] || [ "$count" -ge 3 ] ||
     die "$photos: $count photographs here, fewer than three: give JPEG, PNG or TIFF files"

@@ -4,7 +4,7 @@
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 scale=${1:?usage: generate_all.sh smoke|standard|paper}
-radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
+radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
 for shape in star bust ornament; do
     "$radiafit" generate $shape --scale "$scale" -o "$root/datasets/packed/$shape-$scale"
 done

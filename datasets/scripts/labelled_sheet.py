@@ -4,7 +4,7 @@ PSNR of that view, and a caption below. Of the sheet that `radiafit render` make
 Usage: labelled_sheet.py FIT OUTPUT.png CAPTION [--words WORDS] [--view I] [--beside FIT WORDS] [--panel PIXELS]
 --words: what the fit is called, default its model. --view: as render's. --beside: another fit of the dataset in the baseline's place.
 --panel: width of a panel, at most what it is in the sheet.
-$RADIAFIT is the program (default build/release/src/app/radiafit)."""
+$RADIAFIT is the program (default build/release/bin/radiafit)."""
 import argparse
 import itertools
 import json
@@ -19,7 +19,7 @@ import tempfile
 from png_rows import read_png, write_png
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-RADIAFIT = os.environ.get("RADIAFIT", str(ROOT / "build/release/src/app/radiafit"))
+RADIAFIT = os.environ.get("RADIAFIT", str(ROOT / "build/release/bin/radiafit"))
 GAP = 4  # pixels between panels, in render's sheet and here
 ABOVE, BELOW = 26, 24  # pixels for labels and for the caption
 

@@ -5,7 +5,7 @@ set -eu
 dataset=${1:?usage: tune_and_fit.sh DATASET FIT [SECONDS]}
 fit=${2:?usage: tune_and_fit.sh DATASET FIT [SECONDS]}
 root=$(cd "$(dirname "$0")/../.." && pwd)
-radiafit=${RADIAFIT:-$root/build/release/src/app/radiafit}
+radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
 table=$("$radiafit" tune "$dataset" --seconds "${3:-300}")
 printf '%s\n' "$table"
 # Its last line: radiafit fit DATASET OPTIONS -o DATASET-fit

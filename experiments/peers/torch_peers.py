@@ -319,7 +319,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--profile", default="standard", choices=("smoke", "standard", "paper"))
     parser.add_argument("--config", type=pathlib.Path, default=HERE / "torch_peers.toml")
-    parser.add_argument("--radiafit", type=pathlib.Path, default=ROOT / "build/release/src/app/radiafit", help="the program")
+    parser.add_argument("--radiafit", type=pathlib.Path, default=ROOT / "build/release/bin/radiafit", help="the program")
     parser.add_argument("--output", type=pathlib.Path, help="folder for rows and figure, in place of the checkout's")
     parser.add_argument("--threads", type=int, default=0, help="of both; 0 is all cores")
     parser.add_argument("--run", type=pathlib.Path, help="only draw the figure of this earlier run")

@@ -1,7 +1,7 @@
 // What a sample's squared residual s costs, twice, by losses of scale delta (in units of the targets): as s where residuals
 // are small. And the derivative, by which the sample counts in gradients and curvatures: as in the least squares whose
 // parabola touches the loss at s and lies above it elsewhere (iteratively reweighted least squares, Holland and Welsch 1977).
-// The includer says what an element is: `real`, or several side by side. src/model/loss.h lists the losses.
+// The includer says what an element is: `real`, or several side by side. src/core/model/loss.h lists the losses.
 SHARED_FN element huber_value(element s, real delta) {
     element root = sqrt(s);
     element most = min(root, element(delta));

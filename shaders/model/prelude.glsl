@@ -1,4 +1,4 @@
-// Lets one text be GLSL and C++ (C++ side: src/model/prelude.h). Model text uses only real, real2, real3, real4, int,
+// Lets one text be GLSL and C++ (C++ side: src/core/model/prelude.h). Model text uses only real, real2, real3, real4, int,
 // INOUT(T), SELECT(c, a, b), real(1.0) literals and the functions below; it is branch-free.
 #define real float
 #define real2 vec2

@@ -1,5 +1,5 @@
 // Maps of a page: values in steps, each channel scale * q + offset of a whole number q. q has 8 bits, which are in a layer
-// of an array of textures, or 16, whose upper 8 are in another (src/publish/coded_map.h). MAPS of them in all.
+// of an array of textures, or 16, whose upper 8 are in another (src/tools/publish/coded_map.h). MAPS of them in all.
 uniform sampler2DArray texel_maps;  // those in the layout of the atlas, or the grid
 uniform vec4 map_scale[MAPS];       // of r, g, b; the layer of the lower bits
 uniform vec4 map_offset[MAPS];      // of r, g, b; the layer of the upper bits, or -1

@@ -1,5 +1,5 @@
 #version 300 es
-// Colours by view direction on a learned basis (src/viewbasis/view_basis.h): y = m . b(v) + sum over k of z_k (u_k . b(v)).
+// Colours by view direction on a learned basis (src/fits/viewbasis/view_basis.h): y = m . b(v) + sum over k of z_k (u_k . b(v)).
 // Maps: RANK of z, the number of the texel's block of the surface, what is known. Table: of every block's 28 polynomials
 // the entries of m and u, four at a time.
 // variants: RANK=1,10 MAPS=30 STORED_SRGB=-,1

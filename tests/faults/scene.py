@@ -213,7 +213,7 @@ class Scene:
 
     def __init__(self, build):
         self.root = pathlib.Path(tempfile.mkdtemp(prefix="radiafit-faults-"))
-        self.programs = {"radiafit": build / "src/app/radiafit"}
+        self.programs = {"radiafit": build / "bin/radiafit"}
         self.programs.update({c.program: build / "experiments" / c.program for c in COMMANDS if c.program != "radiafit"})
         self.environment = {**os.environ, "LC_ALL": "C", "MESA_SHADER_CACHE_DIR": str(self.root / "shader-cache")}
         self.environment.pop("DISPLAY", None)

@@ -55,7 +55,7 @@ struct Family {
     FitSetting (*quick)() = [] { return FitSetting(); };
     Plan (*plan)(const Dataset& dataset, const FitRequest& request, size_t most_views);
     FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
-    /// For a fit in parts (app/parts.h).
+    /// For a fit in parts (fitting/parts/parts.h).
     std::unique_ptr<Divided> (*divide)(const Dataset& dataset, const FitRequest& request);
     /// The problems that the request's fit solves, and what its solution is judged by (docs/problems.md).
     void (*export_problems)(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);

@@ -9,7 +9,7 @@
 
 /// The options of a fit: one table. From it come the command line of fit and plan, fit.json, options in experiments'
 /// configs, the refusal of options that mean nothing to a fit, and docs/options.md. A family's own rows come from the
-/// family (app/family.h).
+/// family (fitting/family.h).
 namespace radiafit::fits {
 
 struct FitOption {

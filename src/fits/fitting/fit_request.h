@@ -25,7 +25,7 @@ enum class PriorKind { none, surface };          ///< of texels
 enum class SampleUse { cached, redistributed };  ///< of compute shaders
 enum class ImageSource { disk, disk_cold, memory, device };
 
-/// What to fit with. Every member but those from `scratch` on is an option of the table in app/fit_options.h, which
+/// What to fit with. Every member but those from `scratch` on is an option of the table in fitting/fit_options.h, which
 /// says what it means, what values it takes and which fits it means something to.
 struct FitRequest {
     std::string model_name = lfm_name;           ///< one of Family::models(), which decides the family
@@ -72,7 +72,7 @@ struct FitRequest {
     std::shared_ptr<Journal> journal;  ///< problems that an interrupted run has finished; null: none are kept
     double checkpoint_s = 10;          ///< seconds between writes of the journal to disk; 0: never
     bool cold = false;                 ///< drop records from the page cache before they are read
-    bool part = false;                 ///< fit a part of a surface (app/parts.h); no image needs to show it
+    bool part = false;                 ///< fit a part of a surface (fitting/parts/parts.h); no image needs to show it
     int left_out = 0;                  ///< OptimizerOptions::left_out: corrections of the paper to do without
     float first_step = 1;              ///< OptimizerOptions::first_step
     bool cull = true;                  ///< FragmentOptions::cull

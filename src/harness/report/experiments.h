@@ -32,7 +32,7 @@ std::vector<const ExperimentEntry*> reported_experiments();
 const RowFile* find_row_file(std::string_view experiment, std::string_view file);
 
 /// Where it is said, for messages.
-constexpr const char* rows_folder = "src/report/rows";
+constexpr const char* rows_folder = "src/harness/report/rows";
 
 /// docs/results.md: every experiment, its files, and what their columns are.
 std::string results_page();

@@ -1,4 +1,4 @@
-// The module radiafit_mpi: MPI behind app/ranks.h.
+// The module radiafit_mpi: MPI behind fitting/parts/ranks.h.
 #include "fitting/parts/ranks.h"
 
 #include <mpi.h>
