@@ -55,8 +55,8 @@ photos=$(cd "$photos" && pwd)
 lights=$(find "$photos/" -maxdepth 1 -type f,l -iname '*.lp' | sort)
 case $lights in *"
 "*) die "$photos: several light files (.lp): keep the one that belongs to these images" ;; esac
-endings="png jpg jpeg tif tiff"  # those that src/core/image/image_format.cpp has for COLMAP; tests/image_file_test.cpp compares
-count=$(find "$photos/" -maxdepth 1 -type f,l | grep -icE "\.($(echo $endings | tr ' ' '|'))\$") || true
+endings="png jpg jpeg tif tiff"  # those that src/core/image/image_format.cpp has for COLMAP; tests/capture/image_file_test.cpp compares
+count=$(find "$photos/" -maxdepth 1 -type f,l | grep -icE "\.($(echo "$endings" | tr ' ' '|'))\$") || true
 [ -n "$lights" ] || [ "$count" -ge 3 ] ||
     die "$photos: $count photographs here, fewer than three: give JPEG, PNG or TIFF files"
 mkdir -p "$out" || die "$out: cannot make this folder: write elsewhere"

@@ -81,7 +81,9 @@ uint64_t count_bits(std::string_view list) {
     uint64_t bits = 0;
     while (list.size() > 1) {
         list.remove_prefix(list.find('\0') + 1);
-        bits += list[0] == 1 ? 16 : 32;  // half; unsigned or float
+        uint32_t type = 0;
+        std::memcpy(&type, list.data(), sizeof type);
+        bits += type == 1 ? 16 : 32;  // half; unsigned or float
         list.remove_prefix(16);
     }
     return bits;
