@@ -13,6 +13,7 @@
 #include "synthetic/synthetic.h"
 
 namespace radiafit {
+using namespace fits;
 namespace {
 
 using Eigen::Index;

@@ -9,6 +9,7 @@
 #include "mesh_shapes.h"
 
 namespace radiafit {
+using namespace fits;
 namespace {
 
 View seen_from(const Vec3d& eye) {

@@ -12,6 +12,7 @@
 #include "temporary_folder.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 constexpr size_t sites = 3000, problems = 2, parameters = 5;  // of a site
@@ -126,7 +127,7 @@ TEST(Agreement, FitsAreComparedErrorByError) {
 }
 
 /// A scene on the CPU, its sums right and then wrong.
-void expect_checked(Scene& scene, bool light_field) {
+void expect_checked(BenchScene& scene, bool light_field) {
     const ExactSums exact = scene.exact_sums();
     const DeviceSums right = scene.sums(Device::cpu);
     EXPECT_EQ(compare(right, exact).disagreement(), "");
@@ -149,7 +150,7 @@ void expect_checked(Scene& scene, bool light_field) {
         EXPECT_TRUE(says(compare(wrong, exact), quantity_names[q])) << quantity_names[q];
     }
     const auto contestant = scene.contestant(Device::cpu);
-    const std::vector<double> errors = contestant->fit(Scene::fit_iterations), reference = scene.reference_fit();
+    const std::vector<double> errors = contestant->fit(BenchScene::fit_iterations), reference = scene.reference_fit();
     EXPECT_LE(fit_difference(errors, reference), scene.fit_tolerance());
     EXPECT_LT(reference.back(), reference.front());
     for (const Pass pass : {Pass::gradient, Pass::line, Pass::iteration, Pass::distribution}) {

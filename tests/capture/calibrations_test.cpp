@@ -15,6 +15,7 @@
 #include "dataset/dataset.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

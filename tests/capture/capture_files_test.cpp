@@ -17,6 +17,7 @@
 #include "image/png_file.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

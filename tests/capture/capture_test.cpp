@@ -14,6 +14,7 @@
 #include "geometry/raster.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

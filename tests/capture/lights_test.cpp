@@ -7,6 +7,7 @@
 #include "lights_fixture.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

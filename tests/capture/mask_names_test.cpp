@@ -4,6 +4,7 @@
 #include "capture_fixture.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

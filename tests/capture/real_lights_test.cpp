@@ -9,6 +9,7 @@
 #include "dataset/image_stream.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

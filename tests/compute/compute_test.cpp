@@ -5,6 +5,7 @@
 #include "samples/raster_distributor.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 /// One of the engine's ways to samples and to sums.

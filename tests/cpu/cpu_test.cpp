@@ -9,6 +9,7 @@
 #include "scenes.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 struct Scene : testing::SampledScene {

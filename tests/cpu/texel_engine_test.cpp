@@ -21,6 +21,7 @@
 #include "texel_scene.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 using namespace testing;

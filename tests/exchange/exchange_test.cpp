@@ -17,6 +17,7 @@
 #include "temporary_folder.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 /// As a graphics chip looks a texture up linearly at (x, y), in texels from its top left corner.

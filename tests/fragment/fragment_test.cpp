@@ -7,6 +7,7 @@
 #include "lfm_agreement.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 class FragmentAgreement : public ::testing::TestWithParam<Case> {};

@@ -16,6 +16,7 @@
 #include "texel_fragment_scene.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 using namespace testing;

@@ -10,6 +10,7 @@
 #include "target.h"
 
 namespace radiafit::fuzz {
+using namespace tools;
 namespace {
 
 using Seeds = std::vector<std::string>;

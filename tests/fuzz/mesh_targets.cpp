@@ -4,6 +4,7 @@
 #include "target.h"
 
 namespace radiafit::fuzz {
+using namespace tools;
 namespace {
 
 constexpr const char* ascii_ply =

@@ -5,6 +5,7 @@
 #include "target.h"
 
 namespace radiafit::fuzz {
+using namespace tools;
 namespace {
 
 using radiafit::testing::Bytes;

@@ -4,6 +4,7 @@
 #include "target.h"
 
 namespace radiafit::fuzz {
+using namespace tools;
 namespace {
 
 std::function<std::vector<std::string>(const fs::path&)> always(std::vector<std::string> seeds) {

@@ -24,6 +24,7 @@ thread_local uint64_t host_allocations = 0;
 [[gnu::noinline]] void operator delete(void* at, size_t) noexcept { std::free(at); }
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 uint64_t calls[2], read_bytes;

@@ -14,6 +14,7 @@
 #include "temporary_folder.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 namespace fs = std::filesystem;

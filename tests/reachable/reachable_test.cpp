@@ -8,6 +8,7 @@
 #include "reachable/direction_process.h"
 
 namespace radiafit::testing {
+using namespace fits;
 namespace {
 
 Vec3f random_direction(Rng& rng) {

@@ -12,6 +12,7 @@
 #include "texel_scene.h"
 
 namespace radiafit {
+using namespace fits;
 namespace {
 
 using testing::random_direction;

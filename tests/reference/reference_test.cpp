@@ -14,6 +14,8 @@
 #include "reference_scene.h"
 
 namespace radiafit {
+using namespace fits;
+using namespace harness;
 namespace {
 
 using namespace testing;

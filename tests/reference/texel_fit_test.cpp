@@ -14,6 +14,7 @@
 #include "texel_scene.h"
 
 namespace radiafit {
+using namespace fits;
 
 /// A polynomial texture map (Malzbender et al. 2001): linear, no shape.
 template <class real_type>

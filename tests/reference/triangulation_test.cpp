@@ -12,6 +12,7 @@
 #include "convex_hull.h"
 
 namespace radiafit {
+using namespace fits;
 namespace {
 
 using testing::cross;

@@ -8,6 +8,7 @@
 #include "base/rng.h"
 
 namespace radiafit {
+using namespace fits;
 namespace {
 
 using Eigen::Index;

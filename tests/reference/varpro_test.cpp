@@ -8,6 +8,8 @@
 #include "reference_scene.h"
 
 namespace radiafit {
+using namespace fits;
+using namespace harness;
 namespace {
 
 using namespace testing;

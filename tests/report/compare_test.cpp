@@ -15,6 +15,7 @@
 #include "temporary_folder.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 namespace fs = std::filesystem;

@@ -8,6 +8,7 @@
 #include "report/html_table.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 TEST(Html, TextIsEscapedWhereverItStands) {

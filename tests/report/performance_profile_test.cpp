@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 TEST(PerformanceProfile, SharesWithinFactorsOfTheFastest) {

@@ -22,6 +22,7 @@
 #include "write_limit.h"
 
 namespace radiafit {
+using namespace harness;
 namespace {
 
 namespace fs = std::filesystem;

@@ -13,6 +13,7 @@
 /// OpenGL's engines of light field maps against the naive oracle in double and against the CPU engine, on one shared
 /// sample list that the GL distributor made: the samples are identical, so only rounding may differ.
 namespace radiafit {
+using namespace harness;
 
 inline constexpr int width = 150, height = 130, views = 7;
 

@@ -10,6 +10,7 @@
 #include "dataset/dataset.h"
 
 namespace radiafit::testing {
+using namespace tools;
 
 constexpr float nan_value = std::numeric_limits<float>::quiet_NaN();
 

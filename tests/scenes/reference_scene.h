@@ -12,6 +12,8 @@
 #include "scenes.h"
 
 namespace radiafit::testing {
+using namespace fits;
+using namespace harness;
 
 using V = Lanes<double>;
 

@@ -11,6 +11,7 @@
 
 /// A textured unit sphere before nothing, and cameras that look at it: depths are known in closed form.
 namespace radiafit::testing {
+using namespace tools;
 
 /// Smooth noise in space, the same from wherever it is seen; octaves down to about two pixels of the images below.
 inline float texture_at(const Vec3d& p) {

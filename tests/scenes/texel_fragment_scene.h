@@ -12,6 +12,7 @@
 
 /// Images of noise under a lamp each, over a mesh or a grid, and what they say of each texel in double.
 namespace radiafit::testing {
+using namespace harness;
 
 struct TexelScene {
     bool grid = false;

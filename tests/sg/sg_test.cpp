@@ -10,6 +10,7 @@
 #include "viewbasis/texel_views.h"
 
 namespace radiafit::testing {
+using namespace fits;
 namespace {
 
 constexpr int lobes = 2;

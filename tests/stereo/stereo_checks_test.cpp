@@ -15,6 +15,7 @@
 #include "stereo_scene.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;
@@ -135,7 +136,7 @@ TEST_F(Checks, MeshIsCutToWhatDepthMapsSupport) {
         for (int y = 55; y < 60; ++y)
             for (int x = 0; x < side; ++x) map.planes[size_t(y * side + x)] = InversePlane::Zero();
     std::vector<std::vector<uint8_t>> masks(maps.size());
-    const Region region = region_of(cameras_, 1.3);
+    const SearchBall region = region_of(cameras_, 1.3);
     CutReport report;
     const Mesh cut = cut_mesh(mesh, maps, masks, region, {}, report);
     EXPECT_EQ(report.vertices, mesh.vertex_count());

@@ -8,6 +8,7 @@
 #include "stereo_scene.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;

@@ -12,6 +12,7 @@
 #include "stereo_scene.h"
 
 namespace radiafit {
+using namespace tools;
 namespace {
 
 using namespace testing;
@@ -54,7 +55,7 @@ TEST(CameraPair, MapsPointsOfThePlaneAndTheirNeighbours) {
 
 TEST(Region, IsABallAroundWhereCamerasLook) {
     const auto cameras = cameras_around(6, 40, 200);
-    const Region region = region_of(cameras, 1.0);
+    const SearchBall region = region_of(cameras, 1.0);
     EXPECT_LT(region.centre.norm(), 1e-6);
     EXPECT_NEAR(region.radius, 5 * std::sin(0.24), 0.02);  // of the field of view; distances are 5 to 5.01
     for (const auto& [x, y] : {std::array{100.5, 90.0}, {40.0, 60.0}, {150.0, 180.0}}) {
@@ -113,7 +114,7 @@ TEST(PatchMatch, FindsTheSphere) {
     for (const Camera& camera : cameras) pyramids.push_back(pyramid_of(photograph_of_sphere(camera)));
     ASSERT_EQ(pyramids[0].size(), 2u);
     const std::vector<const Pyramid*> sources = {&pyramids[0], &pyramids[1], &pyramids[3], &pyramids[4]};
-    const Region region = region_of(cameras, 1.2);
+    const SearchBall region = region_of(cameras, 1.2);
     const PlaneMap map = match_patches(pyramids[2], sources, region, 0.5f, 1);
     const PlaneMap truth = planes_of_sphere(cameras[2]);
     size_t seen = 0, near = 0, tilted = 0, wrong = 0;

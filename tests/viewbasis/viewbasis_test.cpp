@@ -18,6 +18,7 @@
 #include "viewbasis/view_basis_fit.h"
 
 namespace radiafit::testing {
+using namespace fits;
 namespace {
 
 TEST(ViewPolynomials, AreChebyshevProducts) {

@@ -70,7 +70,7 @@ void write_ornament(const SyntheticSize& size, uint64_t seed, const OrnamentOpti
     const std::vector<Light> lights = moving_lights(cameras, options.light, radius, seed);
 
     struct Worker {
-        ReflectanceRenderer renderer;
+        TexelSurfaceRenderer renderer;
         LinearImage image;
     };
     std::vector<Worker> workers(static_cast<size_t>(thread_count()));

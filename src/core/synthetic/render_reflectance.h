@@ -19,7 +19,7 @@ struct TexelSurface {
 Vec3d reflected(const TexelSurface& surface, uint32_t texel, const Vec3d& x, const Vec3d& eye, const Light& light);
 
 /// Scratch space is kept: one per thread.
-class ReflectanceRenderer {
+class TexelSurfaceRenderer {
 public:
     void render(const TexelSurface& surface, const Camera& camera, const Light& light, Shading shading,
                 LinearImage& image);

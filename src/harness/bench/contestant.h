@@ -10,9 +10,9 @@
 namespace radiafit::harness {
 
 /// A device with a scene's problems, ready to be timed.
-class Contestant {
+class TimedDevice {
 public:
-    virtual ~Contestant() = default;
+    virtual ~TimedDevice() = default;
 
     /// The sum of the problems' errors at the start and after each of so many iterations.
     virtual std::vector<double> fit(int iterations) = 0;
@@ -52,7 +52,7 @@ inline FragmentOptions fragment_options(Device device) {
 
 /// Conjugate gradients by an engine; `Owner` holds one and all that it stands on, as member `engine`.
 template <class Owner>
-class EngineContestant : public Contestant {
+class EngineContestant : public TimedDevice {
 public:
     /// start: in Parameters order. Samples are counted already.
     EngineContestant(std::unique_ptr<Owner> owner, std::vector<float> start, EngineHooks hooks)

@@ -30,7 +30,7 @@ struct OnCpu {
     explicit OnCpu(Args&&... args) : problem(std::forward<Args>(args)...), engine(problem) {}
 };
 
-class LightFieldScene final : public Scene {
+class LightFieldScene final : public BenchScene {
 public:
     LightFieldScene(Dataset dataset, bool by_opengl)
         : dataset_((require_light_field(dataset), std::move(dataset))),
@@ -77,7 +77,7 @@ public:
     }
     double fit_tolerance() const override { return 1e-4; }
 
-    std::unique_ptr<Contestant> contestant(Device device) override;
+    std::unique_ptr<TimedDevice> contestant(Device device) override;
 
 private:
     /// Penalties have no part in sums over samples.
@@ -102,7 +102,7 @@ private:
         return {sample_bytes, gradient_orders, double(layout_.size() * sizeof(float))};
     }
     template <class Owner>
-    std::unique_ptr<Contestant> started(std::unique_ptr<Owner> owner, EngineHooks hooks) const {
+    std::unique_ptr<TimedDevice> started(std::unique_ptr<Owner> owner, EngineHooks hooks) const {
         owner->engine.count();
         return std::make_unique<EngineContestant<Owner>>(std::move(owner), start_, std::move(hooks));
     }
@@ -219,7 +219,7 @@ DeviceSums LightFieldScene::sums(Device device) {
     return opengl_sums(engine);
 }
 
-std::unique_ptr<Contestant> LightFieldScene::contestant(Device device) {
+std::unique_ptr<TimedDevice> LightFieldScene::contestant(Device device) {
     const auto least = [this](const Kept& kept) {
         return [this, kept](Pass pass) {
             return light_field_load(pass, double(list_.samples.size()), options_.terms, kept);
@@ -251,7 +251,7 @@ std::unique_ptr<Contestant> LightFieldScene::contestant(Device device) {
 
 }  // namespace
 
-std::unique_ptr<Scene> light_field_scene(Dataset dataset, bool by_opengl) {
+std::unique_ptr<BenchScene> light_field_scene(Dataset dataset, bool by_opengl) {
     return std::make_unique<LightFieldScene>(std::move(dataset), by_opengl);
 }
 

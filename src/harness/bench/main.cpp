@@ -57,7 +57,7 @@ std::unique_ptr<Context> open_context(const BenchOptions& options) {
 
 struct NamedScene {
     std::string name;
-    std::unique_ptr<Scene> scene;
+    std::unique_ptr<BenchScene> scene;
 };
 
 std::vector<NamedScene> make_scenes(const std::vector<Dataset>& datasets, bool by_opengl) {
@@ -69,12 +69,12 @@ std::vector<NamedScene> make_scenes(const std::vector<Dataset>& datasets, bool b
 }
 
 /// Null where the device does not agree, or does not run.
-std::unique_ptr<Contestant> check(Scene& scene, const ExactSums& exact, const std::vector<double>& reference,
+std::unique_ptr<TimedDevice> check(BenchScene& scene, const ExactSums& exact, const std::vector<double>& reference,
                                   Checked& checked) {
     try {
         checked.sums = compare(scene.sums(checked.device), exact);
         auto contestant = scene.contestant(checked.device);
-        checked.fit_difference = fit_difference(contestant->fit(Scene::fit_iterations), reference);
+        checked.fit_difference = fit_difference(contestant->fit(BenchScene::fit_iterations), reference);
         checked.fit_tolerance = scene.fit_tolerance();
         if (checked.disagreement().empty()) return contestant;
     } catch (const std::exception& e) {

@@ -109,7 +109,7 @@ std::string Checked::disagreement() const {
     if (!failure.empty()) return failure;
     std::string text = sums.disagreement();
     if (!(fit_difference <= fit_tolerance))
-        text += fmt::format("{}errors of {} iterations off by {:.1e}", text.empty() ? "" : ", ", Scene::fit_iterations,
+        text += fmt::format("{}errors of {} iterations off by {:.1e}", text.empty() ? "" : ", ", BenchScene::fit_iterations,
                             fit_difference);
     return text;
 }

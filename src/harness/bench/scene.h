@@ -17,9 +17,9 @@ struct SceneFacts {
 };
 
 /// A model to be fitted to a dataset, by any device, all of them over the same samples.
-class Scene {
+class BenchScene {
 public:
-    virtual ~Scene() = default;
+    virtual ~BenchScene() = default;
     virtual SceneFacts facts() const = 0;
     /// Whether there is such an engine for the model.
     virtual bool has(Device device) const = 0;
@@ -35,7 +35,7 @@ public:
     /// How far iterations carry roundings: a problem decides otherwise where a trial changes its error by less.
     virtual double fit_tolerance() const = 0;
 
-    virtual std::unique_ptr<Contestant> contestant(Device device) = 0;
+    virtual std::unique_ptr<TimedDevice> contestant(Device device) = 0;
 };
 
 }  // namespace radiafit::harness

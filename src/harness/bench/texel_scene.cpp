@@ -58,7 +58,7 @@ struct OnCpu {
         : problem(all.batches, all.texel_of.size(), options), engine(problem) {}
 };
 
-class TexelScene final : public Scene {
+class TexelScene final : public BenchScene {
 public:
     TexelScene(Dataset dataset, bool by_opengl)
         : dataset_((require_lights(dataset), std::move(dataset))),
@@ -105,7 +105,7 @@ public:
     }
     double fit_tolerance() const override { return 2e-3; }
 
-    std::unique_ptr<Contestant> contestant(Device device) override;
+    std::unique_ptr<TimedDevice> contestant(Device device) override;
 
 private:
     TexelResult solve(int iterations) const {
@@ -119,7 +119,7 @@ private:
     template <class E>
     DeviceSums opengl_sums(E& engine) const;
     template <class Owner>
-    std::unique_ptr<Contestant> started(std::unique_ptr<Owner> owner, std::vector<float> start,
+    std::unique_ptr<TimedDevice> started(std::unique_ptr<Owner> owner, std::vector<float> start,
                                         EngineHooks hooks) const {
         owner->engine.count();
         return std::make_unique<EngineContestant<Owner>>(std::move(owner), std::move(start), std::move(hooks));
@@ -226,7 +226,7 @@ DeviceSums TexelScene::sums(Device device) {
     return opengl_sums(engine);
 }
 
-std::unique_ptr<Contestant> TexelScene::contestant(Device device) {
+std::unique_ptr<TimedDevice> TexelScene::contestant(Device device) {
     const auto least = [this](double sample_bytes, double numbers) {
         const Kept kept{sample_bytes, 1, double(atlas_.texel_count()) * numbers * sizeof(float)};
         return [this, kept](Pass pass) { return lafortune_load(pass, double(samples_), kept); };
@@ -249,7 +249,7 @@ std::unique_ptr<Contestant> TexelScene::contestant(Device device) {
 
 }  // namespace
 
-std::unique_ptr<Scene> texel_scene(Dataset dataset, bool by_opengl) {
+std::unique_ptr<BenchScene> texel_scene(Dataset dataset, bool by_opengl) {
     return std::make_unique<TexelScene>(std::move(dataset), by_opengl);
 }
 

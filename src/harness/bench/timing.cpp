@@ -27,7 +27,7 @@ private:
     int before_;
 };
 
-double seconds_of(Contestant& contestant, Pass pass, int times) {
+double seconds_of(TimedDevice& contestant, Pass pass, int times) {
     contestant.prepare(pass, times);
     const Stopwatch clock;
     contestant.run(pass, times);
@@ -79,7 +79,7 @@ void warm_up(Timed& timed) {
         if (!timed.contestant->has(pass)) continue;
         int& times = timed.times[pass] = 1;
         if (seconds_of(*timed.contestant, pass, 1) > longer_than_compiling_s) continue;
-        while (times < Contestant::most_times && seconds_of(*timed.contestant, pass, times) < long_enough_s) times *= 2;
+        while (times < TimedDevice::most_times && seconds_of(*timed.contestant, pass, times) < long_enough_s) times *= 2;
     }
 }
 

@@ -27,7 +27,7 @@ struct Series {
 struct Timed {
     std::string scene;
     Device device;
-    std::unique_ptr<Contestant> contestant;
+    std::unique_ptr<TimedDevice> contestant;
     std::map<Pass, int> times = {};  ///< runs of a measurement: as many as take long enough to tell
     std::map<Pass, Series> series = {};
 };

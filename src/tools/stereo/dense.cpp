@@ -88,7 +88,7 @@ Journal open_journal(const fs::path& file, const std::string& key) {
     return {file, key, seconds_between_writes};
 }
 
-size_t pixels_within(const Region& region, const Camera& camera) {
+size_t pixels_within(const SearchBall& region, const Camera& camera) {
     size_t count = 0;
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x) count += inverse_depths(region, camera, x + 0.5, y + 0.5).has_value();
@@ -109,7 +109,7 @@ DenseReport compute_depths(const DenseOptions& options, const fs::path& out) {
         throw UserError(
             fmt::format("{}: no photograph shares points with two others: take photographs that overlap more",
                         options.model.string()));
-    const Region region = region_of(cameras, options.region);
+    const SearchBall region = region_of(cameras, options.region);
     AtomicFolder folder(out);
     announce_needs("depths", needs_of(cameras), out, options.force);
     const std::vector<Pyramid> pyramids = read_pyramids(model, options.images);

@@ -116,7 +116,7 @@ size_t count_of(const Marks& marks) { return size_t(std::count(marks.begin(), ma
 }  // namespace
 
 Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const std::vector<uint8_t>> masks,
-              const Region& region, const CutOptions& options, CutReport& report) {
+              const SearchBall& region, const CutOptions& options, CutReport& report) {
     const size_t count = mesh.vertex_count();
     std::vector<uint32_t> framed(count, 0), masked_out(count, 0), supported(count, 0);
     std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));

@@ -31,6 +31,6 @@ struct CutReport {
 /// `close` rings away. maps: [images], those of the model; masks: of its images, empty where there is none. Throws
 /// UserError where nothing is left.
 Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const std::vector<uint8_t>> masks,
-              const Region& region, const CutOptions& options, CutReport& report);
+              const SearchBall& region, const CutOptions& options, CutReport& report);
 
 }  // namespace radiafit::tools

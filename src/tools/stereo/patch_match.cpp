@@ -31,7 +31,7 @@ private:
 /// One size of the pyramid.
 class Level {
 public:
-    Level(const GreyImage& reference, std::vector<const GreyImage*> sources, const Region& region)
+    Level(const GreyImage& reference, std::vector<const GreyImage*> sources, const SearchBall& region)
         : reference_(&reference), sources_(std::move(sources)), region_(region) {
         for (const GreyImage* source : sources_) pairs_.emplace_back(reference.camera, source->camera);
         const size_t count = reference.values.size();
@@ -133,7 +133,7 @@ private:
 
     const GreyImage* reference_;
     std::vector<const GreyImage*> sources_;
-    Region region_;
+    SearchBall region_;
     std::vector<CameraPair> pairs_;
     std::vector<InversePlane> planes_;
     std::vector<float> costs_;
@@ -149,7 +149,7 @@ Pyramid pyramid_of(GreyImage image) {
     return pyramid;
 }
 
-PlaneMap match_patches(const Pyramid& reference, std::span<const Pyramid* const> sources, const Region& region,
+PlaneMap match_patches(const Pyramid& reference, std::span<const Pyramid* const> sources, const SearchBall& region,
                        float most_cost, uint64_t seed) {
     const auto level_at = [&](size_t l) {
         std::vector<const GreyImage*> images;

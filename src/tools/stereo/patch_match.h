@@ -19,7 +19,7 @@ Pyramid pyramid_of(GreyImage image);
 /// pixel takes over a plane of eight others, or a random change of its own, where its patch then agrees better, in the
 /// mean over the better half of the sources. Zero where that cost stays above `most_cost`.
 /// Depends on nothing but the arguments. Runs on one thread.
-PlaneMap match_patches(const Pyramid& reference, std::span<const Pyramid* const> sources, const Region& region,
+PlaneMap match_patches(const Pyramid& reference, std::span<const Pyramid* const> sources, const SearchBall& region,
                        float most_cost, uint64_t seed);
 
 }  // namespace radiafit::tools

@@ -9,7 +9,7 @@
 
 namespace radiafit::tools {
 
-Region region_of(std::span<const Camera> cameras, double scale) {
+SearchBall region_of(std::span<const Camera> cameras, double scale) {
     std::vector<Silhouette> views;
     for (const Camera& camera : cameras) views.push_back({camera, {}});
     const std::optional<Vec3d> centre = meeting_point(views);
@@ -28,7 +28,7 @@ Region region_of(std::span<const Camera> cameras, double scale) {
     return {*centre, std::min(scale * *middle, most * nearest)};
 }
 
-std::optional<std::array<float, 2>> inverse_depths(const Region& region, const Camera& camera, double x, double y) {
+std::optional<std::array<float, 2>> inverse_depths(const SearchBall& region, const Camera& camera, double x, double y) {
     // |z r - c|² = R² with r of depth 1.
     const Vec3d r((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
     const Vec3d c = camera.to_camera(region.centre);
