@@ -99,7 +99,8 @@ Usage tally(E& engine, const Body& body) {
     for (const auto& [label, tally] : usage.tallies)
         if (!tally.cost)
             throw UserError(fmt::format(
-                "{} declares no cost in src/core/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel", label));
+                "{} declares no cost in src/core/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel",
+                label));
     return usage;
 }
 

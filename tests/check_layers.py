@@ -78,7 +78,7 @@ LIBRARIES = [
 HEAVY = re.compile(r"(OpenImageIO/|OpenEXR/|Imf|ceres/|toml\+\+/|nlohmann/)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 
-PROGRAMS = {"fitting", "command_line", "cli", "bench",  # whose messages nobody reads but at the command line
+PROGRAMS = {"fitting", "command_line", "cli", "bench", "report",  # whose messages nobody reads but at the command line
             "python"}  # whose documentation leads to the program's
 
 # What only a user of the program knows; base/wording.h says it to them, and to others in other words.

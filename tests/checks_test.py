@@ -75,48 +75,52 @@ class Layers(Tree):
         return check_layers.check(self.root)[0]
 
     def test_allowed_includes_pass(self):
-        self.write("src/base/a.h", "#include <vector>\n")
-        self.write("src/geometry/a.h", '#include "base/a.h"\n#include "geometry/b.h"\n')
-        self.write("src/gl/a.cpp", '#include <GL/glcorearb.h>\n#include "base/log.h"\n')
-        self.write("src/fragment/a.cpp", '#include "gl/a.h"\n#include "optim/engine.h"\n#include "optimize/problem_state.glsl"\n')
-        self.write("src/eval/a.cpp", '#include "fit/fit.h"\n#include "dataset/d.h"\n#include <nlohmann/json.hpp>\n')
-        self.write("src/app/a.cpp", '#include "gl/a.h"\n#include "eval/a.h"\n#include <CLI/CLI.hpp>\n')
-        self.write("src/app/CMakeLists.txt", "radiafit_layer(app LINKS radiafit_gl radiafit_eval)\n")
-        self.write("src/gl/CMakeLists.txt", "radiafit_layer(gl LINKS radiafit_base EXTERNAL x)\n")
-        self.write("src/geometry/CMakeLists.txt", "radiafit_layer(geometry LINKS radiafit_base)\n")
-        self.write("src/eval/CMakeLists.txt", "radiafit_layer(eval LINKS radiafit_fit)\n")
-        self.write("src/fit/CMakeLists.txt", "radiafit_layer(fit LINKS radiafit_dataset)\n")
+        self.write("src/core/base/a.h", "#include <vector>\n")
+        self.write("src/core/geometry/a.h", '#include "base/a.h"\n#include "geometry/b.h"\n')
+        self.write("src/core/gl/a.cpp", '#include <GL/glcorearb.h>\n#include "base/log.h"\n')
+        self.write("src/core/fragment/a.cpp", '#include "gl/a.h"\n#include "optim/engine.h"\n#include "optimize/problem_state.glsl"\n')
+        self.write("src/core/eval/a.cpp", '#include "fit/fit.h"\n#include "dataset/d.h"\n#include <nlohmann/json.hpp>\n')
+        self.write
+        self.write("src/tools/cli/CMakeLists.txt", "radiafit_layer(cli LINKS radiafit_gl radiafit_eval)\n")
+        self.write("src/core/gl/CMakeLists.txt", "radiafit_layer(gl LINKS radiafit_base EXTERNAL x)\n")
+        self.write("src/core/geometry/CMakeLists.txt", "radiafit_layer(geometry LINKS radiafit_base)\n")
+        self.write("src/core/eval/CMakeLists.txt", "radiafit_layer(eval LINKS radiafit_fit)\n")
+        self.write("src/core/fit/CMakeLists.txt", "radiafit_layer(fit LINKS radiafit_dataset)\n")
         self.assertEqual(self.errors(), [])
 
     def test_each_forbidden_include_is_named(self):
         cases = [
-            ("src/base/a.h", '#include "geometry/mesh.h"', "base may not include geometry"),
-            ("src/model/a.cpp", '#include "dataset/dataset.h"', "model may not include dataset"),
-            ("src/cpu/a.cpp", '  #  include "gl/program.h"', "cpu may not include gl"),
-            ("src/gl/a.cpp", '#include "optim/engine.h"', "gl may not include optim"),
-            ("src/fragment/a.cpp", '#include "reference/ceres.h"', "fragment may not include reference"),
-            ("src/eval/a.cpp", '#include "optim/solver.h"', "eval may not include optim"),
-            ("src/fit/a.cpp", '#include "samples/list.h"', "fit may not include samples"),
-            ("src/capture/a.cpp", '#include "samples/list.h"', "capture may not include samples"),
-            ("src/report/a.cpp", '#include "dataset/dataset.h"', "report may not include dataset"),
-            ("src/gl/a.cpp", '#include "app/registry.h"', "gl may not include app"),
-            ("src/geometry/a.cpp", '#include "model/lfm.glsl"', "geometry may not include model"),
-            ("src/dataset/a.cpp", '#include "optimize/problem_state.glsl"', "dataset may not include optim"),
-            ("src/gl/a.cpp", '#include "gather/maps.glsl"', "no text shared with C++"),
-            ("src/gl/a.cpp", '#include "program.h"', "names no layer"),
-            ("src/gl/a.cpp", '#include "vulkan/program.h"', "is no layer"),
-            ("src/dataset/a.cpp", "#include <OpenImageIO/imageio.h>", "only image"),
-            ("src/fit/a.cpp", "#include <ImfInputFile.h>", "only image"),
-            ("src/exchange/a.cpp", "#include <jpeglib.h>", "only image"),
-            ("src/publish/a.cpp", "#include <webp/encode.h>", "only image"),
-            ("src/capture/a.cpp", "#include <png.h>", "only image"),
-            ("src/image/a.cpp", '#include "dataset/dataset.h"', "image may not include dataset"),
-            ("src/exchange/a.cpp", '#include "capture/image_set.h"', "exchange may not include capture"),
-            ("src/app/a.cpp", "#include <GL/glcorearb.h>", "only gl"),
+            ("src/core/base/a.h", '#include "geometry/mesh.h"', "base may not include geometry"),
+            ("src/core/model/a.cpp", '#include "dataset/dataset.h"', "model may not include dataset"),
+            ("src/core/cpu/a.cpp", '  #  include "gl/program.h"', "cpu may not include gl"),
+            ("src/core/gl/a.cpp", '#include "optim/engine.h"', "gl may not include optim"),
+            ("src/core/fragment/a.cpp", '#include "reference/ceres.h"', "fragment may not include reference"),
+            ("src/core/eval/a.cpp", '#include "optim/solver.h"', "eval may not include optim"),
+            ("src/core/fit/a.cpp", '#include "samples/list.h"', "fit may not include samples"),
+            ("src/tools/capture/a.cpp", '#include "samples/list.h"', "capture may not include samples"),
+            ("src/harness/report/a.cpp", '#include "dataset/dataset.h"', "report may not include dataset"),
+            ("src/core/gl/a.cpp", '#include "fitting/family.h"', "gl may not include fitting"),
+            ("src/core/geometry/a.cpp", '#include "model/lfm.glsl"', "geometry may not include model"),
+            ("src/core/dataset/a.cpp", '#include "optimize/problem_state.glsl"', "dataset may not include optim"),
+            ("src/core/gl/a.cpp", '#include "gather/maps.glsl"', "no text shared with C++"),
+            ("src/core/gl/a.cpp", '#include "program.h"', "names no layer"),
+            ("src/core/gl/a.cpp", '#include "vulkan/program.h"', "is no layer"),
+            ("src/core/dataset/a.cpp", "#include <OpenImageIO/imageio.h>", "only image"),
+            ("src/core/fit/a.cpp", "#include <ImfInputFile.h>", "only image"),
+            ("src/tools/exchange/a.cpp", "#include <jpeglib.h>", "only image"),
+            ("src/tools/publish/a.cpp", "#include <webp/encode.h>", "only image"),
+            ("src/tools/capture/a.cpp", "#include <png.h>", "only image"),
+            ("src/core/image/a.cpp", '#include "dataset/dataset.h"', "image may not include dataset"),
+            ("src/tools/exchange/a.cpp", '#include "capture/image_set.h"', "exchange may not include capture"),
+            ("src/tools/cli/a.cpp", "#include <GL/glcorearb.h>", "only gl"),
             ("experiments/a.cpp", "#include <EGL/egl.h>", "only gl"),
-            ("src/base/config.h", "#include <toml++/toml.h>", "too heavy"),
-            ("src/dataset/a.h", "#include <nlohmann/json.hpp>", "too heavy"),
-            ("src/vulkan/a.h", "", "not a layer"),
+            ("src/core/base/config.h", "#include <toml++/toml.h>", "too heavy"),
+            ("src/core/dataset/a.h", "#include <nlohmann/json.hpp>", "too heavy"),
+            ("src/core/vulkan/a.h", "", "not a layer of this ring"),
+            ("src/fits/geometry/a.h", "", "not a layer of this ring"),
+            ("src/fits/fitting/a.cpp", '#include "publish/page.h"', "fitting may not include publish"),
+            ("src/fits/fitting/a.cpp", '#include "report/csv.h"', "fitting may not include report"),
+            ("experiments/a.cpp", '#include "capture/image_set.h"', "experiments may not include capture"),
         ]
         for path, line, expected in cases:
             with self.subTest(path=path, line=line):
@@ -129,7 +133,28 @@ class Layers(Tree):
                 if line:
                     self.assertTrue(errors[0].startswith(f"{path}:2: "), errors[0])
 
-    def test_words_of_the_command_line_below_app_are_named(self):
+    def test_a_class_is_defined_once_where_one_place_sees_it(self):
+        self.write("src/core/eval/a.h", "namespace radiafit {\n\nstruct Scene {\n    struct Part {};\n};\n\n}  // namespace radiafit\n")
+        self.write("src/core/fit/a.h", "namespace radiafit {\nclass Scene;\nstruct Other {\n    struct Part {};\n};\n}\n"
+                                       "namespace radiafit::detail {\nclass Scene {};\n}\n")
+        self.assertEqual(self.errors(), [])
+        for path, space in (("src/core/fit/b.h", "radiafit"), ("src/tools/stereo/b.h", "radiafit::tools")):
+            self.write(path, f"namespace {space} {{\n\n/// Another.\nenum class Scene {{ one }};\n\n}}  // namespace {space}\n")
+            self.assertEqual(self.errors(), [f"{path}: defines {space}::Scene, as src/core/eval/a.h does; rename one"])
+            (self.root / path).unlink()
+
+    def test_the_map_and_the_build_have_the_same_layers(self):
+        rows = [f"| {ring} | `{layer}` | what it is |\n" for ring, layers in check_layers.RINGS.items() for layer in layers]
+        sets = [f"set({ring} {' '.join(set(layers) - {'python'})})\n" for ring, layers in check_layers.RINGS.items()]
+        self.write("docs/architecture.md", "".join(rows))
+        self.write("src/CMakeLists.txt", "".join(sets))
+        self.assertEqual(self.errors(), [])
+        self.write("docs/architecture.md", "".join(rows[1:]))
+        self.write("src/CMakeLists.txt", "".join(sets[1:]))
+        self.assertEqual(self.errors(), ["src/CMakeLists.txt: set(core ...) is not RINGS of tests/check_layers.py",
+                                         "docs/architecture.md: the map lacks base in core"])
+
+    def test_words_of_the_command_line_are_named_in_libraries(self):
         found = [
             ('throw UserError("choose a smaller --view-side");', "--view-side"),
             ('throw UserError(fmt::format("{}: use -"  // broken\n    "-mu 0", 1\'000));', "--mu"),
@@ -140,20 +165,20 @@ class Layers(Tree):
         ]
         for line, word in found:
             with self.subTest(line=line):
-                self.write("src/gl/a.cpp", "// first\n" + line + "\n")
+                self.write("src/core/gl/a.cpp", "// first\n" + line + "\n")
                 errors = self.errors()
                 self.assertEqual(len(errors), 1, errors)
-                self.assertTrue(errors[0].startswith(f"src/gl/a.cpp:2: '{word}' "), errors[0])
+                self.assertTrue(errors[0].startswith(f"src/core/gl/a.cpp:2: '{word}' "), errors[0])
         for line in ("// --mu of \"--mu\"", "/* '\"' --mu */", 'log("a -- b, c--d, ---e, radiafit fitted");', "int c = '\"'; --c; // \"",
                      'log(option_name("mu"), at_command_line("see `radiafit devices` " "or --mu", "see list()"));'):
             with self.subTest(line=line):
-                self.write("src/gl/a.cpp", line + "\n")
+                self.write("src/core/gl/a.cpp", line + "\n")
                 self.assertEqual(self.errors(), [])
-        self.write("src/app/a.cpp", 'log("--mu");\n')
+        self.write("src/tools/cli/a.cpp", 'log("--mu");\n')
         self.assertEqual(self.errors(), [])
 
     def test_only_the_function_that_puts_a_command_down_is_free(self):
-        path, function = "src/capture/import.cpp", 'std::string provenance(const A& a) {\n    return " --gains";\n}\n'
+        path, function = "src/tools/capture/import.cpp", 'std::string provenance(const A& a) {\n    return " --gains";\n}\n'
         self.write(path, function)
         self.assertEqual(self.errors(), [])
         self.write(path, function + 'void f() { provenance(" --gains"); }\n')
@@ -163,14 +188,14 @@ class Layers(Tree):
         self.assertIn("has no function provenance", self.errors()[0])
 
     def test_link_lists(self):
-        self.write("src/base/CMakeLists.txt", "radiafit_layer(base)\n")
-        self.write("src/geometry/CMakeLists.txt", "# radiafit_gl\nradiafit_layer(geometry LINKS radiafit_base)\n")
+        self.write("src/core/base/CMakeLists.txt", "radiafit_layer(base)\n")
+        self.write("src/core/geometry/CMakeLists.txt", "# radiafit_gl\nradiafit_layer(geometry LINKS radiafit_base)\n")
         self.assertEqual(self.errors(), [])
-        self.write("src/report/CMakeLists.txt", "radiafit_layer(report LINKS radiafit_geometry EXTERNAL radiafit_gl)\n")
-        self.assertEqual(self.errors(), ["src/report/CMakeLists.txt: report may not link geometry"])
-        self.write("src/report/CMakeLists.txt", "radiafit_layer(report)\n")
-        self.write("src/report/a.h", '#include "base/error.h"\n')
-        self.assertEqual(self.errors(), ["src/report/CMakeLists.txt: report includes base but doesn't link it"])
+        self.write("src/harness/report/CMakeLists.txt", "radiafit_layer(report LINKS radiafit_geometry EXTERNAL radiafit_gl)\n")
+        self.assertEqual(self.errors(), ["src/harness/report/CMakeLists.txt: report may not link geometry"])
+        self.write("src/harness/report/CMakeLists.txt", "radiafit_layer(report)\n")
+        self.write("src/harness/report/a.h", '#include "base/error.h"\n')
+        self.assertEqual(self.errors(), ["src/harness/report/CMakeLists.txt: report includes base but doesn't link it"])
 
 
 @unittest.skipUnless(shutil.which("glslangValidator"), "glslangValidator is absent")

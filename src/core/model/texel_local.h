@@ -7,8 +7,8 @@
 ///     m_c = sum_k a[k][c] basis_k(terms; shape),
 /// where the last basis function alone depends on the shape, which the channels share. `Text` is a model's shared text
 /// (shaders/model/NAME.glsl); docs/texel-models.md lists what one holds. The texts that there are: model/texel_texts.h,
-/// made from the list in src/core/model/CMakeLists.txt. A text of several lobes says by shape_owner() which basis function
-/// each number of the shape belongs to; Levenberg-Marquardt on the CPU alone fits those (cpu/texel_fit.h).
+/// made from the list in src/core/model/CMakeLists.txt. A text of several lobes says by shape_owner() which basis
+/// function each number of the shape belongs to; Levenberg-Marquardt on the CPU alone fits those (cpu/texel_fit.h).
 ///
 /// Parameters of a texel: a[basis][3], then the shape: Lafortune's rho_d, rho_s, Cx, Cz, log n (Eq. 16).
 namespace radiafit {

@@ -5,8 +5,8 @@
 #include "model/prelude.h"
 
 /// What a texel-local model's text may call (docs/texel-models.md). model/texel_texts.h holds `texel_text::NAME<real>`
-/// for every model named in src/core/model/CMakeLists.txt, and RADIAFIT_TEXEL_MODELS(EACH), which expands to EACH(NAME) of
-/// all.
+/// for every model named in src/core/model/CMakeLists.txt, and RADIAFIT_TEXEL_MODELS(EACH), which expands to EACH(NAME)
+/// of all.
 namespace radiafit::texel_text {
 using std::exp, std::log, std::max, std::min, std::sqrt;
 }

@@ -11,8 +11,8 @@ Vec3d reflected(const TexelSurface& surface, uint32_t texel, const Vec3d& x, con
     return light.irradiance_at(x).cwiseProduct(reflect(model, surface.truth.parameters[texel], angles));
 }
 
-void TexelSurfaceRenderer::render(const TexelSurface& surface, const Camera& camera, const Light& light, Shading shading,
-                                 LinearImage& image) {
+void TexelSurfaceRenderer::render(const TexelSurface& surface, const Camera& camera, const Light& light,
+                                  Shading shading, LinearImage& image) {
     const TriangleAtlas& atlas = surface.atlas;
     const Vec3d eye = camera.center();
     render_samples(rasterizer_, atlas.mesh(), camera, shading == Shading::texel ? 1 : supersamples, image,

@@ -70,7 +70,7 @@ std::vector<NamedScene> make_scenes(const std::vector<Dataset>& datasets, bool b
 
 /// Null where the device does not agree, or does not run.
 std::unique_ptr<TimedDevice> check(BenchScene& scene, const ExactSums& exact, const std::vector<double>& reference,
-                                  Checked& checked) {
+                                   Checked& checked) {
     try {
         checked.sums = compare(scene.sums(checked.device), exact);
         auto contestant = scene.contestant(checked.device);

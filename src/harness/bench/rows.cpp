@@ -109,8 +109,8 @@ std::string Checked::disagreement() const {
     if (!failure.empty()) return failure;
     std::string text = sums.disagreement();
     if (!(fit_difference <= fit_tolerance))
-        text += fmt::format("{}errors of {} iterations off by {:.1e}", text.empty() ? "" : ", ", BenchScene::fit_iterations,
-                            fit_difference);
+        text += fmt::format("{}errors of {} iterations off by {:.1e}", text.empty() ? "" : ", ",
+                            BenchScene::fit_iterations, fit_difference);
     return text;
 }
 

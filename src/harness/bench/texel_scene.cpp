@@ -120,7 +120,7 @@ private:
     DeviceSums opengl_sums(E& engine) const;
     template <class Owner>
     std::unique_ptr<TimedDevice> started(std::unique_ptr<Owner> owner, std::vector<float> start,
-                                        EngineHooks hooks) const {
+                                         EngineHooks hooks) const {
         owner->engine.count();
         return std::make_unique<EngineContestant<Owner>>(std::move(owner), std::move(start), std::move(hooks));
     }

@@ -79,7 +79,8 @@ void warm_up(Timed& timed) {
         if (!timed.contestant->has(pass)) continue;
         int& times = timed.times[pass] = 1;
         if (seconds_of(*timed.contestant, pass, 1) > longer_than_compiling_s) continue;
-        while (times < TimedDevice::most_times && seconds_of(*timed.contestant, pass, times) < long_enough_s) times *= 2;
+        while (times < TimedDevice::most_times && seconds_of(*timed.contestant, pass, times) < long_enough_s)
+            times *= 2;
     }
 }
 

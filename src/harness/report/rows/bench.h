@@ -102,7 +102,8 @@ inline const RowFileOf<Summary> summary{
       &Summary::ns_per_sample},
      {"operations reads bytes", told("{:.5g}"),
       "fragment programs: what they declare, times how often they ran; CPU and compute shaders: the least that the "
-      "model and its samples ask for (`src/harness/bench/work.cpp`), reads not told, nor bytes of those that distribute anew",
+      "model and its samples ask for (`src/harness/bench/work.cpp`), reads not told, nor bytes of those that "
+      "distribute anew",
       &Summary::operations, &Summary::reads, &Summary::bytes},
      {"operations_share reads_share bytes_share", told("{:.5g}").in("share"),
       "of the device's peaks, each by its own round's; beyond 1 where caches serve what is counted",
