@@ -1,6 +1,6 @@
 // Real captures: how good fits are on images that were held out, by two rules for holding out, and inside and outside
 // the directions of the images that were fitted.
-#include "report/rows/captures.h"
+#include "rows/captures.h"
 
 #include <fmt/format.h>
 

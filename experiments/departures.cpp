@@ -1,6 +1,6 @@
 // What our mends of the paper's text are worth, each left out by itself (docs/paper.md numbers them): how far the
 // paper's optimizers then come, on light field maps of the star and on Lafortune's model on the ornament.
-#include "report/rows/departures.h"
+#include "rows/departures.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // Figure 7 of the paper: how fast conjugate gradients and steepest descent converge, in the paper's mode; and to which
 // ends both come when they run on.
-#include "report/rows/fig7_convergence.h"
+#include "rows/fig7_convergence.h"
 
 #include <fmt/format.h>
 

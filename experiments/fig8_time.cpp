@@ -1,7 +1,7 @@
 // Figure 8 of the paper: the time of the CPU baseline, distribution and optimization, against OpenGL's, image
 // streaming, computation and switching; conjugate gradients and steepest descent in the paper's mode. Every round runs
 // each contestant once, so that what slows the machine for a while meets all.
-#include "report/rows/fig8_time.h"
+#include "rows/fig8_time.h"
 
 #include <fmt/format.h>
 

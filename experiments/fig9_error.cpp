@@ -1,6 +1,6 @@
 // Figure 9 of the paper: error of factorization (PCA) and of nonlinear optimization at the same high resolution, and of
 // the CPU in 32-bit and OpenGL in 16-bit floats at a low one, on training and on held-out views.
-#include "report/rows/fig9_error.h"
+#include "rows/fig9_error.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // From the paper's passes to samples in the CPU's caches, step by step (Sections 6.5 and 6.6): what an image and a
 // sweep over it cost where passes write to one target each, then to several, over several images at a time, in compute
 // shaders, and on the CPU; with samples found again in every sweep, and kept. All steps by turns in one run.
-#include "report/rows/passes.h"
+#include "rows/passes.h"
 
 #include <fmt/format.h>
 

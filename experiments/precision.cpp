@@ -1,6 +1,6 @@
 // What 16-bit floats cost: the fragment engine with parameters and sums over samples in 32 and 16 bits, conjugate
 // gradients and steepest descent in the paper's mode (Sections 6.3 and 6.4; behind claim C9).
-#include "report/rows/precision.h"
+#include "rows/precision.h"
 
 #include <fmt/format.h>
 

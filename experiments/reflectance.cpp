@@ -1,7 +1,7 @@
 // Lafortune's reflectance model (Sections 4.2 and 6.5): every solver on the same samples of the ornament, against its
 // truth and against Ceres, texel by texel, and against held-out images. White, which is made by another model, has no
 // truth that parameters could be compared with.
-#include "report/rows/reflectance.h"
+#include "rows/reflectance.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Memory and time against the size of the problem (Sections 3.2, 4.3, 6.3 and 6.6; claims C13, C14, C15 and C18): bytes
 // of the fragment engine over parameters; seconds of an iteration over radiance samples and over texels of the surface;
 // gathered and scattered; and what it costs to find every texel's pixel again in each sweep over the images.
-#include "report/rows/scaling.h"
+#include "rows/scaling.h"
 
 #include <fmt/format.h>
 #include <malloc.h>

@@ -1,6 +1,6 @@
 // Solvers side by side: Ceres in each of its settings, alternating least squares, variable projection, and the CPU
 // two-step solver's optimizers, on the same vertices, one thread. What counts is the time to the same error.
-#include "report/rows/solvers.h"
+#include "rows/solvers.h"
 
 #include <fmt/format.h>
 

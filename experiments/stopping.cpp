@@ -1,6 +1,6 @@
 // Section 5.3.2: what the two threshold rules for stopping do to the problems and to the use that is made of the
 // stream.
-#include "report/rows/stopping.h"
+#include "rows/stopping.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // Section 6.5: what it costs where the images of every sweep come from: a cold disk, the page cache, host memory, or
 // textures that stay on the device.
-#include "report/rows/streaming.h"
+#include "rows/streaming.h"
 
 #include <fmt/format.h>
 

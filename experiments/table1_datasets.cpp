@@ -1,5 +1,5 @@
 // Table 1 of the paper: what the models are made of, what they need in memory, and how their pixels reach texels.
-#include "report/rows/table1_datasets.h"
+#include "rows/table1_datasets.h"
 
 #include <fmt/format.h>
 

@@ -48,7 +48,7 @@ rows += [
     (both, link(record, "nowhere"), 2, "runs/b: rows without their run.json", again),
     (both, field(record, "program", "fig99"), 2, "no experiment has runs in both", "fig99 (smoke"),
     (both, [field("runs/a/run.json", "program", "fig99"), field(record, "program", "fig99")], 2,
-     "runs/a/errors.csv: no rules for this file of fig99; say what its columns are in src/harness/report/rows"),
+     "runs/a/errors.csv: no rules for this file of fig99; say what its columns are in experiments/rows"),
 ]
 
 # Rows
@@ -60,7 +60,7 @@ rows += [
     (both, append(errors, "star\n"), 2, f"{errors}:4: 1 fields under 5 names; mend or remake the file"),
     (both, append(errors, '"star\n'), 2, f"{errors}:4: a quote is never closed"),
     (both, append(errors, "star,mean,1,20,0.2\n"), 2, f"{errors}: two rows of 'star, mean, 1'; remake the file"),
-    (both, replace(errors, "seconds", "speed"), 2, f"{errors}: column 'speed' of fig9_error has no rule; say what it is in src/harness/report/rows"),
+    (both, replace(errors, "seconds", "speed"), 2, f"{errors}: column 'speed' of fig9_error has no rule; say what it is in experiments/rows"),
     (both, replace(errors, "seconds", "terms"), 2, f"{errors}: column 'terms' stands twice; remake the file"),
     (both, replace(errors, "seconds", ""), 2, f"{errors}: column '' of fig9_error has no rule"),
     (both, replace(errors, "terms", "iterations"), 2, f"{errors}: no column 'terms', by which rows of runs/a/errors.csv are told apart", again),

@@ -350,7 +350,7 @@ TEST_F(Runs, WhatCannotBeReadOrMatchedIsNamed) {
         return message.substr(std::min(message.size(), file.size()));
     };
     EXPECT_EQ(refused("dataset,method,terms,speed\n"),
-              ": column 'speed' of fig9_error has no rule; say what it is in src/harness/report/rows");
+              ": column 'speed' of fig9_error has no rule; say what it is in experiments/rows");
     EXPECT_EQ(refused("dataset,method,terms,terms\n"), ": column 'terms' stands twice; remake the file");
     EXPECT_EQ(refused("dataset,method,terms\na,b,1\na,b,1\n"), ": two rows of 'a, b, 1'; remake the file");
     EXPECT_TRUE(refused("dataset,method\na,b\n").starts_with(": no column 'terms', by which rows of "));
@@ -358,7 +358,7 @@ TEST_F(Runs, WhatCannotBeReadOrMatchedIsNamed) {
         refused("dataset,method,terms,train_ape\nstar,mean,1,x\n").starts_with(":2: 'x' in column 'train_ape'"));
     fs::rename(file, run / "other.csv");
     EXPECT_TRUE(refusal().ends_with(
-        "other.csv: no rules for this file of fig9_error; say what its columns are in src/harness/report/rows"));
+        "other.csv: no rules for this file of fig9_error; say what its columns are in experiments/rows"));
     fs::remove(run / "run.json");
     EXPECT_TRUE(refusal().ends_with(": rows without their run.json; run the experiment again"));
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "base/statistics.h"
+#include "bench/columns.h"
 #include "report/csv_file.h"
-#include "report/rows/bench.h"
 #include "report/table.h"
 
 namespace radiafit::harness {

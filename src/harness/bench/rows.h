@@ -8,7 +8,7 @@
 #include "bench/timing.h"
 #include "report/result_folder.h"
 
-/// What radiafit-bench writes and shows. docs/results.md says what every column is.
+/// What radiafit-bench writes and shows; columns.h says what every column is.
 namespace radiafit::harness {
 
 /// How a device agrees with the CPU in double on a scene.

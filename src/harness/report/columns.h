@@ -9,8 +9,8 @@
 
 #include "base/rings.h"
 
-/// What the columns of a file of rows are. One description, in rows/EXPERIMENT.h, is what an experiment writes its rows
-/// by (report/csv_file.h), what `radiafit compare` judges two runs by, and what docs/results.md says of them.
+/// What the columns of a file of rows are. One description, in experiments/rows/NAME.h, is what an experiment writes
+/// its rows by (report/csv_file.h), what `radiafit compare` judges two runs by, and what docs/results.md says of them.
 namespace radiafit::harness {
 
 enum class ColumnKind {

@@ -4,7 +4,8 @@
 
 #include "report/columns.h"
 
-/// The experiments: what each leaves, and what is said of it beside. One of rows/NAME.h each, all found by the build.
+/// The experiments: what each leaves, and what is said of it beside. One of experiments/rows/NAME.h each, all found by
+/// the build.
 namespace radiafit::harness {
 
 struct ExperimentEntry {
@@ -32,7 +33,7 @@ std::vector<const ExperimentEntry*> reported_experiments();
 const RowFile* find_row_file(std::string_view experiment, std::string_view file);
 
 /// Where it is said, for messages.
-constexpr const char* rows_folder = "src/harness/report/rows";
+constexpr const char* rows_folder = "experiments/rows";
 
 /// docs/results.md: every experiment, its files, and what their columns are.
 std::string results_page();

@@ -16,8 +16,8 @@ To look at all of it first: `make report` puts every claim, figure and table on 
 Every run of an experiment leaves a folder `results/EXPERIMENT/DEVICE/UTC-REVISION/` with `run.json`, which says what machine,
 libraries, datasets and settings it was made with, and the files below. A line of a file is one measurement; figures and
 claims are made from these rows, and every value that they show can be recomputed from them. A * in a file's name stands for
-a dataset's. This page is printed by `build/release/experiments/results_page`, from what `src/harness/report/rows` says of each column;
-`radiafit compare` judges runs by the same ([compare.md](compare.md)).
+a dataset's. This page is printed by `build/release/experiments/results_page`, from what `experiments/rows` says of each column;
+two runs are compared by the same ([compare.md](compare.md)).
 
 These mean the same wherever they stand:
 

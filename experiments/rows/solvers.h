@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::solvers {
+namespace radiafit::rows_of::solvers {
 using namespace columns;
 
 // Who has spent its seconds takes no further vertex, so a slow machine compares fewer; and the best error is the least
@@ -35,13 +35,10 @@ struct Vertex {
 };
 inline const RowFileOf<Vertex> vertices{
     "vertices.csv",
-    "One row for each solver and vertex, whose three problems are solved together: what the report's performance "
-    "profile is of.",
+    "One row for each solver and vertex, whose three problems are solved together: what the report's performance profile is of.",
     {{"solver setting vertex", key(), "", &Vertex::solver, &Vertex::setting, &Vertex::vertex},
      {"reached", exact(), "how many of its three problems arrived", &Vertex::reached},
-     {"seconds_to_101", told("{:.6g}").in("s"),
-      "of processor time until all three arrived, or to the end where one didn't: median of the repetitions",
-      &Vertex::seconds_to_101}},
+     {"seconds_to_101", told("{:.6g}").in("s"), "of processor time until all three arrived, or to the end where one didn't: median of the repetitions", &Vertex::seconds_to_101}},
     partial};
 
 struct Repetition {
@@ -55,18 +52,15 @@ inline const RowFileOf<Repetition> repetitions{
     {{"solver setting", key(), "", &Repetition::solver, &Repetition::setting},
      {"vertices", work(), "that it took before its seconds were spent", &Repetition::vertices},
      {"repetition", repetition(), "from 0", &Repetition::repetition},
-     {"seconds_to_101", times("{:.6g}"),
-      "of processor time until each vertex's three problems arrived, or to the end where one didn't",
-      &Repetition::seconds_to_101},
+     {"seconds_to_101", times("{:.6g}"), "of processor time until each vertex's three problems arrived, or to the end where one didn't", &Repetition::seconds_to_101},
      {"seconds_total", times("{:.6g}"), "of processor time to the end", &Repetition::seconds_total}}};
 
 struct Solver {
     std::string solver, setting;
     int threads;
     size_t vertices, problems;
-    double reached_share, seconds_to_101, seconds_to_101_least, seconds_to_101_most, times_cg_modern,
-        times_cg_modern_median, times_varpro, times_varpro_median, iterations_median, final_over_best_median,
-        seconds_setup, seconds_total;
+    double reached_share, seconds_to_101, seconds_to_101_least, seconds_to_101_most, times_cg_modern, times_cg_modern_median, times_varpro, times_varpro_median, iterations_median,
+        final_over_best_median, seconds_setup, seconds_total;
     size_t repetitions;
 };
 inline const RowFileOf<Solver> solvers{
@@ -76,32 +70,24 @@ inline const RowFileOf<Solver> solvers{
      {"threads", exact(), "", &Solver::threads},
      {"vertices problems", work(), "that it took", &Solver::vertices, &Solver::problems},
      {"reached_share", shares("{:.6g}"), "of the problems that arrived", &Solver::reached_share},
-     {"seconds_to_101 seconds_to_101_least seconds_to_101_most", told("{:.6g}").in("s"),
-      "median, least and most of repetitions.csv", &Solver::seconds_to_101, &Solver::seconds_to_101_least,
+     {"seconds_to_101 seconds_to_101_least seconds_to_101_most", told("{:.6g}").in("s"), "median, least and most of repetitions.csv", &Solver::seconds_to_101, &Solver::seconds_to_101_least,
       &Solver::seconds_to_101_most},
-     {"times_cg_modern times_cg_modern_median", told("{:.6g}"),
-      "its seconds over modern conjugate gradients' on the same vertices, of the sums and of the median vertex",
-      &Solver::times_cg_modern, &Solver::times_cg_modern_median},
-     {"times_varpro times_varpro_median", told("{:.6g}"), "likewise over variable projection's", &Solver::times_varpro,
-      &Solver::times_varpro_median},
+     {"times_cg_modern times_cg_modern_median", told("{:.6g}"), "its seconds over modern conjugate gradients' on the same vertices, of the sums and of the median vertex", &Solver::times_cg_modern,
+      &Solver::times_cg_modern_median},
+     {"times_varpro times_varpro_median", told("{:.6g}"), "likewise over variable projection's", &Solver::times_varpro, &Solver::times_varpro_median},
      {"iterations_median", iterations("{:.6g}"), "to arrive", &Solver::iterations_median},
-     {"final_over_best_median", errors("{:.6g}"), "the error at the end over the best error",
-      &Solver::final_over_best_median},
+     {"final_over_best_median", errors("{:.6g}"), "the error at the end over the best error", &Solver::final_over_best_median},
      {"seconds_setup", told("{:.6g}").in("s"), "of preparing the solver", &Solver::seconds_setup},
      {"seconds_total", told("{:.6g}").in("s"), "to the end, median", &Solver::seconds_total},
      {"repetitions", told(), "", &Solver::repetitions}}};
 
 inline const ExperimentEntry experiment{
     .name = "solvers",
-    .about =
-        "Time until a vertex's error is within 1 % of the best: Ceres in each of its settings, alternating least "
-        "squares, variable projection, and our optimizers: the paper's, L-BFGS, Adam.",
+    .about = "Time until a vertex's error is within 1 % of the best: Ceres in each of its settings, alternating least squares, variable projection, and our optimizers: the paper's, L-BFGS, Adam.",
     .files = {&problems, &vertices, &repetitions, &solvers},
     .place = 130,
     .title = "Solvers side by side",
-    .figure =
-        "Bars of processor time per vertex until its three problems are within 1 % of the least error, one for "
-        "each solver, on a logarithmic axis.",
+    .figure = "Bars of processor time per vertex until its three problems are within 1 % of the least error, one for each solver, on a logarithmic axis.",
     .tables = {"solvers.csv"}};
 
-}  // namespace radiafit::harness::rows_of::solvers
+}  // namespace radiafit::rows_of::solvers

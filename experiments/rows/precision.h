@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::precision {
+namespace radiafit::rows_of::precision {
 using namespace columns;
 
 struct Point {
@@ -52,9 +52,7 @@ inline const ExperimentEntry experiment{
     .title = "What 16-bit floats cost",
     .section = "6.3, 6.4",
     .paper = "16-bit floats had no “detrimental effect” on convergence. No values are given.",
-    .figure =
-        "Two plots of how far the error departs from that of 32 bits, by iteration, for conjugate gradients and "
-        "steepest descent; beside them bars of PSNR at the end, less that of 32 bits.",
+    .figure = "Two plots of how far the error departs from that of 32 bits, by iteration, for conjugate gradients and steepest descent; beside them bars of PSNR at the end, less that of 32 bits.",
     .tables = {"finals.csv"}};
 
-}  // namespace radiafit::harness::rows_of::precision
+}  // namespace radiafit::rows_of::precision

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::passes {
+namespace radiafit::rows_of::passes {
 using namespace columns;
 
 struct Round {
@@ -21,11 +21,8 @@ inline const RowFileOf<Round> rounds{
      {"repetition", repetition(), "from 0", &Round::repetition},
      {"images", exact(), "distinct training images", &Round::images},
      {"samples", errors("{}"), "pixels that texels take, by the CPU's rasterizer", &Round::samples},
-     {"ms_per_image_and_sweep", times("{:.6g}").in("ms"), "an iteration's time over its two sweeps and the images",
-      &Round::ms_per_image_and_sweep},
-     {"mj_per_image_and_sweep", told("{:.6g}").in("mJ"),
-      "likewise the energy of the processors' packages (RAPL), at the mean power that the step took; empty where it "
-      "cannot be read",
+     {"ms_per_image_and_sweep", times("{:.6g}").in("ms"), "an iteration's time over its two sweeps and the images", &Round::ms_per_image_and_sweep},
+     {"mj_per_image_and_sweep", told("{:.6g}").in("mJ"), "likewise the energy of the processors' packages (RAPL), at the mean power that the step took; empty where it cannot be read",
       &Round::mj_per_image_and_sweep},
      {"renderer", told(), "", &Round::renderer}}};
 
@@ -42,25 +39,19 @@ inline const RowFileOf<Step> ladder{
     "One row for each step.",
     {{"step name", key(), as_before, &Step::step, &Step::name},
      {"median_ms", told("{:.4g}").in("ms"), "of an image and a sweep", &Step::median_ms},
-     {"low_ms high_ms", told("{:.4g}").in("ms"), "its interval of 95 %, where there are rounds enough", &Step::low_ms,
-      &Step::high_ms},
-     {"over_previous over_first", told("{:.4g}"),
-      "medians of ratios within a round, to the step before and to the first", &Step::over_previous, &Step::over_first},
+     {"low_ms high_ms", told("{:.4g}").in("ms"), "its interval of 95 %, where there are rounds enough", &Step::low_ms, &Step::high_ms},
+     {"over_previous over_first", told("{:.4g}"), "medians of ratios within a round, to the step before and to the first", &Step::over_previous, &Step::over_first},
      {"renderer", told(), "", &Step::renderer}}};
 
 inline const ExperimentEntry experiment{
     .name = "passes",
-    .about =
-        "Sections 6.5 and 6.6: what an image and a sweep cost, step by step: the paper's passes, combined, in "
-        "compute shaders that distribute in every sweep or keep samples, on the CPU.",
+    .about = "Sections 6.5 and 6.6: what an image and a sweep cost, step by step: the paper's passes, combined, in compute shaders that distribute in every sweep or keep samples, on the CPU.",
     .files = {&rounds, &ladder},
     .place = 80,
     .title = "From the paper's passes to cached samples",
     .section = "6.5, 6.6",
-    .paper =
-        "Combining passes by multiple render targets and longer programs would cut the cost of context switches "
-        "and redundant texture reads. No values are given.",
+    .paper = "Combining passes by multiple render targets and longer programs would cut the cost of context switches and redundant texture reads. No values are given.",
     .figure = "Bars of milliseconds per image and sweep, from the paper's passes down to samples kept on the CPU.",
     .tables = {"ladder.csv"}};
 
-}  // namespace radiafit::harness::rows_of::passes
+}  // namespace radiafit::rows_of::passes

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::departures {
+namespace radiafit::rows_of::departures {
 using namespace columns;
 
 struct Fit {
@@ -24,8 +24,7 @@ inline const RowFileOf<Fit> fits{
      {"iterations", exact(), "of the fit", &Fit::iterations},
      {"problems", exact(), "that have samples", &Fit::problems},
      {"arrived_share", shares("{:.4f}"), "of the problems", &Fit::arrived_share},
-     {"iterations_median", iterations("{:g}"), "to arrive; who doesn't counts as one more than the fit has",
-      &Fit::iterations_median},
+     {"iterations_median", iterations("{:g}"), "to arrive; who doesn't counts as one more than the fit has", &Fit::iterations_median},
      {"stalled_share", shares("{:.4f}"), "of the problems that have stopped without arriving", &Fit::stalled_share},
      {"not_finite_share", shares("{:.4f}"), "of the problems that ended at no number", &Fit::not_finite_share},
      {"error", errors("{:.6g}").in("E"), "the sum over problems, penalties left out", &Fit::error},
@@ -49,21 +48,17 @@ inline const RowFileOf<Culling> culling{
      {"fragments", exact("{:.0f}"), "that reached their targets", &Culling::fragments},
      {"operations", exact("{:.0f}"), "of arithmetic, as the passes declare them", &Culling::operations},
      {"reads", exact("{:.0f}").in("texels"), "fetched, likewise", &Culling::reads},
-     {"operations_ratio reads_ratio", ratios("{:.4f}"), "over those with triangles left out",
-      &Culling::operations_ratio, &Culling::reads_ratio},
+     {"operations_ratio reads_ratio", ratios("{:.4f}"), "over those with triangles left out", &Culling::operations_ratio, &Culling::reads_ratio},
      {"same_parameters", exact(), "1: both leave the same parameters, to the bit", &Culling::same_parameters}}};
 
 inline const ExperimentEntry experiment{
     .name = "departures",
-    .about =
-        "What each of our mends of the paper's text is worth, left out by itself ([docs/paper.md](paper.md#mends)).",
+    .about = "What each of our mends of the paper's text is worth, left out by itself ([docs/paper.md](paper.md#mends)).",
     .files = {&fits, &culling},
     .place = 120,
     .title = "What each of our changes to the paper's text is worth",
     .section = "3, 5",
-    .paper =
-        "The equations as printed, and what they leave open (docs/paper.md, Departures). The paper measures none "
-        "of it.",
+    .paper = "The equations as printed, and what they leave open (docs/paper.md, Departures). The paper measures none of it.",
     .tables = {"departures.md"}};
 
-}  // namespace radiafit::harness::rows_of::departures
+}  // namespace radiafit::rows_of::departures

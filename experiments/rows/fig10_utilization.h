@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::fig10_utilization {
+namespace radiafit::rows_of::fig10_utilization {
 using namespace columns;
 
 struct Iteration {
@@ -17,9 +17,7 @@ inline const RowFileOf<Iteration> iterations{
      {"passes", key(), "paper or combined", &Iteration::passes},
      {"repetition", repetition(), "from 0", &Iteration::repetition},
      {"seconds", times("{:.5g}"), "", &Iteration::seconds},
-     {"penalties_s", times("{:.5g}"),
-      "from the last image to the finished gradient or line: penalties, and the gradient's last step",
-      &Iteration::penalties_s},
+     {"penalties_s", times("{:.5g}"), "from the last image to the finished gradient or line: penalties, and the gradient's last step", &Iteration::penalties_s},
      {"cached_share", told("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
 
 struct Work {
@@ -30,15 +28,12 @@ inline const RowFileOf<Work> work{
     "work.csv",
     "What one iteration asks of the device: sums over passes.csv.",
     {{"problem optimizer passes", key(), as_before, &Work::problem, &Work::optimizer, &Work::passes},
-     {"operations", exact(), "components of arithmetic, as the passes declare them, times their fragments",
-      &Work::operations},
+     {"operations", exact(), "components of arithmetic, as the passes declare them, times their fragments", &Work::operations},
      {"reads", exact().in("texels"), "fetched, likewise", &Work::reads},
      {"bytes", memory(), "read, written, blended and cleared", &Work::bytes},
      {"switches", exact(), "changes of the framebuffer", &Work::switches},
      {"image_bytes", memory(), "of images that are streamed", &Work::image_bytes},
-     {"penalty_operations shared_operations", exact(),
-      "of passes for penalties alone, and of those that also finish the gradient", &Work::penalty_operations,
-      &Work::shared_operations}}};
+     {"penalty_operations shared_operations", exact(), "of passes for penalties alone, and of those that also finish the gradient", &Work::penalty_operations, &Work::shared_operations}}};
 
 struct Pass {
     std::string problem, optimizer, passes, program;
@@ -55,20 +50,20 @@ inline const RowFileOf<Pass> passes{
      {"operations", exact(), "of arithmetic", &Pass::operations},
      {"reads", exact().in("texels"), "fetched", &Pass::reads},
      {"read_bytes", memory(), "fetched", &Pass::read_bytes},
-     {"written_bytes blended_bytes", memory(), "to targets; of these, added to what stood there", &Pass::written_bytes,
-      &Pass::blended_bytes}}};
+     {"written_bytes blended_bytes", memory(), "to targets; of these, added to what stood there", &Pass::written_bytes, &Pass::blended_bytes}}};
 
 struct Peak {
     std::string device, peak;
     size_t repetition;
     double per_second;
 };
-inline const RowFileOf<Peak> peaks{"peaks.csv",
-                                   "What the devices can do at most, measured before every round.",
-                                   {{"device", device(), "", &Peak::device},
-                                    {"peak", key(), "what of", &Peak::peak},
-                                    {"repetition", repetition(), "from 0", &Peak::repetition},
-                                    {"per_second", told("{:.5g}").in("1/s"), "", &Peak::per_second}}};
+inline const RowFileOf<Peak> peaks{
+    "peaks.csv",
+    "What the devices can do at most, measured before every round.",
+    {{"device", device(), "", &Peak::device},
+     {"peak", key(), "what of", &Peak::peak},
+     {"repetition", repetition(), "from 0", &Peak::repetition},
+     {"per_second", told("{:.5g}").in("1/s"), "", &Peak::per_second}}};
 
 struct Bar {
     std::string problem, optimizer, passes;
@@ -86,13 +81,10 @@ inline const RowFileOf<Bar> utilization{
     "utilization.csv",
     "The bars of the figure: medians over repetitions, each by the peaks of its own round.",
     {{"problem optimizer passes", key(), as_before, &Bar::problem, &Bar::optimizer, &Bar::passes},
-     {"computation_share computation_low computation_high", told("{:.5g}").in("share"),
-      "of the same device's peak of arithmetic, and its interval of 95 %", &Bar::computation_share,
+     {"computation_share computation_low computation_high", told("{:.5g}").in("share"), "of the same device's peak of arithmetic, and its interval of 95 %", &Bar::computation_share,
       &Bar::computation_low, &Bar::computation_high},
-     {"bandwidth_share bandwidth_low bandwidth_high", told("{:.5g}").in("share"), "likewise of memory traffic",
-      &Bar::bandwidth_share, &Bar::bandwidth_low, &Bar::bandwidth_high},
-     {"reads_share reads_low reads_high", told("{:.5g}").in("share"), "likewise of texture reads", &Bar::reads_share,
-      &Bar::reads_low, &Bar::reads_high},
+     {"bandwidth_share bandwidth_low bandwidth_high", told("{:.5g}").in("share"), "likewise of memory traffic", &Bar::bandwidth_share, &Bar::bandwidth_low, &Bar::bandwidth_high},
+     {"reads_share reads_low reads_high", told("{:.5g}").in("share"), "likewise of texture reads", &Bar::reads_share, &Bar::reads_low, &Bar::reads_high},
      {"seconds_per_iteration", told("{:.5g}").in("s"), "median", &Bar::seconds_per_iteration},
      {"repetitions", told(), "", &Bar::repetitions},
      {"source", told(), "where images come from", &Bar::source},
@@ -100,20 +92,15 @@ inline const RowFileOf<Bar> utilization{
 
 inline const ExperimentEntry experiment{
     .name = "fig10_utilization",
-    .about =
-        "Figure 10: use of the device's peaks of arithmetic, memory traffic and texture reads, measured in the "
-        "same run, by the declared cost of every pass.",
+    .about = "Figure 10: use of the device's peaks of arithmetic, memory traffic and texture reads, measured in the same run, by the declared cost of every pass.",
     .files = {&iterations, &work, &passes, &peaks, &utilization},
     .place = 50,
     .title = "Figure 10: use of the device's peaks",
     .section = "6.5, Figure 10",
     .paper =
-        "The light field map reaches 29 % utilization on a Radeon 9700 Pro, whose peaks are 2.6 Gops of "
-        "arithmetic and 0.65 Gops of 64-bit texture reads. Streaming from disk takes about 70 % of the ornament's "
-        "time. The figure's other bars are not in our text.",
-    .figure =
-        "Bars for star and ornament, paper's and combined passes, both optimizers: the shares of this device's "
-        "peaks of arithmetic, memory traffic and texture reads.",
+        "The light field map reaches 29 % utilization on a Radeon 9700 Pro, whose peaks are 2.6 Gops of arithmetic and 0.65 Gops of 64-bit texture reads. Streaming from disk takes about 70 % of the "
+        "ornament's time. The figure's other bars are not in our text.",
+    .figure = "Bars for star and ornament, paper's and combined passes, both optimizers: the shares of this device's peaks of arithmetic, memory traffic and texture reads.",
     .tables = {"utilization.csv"}};
 
-}  // namespace radiafit::harness::rows_of::fig10_utilization
+}  // namespace radiafit::rows_of::fig10_utilization

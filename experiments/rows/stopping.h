@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::stopping {
+namespace radiafit::rows_of::stopping {
 using namespace columns;
 
 struct Problem {
@@ -31,8 +31,7 @@ struct Weight {
 inline const RowFileOf<Weight> weights{
     "weights.csv",
     "What a pixel's residual counts in a vertex's problems.",
-    {{"vertex", key(), "", &Weight::vertex},
-     {"weight", errors("{:.5g}"), "root mean square of its samples' barycentric weights", &Weight::weight}}};
+    {{"vertex", key(), "", &Weight::vertex}, {"weight", errors("{:.5g}"), "root mean square of its samples' barycentric weights", &Weight::weight}}};
 
 struct Point {
     std::string rule;
@@ -75,19 +74,15 @@ inline const RowFileOf<Summary> rules{
 inline const ExperimentEntry experiment{
     .name = "stopping",
     .about =
-        "Section 5.3.2: how many problems still run, and how near the median one is to its best error, where "
-        "thresholds on the residual or on the change of output stop them, with conjugate gradients and with "
-        "steepest descent.",
+        "Section 5.3.2: how many problems still run, and how near the median one is to its best error, where thresholds on the residual or on the change of output stop them, with conjugate gradients "
+        "and with steepest descent.",
     .files = {&problems, &weights, &curves, &rules},
     .place = 90,
     .title = "Stopping each problem by a threshold",
     .section = "5.3.2",
-    .paper =
-        "Stopping by a small difference from the target, or by a small change of the output, is “too "
-        "restrictive”; and as problems finish early, utilization falls. No values are given.",
+    .paper = "Stopping by a small difference from the target, or by a small change of the output, is “too restrictive”; and as problems finish early, utilization falls. No values are given.",
     .figure =
-        "A row for conjugate gradients' and steepest descent's two rules: the share of problems that still run "
-        "by iteration, for each threshold; below, the median problem's error above its best.",
+        "A row for conjugate gradients' and steepest descent's two rules: the share of problems that still run by iteration, for each threshold; below, the median problem's error above its best.",
     .tables = {"rules.csv"}};
 
-}  // namespace radiafit::harness::rows_of::stopping
+}  // namespace radiafit::rows_of::stopping

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::harness::rows_of::reflectance {
+namespace radiafit::rows_of::reflectance {
 using namespace columns;
 
 // Distances from the truth of noise-free images are down to the last digits of 32 bits.
@@ -22,17 +22,10 @@ inline const RowFileOf<Fit> fits{
      {"iterations", exact(), "most that the method may take", &Fit::iterations},
      {"group", key(), "of texels: by material, or by how sharp their lobes are", &Fit::group},
      {"texels", exact(), "in it that have enough samples", &Fit::texels},
-     {"worst_error_median", errors("{:.4g}", 0.01),
-      "the largest relative error of a texel's nine parameters; median over texels; empty where the truth is of "
-      "another "
-      "model",
-      &Fit::worst_error_median},
-     {"recovered_share", shares("{:.5f}"),
-      "of the texels whose worst error is below `recovered` in run.json; empty likewise", &Fit::recovered_share},
-     {"within_share", shares("{:.5f}"), "of the texels whose residual is at most `within` times Ceres'",
-      &Fit::within_share},
-     {"rms_error", errors("{:.4g}", 0.01).in("white = 1"),
-      "root mean square residual of the group's samples, in training images", &Fit::rms_error},
+     {"worst_error_median", errors("{:.4g}", 0.01), "the largest relative error of a texel's nine parameters; median over texels; empty where the truth is of another model", &Fit::worst_error_median},
+     {"recovered_share", shares("{:.5f}"), "of the texels whose worst error is below `recovered` in run.json; empty likewise", &Fit::recovered_share},
+     {"within_share", shares("{:.5f}"), "of the texels whose residual is at most `within` times Ceres'", &Fit::within_share},
+     {"rms_error", errors("{:.4g}", 0.01).in("white = 1"), "root mean square residual of the group's samples, in training images", &Fit::rms_error},
      {"iterations_median", iterations("{}"), "that texels took", &Fit::iterations_median}}};
 
 struct Time {
@@ -47,42 +40,40 @@ inline const RowFileOf<Time> times{
      {"renderer", told(), "", &Time::renderer},
      {"distributes", exact(), "once, before the fit; or every sweep over the images", &Time::distributes},
      {"texels samples", exact(), "that are fitted", &Time::texels, &Time::samples},
-     {"distribution_s", columns::times("{:.4g}"), "of distributing once; 0 where every sweep does",
-      &Time::distribution_s},
+     {"distribution_s", columns::times("{:.4g}"), "of distributing once; 0 where every sweep does", &Time::distribution_s},
      {"load_s", columns::times("{:.4g}"), "of reading samples, or images, and shading them", &Time::load_s},
      {"solve_s", columns::times("{:.4g}"), "from samples at hand to parameters and their errors", &Time::solve_s},
      {"fits_per_s", told("{:.4g}").in("1/s"), "texels over solve_s", &Time::fits_per_s},
-     {"ns_per_sample_iteration", told("{:.4g}").in("ns"), "solve_s over samples and iterations",
-      &Time::ns_per_sample_iteration}}};
+     {"ns_per_sample_iteration", told("{:.4g}").in("ns"), "solve_s over samples and iterations", &Time::ns_per_sample_iteration}}};
 
 struct Part {
     std::string images, method, renderer, part;
     uint64_t pixels;
     double held_psnr_db, held_ape;
 };
-inline const RowFileOf<Part> pictures{"images.csv",
-                                      "Held-out images by the fits of each method.",
-                                      {{"images method", key(), as_before, &Part::images, &Part::method},
-                                       {"renderer", told(), "", &Part::renderer},
-                                       {"part", key(), "of the surface: a material, or all", &Part::part},
-                                       {"pixels", exact(), "that were judged", &Part::pixels},
-                                       {"held_psnr_db", decibels("{:.4f}"), "", &Part::held_psnr_db},
-                                       {"held_ape", errors("{:.4f}").in("1/255"), "", &Part::held_ape}}};
+inline const RowFileOf<Part> pictures{
+    "images.csv",
+    "Held-out images by the fits of each method.",
+    {{"images method", key(), as_before, &Part::images, &Part::method},
+     {"renderer", told(), "", &Part::renderer},
+     {"part", key(), "of the surface: a material, or all", &Part::part},
+     {"pixels", exact(), "that were judged", &Part::pixels},
+     {"held_psnr_db", decibels("{:.4f}"), "", &Part::held_psnr_db},
+     {"held_ape", errors("{:.4f}").in("1/255"), "", &Part::held_ape}}};
 
 inline const ExperimentEntry experiment{
     .name = "reflectance",
     .about =
-        "Sections 4.2 and 6.5: Lafortune's nine parameters per texel on the ornament: which solver finds the "
-        "truth, which as low an error as Ceres, of the optimizers, Ceres, its TinySolver, and variable projection "
-        "given to Ceres, by sharpness of the lobe, and how many texels it fits in a second.",
+        "Sections 4.2 and 6.5: Lafortune's nine parameters per texel on the ornament: which solver finds the truth, which as low an error as Ceres, of the optimizers, Ceres, its TinySolver, and "
+        "variable projection given to Ceres, by sharpness of the lobe, and how many texels it fits in a second.",
     .files = {&fits, &times, &pictures},
     .place = 110,
     .title = "Lafortune's model on the ornament",
     .section = "4.2",
     .paper = "Nine parameters in every texel are fitted to images under a moving lamp. How well is not in our text.",
     .figure =
-        "For each solver: the share of gold, green and white texels whose error is at most 1.05 times Ceres', "
-        "without and with noise; PSNR on held-out images; and texels fitted in a second, on a logarithmic axis.",
+        "For each solver: the share of gold, green and white texels whose error is at most 1.05 times Ceres', without and with noise; PSNR on held-out images; and texels fitted in a second, on a "
+        "logarithmic axis.",
     .tables = {"reflectance.md"}};
 
-}  // namespace radiafit::harness::rows_of::reflectance
+}  // namespace radiafit::rows_of::reflectance
