@@ -168,13 +168,13 @@ private:
         };
         for (const Method& method : methods) {
             const FitRequest request = settled_request(method.setting, dataset);
-            const FinishedFit fit = family_of(request).fit(dataset, request);
+            FinishedFit fit = family_of(request).fit(dataset, request);
             if (&method == &methods.front()) {
-                const auto baseline = fit.fit->baseline();
-                add_judged(row(fit.fit->baseline_name()), baseline->contestant(), dataset);
+                Fitted baseline = baseline_of(fit.fit);
+                add_judged(row(baseline_name(fit.fit)), contestant_of(baseline), dataset);
             }
             Row& r = row(method.name);
-            add_judged(r, fit.fit->contestant(), dataset);
+            add_judged(r, contestant_of(fit.fit), dataset);
             r.seconds += fit.run.times.total;
         }
         if (!o_.reachable || dataset.light_moves()) return;

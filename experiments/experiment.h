@@ -14,9 +14,9 @@
 #include "report/result_folder.h"
 #include "synthetic/synthetic.h"
 
-namespace radiafit::harness {
+namespace radiafit {
 class Context;
-}
+}  // namespace radiafit
 
 /// What every experiment shares: its command line, its config, the datasets it asks for, and where its rows go.
 namespace radiafit::harness {

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::captures {
+namespace radiafit::harness::rows_of::captures {
 using namespace columns;
 
 struct Capture {
@@ -51,4 +51,4 @@ inline const ExperimentEntry experiment{
     .title = "Real captures",
     .tables = {"captures.md"}};
 
-}  // namespace radiafit::rows_of::captures
+}  // namespace radiafit::harness::rows_of::captures

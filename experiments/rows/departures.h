@@ -1,16 +1,14 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::departures {
+namespace radiafit::harness::rows_of::departures {
 using namespace columns;
 
 struct Fit {
     std::string departure, without, problem, optimizer, numbers, renderer;
     int iterations;
     size_t problems;
-    std::optional<double> arrived_share, iterations_median;
-    double stalled_share, not_finite_share, error, error_ratio;
-    std::optional<double> psnr_db, ape, held_psnr_db;
+    std::optional<double> arrived_share, iterations_median, stalled_share, not_finite_share, error, error_ratio, psnr_db, ape, held_psnr_db;
 };
 inline const RowFileOf<Fit> fits{
     "fits.csv",
@@ -61,4 +59,4 @@ inline const ExperimentEntry experiment{
     .paper = "The equations as printed, and what they leave open (docs/paper.md, Departures). The paper measures none of it.",
     .tables = {"departures.md"}};
 
-}  // namespace radiafit::rows_of::departures
+}  // namespace radiafit::harness::rows_of::departures

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::fig10_utilization {
+namespace radiafit::harness::rows_of::fig10_utilization {
 using namespace columns;
 
 struct Iteration {
@@ -103,4 +103,4 @@ inline const ExperimentEntry experiment{
     .figure = "Bars for star and ornament, paper's and combined passes, both optimizers: the shares of this device's peaks of arithmetic, memory traffic and texture reads.",
     .tables = {"utilization.csv"}};
 
-}  // namespace radiafit::rows_of::fig10_utilization
+}  // namespace radiafit::harness::rows_of::fig10_utilization

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::fig7_convergence {
+namespace radiafit::harness::rows_of::fig7_convergence {
 using namespace columns;
 
 struct Problem {
@@ -101,4 +101,4 @@ inline const ExperimentEntry experiment{
         "the iterations steepest descent needs; the share of problems within 1 % of the best error by iteration, for every solver; and how far apart the two methods' ends lie.",
     .tables = {"summary.csv"}};
 
-}  // namespace radiafit::rows_of::fig7_convergence
+}  // namespace radiafit::harness::rows_of::fig7_convergence

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::fig8_time {
+namespace radiafit::harness::rows_of::fig8_time {
 using namespace columns;
 
 struct Repetition {
@@ -98,4 +98,4 @@ inline const ExperimentEntry experiment{
         "switching.",
     .tables = {"times.csv"}};
 
-}  // namespace radiafit::rows_of::fig8_time
+}  // namespace radiafit::harness::rows_of::fig8_time

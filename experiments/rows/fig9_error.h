@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::fig9_error {
+namespace radiafit::harness::rows_of::fig9_error {
 using namespace columns;
 
 /// Options are texts as the command line has them, empty where they mean nothing to the fit.
@@ -68,4 +68,4 @@ inline const ExperimentEntry experiment{
     .figure = "Bars of PSNR and of the average pixel error of each method, on training and on held-out images of star and bust; below, PSNR by the number of terms.",
     .tables = {"fig9_error.md"}};
 
-}  // namespace radiafit::rows_of::fig9_error
+}  // namespace radiafit::harness::rows_of::fig9_error

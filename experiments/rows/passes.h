@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::passes {
+namespace radiafit::harness::rows_of::passes {
 using namespace columns;
 
 struct Round {
@@ -54,4 +54,4 @@ inline const ExperimentEntry experiment{
     .figure = "Bars of milliseconds per image and sweep, from the paper's passes down to samples kept on the CPU.",
     .tables = {"ladder.csv"}};
 
-}  // namespace radiafit::rows_of::passes
+}  // namespace radiafit::harness::rows_of::passes

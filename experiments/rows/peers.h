@@ -2,7 +2,7 @@
 #include "report/experiments.h"
 
 /// experiments/peers writes these rows, in Python.
-namespace radiafit::rows_of::peers {
+namespace radiafit::harness::rows_of::peers {
 using namespace columns;
 
 // PyTorch's sums differ with its version and its threads; the iteration at which it arrives may, too.
@@ -57,4 +57,4 @@ inline const ExperimentEntry experiment{
     .tables = {"peers.csv"},
     .target = "peers"};
 
-}  // namespace radiafit::rows_of::peers
+}  // namespace radiafit::harness::rows_of::peers

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::precision {
+namespace radiafit::harness::rows_of::precision {
 using namespace columns;
 
 struct Point {
@@ -55,4 +55,4 @@ inline const ExperimentEntry experiment{
     .figure = "Two plots of how far the error departs from that of 32 bits, by iteration, for conjugate gradients and steepest descent; beside them bars of PSNR at the end, less that of 32 bits.",
     .tables = {"finals.csv"}};
 
-}  // namespace radiafit::rows_of::precision
+}  // namespace radiafit::harness::rows_of::precision

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::reflectance {
+namespace radiafit::harness::rows_of::reflectance {
 using namespace columns;
 
 // Distances from the truth of noise-free images are down to the last digits of 32 bits.
@@ -76,4 +76,4 @@ inline const ExperimentEntry experiment{
         "logarithmic axis.",
     .tables = {"reflectance.md"}};
 
-}  // namespace radiafit::rows_of::reflectance
+}  // namespace radiafit::harness::rows_of::reflectance

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::scaling {
+namespace radiafit::harness::rows_of::scaling {
 using namespace columns;
 
 struct Memory {
@@ -88,4 +88,4 @@ inline const ExperimentEntry experiment{
         "and scattering; and how much longer an iteration takes that distributes anew.",
     .tables = {"summary.csv"}};
 
-}  // namespace radiafit::rows_of::scaling
+}  // namespace radiafit::harness::rows_of::scaling

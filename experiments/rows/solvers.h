@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::solvers {
+namespace radiafit::harness::rows_of::solvers {
 using namespace columns;
 
 // Who has spent its seconds takes no further vertex, so a slow machine compares fewer; and the best error is the least
@@ -90,4 +90,4 @@ inline const ExperimentEntry experiment{
     .figure = "Bars of processor time per vertex until its three problems are within 1 % of the least error, one for each solver, on a logarithmic axis.",
     .tables = {"solvers.csv"}};
 
-}  // namespace radiafit::rows_of::solvers
+}  // namespace radiafit::harness::rows_of::solvers

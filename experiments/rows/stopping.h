@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::stopping {
+namespace radiafit::harness::rows_of::stopping {
 using namespace columns;
 
 struct Problem {
@@ -85,4 +85,4 @@ inline const ExperimentEntry experiment{
         "A row for conjugate gradients' and steepest descent's two rules: the share of problems that still run by iteration, for each threshold; below, the median problem's error above its best.",
     .tables = {"rules.csv"}};
 
-}  // namespace radiafit::rows_of::stopping
+}  // namespace radiafit::harness::rows_of::stopping

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::streaming {
+namespace radiafit::harness::rows_of::streaming {
 using namespace columns;
 
 struct Iteration {
@@ -52,4 +52,4 @@ inline const ExperimentEntry experiment{
     .figure = "Bars of seconds per iteration for light field map and Lafortune's model, by passes, optimizer and where images come from: a cold disk, the page cache, memory, or the device.",
     .tables = {"times.csv"}};
 
-}  // namespace radiafit::rows_of::streaming
+}  // namespace radiafit::harness::rows_of::streaming

@@ -1,7 +1,7 @@
 #pragma once
 #include "report/experiments.h"
 
-namespace radiafit::rows_of::table1_datasets {
+namespace radiafit::harness::rows_of::table1_datasets {
 using namespace columns;
 
 struct Dataset {
@@ -66,4 +66,4 @@ inline const ExperimentEntry experiment{
         "One column for each model and way to choose the sides of its surface maps: an image of it, and below it the share of its texels that get at most so many samples, with a mark at 10 samples.",
     .tables = {"table1_datasets.md"}};
 
-}  // namespace radiafit::rows_of::table1_datasets
+}  // namespace radiafit::harness::rows_of::table1_datasets

@@ -5,6 +5,9 @@
 #include "base/error.h"
 #include "base/wording.h"
 #include "cpu/vertex_options.h"
+#include "fitting/family.h"
+#include "fitting/fit_options.h"
+#include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
 

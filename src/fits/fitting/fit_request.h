@@ -14,10 +14,12 @@
 #include "reference/ceres_options.h"
 #include "samples/record_options.h"
 
-namespace radiafit::fits {
-
+namespace radiafit {
 class Journal;
 struct VertexSolverOptions;
+}  // namespace radiafit
+
+namespace radiafit::fits {
 
 enum class EngineKind { cpu, fragment, compute };
 enum class DistributorKind { cpu, gl };

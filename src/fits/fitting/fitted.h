@@ -15,9 +15,9 @@
 #include "sg/sg_fit.h"
 #include "viewbasis/view_basis_fit.h"
 
-namespace radiafit::fits {
+namespace radiafit {
 class AllErrorBars;
-}
+}  // namespace radiafit
 
 /// A fit as a value, whatever its family. What is asked of one is a free function here. A ring around this one that
 /// shows a fit in a way of its own (a page, a material) writes an overload for each of the four and calls it by

@@ -191,7 +191,7 @@ int main(int argc, char** argv) {
         {{"context", "platform"}, {"device", "gpu"}, {"`radiafit devices`", "`radiafit-bench --list`"}});
     prepare_standard_streams();
     try {
-        return run(argc, argv);
+        return radiafit::harness::run(argc, argv);
     } catch (const std::exception& e) {
         const Failure failure = describe(e);
         log_error("radiafit-bench", standard_output_failed() ? standard_output_failure() : failure.line);

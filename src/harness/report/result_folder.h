@@ -7,9 +7,9 @@
 #include "base/record.h"
 #include "base/rings.h"
 
-namespace radiafit::harness {
+namespace radiafit {
 class AtomicFolder;
-}
+}  // namespace radiafit
 
 /// Raw results: ROOT/EXPERIMENT/DEVICE/UTC-REVISION/, written once and never changed.
 namespace radiafit::harness {

@@ -237,7 +237,10 @@ void add_info(CommandLine& program) {
                             path.string()));
         if (!fit && !moved_to->empty())
             throw UserError(fmt::format("--dataset {}: {} is no fit; leave it out", *moved_to, path.string()));
-        if (fit) return print_fit(*open_fit(path, *moved_to), *json);
+        if (fit) {
+            Fitted fitted = open_fit(path, *moved_to);
+            return print_fit(fitted, *json);
+        }
         const Dataset dataset = open_dataset(path);
         check_pixels(dataset);
         print_dataset(dataset, *json);

@@ -65,8 +65,8 @@ void add_parameters(CommandLine& exporter, const Invocation& invocation) {
         ProblemFolder parameters(*out, "radiafit-parameters");
         const Record record = make_record(invocation.argc, invocation.argv);
         auto fit = open_fit(*folder, *moved_to);
-        parameters.tell_dataset(fit->record().dataset_name, fit->record().dataset_fingerprint);
-        fit->export_parameters(parameters);
+        parameters.tell_dataset(fit.record().dataset_name, fit.record().dataset_fingerprint);
+        export_parameters(fit, parameters);
         parameters.commit(record);
         log_info(fmt::format("parameters of {}: {}", *folder, *out));
     });

@@ -79,9 +79,9 @@ void export_gltf(const Options& o) {
     check_glb_target(o.output);
     const OutputLock lock(o.output);
     auto fit = open_fit(o.fit, o.dataset);
-    const SurfaceLook look = fit->look();
+    const SurfaceLook look = look_of(fit);
     const auto own = o.without_maps ? std::vector<OwnFile>() : own_files(o.fit);
-    const std::string bytes = glb_of(look, fit->dataset(), fitted_model(o.fit), own);
+    const std::string bytes = glb_of(look, fit.dataset(), fitted_model(o.fit), own);
     write_file(o.output, bytes);
     log_info(fmt::format("base colour: {}", look.meaning));
     log_info(fmt::format("{}: {:.1f} MB", o.output, double(bytes.size()) / 1e6));
@@ -92,14 +92,14 @@ void export_rti(const Options& o) {
     const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     auto fit = open_fit(o.fit, o.dataset);
-    if (!fit->takes_light())
+    if (!takes_light(fit))
         throw UserError(
             fmt::format("{}: its model keeps the light it was photographed under; fit a reflectance model to "
                         "images under lamps that move",
                         o.fit));
-    const Dataset& dataset = fit->dataset();
+    const Dataset& dataset = fit.dataset();
     const View& view = dataset.views[chosen_view(dataset, o.view)];
-    const Relight relight = relight_of(fit->contestant(), dataset, view, o.quality);
+    const Relight relight = relight_of(contestant_of(fit), dataset, view, o.quality);
     for (size_t k = 0; k < relight.planes.size(); ++k)
         write_file(folder.path() / fmt::format("plane_{}.jpg", k), relight.planes[k]);
     write_file(folder.path() / "info.json", relight.info);
@@ -117,8 +117,8 @@ void export_maps(const Options& o) {
     const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     auto fit = open_fit(o.fit, o.dataset);
-    const SurfaceLook look = fit->look();
-    const LookTextures textures = textures_of(look, fit->dataset());
+    const SurfaceLook look = look_of(fit);
+    const LookTextures textures = textures_of(look, fit.dataset());
     const fs::path& to = folder.path();
     write_file(to / "base_colour.png", base_colour_png(textures));
     const bool alpha = textures.base_colour.channels == 4;

@@ -99,7 +99,7 @@ FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
     {
         FinishedFit all = family_of(request).fit(dataset, request);
         const Dataset fitted = for_validation(dataset, request.validation);
-        outliers = outlying_images(judge(all.fit->contestant(), fitted, Split::train));
+        outliers = outlying_images(judge(contestant_of(all.fit), fitted, Split::train));
         if (outliers.empty()) {
             log_info("no training image stands out");
             return all;

@@ -46,27 +46,27 @@ Dataset judged_dataset(Fitted& fit, Split split) {
 Judgement judge_fit(const std::string& folder, const std::string& moved_to, Split split, std::optional<int> points,
                     bool error_bars, const std::vector<const ReachableModel*>& others) {
     auto fit = open_fit(folder, moved_to);
-    const Dataset judged = judged_dataset(*fit, split);
+    const Dataset judged = judged_dataset(fit, split);
     if (error_bars) {
         std::vector<View> shown;
         for (const uint32_t view : judged.split(split != Split::train)) shown.push_back(judged.views[view]);
-        fit->find_error_bars(shown);
+        find_error_bars(fit, shown);
     }
-    std::vector<MaterialErrors> errors = fit->truth_errors();
-    const SurfaceParts parts = fit->parts();
-    const auto baseline = fit->baseline();
+    std::vector<MaterialErrors> errors = truth_errors(fit);
+    const SurfaceParts parts = surface_parts(fit);
+    auto baseline = baseline_of(fit);
     const JudgeOptions options{&parts, points.value_or(as_photographed), true};
     JudgeOptions with_angles = options;
     with_angles.by_angle = true;
-    Judgement out = {judge(fit->contestant(), judged, split, with_angles),
-                     judge(baseline->contestant(), judged, split, options),
-                     fit->baseline_name(),
+    Judgement out = {judge(contestant_of(fit), judged, split, with_angles),
+                     judge(contestant_of(baseline), judged, split, options),
+                     baseline_name(fit),
                      std::move(errors),
                      {}};
     for (const ReachableModel* other : others)
         out.beside.push_back(
             {other->name, other->words,
-             judge(other->of(judged, judged.split(false), fit->record().space), judged, split, options)});
+             judge(other->of(judged, judged.split(false), fit.record().space), judged, split, options)});
     return out;
 }
 

@@ -36,24 +36,24 @@ void publish_fit(const Options& o) {
     check_page_target(o.output, o.single_file);
     const OutputLock lock(o.output);
     auto fitted = open_fit(o.fit, o.dataset);
-    const Dataset& dataset = fitted->dataset();
+    const Dataset& dataset = fitted.dataset();
     require_viewer();
-    const auto baseline = fitted->baseline();
-    const std::vector<uint32_t> training = fitted_views(dataset, fitted->record());
+    auto baseline = baseline_of(fitted);
+    const std::vector<uint32_t> training = fitted_views(dataset, fitted.record());
     if (has_error_bars(o.fit)) {
         std::vector<View> asked;
         for (const uint32_t v : uncertainty_views(training)) asked.push_back(dataset.views[v]);
-        fitted->find_error_bars(asked);
+        find_error_bars(fitted, asked);
     }
     const PublishOutcome outcome = publish({.dataset = dataset,
-                                            .record = fitted->record(),
-                                            .description = fitted->description(),
-                                            .fit = fitted->contestant(),
-                                            .baseline = baseline->contestant(),
-                                            .baseline_name = fitted->baseline_name(),
-                                            .takes_light = fitted->takes_light(),
+                                            .record = fitted.record(),
+                                            .description = description_of(fitted),
+                                            .fit = contestant_of(fitted),
+                                            .baseline = contestant_of(baseline),
+                                            .baseline_name = baseline_name(fitted),
+                                            .takes_light = takes_light(fitted),
                                             .training = training,
-                                            .model = fitted->page()},
+                                            .model = page_model_of(fitted)},
                                            o.page);
     write_page(o.output, o.single_file, outcome.page);
     log_info(text_of(outcome));

@@ -145,18 +145,18 @@ void render_fit(const RenderOptions& o) {
     check_pixel_points(o.pixel_points);
     const OutputLock lock(picture_stem(o.output));
     auto fit = open_fit(o.fit, o.dataset);
-    if (!o.light.empty() && !fit->takes_light())
+    if (!o.light.empty() && !takes_light(fit))
         throw UserError("--light: a light field map keeps the light it was photographed under");
-    if (o.problems) return render_problems(o, *fit);
-    const Dataset& dataset = fit->dataset();
+    if (o.problems) return render_problems(o, fit);
+    const Dataset& dataset = fit.dataset();
     if (o.size && dataset.has_grid())
         throw UserError("--size: over a grid, a picture has a pixel per texel; leave it out");
-    if (!o.all.empty()) return render_all(o, *fit);
+    if (!o.all.empty()) return render_all(o, fit);
     const uint32_t view = chosen_view(dataset, o.view);
     View shown = dataset.views[view];
     if (!o.light.empty()) shown.light = lamp_towards(o.light);
-    if (o.turntable > 0) return render_turntable(o, *fit, shown);
-    render_view(o, *fit, view, shown);
+    if (o.turntable > 0) return render_turntable(o, fit, shown);
+    render_view(o, fit, view, shown);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "fitting/limits.h"
 
 using namespace radiafit;
+using namespace radiafit::tools;
 
 /// Exit status: 0 done, 1 the machine failed (GL, I/O), or `compare` found a difference, 2 the user's mistake.
 int main(int argc, char** argv) {

@@ -14,6 +14,6 @@ PYBIND11_MODULE(radiafit, module) {
     module.def(
         "set_threads", [](int threads) { radiafit::set_thread_count(threads); }, py::arg("threads"),
         "Threads to use; 0 is all cores.");
-    radiafit::python::add_dataset(module);
-    radiafit::python::add_fit(module);
+    radiafit::tools::python::add_dataset(module);
+    radiafit::tools::python::add_fit(module);
 }

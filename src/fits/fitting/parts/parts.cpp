@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/journal.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/read_file.h"
 #include "base/resources.h"

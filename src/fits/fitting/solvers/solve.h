@@ -7,6 +7,7 @@
 
 #include "dataset/image_stream.h"
 #include "fit/fit_folder.h"
+#include "fitting/fit_request.h"
 #include "model/lfm.h"
 #include "optim/trace.h"
 #include "reference/resampling_counts.h"

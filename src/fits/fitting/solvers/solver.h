@@ -10,15 +10,17 @@
 #include "gl/context.h"
 #include "optim/engine.h"
 
-/// The solvers that `--solver` names: one table, one function each.
-namespace radiafit::fits {
-
+namespace radiafit {
 class TexelSolvers;
 struct FragmentTimes;
 struct TexelFitOptions;
 struct TexelProblem;
 struct VertexShape;
 struct VertexSolution;
+}  // namespace radiafit
+
+/// The solvers that `--solver` names: one table, one function each.
+namespace radiafit::fits {
 
 /// One fit as its solver sees it.
 class FitTask {

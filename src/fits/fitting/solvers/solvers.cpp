@@ -9,6 +9,7 @@
 #include "cpu/lfm_problem.h"
 #include "cpu/texel_solver.h"
 #include "cpu/vertex_solver.h"
+#include "fitting/solvers/solver.h"
 #include "model/penalty.h"
 #include "reference/ceres_options.h"
 #include "reference/mean_solver.h"
