@@ -421,7 +421,8 @@ void Departures::write() {
     for (const Row& r : rows_) {
         csv.add({r.departure.id, r.departure.without, r.problem, r.optimizer, r.numbers, r.renderer, r.iterations,
                  r.problems, unless_nan(r.arrived), unless_nan(r.iterations_median), unless_nan(r.stalled),
-                 unless_nan(r.not_finite), unless_nan(r.error), unless_nan(r.error_ratio), unless_nan(r.psnr), unless_nan(r.ape), unless_nan(r.held_psnr)});
+                 unless_nan(r.not_finite), unless_nan(r.error), unless_nan(r.error_ratio), unless_nan(r.psnr),
+                 unless_nan(r.ape), unless_nan(r.held_psnr)});
         table.add({r.problem, r.optimizer, r.numbers,
                    r.departure.id.empty() ? "nothing" : fmt::format("{}: {}", r.departure.id, r.departure.without),
                    number("{:.1f} %", 100 * r.arrived), number("{:g}", r.iterations_median),

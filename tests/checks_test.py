@@ -272,7 +272,7 @@ class Costs(Tree):
         return check_costs.check(self.root)[0]
 
     def declare(self, *rows):
-        self.write("src/fragment/pass_costs.cpp", "".join(f"    {row},\n" for row in rows))
+        self.write("src/core/fragment/pass_costs.cpp", "".join(f"    {row},\n" for row in rows))
 
     def counted(self, body, before=""):
         """What the check says that a stage costs, of which nothing is declared rightly."""
@@ -320,7 +320,7 @@ class Costs(Tree):
         self.assertEqual(check_costs.check(self.root, write=True), ([], 1))
         self.assertEqual(self.errors(), [])
         self.write("shaders/a/other.frag", STAGE + "void main() { colour = vec4(0.0); }\n")
-        self.assertIn("shaders/a/other.frag: src/fragment/pass_costs.cpp declares no cost of it", " ".join(self.errors()))
+        self.assertIn("shaders/a/other.frag: src/core/fragment/pass_costs.cpp declares no cost of it", " ".join(self.errors()))
 
     def test_what_a_variant_leaves_open_must_not_matter(self):
         self.write("shaders/a/thing.frag", STAGE + "void main() { colour = vec4(SIDE == 8 ? 1.0 : gl_FragCoord.x * 3.0); }\n")

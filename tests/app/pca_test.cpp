@@ -3,10 +3,10 @@
 
 #include <numeric>
 
-#include "fitting/solvers/solve.h"
 #include "base/parallel.h"
 #include "convex_hull.h"
 #include "fit_scene.h"
+#include "fitting/solvers/solve.h"
 #include "geometry/raster.h"
 #include "mesh_shapes.h"
 #include "reference/pca_solver.h"

@@ -10,9 +10,9 @@
 #include "capture/colmap.h"
 #include "capture/gains.h"
 #include "capture/image_scale.h"
-#include "dataset/split.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"
+#include "dataset/split.h"
 #include "image/image_file.h"
 #include "image/png_file.h"
 
