@@ -173,7 +173,7 @@ void add_pixel_points(CommandLine& command, std::optional<int>& points) {
 }
 
 void check_pixel_points(const std::optional<int>& points) {
-    if (points) check_pixel_points(*points);
+    if (points) radiafit::check_pixel_points(*points);
 }
 
 void add_judge(CommandLine& program) {
