@@ -1,5 +1,5 @@
-# cmake -DFOLDER=shaders -DOUTPUT=FILE -DTABLE=embedded_shaders -DHEADER=gl/embedded_shaders.h -DNAMESPACE=radiafit -P embed_texts.cmake: all texts of
-# the folder as one C++ table (src/core/base/embedded_text.h).
+# cmake -DFOLDER=shaders -DOUTPUT=FILE -DTABLE=embedded_shaders -DHEADER=gl/embedded_shaders.h -DNAMESPACE=radiafit
+# -P embed_texts.cmake: all texts of the folder as one C++ table (src/core/base/embedded_text.h).
 file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
 list(SORT files)
 set(table "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\nconst std::vector<EmbeddedText>& ${TABLE}() {\n")

@@ -203,8 +203,6 @@ def classes(path):
             spaces.pop()
         elif found := re.match(r"(?:template <.*> ?)?(?:class|struct|enum class|enum) (?:alignas\(\w+\) )?(\w+)\b[^;<]*(?:\{|$)", line):
             yield "::".join(spaces), found[1]
-        if line.startswith("namespace ") and line.endswith("}") and spaces:
-            continue
         if re.match(r"(?:template <.*> ?)?(?:class|struct|enum).*\{$", line):
             spaces.append("{")
         elif line.startswith("};") and spaces and spaces[-1] == "{":
