@@ -111,9 +111,10 @@ void ProblemBuffers::make_room(const Room&) {
 }
 
 const Program& ProblemBuffers::program(Step which, const Turn& turn) {
-    const Defines all = defines() + Defines{{"PROBLEMS", given_text_}} + step_defines(which, turn);
-    Program& step = steps_[all];
-    if (!step) step = Program::compute("compute/step.comp", all);
+    Program& step = steps_[step_key(which, turn)];
+    if (!step)
+        step = Program::compute("compute/step.comp",
+                                defines() + Defines{{"PROBLEMS", given_text_}} + step_defines(which, turn));
     return step;
 }
 

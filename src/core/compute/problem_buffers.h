@@ -67,7 +67,7 @@ private:
     bool optimizer_clear_ = false;  ///< the optimizer's numbers are zero
     Buffer numbers_, given_, products_, summaries_;
     Program summary_;
-    std::map<Defines, Program> steps_;
+    std::map<StepKey, Program> steps_;
 };
 
 }  // namespace radiafit

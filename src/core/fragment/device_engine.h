@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "gl/context.h"
@@ -38,6 +39,11 @@ private:
     size_t count_;
 };
 
+/// What a step's program depends on besides the engine's arrays: found in every iteration, so it allocates nothing.
+using StepKey = std::tuple<Step, int, float>;
+inline StepKey step_key(Step which, const Turn& turn) {
+    return {which, turn.left_out, turn.left_out ? turn.first_step : 0};
+}
 /// What the programs of a step and of an update are compiled with.
 Defines step_defines(Step which, const Turn& turn);
 Defines update_defines(Update which);

@@ -32,9 +32,10 @@ ProblemNumbers::ProblemNumbers(PassRunner& run, int width, int height, size_t co
 
 const Program& ProblemNumbers::program(Step which, const Turn& turn) {
     const int layers = ProblemNumbers::layers(room_) - own_layer;
-    const Defines defines = defines_ + step_defines(which, turn) + Defines{{"OWN_LAYERS", std::to_string(layers)}};
-    Program& program = programs_[defines];
-    if (!program) program = Program::draw("common/whole.vert", "optimize/step.frag", defines);
+    Program& program = programs_[{step_key(which, turn), layers}];
+    if (!program)
+        program = Program::draw("common/whole.vert", "optimize/step.frag",
+                                defines_ + step_defines(which, turn) + Defines{{"OWN_LAYERS", std::to_string(layers)}});
     return program;
 }
 

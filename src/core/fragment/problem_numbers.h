@@ -48,7 +48,7 @@ private:
     Defines defines_;
     Texture state_;
     Framebuffer target_;
-    std::map<Defines, Program> programs_;  ///< of steps
+    std::map<std::pair<StepKey, int>, Program> programs_;  ///< of steps, by layers of the optimizer's numbers
     Room room_;
     std::vector<Texture> summaries_;
     std::vector<Framebuffer> summary_targets_;
