@@ -78,7 +78,7 @@ def optimizer_texts(shaders, axis):
         state = "ProblemState" if axis == "STEP" else "Elements"
         for name in re.findall(rf"^SHARED_FN void (\w+)\(INOUT\({state}\)", path.read_text(encoding="utf-8"), re.M):
             found.append([("TEXT", path.stem), (axis, name)])
-    listed = (shaders.parent / "src" / "optim" / "methods.h")
+    listed = (shaders.parent / "src" / "core" / "optim" / "methods.h")
     shapes = re.findall(r"X\((\w+), (\w+)((?:, \d+)*)\)", listed.read_text(encoding="utf-8")) if listed.is_file() else []
     for defines in found:
         numbers = [row[2].split(", ")[1:] for row in shapes if [row[0], row[1]] == [value for _, value in defines]]
