@@ -51,7 +51,9 @@ class Viewer(ProgramTest):
         self.settle()
 
     def settle(self):
+        """The picture is drawn, and shown: the browser puts it on the screen one frame after the page has drawn it."""
         self.browser.wait_for("document.getElementById('picture')?.dataset.state === 'still' && !!window.radiafit_viewer")
+        self.browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
     def page_data(self, page):
         text = (self.root / page / "data" / "page.js").read_text()
