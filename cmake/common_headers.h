@@ -1,5 +1,6 @@
 #pragma once
-// The headers that most sources include and that take longest to parse, precompiled (CMakeLists.txt).
+// The headers that most sources include and that take longest to parse, precompiled (CMakeLists.txt). Not
+// nlohmann/json.hpp, which instantiates its whole parser in every source, used or not.
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -18,7 +19,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <random>
