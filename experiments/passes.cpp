@@ -10,7 +10,6 @@
 #include <memory>
 
 #include "base/clock.h"
-#include "base/energy.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -58,7 +57,6 @@ struct Step {
     std::function<double()> iterate;  ///< seconds of an iteration, which has two sweeps over the images
     double error = 0;                 ///< sum of E_t at the start
     std::vector<double> seconds = {};
-    std::vector<double> joules = {};  ///< of an iteration, at the power that the step took; NaN where none can be read
 };
 
 class Ladder {
@@ -134,13 +132,7 @@ public:
     void run() {
         Progress progress("rounds", size_t(o_.rounds));
         for (int round = 0; round < o_.rounds; ++round, progress.advance())
-            for (Step& step : steps_) {
-                EnergyMeter energy;
-                const Stopwatch clock;
-                step.seconds.push_back(step.iterate());
-                const double watts = energy.joules().value_or(NAN) / clock.wall_s();
-                step.joules.push_back(watts * step.seconds.back());
-            }
+            for (Step& step : steps_) step.seconds.push_back(step.iterate());
     }
     const std::vector<Step>& steps() const { return steps_; }
     size_t images() const { return views_.size(); }
@@ -171,12 +163,9 @@ private:
     std::vector<Step> steps_;
 };
 
-/// Of an image and a sweep, in thousandths, what an iteration over so many images took.
-double of_image_and_sweep(double of_iteration, size_t images) {
-    return 1e3 * of_iteration / (sweeps_per_iteration * double(images));
-}
+/// Of an image and a sweep.
 double milliseconds(const Step& step, size_t round, size_t images) {
-    return of_image_and_sweep(step.seconds[round], images);
+    return 1e3 * step.seconds[round] / (sweeps_per_iteration * double(images));
 }
 
 void write_rows(const ResultFolder& results, const Ladder& ladder, const std::string& gl, const std::string& cpu) {
@@ -191,8 +180,7 @@ void write_rows(const ResultFolder& results, const Ladder& ladder, const std::st
             ms.push_back(milliseconds(step, round, ladder.images()));
             over_previous.push_back(ms.back() / milliseconds(ladder.steps()[i ? i - 1 : 0], round, ladder.images()));
             over_first.push_back(ms.back() / milliseconds(ladder.steps().front(), round, ladder.images()));
-            const double mj = of_image_and_sweep(step.joules[round], ladder.images());
-            rounds.add({i, step.name, round, ladder.images(), ladder.samples(), ms.back(), unless_nan(mj), renderer});
+            rounds.add({i, step.name, round, ladder.images(), ladder.samples(), ms.back(), renderer});
         }
         const auto [low, high] = ends_of(median_interval(ms, ms.size()));
         const auto number = [](double x) { return fmt::format("{:.4g}", x); };

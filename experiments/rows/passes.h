@@ -10,7 +10,6 @@ struct Round {
     size_t repetition, images;
     uint64_t samples;
     double ms_per_image_and_sweep;
-    std::optional<double> mj_per_image_and_sweep;
     std::string renderer;
 };
 inline const RowFileOf<Round> rounds{
@@ -22,8 +21,6 @@ inline const RowFileOf<Round> rounds{
      {"images", exact(), "distinct training images", &Round::images},
      {"samples", errors("{}"), "pixels that texels take, by the CPU's rasterizer", &Round::samples},
      {"ms_per_image_and_sweep", times("{:.6g}").in("ms"), "an iteration's time over its two sweeps and the images", &Round::ms_per_image_and_sweep},
-     {"mj_per_image_and_sweep", told("{:.6g}").in("mJ"), "likewise the energy of the processors' packages (RAPL), at the mean power that the step took; empty where it cannot be read",
-      &Round::mj_per_image_and_sweep},
      {"renderer", told(), "", &Round::renderer}}};
 
 struct Step {

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/energy.h"
 #include "base/parallel.h"
 #include "temporary_folder.h"
 
@@ -61,31 +60,6 @@ TEST(Record, TellsWhatItWasBuiltWithAndWhatIsLoaded) {
     const std::vector<std::string> instructions = json.at("march").at("instructions");
     EXPECT_NE(std::ranges::find(instructions, "avx2"), instructions.end());
 #endif
-}
-
-TEST(EnergyMeter, AddsUpPackagesAndKnowsWhereTheirCountersRunOver) {
-    const TemporaryFolder root;
-    const auto domain = [&](const std::string& folder, const std::string& name, uint64_t microjoules) {
-        const auto path = root.path() / "sys/class/powercap" / folder;
-        std::filesystem::create_directories(path);
-        std::ofstream(path / "name") << name << "\n";
-        std::ofstream(path / "max_energy_range_uj") << 262143000000 << "\n";
-        std::ofstream(path / "energy_uj") << microjoules << "\n";
-    };
-    EXPECT_FALSE(EnergyMeter(root.path()).joules());
-    domain("intel-rapl:0", "package-0", 5'000'000);
-    domain("intel-rapl:0:0", "core", 1'000'000);  // part of the package
-    domain("intel-rapl:1", "package-1", 262'142'000'000);
-    EnergyMeter meter(root.path());
-    EXPECT_EQ(meter.joules(), 0.0);
-    domain("intel-rapl:0", "package-0", 7'500'000);
-    domain("intel-rapl:0:0", "core", 3'000'000);
-    domain("intel-rapl:1", "package-1", 1'000'000);
-    EXPECT_DOUBLE_EQ(meter.joules().value(), 2.5 + 2.0);
-    domain("intel-rapl:0", "package-0", 8'500'000);
-    EXPECT_DOUBLE_EQ(meter.joules().value(), 5.5);
-    std::filesystem::remove(root.path() / "sys/class/powercap/intel-rapl:1/energy_uj");
-    EXPECT_FALSE(meter.joules());
 }
 
 TEST(Machine, ReadsWhatTheKernelTells) {
