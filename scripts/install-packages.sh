@@ -25,7 +25,7 @@ python="$experiments python3-dev pybind11-dev python3-numpy"
 # What compiles in `make test`, and what only runs there.
 test_programs="$build $python libgtest-dev libopenmpi-dev"
 clang="clang clang-tidy libbenchmark-dev"
-test="$test_programs git chromium clang-format glslang-tools spirv-tools"
+test="$test_programs git chromium clang-format glslang-tools glslc spirv-tools"
 
 case $part in
 experiments) packages=$experiments ;;

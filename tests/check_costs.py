@@ -2,7 +2,7 @@
 """Every fragment stage but those of the page (shaders/view) declares in src/core/fragment/pass_costs.cpp what one invocation costs, and the
 declaration is what its SPIR-V holds.
 
-The SPIR-V is glslangValidator's, with calls inlined, loops of constant length unrolled and dead code removed by spirv-opt,
+The SPIR-V is glslc's, with calls inlined, loops of constant length unrolled and dead code removed by spirv-opt,
 then counted as it stands: both sides of a branch count. What src/core/fragment/pass_costs.h says is counted:
 
   - operations: components of arithmetic, conversions, comparisons, selections and bit operations, addresses included; a
@@ -13,7 +13,7 @@ then counted as it stands: both sides of a branch count. What src/core/fragment/
 
 Work in a loop whose length isn't constant is declared apart, per entry; around such a loop there may be one more, whose own
 counter is left out. Definitions that a variant leaves open must not matter: each count is made twice, with other values.
-Usage: check_costs.py [--write] [ROOT]. --write puts the counts into the table. Exit status 77 (skipped) without glslangValidator and spirv-opt."""
+Usage: check_costs.py [--write] [ROOT]. --write puts the counts into the table. Exit status 77 (skipped) without glslc and spirv-opt."""
 import concurrent.futures
 import os
 import pathlib
@@ -53,34 +53,32 @@ NOTHING = set("""
     Load Store AccessChain CompositeExtract CompositeConstruct CompositeInsert VectorShuffle VectorExtractDynamic
     VectorInsertDynamic CopyObject Bitcast Undef Image Phi Variable Label Branch BranchConditional SelectionMerge LoopMerge
     Return FunctionEnd Function Switch Unreachable ImageQuerySizeLod""".split())
-TOOLS = ("glslangValidator", "spirv-opt", "spirv-dis")
+TOOLS = ("glslc", "spirv-opt", "spirv-dis")
 
 
 class CostError(Exception):
     pass
 
 
-def spirv_of(text, label):
-    """Optimized SPIR-V of a fragment stage, disassembled."""
-    with tempfile.TemporaryDirectory(prefix="radiafit-costs-") as folder:
-        path = pathlib.Path(folder)
+def run(label, *command):
+    result = subprocess.run(command, capture_output=True, text=True)
+    if result.returncode:
+        raise CostError(f"{label}: {command[0]}: {(result.stdout + result.stderr).strip()}")
+    return result.stdout
 
-        def run(*command, **more):
-            result = subprocess.run(command, capture_output=True, text=True, **more)
-            if result.returncode:
-                raise CostError(f"{label}: {command[0]}: {(result.stdout + result.stderr).strip()}")
-            return result.stdout
 
-        run("glslangValidator", "-G100", "--aml", "--amb", "--stdin", "-S", "frag", "-o", path / "plain.spv", input=text)
-        words = list(struct.unpack(f"<{(path / 'plain.spv').stat().st_size // 4}I", (path / "plain.spv").read_bytes()))
-        at = 5
-        while at < len(words):  # spirv-opt unrolls loops that ask for it
-            if words[at] & 0xffff == 246:  # OpLoopMerge
-                words[at + 3] |= 1
-            at += words[at] >> 16
-        (path / "plain.spv").write_bytes(struct.pack(f"<{len(words)}I", *words))
-        run("spirv-opt", "--target-env=opengl4.5", "-O", "--loop-unroll", "-O", path / "plain.spv", "-o", path / "short.spv")
-        return run("spirv-dis", path / "short.spv")
+def optimized(spirv, label):
+    """The SPIR-V of a fragment stage in a file, optimized and disassembled."""
+    words = list(struct.unpack(f"<{spirv.stat().st_size // 4}I", spirv.read_bytes()))
+    at = 5
+    while at < len(words):  # spirv-opt unrolls loops that ask for it
+        if words[at] & 0xffff == 246:  # OpLoopMerge
+            words[at + 3] |= 1
+        at += words[at] >> 16
+    spirv.write_bytes(struct.pack(f"<{len(words)}I", *words))
+    short = spirv.with_suffix(".short")
+    run(label, "spirv-opt", "--target-env=opengl4.5", "-O", "--loop-unroll", "-O", spirv, "-o", short)
+    return run(label, "spirv-dis", short)
 
 
 def components(type_name):
@@ -117,11 +115,11 @@ def bytes_of_texels(name, defines):
     return sizes
 
 
-def count(text, label, bytes_of):
+def count(disassembly, label, bytes_of):
     """(targets, [operations, reads, bytes], [the same per entry of a loop])"""
     blocks, merges, block, targets = {}, {}, None, 0
     kind_of, pointed, value, length, variable_of, place_of = {}, {}, {}, {}, {}, {}  # by identifier
-    for line in spirv_of(text, label).splitlines():
+    for line in disassembly.splitlines():
         match = re.match(r"\s*(?:(%\w+) = )?Op(\w+)\s*(.*)$", line)
         if not match:
             continue
@@ -193,17 +191,38 @@ def count(text, label, bytes_of):
     return targets, work[0], work[1]
 
 
-def count_variant(shaders, name, variant):
-    given = [tuple((item.split("=", 1) + [""])[:2]) for item in variant.split()]
-    found = []
-    for turn in range(2):
-        defines = given + [(key, str(values[turn])) for key, values in OPEN.items()]
-        text, _ = check_shaders.expand(shaders, name, defines)
-        found.append(count(text, f"shaders/{name} [{variant}]", bytes_of_texels(name, given)))
-    if found[0] != found[1]:
-        raise CostError(f"shaders/{name} [{variant}]: {found[0]} or {found[1]}, depending on what the variant leaves open; "
-                        f"put it into the variant (pass_variant in {TABLE})")
-    return found[0]
+def given_by(variant):
+    return [tuple((item.split("=", 1) + [""])[:2]) for item in variant.split()]
+
+
+def count_rows(shaders, rows):
+    """What each (stage, variant) costs, or the error why not. Compilers take long to start, so one gets all texts."""
+    results, texts = {}, []
+    for row in rows:
+        try:
+            for turn in range(2):
+                defines = given_by(row[1]) + [(key, str(values[turn])) for key, values in OPEN.items()]
+                texts.append((row, check_shaders.expand(shaders, row[0], defines)[0]))
+        except check_shaders.ShaderError as error:
+            results[row] = error
+    with tempfile.TemporaryDirectory(prefix="radiafit-costs-") as folder:
+        paths, said = check_shaders.compile_spirv([(text, "frag") for _, text in texts], folder)
+        of_row = {}
+        for (row, _), path in zip(texts, paths):
+            of_row.setdefault(row, []).append(path)
+        for (name, variant), both in of_row.items():
+            label = f"shaders/{name} [{variant}]"
+            try:
+                if None in both:
+                    raise CostError(f"{label}: glslc: {said.strip()}")
+                found = [count(optimized(path, label), label, bytes_of_texels(name, given_by(variant))) for path in both]
+                if found[0] != found[1]:
+                    raise CostError(f"{label}: {found[0]} or {found[1]}, depending on what the variant leaves open; "
+                                    f"put it into the variant (pass_variant in {TABLE})")
+                results[name, variant] = found[0]
+            except CostError as error:
+                results[name, variant] = error
+    return [results[row] for row in rows]
 
 
 def row_text(name, variant, cost):
@@ -218,20 +237,22 @@ def check(root, write=False):
     rows = [(m[1], m[2], m[0].strip()) for m in ROW.finditer(text)]
     errors = []
 
-    def counted(row):
-        try:
-            return row_text(*row[:2], count_variant(shaders, *row[:2])), None
-        except (CostError, check_shaders.ShaderError) as error:
-            return row[2], str(error)
-
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for (_, _, declared), (now, error) in zip(rows, pool.map(counted, rows)):
-            if error:
-                errors.append(error)
-            elif now != declared and write:
-                text = text.replace(declared, now)
-            elif now != declared:
-                errors.append(f"{TABLE} declares {declared}\n    its SPIR-V has    {now}")
+    cores = len(os.sched_getaffinity(0))
+    costs = {}
+    with concurrent.futures.ThreadPoolExecutor(cores) as threads:  # each waits for its compiler
+        parts = [part for part in (rows[core::cores] for core in range(cores)) if part]
+        for part, found in zip(parts, threads.map(lambda part: count_rows(shaders, [row[:2] for row in part]), parts)):
+            costs.update(zip((row[:2] for row in part), found))
+    for name, variant, declared in rows:
+        cost = costs[name, variant]
+        if isinstance(cost, Exception):
+            errors.append(str(cost))
+            continue
+        now = row_text(name, variant, cost)
+        if now != declared and write:
+            text = text.replace(declared, now)
+        elif now != declared:
+            errors.append(f"{TABLE} declares {declared}\n    its SPIR-V has    {now}")
     if write:
         table.write_text(text, encoding="utf-8")
     for path in sorted(shaders.rglob("*.frag")):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every shader stage compiles under glslangValidator, to SPIR-V for OpenGL (which demands locations: of uniforms any); those of
+"""Every shader stage compiles under glslang (glslc), to SPIR-V for OpenGL (which demands locations: of uniforms any); those of
 published pages, "#version 300 es", as WebGL 2 takes them, for which there is no SPIR-V.
 
 #include "..." lines are expanded as src/core/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
@@ -15,7 +15,7 @@ after the #version line, and where the name of a file is a definition's, that in
 
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, with
 LOBE_COUNT 1 and 2 where they ask for it, and any other .glsl file that no stage reaches is an error: it would be untested.
-Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslangValidator."""
+Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslc or glslangValidator."""
 import concurrent.futures
 import itertools
 import os
@@ -24,12 +24,15 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
+FOR_PAGES = "#version 300 es"  # how those of published pages begin
 STAGES = {".vert": "vert", ".frag": "frag", ".comp": "comp"}
 INCLUDE = re.compile(r'\s*#include\b(?:\s*"([^"]+)")?')
 CONDITION = re.compile(r"^\s*#\s*(?:el)?if(n?def)?\b(.*)$", re.M)
 COMPARISON = re.compile(r"\b([A-Z][A-Z0-9_]*)\s*(==|>|>=)\s*(\d+)")
 DEFAULT = re.compile(r"^\s*#\s*ifndef\s+(\w+)\s*\n\s*#\s*define\s+\1\b", re.M)
+TOOLS = ("glslc", "glslangValidator")
 
 
 class ShaderError(Exception):
@@ -128,9 +131,10 @@ def found_variants(text):
                    for value in sorted(found[name] - {""} or found[name])]
 
 
-def compile_text(text, stage, files, label):
+def messages_of(text, stage, files, label):
+    """What glslangValidator says of one text that doesn't compile."""
     # -G100: SPIR-V for OpenGL. --stdin must come before -S.
-    target = [] if text.startswith("#version 300 es") else ["-G100", "--aml", "--amb", "-o", "/dev/null"]
+    target = [] if text.startswith(FOR_PAGES) else ["-G100", "--aml", "--amb", "-o", "/dev/null"]
     result = subprocess.run(["glslangValidator", *target, "--stdin", "-S", stage], input=text, capture_output=True, text=True)
     if result.returncode == 0:
         return []
@@ -142,12 +146,45 @@ def compile_text(text, stage, files, label):
     return messages or [f"{label}: {(result.stdout + result.stderr).strip()}"]
 
 
+def compile_spirv(texts, folder):
+    """Many texts in one process, (text, stage) each, to SPIR-V for OpenGL: the paths of the outputs, None where a text
+    doesn't compile, and what the compiler says."""
+    folder = pathlib.Path(folder)
+    for number, (text, stage) in enumerate(texts):
+        (folder / f"{number}.{stage}").write_text(text, encoding="utf-8")
+    names = [f"{number}.{stage}" for number, (_, stage) in enumerate(texts)]
+    result = subprocess.run(["glslc", "--target-env=opengl4.5", "-fauto-map-locations", "-fauto-bind-uniforms", "-c", *names],
+                            cwd=folder, capture_output=True, text=True)
+    outputs = [folder / (name + ".spv") for name in names]
+    return [output if output.is_file() else None for output in outputs], result.stdout + result.stderr
+
+
+def compile_texts(texts):
+    """The errors of (text, stage, files, label) each. Compilers take long to start, so each gets many texts; one that
+    fails is compiled once more, alone, for messages that name its files."""
+    errors = []
+    with tempfile.TemporaryDirectory(prefix="radiafit-shaders-") as folder:
+        if texts[0][0].startswith(FOR_PAGES):
+            for number, (text, stage, _, _) in enumerate(texts):
+                (pathlib.Path(folder) / f"{number}.{stage}").write_text(text, encoding="utf-8")
+            result = subprocess.run(["glslangValidator", *(path.name for path in pathlib.Path(folder).iterdir())], cwd=folder,
+                                    capture_output=True, text=True)
+            failed, said = texts if result.returncode else [], result.stdout + result.stderr
+        else:
+            outputs, said = compile_spirv([text[:2] for text in texts], folder)
+            failed = [text for text, output in zip(texts, outputs) if not output]
+    for text in failed:
+        errors += messages_of(*text)
+    return errors or ([said] if failed else [])
+
+
 def label_of(name, defines):
     return " ".join([name] + [f"{key}={value}" if value else key for key, value in defines])
 
 
-def check_stage(shaders, name):
-    errors, count, reached = [], 0, set()
+def stage_texts(shaders, name):
+    """What is wrong without compiling, and what there is to compile: (text, stage, files, label)."""
+    errors, texts = [], []
     path = shaders / name
     try:
         if not path.read_text(encoding="utf-8").startswith("#version "):
@@ -155,16 +192,14 @@ def check_stage(shaders, name):
         variants = declared_variants(shaders, path) or found_variants(expand(shaders, name)[0])
         for defines in variants:
             text, files = expand(shaders, name, defines)
-            errors += compile_text(text, STAGES[path.suffix], files, label_of(name, defines))
-            reached.update(files)
-            count += 1
+            texts.append((text, STAGES[path.suffix], files, label_of(name, defines)))
     except ShaderError as error:
         errors.append(str(error))
-    return errors, count, reached
+    return errors, texts
 
 
-def check_shared_text(shaders, name):
-    """Inside an empty stage, behind the dialect's prelude and, for the optimizer, its state."""
+def shared_texts(shaders, name):
+    """What there is to compile of a text that C++ shares, as above: inside an empty stage, behind the dialect's prelude and, for the optimizer, its state."""
     before = ["model/prelude.glsl"] if name != "model/prelude.glsl" and not name.startswith("model/prelude_") else []
     if name.startswith("optimize/") and name != "optimize/problem_state.glsl":
         before.append("optimize/problem_state.glsl")
@@ -175,46 +210,53 @@ def check_shared_text(shaders, name):
             if include not in files:
                 parts.append(expand(shaders, include, (), files)[0])
     except ShaderError as error:
-        return [str(error)]
-    errors = []
+        return [str(error)], []
+    texts = []
     for lobes in ("1", "2") if "LOBE_COUNT" in parts[-1] else ("",):
         define = [f"#define LOBE_COUNT {lobes}"] if lobes else []
         text = "\n".join(["#version 450 core"] + define + parts + ["void main() {}"]) + "\n"
-        errors += compile_text(text, "frag", files, " ".join([name, "in an empty stage"] + define))
-    return errors
+        texts.append((text, "frag", files, " ".join([name, "in an empty stage"] + define)))
+    return [], texts
 
 
 def check(root):
     shaders = pathlib.Path(root) / "shaders"
     names = sorted(path.relative_to(shaders).as_posix() for path in shaders.rglob("*") if path.is_file())
-    errors, count, reached = [], 0, set()
-    stages = []
+    errors, texts = [], []
+
+    def add(found):
+        errors.extend(found[0])
+        texts.extend(found[1])
+
     for name in names:
         suffix = pathlib.PurePosixPath(name).suffix
         if suffix in STAGES:
-            stages.append(name)
+            add(stage_texts(shaders, name))
         elif suffix != ".glsl":
             errors.append(f"shaders/{name}: the name ends in none of .vert .frag .comp .glsl")
-    with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:  # each waits for its compiler
-        for stage_errors, stage_count, stage_files in threads.map(lambda name: check_stage(shaders, name), stages):
-            errors += stage_errors
-            count += stage_count
-            reached |= stage_files
+    reached = {file for _, _, files, _ in texts for file in files}
     for name in names:
-        if not name.endswith(".glsl"):
+        if not name.endswith(".glsl") or name in reached:
             continue
-        if name.startswith(("model/", "optimize/")) and name not in reached:
-            errors += check_shared_text(shaders, name)
-            count += 1
-        elif name not in reached:
+        if name.startswith(("model/", "optimize/")):
+            add(shared_texts(shaders, name))
+        else:
             errors.append(f"shaders/{name}: no stage includes it, so nothing compiles it")
-    return errors, count
+    cores = len(os.sched_getaffinity(0))
+    of_pages = [text for text in texts if text[0].startswith(FOR_PAGES)]
+    others = [text for text in texts if not text[0].startswith(FOR_PAGES)]
+    parts = [part for part in [of_pages, *(others[core::cores] for core in range(cores))] if part]
+    with concurrent.futures.ThreadPoolExecutor(cores) as threads:  # each waits for its compiler
+        for found in threads.map(compile_texts, parts):
+            errors += found
+    return errors, len(texts)
 
 
 def main():
-    if not shutil.which("glslangValidator"):
-        print("skipped: glslangValidator is absent (scripts/install-packages.sh installs it)")
-        return 77
+    for tool in TOOLS:
+        if not shutil.which(tool):
+            print(f"skipped: {tool} is absent (scripts/install-packages.sh installs it)")
+            return 77
     root = sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
     errors, count = check(root)
     print("\n".join(errors) if errors else f"{count} shader texts compile")

@@ -198,7 +198,7 @@ class Layers(Tree):
         self.assertEqual(self.errors(), ["src/harness/report/CMakeLists.txt: report includes base but doesn't link it"])
 
 
-@unittest.skipUnless(shutil.which("glslangValidator"), "glslangValidator is absent")
+@unittest.skipUnless(all(map(shutil.which, check_shaders.TOOLS)), "glslc or glslangValidator is absent")
 class Shaders(Tree):
     def errors(self):
         return check_shaders.check(self.root)[0]
