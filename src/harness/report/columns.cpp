@@ -3,13 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
+#include <stdexcept>
 
 namespace radiafit::harness {
 
-Columns::Columns(const char* names, const ColumnType& type, const char* what) : type(type), what(what) {
-    std::istringstream words(names);
-    for (std::string name; words >> name;) this->names.push_back(name);
+std::vector<std::string> Columns::names() const {
+    std::istringstream words(spaced_names);
+    return {std::istream_iterator<std::string>(words), {}};
+}
+
+void require_as_many(const Columns& columns, int count) {
+    if (columns.names().size() != size_t(count))
+        throw std::logic_error(std::string(columns.spaced_names) + ": a member for each");
 }
 
 bool RowFile::covers(std::string_view file) const {
@@ -18,14 +25,14 @@ bool RowFile::covers(std::string_view file) const {
 
 const ColumnRule* RowFile::rule(std::string_view column) const {
     for (const Columns& group : columns_)
-        if (std::ranges::count(group.names, column) || group.names[0] == "*") return &group.type.rule;
+        if (group.any() || std::ranges::count(group.names(), column)) return &group.type.rule;
     return nullptr;
 }
 
 std::vector<std::string> RowFile::header(const std::vector<std::string>& several) const {
     std::vector<std::string> header;
     for (const Columns& group : columns_) {
-        const std::vector<std::string>& names = group.names[0] == "*" ? several : group.names;
+        const std::vector<std::string> names = group.any() ? several : group.names();
         header.insert(header.end(), names.begin(), names.end());
     }
     return header;

@@ -1,8 +1,7 @@
 #pragma once
 #include <concepts>
-#include <functional>
+#include <initializer_list>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,28 +43,28 @@ struct ColumnType {
 
 namespace columns {
 
-inline ColumnType key(const char* format = "{}") { return {{ColumnKind::key}, format}; }
-inline ColumnType device() { return {{ColumnKind::device}}; }
-inline ColumnType repetition() { return {{ColumnKind::repetition}}; }
-inline ColumnType work() { return {{ColumnKind::work}}; }
-inline ColumnType exact(const char* format = "{}") { return {{ColumnKind::exact}, format}; }
+constexpr ColumnType key(const char* format = "{}") { return {{ColumnKind::key}, format}; }
+constexpr ColumnType device() { return {{ColumnKind::device}}; }
+constexpr ColumnType repetition() { return {{ColumnKind::repetition}}; }
+constexpr ColumnType work() { return {{ColumnKind::work}}; }
+constexpr ColumnType exact(const char* format = "{}") { return {{ColumnKind::exact}, format}; }
 /// PSNR is written with four digits: its last one may round the other way.
-inline ColumnType decibels(const char* format) { return {{ColumnKind::absolute, 1e-4, "dB"}, format, "dB"}; }
+constexpr ColumnType decibels(const char* format) { return {{ColumnKind::absolute, 1e-4, "dB"}, format, "dB"}; }
 /// Of what stops on its way.
-inline ColumnType rough_decibels(const char* format) { return {{ColumnKind::absolute, 0.01, "dB"}, format, "dB"}; }
+constexpr ColumnType rough_decibels(const char* format) { return {{ColumnKind::absolute, 0.01, "dB"}, format, "dB"}; }
 /// Shares of problems, texels or vertices: one in a thousand may fall on the other side of a threshold.
-inline ColumnType shares(const char* format) { return {{ColumnKind::absolute, 1e-3}, format, "share"}; }
+constexpr ColumnType shares(const char* format) { return {{ColumnKind::absolute, 1e-3}, format, "share"}; }
 /// Errors are sums of squares in 32 bits, written with four to eight digits.
-inline ColumnType errors(const char* format, double tolerance = 1e-4) {
+constexpr ColumnType errors(const char* format, double tolerance = 1e-4) {
     return {{ColumnKind::relative, tolerance}, format};
 }
 /// An error that passes a threshold by a rounding does so one iteration sooner or later.
-inline ColumnType iterations(const char* format = "{}") { return {{ColumnKind::iterations, 1}, format, "iterations"}; }
+constexpr ColumnType iterations(const char* format = "{}") { return {{ColumnKind::iterations, 1}, format, "iterations"}; }
 /// Of such counts.
-inline ColumnType ratios(const char* format) { return {{ColumnKind::relative, 0.01}, format}; }
-inline ColumnType times(const char* format) { return {{ColumnKind::time}, format, "s"}; }
-inline ColumnType memory() { return {{ColumnKind::memory}, "{}", "bytes"}; }
-inline ColumnType told(const char* format = "{}") { return {{ColumnKind::told}, format}; }
+constexpr ColumnType ratios(const char* format) { return {{ColumnKind::relative, 0.01}, format}; }
+constexpr ColumnType times(const char* format) { return {{ColumnKind::time}, format, "s"}; }
+constexpr ColumnType memory() { return {{ColumnKind::memory}, "{}", "bytes"}; }
+constexpr ColumnType told(const char* format = "{}") { return {{ColumnKind::told}, format}; }
 
 /// In place of what a column is: an earlier file of the experiment says it.
 inline constexpr const char* as_before = nullptr;
@@ -76,13 +75,16 @@ inline constexpr bool partial = true;
 
 /// Neighbours that are told in one line.
 struct Columns {
-    /// names: between blanks; "*" is any number of columns, named where the file is written.
-    Columns(const char* names, const ColumnType& type, const char* what);
-
-    std::vector<std::string> names;
+    const char* spaced_names;  ///< between blanks; "*" is any number of columns, named where the file is written
     ColumnType type;
     const char* what;  ///< or as_before
+
+    std::vector<std::string> names() const;
+    bool any() const { return *spaced_names == '*'; }
 };
+
+/// Throws std::logic_error unless `columns` has so many names.
+void require_as_many(const Columns& columns, int count);
 
 /// A file of rows that some experiment leaves.
 class RowFile {
@@ -129,38 +131,52 @@ void append_field(Fields& fields, const std::vector<Value>& values, const char* 
     for (const Value& value : values) append_field(fields, value, format);
 }
 
-/// Columns and the members of a row that they show, in order.
+/// Writes a member of a row, whatever its type.
+template <class Row>
+struct MemberWriter {
+    constexpr MemberWriter() = default;
+    template <class Value>
+    MemberWriter(Value Row::* member)
+        : member(reinterpret_cast<char Row::*>(member)),
+          write([](const MemberWriter& w, const Row& row, Fields& fields, const char* format) {
+              append_field(fields, row.*reinterpret_cast<Value Row::*>(w.member), format);
+          }) {}
+
+    char Row::* member = nullptr;
+    void (*write)(const MemberWriter&, const Row&, Fields&, const char* format) = nullptr;
+};
+
+/// Columns and the members of a row that they show, in order. Plain data, of which a compiler makes a table.
 template <class Row>
 struct ColumnsOf : Columns {
-    template <class... Values>
-    ColumnsOf(const char* names, const ColumnType& type, const char* what, Values Row::*... members)
-        : Columns(names, type, what) {
-        if (this->names.size() != sizeof...(members))
-            throw std::logic_error(std::string(names) + ": a member for each");
-        (writers.push_back([member = members, format = type.format](const Row& row, Fields& fields) {
-            append_field(fields, row.*member, format);
-        }),
-         ...);
+    using Member = MemberWriter<Row>;
+    /// Throws std::logic_error unless there is a member for each name.
+    ColumnsOf(const char* names, const ColumnType& type, const char* what, Member a, Member b = {}, Member c = {},
+              Member d = {})
+        : Columns{names, type, what}, members{a, b, c, d} {
+        require_as_many(*this, bool(a.write) + bool(b.write) + bool(c.write) + bool(d.write));
     }
-    std::vector<std::function<void(const Row&, Fields&)>> writers;
+    void write(const Row& row, Fields& fields) const {
+        for (const Member& member : members)
+            if (member.write) member.write(member, row, fields, type.format);
+    }
+
+    Member members[4];
 };
 
 template <class Row>
 class RowFileOf : public RowFile {
 public:
     RowFileOf(const char* name, const char* what, std::initializer_list<ColumnsOf<Row>> columns, bool partial = false)
-        : RowFile(name, what, {columns.begin(), columns.end()}, partial) {
-        for (const ColumnsOf<Row>& group : columns)
-            writers_.insert(writers_.end(), group.writers.begin(), group.writers.end());
-    }
+        : RowFile(name, what, {columns.begin(), columns.end()}, partial), columns_of_(columns) {}
     Fields fields(const Row& row) const {
         Fields fields;
-        for (const auto& write : writers_) write(row, fields);
+        for (const ColumnsOf<Row>& columns : columns_of_) columns.write(row, fields);
         return fields;
     }
 
 private:
-    std::vector<std::function<void(const Row&, Fields&)>> writers_;
+    std::vector<ColumnsOf<Row>> columns_of_;
 };
 
 }  // namespace radiafit::harness

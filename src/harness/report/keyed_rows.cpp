@@ -33,7 +33,7 @@ KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const RowFil
     }
     for (const Columns& group : rules.columns())  // in one order, whatever the file's is
         if (group.type.rule.kind == ColumnKind::key || group.type.rule.kind == ColumnKind::device)
-            for (const std::string& column : group.names)
+            for (const std::string& column : group.names())
                 if (seen.contains(column)) keys_.emplace_back(column, &group.type.rule);
     if (keys_.empty()) return;  // nothing of it is compared
     for (size_t row = 0; row < table_.row_count(); ++row) {

@@ -35,15 +35,15 @@ These mean the same wherever they stand:
 std::string said_before(const ExperimentEntry& entry, const std::string& column) {
     for (const RowFile* file : entry.files)
         for (const Columns& group : file->columns())
-            if (group.what != columns::as_before && std::ranges::count(group.names, column))
+            if (group.what != columns::as_before && std::ranges::count(group.names(), column))
                 return fmt::format("as in {}", file->name());
     throw std::logic_error(fmt::format("{}: nothing says what column '{}' is", entry.name, column));
 }
 
 std::string line_of(const ExperimentEntry& entry, const Columns& group) {
-    const std::string what = group.what == columns::as_before ? said_before(entry, group.names[0]) : group.what;
+    const std::string what = group.what == columns::as_before ? said_before(entry, group.names()[0]) : group.what;
     const auto cell = [](const std::string& text) { return text.empty() ? text : text + ' '; };
-    return fmt::format("| `{}` | {}| {}|\n", fmt::join(group.names, "`, `"), cell(group.type.unit), cell(what));
+    return fmt::format("| `{}` | {}| {}|\n", fmt::join(group.names(), "`, `"), cell(group.type.unit), cell(what));
 }
 
 }  // namespace
