@@ -50,7 +50,7 @@ ALLOWED.update(
     fitting=rings("core") | {"reference", "viewbasis", "sg"},
     report={"base"},
     command_line={"base"},
-    bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report"},
+    bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report", "command_line"},
     capture=up_to("dataset") | {"image"},
     stereo=up_to("dataset") | {"image", "capture"},
     exchange=rings("core", "fits") | {"image_web"},
@@ -71,7 +71,7 @@ LIBRARIES = [
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
     (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),
-    (r"CLI/", {"command_line", "bench"}),
+    (r"CLI/", {"command_line"}),
     (r"(webp/|jpeglib)", {"image"}),
     (r"pybind11/", {"python"}),
 ]

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 #include "base/config.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/range.h"
 #include "base/record.h"
+#include "command_line/command_line.h"
 
 namespace radiafit::harness {
 namespace {
@@ -45,61 +46,47 @@ std::vector<Device> devices_of(const std::vector<std::string>& names) {
     return {chosen.begin(), chosen.end()};
 }
 
-/// One line for a command line that could not be parsed.
-std::string explain(const CLI::App& app, const CLI::ParseError& error) {
-    const std::vector<std::string> rest = app.remaining();
-    if (rest.empty()) return fmt::format("{}; see --help", error.what());
-    std::vector<std::string> names;
-    for (const CLI::Option* option : app.get_options())
-        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    return fmt::format("'{}' is no option (nearest: {}); see --help", rest.front(), nearest(rest.front(), names));
+/// "a,b" is two.
+std::vector<std::string> split(const std::vector<std::string>& texts) {
+    std::vector<std::string> parts;
+    for (const std::string& text : texts) {
+        std::istringstream in(text);
+        for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
+    }
+    return parts;
 }
 
 }  // namespace
 
 std::optional<BenchOptions> parse_bench_options(int argc, const char* const* argv) {
     BenchOptions options;
-    std::vector<std::string> devices = group_names();
+    std::vector<std::string> devices;
     std::string platform = "egl", repetitions = "9", gpu, threads = "0", output = options.output.string();
-    CLI::App app(
-        "Checks every device of this machine against sums in double, then times them and says what share of the "
-        "machine's measured peaks they reach.",
-        "radiafit-bench");
-    app.set_version_flag("--version", fmt::format("radiafit-bench {} ({})", project_version(), git_revision()));
-    app.add_option("--scale", options.scale, "smoke, standard or paper: sizes of star, bust and ornament")
-        ->capture_default_str();
-    app.add_option("--device", devices, "cpu, fragment and compute, or some of them between commas")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->capture_default_str();
-    app.add_option("--repetitions", repetitions, "rounds; an interval of 95 % needs six, better nine")
-        ->capture_default_str();
-    CLI::Option* by_platform =
-        app.add_option("--platform", platform, "egl, or osmesa: Mesa in software")->capture_default_str();
-    CLI::Option* by_number =
-        app.add_option("--gpu", gpu, "EGL's device by its number in --list; unless told, a GPU where there is one");
-    app.add_option("--threads", threads, "of the CPU; 0 is all cores")->capture_default_str();
-    app.add_option("-o,--output", output, "folder of results: rows go to bench/DEVICE/RUN in it")
-        ->capture_default_str();
-    app.add_flag("--list", options.list, "only tell the devices that there are");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() != 0) throw UserError(explain(app, e));
-        app.exit(e);
-        return std::nullopt;
-    }
+    CommandLine program("radiafit-bench",
+                        "Checks every device of this machine against sums in double, then times them and says what "
+                        "share of the machine's measured peaks they reach.",
+                        fmt::format("radiafit-bench {} ({})", project_version(), git_revision()));
+    program.add_word("--scale", options.scale, "smoke, standard or paper: sizes of star, bust and ornament");
+    program.add_words("--device", devices, "cpu, fragment and compute, as unless given, or some of them between commas");
+    program.add_word("--repetitions", repetitions, "rounds; an interval of 95 % needs six, better nine");
+    program.add_word("--platform", platform, "egl, or osmesa: Mesa in software");
+    program.add_word("--gpu", gpu, "EGL's device by its number in --list; unless told, a GPU where there is one");
+    program.add_word("--threads", threads, "of the CPU; 0 is all cores");
+    program.add_word("-o,--output", output, "folder of results: rows go to bench/DEVICE/RUN in it");
+    program.add_flag("--list", options.list, "only tell the devices that there are");
+    if (!program.parse(argc, argv)) return std::nullopt;
+    devices = devices.empty() ? group_names() : split(devices);
     require_name("--scale", options.scale, scales);
     require_name("--platform", platform, platforms);
     for (const std::string& name : devices) require_name("--device", name, group_names());
     options.repetitions = parse_number("--repetitions", repetitions, Range<int>{1, 1'000'000});
     set_thread_count(parse_number("--threads", threads, Range<int>{0, 1024, "0 is all cores"}));
     options.context.kind = context_kind_from(platform);
-    if (by_number->count() > 0)
+    if (program.given("--gpu"))
         options.context.device = parse_number("--gpu", gpu, Range<int>{0, 1023, "--list tells which there are"});
     if (output.empty()) throw UserError("--output is empty: name a folder");
     options.output = output;
-    options.chosen_renderer = by_platform->count() + by_number->count() > 0;
+    options.chosen_renderer = program.given("--platform") || program.given("--gpu");
     options.devices = devices_of(devices);
     if (options.chosen_renderer && std::ranges::none_of(options.devices, needs_opengl))
         throw UserError("--platform and --gpu mean nothing without the devices fragment or compute; leave them out");
