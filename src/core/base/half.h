@@ -7,8 +7,8 @@
 #include <cmath>
 #endif
 
-/// IEEE 754 binary16. Bits are carried as uint16_t; arithmetic is done in float. A signalling NaN is made quiet and keeps
-/// the upper ten bits of its payload.
+/// IEEE 754 binary16. Bits are carried as uint16_t; arithmetic is done in float. A signalling NaN is made quiet and
+/// keeps the upper ten bits of its payload.
 namespace radiafit {
 
 /// Largest finite half.

@@ -67,7 +67,8 @@ std::optional<BenchOptions> parse_bench_options(int argc, const char* const* arg
                         "share of the machine's measured peaks they reach.",
                         fmt::format("radiafit-bench {} ({})", project_version(), git_revision()));
     program.add_word("--scale", options.scale, "smoke, standard or paper: sizes of star, bust and ornament");
-    program.add_words("--device", devices, "cpu, fragment and compute, as unless given, or some of them between commas");
+    program.add_words("--device", devices,
+                      "cpu, fragment and compute, as unless given, or some of them between commas");
     program.add_word("--repetitions", repetitions, "rounds; an interval of 95 % needs six, better nine");
     program.add_word("--platform", platform, "egl, or osmesa: Mesa in software");
     program.add_word("--gpu", gpu, "EGL's device by its number in --list; unless told, a GPU where there is one");

@@ -59,7 +59,9 @@ constexpr ColumnType errors(const char* format, double tolerance = 1e-4) {
     return {{ColumnKind::relative, tolerance}, format};
 }
 /// An error that passes a threshold by a rounding does so one iteration sooner or later.
-constexpr ColumnType iterations(const char* format = "{}") { return {{ColumnKind::iterations, 1}, format, "iterations"}; }
+constexpr ColumnType iterations(const char* format = "{}") {
+    return {{ColumnKind::iterations, 1}, format, "iterations"};
+}
 /// Of such counts.
 constexpr ColumnType ratios(const char* format) { return {{ColumnKind::relative, 0.01}, format}; }
 constexpr ColumnType times(const char* format) { return {{ColumnKind::time}, format, "s"}; }
@@ -136,13 +138,13 @@ template <class Row>
 struct MemberWriter {
     constexpr MemberWriter() = default;
     template <class Value>
-    MemberWriter(Value Row::* member)
+    MemberWriter(Value Row::*member)
         : member(reinterpret_cast<char Row::*>(member)),
           write([](const MemberWriter& w, const Row& row, Fields& fields, const char* format) {
               append_field(fields, row.*reinterpret_cast<Value Row::*>(w.member), format);
           }) {}
 
-    char Row::* member = nullptr;
+    char Row::*member = nullptr;
     void (*write)(const MemberWriter&, const Row&, Fields&, const char* format) = nullptr;
 };
 
