@@ -6,7 +6,7 @@
 #include <array>
 
 #include "pieces.h"
-#include "report/html_table.h"
+#include "page/html_table.h"
 
 namespace radiafit::harness {
 namespace {

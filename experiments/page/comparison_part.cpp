@@ -7,7 +7,7 @@
 #include "base/read_file.h"
 #include "pieces.h"
 #include "report/comparison.h"
-#include "report/html_table.h"
+#include "page/html_table.h"
 
 namespace radiafit::harness {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 #include "claims/findings.h"
-#include "report/html.h"
+#include "page/html.h"
 
 namespace radiafit::harness {
 

@@ -2,7 +2,7 @@
 #include <span>
 
 #include "report/finished_runs.h"
-#include "report/html.h"
+#include "page/html.h"
 
 namespace radiafit::harness {
 

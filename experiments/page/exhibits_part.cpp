@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "claims_part.h"
 #include "pieces.h"
-#include "report/html_table.h"
+#include "page/html_table.h"
 #include "show_rows.h"
 
 namespace radiafit::harness {

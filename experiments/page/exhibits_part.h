@@ -3,7 +3,7 @@
 
 #include "claims/findings.h"
 #include "report/experiments.h"
-#include "report/html.h"
+#include "page/html.h"
 
 namespace radiafit::harness {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "base/read_file.h"
-#include "report/html_table.h"
+#include "page/html_table.h"
 
 namespace radiafit::harness {
 namespace {

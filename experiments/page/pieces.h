@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "report/html.h"
+#include "page/html.h"
 #include "report/row_files.h"
 
 /// What several parts of the report are put together from.

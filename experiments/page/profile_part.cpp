@@ -12,8 +12,8 @@
 #include "pieces.h"
 #include "report/csv.h"
 #include "report/figures.h"
-#include "report/html_table.h"
-#include "report/performance_profile.h"
+#include "page/html_table.h"
+#include "page/performance_profile.h"
 #include "report/row_files.h"
 
 namespace radiafit::harness {

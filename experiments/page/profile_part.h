@@ -3,7 +3,7 @@
 #include <string>
 
 #include "claims/findings.h"
-#include "report/html.h"
+#include "page/html.h"
 
 namespace radiafit::harness {
 

@@ -285,7 +285,7 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
                         planned += row.bytes;
                     FragmentEngine engine(*dataset, atlas, rings, all_views(), options, fragment);
                     engine.make_room(room);
-                    EXPECT_EQ(planned, engine.bytes()) << to_string(passes) << " " << to_string(storage) << " sums "
+                    EXPECT_EQ(planned, engine.bytes()) << to_string(passes) << " " << int(storage) << " sums "
                                                        << int(sums) << (resident ? " resident" : "");
                 }
 }

@@ -1,11 +1,11 @@
 // Pages and what they are put together from.
-#include "report/html.h"
+#include "page/html.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "report/html_table.h"
+#include "page/html_table.h"
 
 namespace radiafit {
 using namespace harness;

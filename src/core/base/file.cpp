@@ -48,9 +48,6 @@ InputFile::~InputFile() {
     if (file_ >= 0) ::close(file_);
 }
 
-InputFile::InputFile(InputFile&& other) noexcept
-    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
-
 void InputFile::read(void* to, uint64_t offset, uint64_t bytes) const {
     auto* at = static_cast<uint8_t*>(to);
     while (bytes > 0) {

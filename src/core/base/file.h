@@ -14,8 +14,8 @@ class InputFile {
 public:
     explicit InputFile(std::filesystem::path path);
     ~InputFile();
-    InputFile(InputFile&& other) noexcept;
-    InputFile& operator=(InputFile&&) = delete;
+    InputFile(const InputFile&) = delete;
+    InputFile& operator=(const InputFile&) = delete;
 
     /// Thread-safe.
     void read(void* to, uint64_t offset, uint64_t bytes) const;

@@ -12,7 +12,6 @@ enum class Storage {
     fp16,          ///< binary16, rounded to nearest even
     fp16_truncate  ///< RGBA16F render targets: truncates, as 2003's hardware may have
 };
-std::string to_string(Storage storage);
 
 /// How sums over samples (gradient, diagonal, error, along d) are kept from image to image and pass to pass. Halves are
 /// blended as the device does it: llvmpipe truncates every sum. They hold up to 65504: no more than that many samples

@@ -9,10 +9,6 @@
 
 namespace radiafit {
 
-std::string to_string(Storage storage) {
-    return storage == Storage::fp32 ? "fp32" : storage == Storage::fp16 ? "fp16" : "fp16-truncate";
-}
-
 ProblemGrid::ProblemGrid(size_t vertices, int side) : view_side(side) {
     columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(double(vertices)))));
     rows = std::max(1, static_cast<int>((vertices + columns - 1) / columns));

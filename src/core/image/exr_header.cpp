@@ -15,30 +15,20 @@
 namespace radiafit {
 namespace {
 
-constexpr std::pair<std::string_view, size_t> lengths[] = {{"box2f", 16},
-                                                           {"box2i", 16},
-                                                           {"chromaticities", 32},
-                                                           {"compression", 1},
-                                                           {"deepImageState", 1},
-                                                           {"double", 8},
-                                                           {"envmap", 1},
-                                                           {"float", 4},
-                                                           {"int", 4},
-                                                           {"keycode", 28},
-                                                           {"lineOrder", 1},
-                                                           {"m33d", 72},
-                                                           {"m33f", 36},
-                                                           {"m44d", 128},
-                                                           {"m44f", 64},
-                                                           {"rational", 8},
-                                                           {"tiledesc", 9},
-                                                           {"timecode", 8},
-                                                           {"v2d", 16},
-                                                           {"v2f", 8},
-                                                           {"v2i", 8},
-                                                           {"v3d", 24},
-                                                           {"v3f", 12},
-                                                           {"v3i", 12}};
+/// Bytes of a value, and the types that have so many.
+constexpr std::pair<size_t, std::string_view> lengths[] = {{1, " compression deepImageState envmap lineOrder "},
+                                                           {4, " float int "},
+                                                           {8, " double rational timecode v2f v2i "},
+                                                           {9, " tiledesc "},
+                                                           {12, " v3f v3i "},
+                                                           {16, " box2f box2i v2d "},
+                                                           {24, " v3d "},
+                                                           {28, " keycode "},
+                                                           {32, " chromaticities "},
+                                                           {36, " m33f "},
+                                                           {64, " m44f "},
+                                                           {72, " m33d "},
+                                                           {128, " m44d "}};
 
 /// Names that zero bytes end, each with 16 bytes; an empty name ends the list.
 bool is_channel_list(std::string_view value) {
@@ -159,8 +149,8 @@ ImageHeader read_exr_header(const std::filesystem::path& file, std::string_view 
 bool exr_attribute_fits(std::string_view type, std::string_view value) {
     if (type == "chlist") return is_channel_list(value);
     if (type == "preview") return is_preview(value);
-    for (const auto& [name, length] : lengths)
-        if (type == name) return value.size() == length;
+    for (const auto& [length, types] : lengths)
+        if (types.find(fmt::format(" {} ", type)) != std::string_view::npos) return value.size() == length;
     return true;
 }
 

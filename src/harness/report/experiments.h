@@ -35,7 +35,4 @@ const RowFile* find_row_file(std::string_view experiment, std::string_view file)
 /// Where it is said, for messages.
 constexpr const char* rows_folder = "experiments/rows";
 
-/// docs/results.md: every experiment, its files, and what their columns are.
-std::string results_page();
-
 }  // namespace radiafit::harness

@@ -1,4 +1,4 @@
-#include "report/performance_profile.h"
+#include "page/performance_profile.h"
 
 #include <algorithm>
 #include <cmath>

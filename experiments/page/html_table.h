@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "report/html.h"
+#include "page/html.h"
 #include "report/table.h"
 
 namespace radiafit::harness {

@@ -1,4 +1,4 @@
-#include "report/html_table.h"
+#include "page/html_table.h"
 
 #include <stdexcept>
 
