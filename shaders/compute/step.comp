@@ -1,6 +1,6 @@
 #version 450 core
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_FIRST_OWN=10 PROBLEMS=vertices_given,texels_given STEP=*
-// One step of an optimizer, for every problem by itself: reads and writes its own numbers.
+// One step of an optimizer, for every problem by itself: reads and writes its numbers only.
 #include "optimize/dialect.glsl"
 #include "optimize/TEXT.glsl"
 layout(local_size_x = LANES) in;

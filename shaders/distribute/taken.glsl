@@ -5,7 +5,7 @@
 uniform usampler2D image;
 layout(location = 3) flat in ivec3 frame;
 
-// The same but for pixel, which is the texel's own place.
+// As take() of distribute/take.glsl, but pixel is the texel's place in the map.
 bool take(out ivec2 pixel, out uvec4 channels, out vec3 weights) {
     pixel = ivec2(gl_FragCoord.xy);
     weights = cell_barycentric((pixel - frame.xy) * frame.z);

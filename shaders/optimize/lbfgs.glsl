@@ -1,4 +1,4 @@
-// Limited-memory BFGS; the schedule is optim/lbfgs.h. A problem's own numbers are rho of each pair, 1 / (s.y), or 0 where
+// Limited-memory BFGS; the schedule is optim/lbfgs.h. A problem's private numbers are rho of each pair, 1 / (s.y), or 0 where
 // there is none.
 #define LBFGS_ALONG (PRODUCT_CONJUGATE + 1)  // s.y, then d.g
 

@@ -17,7 +17,7 @@ struct ProblemState {
     real taken;        // the trial is p + taken d: alpha times its factor, 0 where the problem has stopped
 };
 
-// Registers that one optimizer alone has, beside the state.
+// Numbers private to one optimizer, in addition to the state.
 struct Own {
     real x[MOST_OWN];
 };
@@ -49,7 +49,7 @@ struct Turn {
     int restart;  // 1 where the preconditioner was refreshed
     int slot;     // of what the optimizer keeps, such as a pair of lbfgs
     StopRules stop;
-    int left_out;     // WITHOUT_*: 0 but where an experiment asks what a mend of the paper's text is worth (docs/paper.md)
+    int left_out;     // WITHOUT_*: 0 but in experiments on what a correction of the paper's text is worth (docs/paper.md)
     real first_step;  // WITHOUT_MEASURED_STEP
 };
 

@@ -38,7 +38,7 @@ View view_at(int at) {
 #endif
 }
 
-// From a texel in its own frame, not of unit length; the length's square.
+// The vector from a texel to `place` in the texel's frame, not of unit length; and its square length.
 vec4 towards(vec4 place, Site site) {
     vec3 to = place.xyz - place.w * site.position;
     return vec4(to_local(site, to), dot(to, to));

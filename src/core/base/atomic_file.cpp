@@ -36,7 +36,7 @@ int plain_rename(const fs::path& from, const fs::path& to) {
 
 bool unsupported(int error) { return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP; }
 
-/// In one step: what stood at `to` comes to stand at `from`. `check` may refuse what stands there. 0 or errno.
+/// Renames in one step; what was at `to` is then at `from`. `check` may refuse to replace it. Returns 0 or errno.
 template <class Check>
 int rename_or_exchange(const fs::path& from, const fs::path& to, Check check) {
     while (true) {

@@ -7,8 +7,8 @@
 
 #include "base/file.h"
 
-/// Outputs appear whole or not at all: they are written under hidden names beside their places and renamed, and are on
-/// the disk (fsync) before they are. All throw UserError as throw_unwritable() does, and leave what stood there before.
+/// Outputs appear atomically: they are written under hidden names beside their places and renamed, and are on
+/// the disk (fsync) before they are. All throw UserError as throw_unwritable() does, and leave what was there before.
 /// What a run that was killed left in a folder goes when the next one writes there.
 namespace radiafit {
 
@@ -102,7 +102,7 @@ public:
     void commit();
 
 private:
-    /// Earlier files come to stand in path(), from where an error brings them back.
+    /// Moves earlier files into path(), from where an error brings them back.
     void place(const std::vector<std::filesystem::path>& names);
 
     std::filesystem::path folder_;

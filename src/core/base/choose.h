@@ -3,13 +3,13 @@
 #include <utility>
 #include <vector>
 
-/// Names that stand for something.
+/// Choices by name.
 namespace radiafit {
 
-/// Throws UserError: NAME is not among `names`, which it tells.
+/// Throws UserError: NAME is not among `names`, which the message lists.
 [[noreturn]] void reject_name(const std::string& what, const std::string& name, const std::vector<std::string>& names);
 
-/// The choice that has this name. Throws UserError, telling the names that there are.
+/// The choice that has this name. Throws UserError that lists the names there are.
 template <class Choice>
 Choice choose(const std::string& what, const std::string& name,
               const std::vector<std::pair<std::string, Choice>>& choices) {

@@ -35,7 +35,7 @@ struct Entry {
     const toml::node* node;
     std::string where;
     std::optional<std::string> override_text;
-    bool applies;  // false: it stands in another profile, and is only checked
+    bool applies;  // false: it is in another profile, and is only checked
 };
 
 std::string text_of(const auto& value) { return json_text(nlohmann::json(value), -1, NotUtf8::replace); }
@@ -50,7 +50,7 @@ std::string_view type_name(const toml::node& node) {
     return "a date or time";
 }
 
-/// What the user is told was expected.
+/// What a message says was expected.
 constexpr std::string_view expected(const bool&) { return "true or false"; }
 constexpr std::string_view expected(const int&) { return "an integer of 32 bits"; }
 constexpr std::string_view expected(const int64_t&) { return "an integer"; }

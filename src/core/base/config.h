@@ -62,7 +62,7 @@ public:
     /// Throws UserError for the first key, in any profile, that was never read, with the nearest one that was.
     void finish() const;
 
-    /// For a caller's own checks of a value: "FILE:LINE: 'KEY' MESSAGE" where the key's value came from.
+    /// For a caller's additional checks of a value: "FILE:LINE: 'KEY' MESSAGE" where the key's value came from.
     [[noreturn]] void reject(std::string_view key, std::string_view message) const;
 
     /// Every key read so far, in that order, with its value (default or given) as JSON text.

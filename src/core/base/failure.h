@@ -9,8 +9,8 @@ struct Failure {
     int status;        ///< of the program: 1 the machine failed, 2 the user's mistake
     std::string line;  ///< for log_error()
 };
-/// Of an exception. Paths that the system refuses (a loop of links, no permission, too long a name) are the user's to
-/// mend, whoever looked at them.
+/// The failure that an exception means. A path that the system refuses (a loop of links, no permission, too long a
+/// name) is the user's mistake, whoever looked at it.
 Failure describe(const std::exception& error);
 
 }  // namespace radiafit

@@ -20,7 +20,7 @@ public:
     /// Thread-safe.
     void read(void* to, uint64_t offset, uint64_t bytes) const;
     uint64_t size() const;
-    /// Asks the kernel to read no further than it is told.
+    /// Asks the kernel not to read ahead of what is asked for.
     void no_readahead() const;
     /// Asks the kernel to drop these bytes from its page cache.
     void forget(uint64_t offset, uint64_t bytes) const;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t longest_key = 1 << 20, most_waiting = 32 << 20;
 
-/// Before a block's bytes. After them stands the checksum of the file's first line, this and the bytes.
+/// Before a block's bytes. They are followed by the checksum of the file's first line, this head and the bytes.
 struct BlockHead {
     uint64_t stage, block, bytes;
 };

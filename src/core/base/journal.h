@@ -36,7 +36,7 @@ public:
     /// Writes now what is kept.
     void flush();
 
-    /// The key of a file, or what stands in its place.
+    /// The first line of a file: its key, if it is a journal.
     static std::string key_of(const std::filesystem::path& file);
 
 private:

@@ -22,8 +22,8 @@ bool stands(const fs::path& path) {
     return fs::exists(fs::symlink_status(path, error));
 }
 
-/// The lock tells a process that is at work elsewhere (another container, say) from one that is gone; the number, one
-/// that has not locked its file yet.
+/// The process number shows one that has not locked its file yet; of a process elsewhere (another container, say), only
+/// the lock shows whether it is still at work.
 bool may_be_left(const TemporaryName& name) {
     if (name.process == 0 || name.made_by_this_process()) return false;
     return name.process == getpid() || (kill(name.process, 0) != 0 && errno == ESRCH);
@@ -76,7 +76,7 @@ fs::path follow_links(fs::path path) {
                 fmt::format("{}: its links lead in a circle; remove them or choose another name", named.string()));
         const fs::path next = fs::read_symlink(path, error);
         if (error) break;
-        path = path.parent_path() / next;  // an absolute one stands alone
+        path = path.parent_path() / next;  // an absolute one replaces the parent
         if (!path.has_filename()) path = path.parent_path();
     }
     return path;

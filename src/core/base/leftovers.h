@@ -15,12 +15,12 @@ int lock_path(const std::filesystem::path& path);
 /// UserError for links in a circle.
 std::filesystem::path follow_links(std::filesystem::path path);
 
-/// Removes what dead processes left in `folder`. What one of them was replacing goes too where the newer one stands;
+/// Removes what dead processes left in `folder`. What one of them was replacing goes too where the newer one exists;
 /// else it gets its name back.
 void clear_leftovers(const std::filesystem::path& folder);
 
 /// Gives a folder its name back that a process was killed replacing: possible only where the file system exchanges no
-/// names. For readers; does nothing where `folder`, or what it leads to, stands.
+/// names. For readers; does nothing where `folder`, or what it leads to, exists.
 void restore_interrupted(const std::filesystem::path& folder);
 
 }  // namespace radiafit

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// What a program runs on, as far as the system tells it to anyone: for records of results. Nothing of the host's name
+/// What a program runs on, as far as the system shows it to anyone: for records of results. Nothing of the host's name
 /// or its users.
 namespace radiafit {
 
@@ -29,7 +29,7 @@ struct Machine {
 Machine read_machine(const std::filesystem::path& root = "/");
 
 /// A processor's model name; where that has no number ("AMD EPYC", as hypervisors say), its family and model with it,
-/// which tell chips apart: "AMD EPYC (family 25 model 1)". `id` as Machine::cpu_id.
+/// which distinguish chips: "AMD EPYC (family 25 model 1)". `id` as Machine::cpu_id.
 std::string processor_name(const std::string& model_name, const std::string& id);
 
 /// File names of the shared libraries that this process has loaded by now, links resolved, such as "libceres.so.2.1.0";

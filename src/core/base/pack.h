@@ -84,7 +84,7 @@ using PackBits = uint32_t __attribute__((vector_size(32)));
 using PackInts = int32_t __attribute__((vector_size(32)));
 }  // namespace detail
 
-/// e^x within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x stands for the
+/// e^x within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x counts as the
 /// nearest such: never zero, never infinite. NaN stays NaN.
 inline Pack exp(const Pack& x) {
     // x = k ln 2 + r, |r| <= ln 2 / 2; ln 2 in two parts, the first with few enough bits that k times it is exact

@@ -8,11 +8,11 @@ namespace radiafit {
 /// Throws UserError: missing, unreadable, no regular file, larger than 4 GiB (a file may say more than the disk holds).
 std::string read_file(const std::filesystem::path& file, const std::string& what);
 
-/// Throws likewise where read_file would not even open the file.
+/// Throws the UserError of read_file() for a file that is missing, unreadable, not regular or larger than 4 GiB.
 void check_readable(const std::filesystem::path& file, const std::string& what);
 
-/// Whether something, or a folder, stands at a path or where its links lead. Throw UserError where the system does not
-/// tell: no permission to look into its folder, links in a circle.
+/// Whether something, or a folder, exists at a path or where its links lead. Throw UserError where that can't be known:
+/// no permission to look into its folder, links in a circle.
 bool stands(const std::filesystem::path& path);
 bool folder_stands(const std::filesystem::path& path);
 

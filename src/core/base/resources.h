@@ -7,10 +7,10 @@
 namespace radiafit {
 
 /// Bytes that this process may still take before something is paged out or killed: the least of what the kernel says is
-/// available, what the control groups of this process have left, and RLIMIT_AS. The largest number where nothing tells.
+/// available, what the control groups of this process have left, and RLIMIT_AS. The largest number if all are unknown.
 uint64_t available_memory();
 
-/// Bytes that this user may still write where `path` is, or would be made. The largest number where nothing tells.
+/// Bytes that this user may still write where `path` is, or would be made. The largest number if unknown.
 uint64_t free_disk(const std::filesystem::path& path);
 
 /// What a task will take, bytes, as far as it is known beforehand.

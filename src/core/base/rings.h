@@ -1,7 +1,7 @@
 #pragma once
 
-/// The rings of the program, from the inside out; each is a namespace, and uses names of the rings within it as its
-/// own. The core is `radiafit` itself. docs/architecture.md says what is in each.
+/// The rings of the program, from the inside out; each is a namespace, in which names of the rings within it are
+/// visible. The core is `radiafit` itself. docs/architecture.md says what is in each.
 namespace radiafit {
 namespace fits {}
 namespace harness {

@@ -56,7 +56,7 @@ public:
     /// Once, when all tables are filled; the host lets go of them. Throws UserError where the device fetches from none
     /// so large.
     void upload();
-    /// Tells a program of all buffers and uniforms that it uses of these.
+    /// Binds and sets all buffers and uniforms of these that a program uses.
     void bind_to(const Program& program) const;
 
 private:

@@ -29,7 +29,7 @@ public:
                 const LfmOptions& options, Order order, uint32_t lanes, MapTables& tables);
 
     Defines defines() const { return wide_ ? Defines{{"WIDE", ""}} : Defines{}; }
-    /// Tells a program of all buffers and uniforms that it uses of these.
+    /// Binds and sets all buffers and uniforms of these that a program uses.
     void bind_to(const Program& program) const;
     /// Cameras' views of vertices: one for each vertex and each image in which some texel of its ring takes a pixel.
     size_t pair_count() const { return pair_count_; }

@@ -13,7 +13,7 @@ struct LineSumsOf {
     Lanes gauss_newton{}, curvature{}, third{}, fourth{};
 };
 
-/// The CPU's Engine: all cores, one block at a time. A block is as many problems as stand side by side in lanes: a
+/// The CPU's Engine: all cores, one block at a time. A block is as many problems as are side by side in lanes: a
 /// vertex's three, or eight texels. Its parameters are a range of V in every vector. Problems are independent, so
 /// results depend neither on the number of threads nor, to the bit, on which problems share a block. Blocks whose
 /// problems have all stopped are skipped.
@@ -51,7 +51,7 @@ public:
     void step(Step which, const Turn& turn);
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    /// update() by a function of one's own, of `count` vectors, the first `written` of which it changes:
+    /// update() by the caller's function of `count` vectors, the first `written` of which it changes:
     /// function(elements, numbers of their problem, constants). Include cpu/lane_engine_impl.h.
     template <int count, int written, class Function>
     void update_by(const Function& function, std::initializer_list<int> vectors, std::initializer_list<int> numbers,

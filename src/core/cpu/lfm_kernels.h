@@ -43,8 +43,8 @@ protected:
             h[k] = join<real>(sum, sum);
         }
     }
-    /// body(pair of places, pair of targets, whether there is a second sample): all samples, two by two. A missing one
-    /// stands at the first one's place with maps and a target of zero, so it adds nothing.
+    /// body(pair of places, pair of targets, whether there is a second sample): all samples, two by two. A missing
+    /// second is at the first one's place with maps and a target of zero, so it adds nothing.
     template <class Samples, class Body>
     static void for_pairs(const Samples& samples, size_t terms, const Body& body) {
         const size_t count = samples.size();

@@ -2,7 +2,7 @@
 
 namespace radiafit {
 
-/// What this machine can do at most, measured: the yardsticks that utilization is told against.
+/// What this machine can do at most, measured: the yardsticks of reported utilization.
 struct CpuPeaks {
     double triad_gb_s = 0;       ///< main memory: a[i] = b[i] + s c[i], 24 bytes an element, all threads
     double l2_gb_s = 0;          ///< reads that stay in one core's L2

@@ -12,7 +12,7 @@ namespace radiafit {
 namespace {
 
 constexpr size_t texels_per_block = 128;
-constexpr size_t least_known = 16;          ///< well-determined texels that a block's own medians take
+constexpr size_t least_known = 16;          ///< well-determined texels that the medians of a block need at least
 constexpr size_t values_per_parameter = 2;  ///< of its samples, that a well-determined texel has at least
 // A quantile of distances over that of a normal distribution's: parameters have heavy tails, which the median would not
 // see.
@@ -60,7 +60,7 @@ private:
         return double(parameter(t, last)) + double(parameter(t, last + 1)) + double(parameter(t, last + 2));
     }
     bool of_shape(size_t i) const { return i >= 3 * size_t(model_.basis); }
-    /// Those that tell coefficients, or shapes: of these the half with the highest lobes.
+    /// The well-determined texels, of whose coefficients medians are taken; for shapes, the half with the highest lobes.
     std::vector<uint32_t> telling(std::span<const uint32_t> texels, bool shape) const {
         std::vector<uint32_t> out;
         for (const uint32_t t : texels)

@@ -15,8 +15,8 @@ struct SurfacePrior {
     size_t parameters = 0;           ///< of the model
     std::vector<float> means;        ///< [blocks][parameters]
     std::vector<uint32_t> block_of;  ///< [texels]; of those that aren't usable 0
-    /// [basis, then shape] variance of a residual over the parameters' own: what a parameter's squared distance from
-    /// its mean counts for beside squared residuals.
+    /// [basis, then shape] variance of a residual over that of the parameter: what a parameter's squared distance
+    /// from its mean counts for beside squared residuals.
     std::vector<double> weights;
 
     std::span<const float> mean_of(uint32_t texel) const { return {&means[block_of[texel] * parameters], parameters}; }
@@ -27,8 +27,8 @@ struct SurfacePrior {
 /// Learned from a fit without it, by texels that it determines well. None where these are few.
 std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const Atlas& atlas, const TexelResult& fit);
 
-/// Whether the prior is for a texel that a fit without it ended so: few samples tell of it, fewer than enough_samples
-/// for each column of the Jacobian, or they don't tell its parameters apart.
+/// Whether the prior is used for a texel that a fit without it left in this state: with fewer samples than
+/// enough_samples for each column of the Jacobian, or underdetermined.
 bool poorly_seen(const TexelModel& model, Status status, uint32_t samples);
 inline constexpr uint32_t enough_samples = 4;
 /// All such texels of the fit, ascending.

@@ -28,8 +28,8 @@ struct Residual {
     double influence;     ///< weight psi(r)
 };
 
-/// White's covariance of the optimum, where residuals vary each by its own variance: `inverse` is that of the normal
-/// matrix. A residual that the fit follows by the share h of its own noise shows 1 - h of its variance.
+/// White's covariance of the optimum, where every residual has a variance of its own: `inverse` is that of the
+/// normal matrix. A residual whose noise the fit follows by the share h shows 1 - h of its variance.
 Eigen::MatrixXd scatter(const Eigen::MatrixXd& inverse, std::span<const Residual> residuals) {
     Eigen::MatrixXd pulls = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
     for (const Residual& r : residuals) {

@@ -16,7 +16,7 @@ struct TexelErrorBars {
     uint32_t samples = 0;
 };
 
-/// p: a fit's parameters in the canonical gauge. Each sample may have a noise of its own, as photographs have, whose
+/// p: a fit's parameters in the canonical gauge. Noise may differ from sample to sample, as in photographs, whose
 /// bright pixels vary more than dark ones: (J^T J)^-1 (sum over residuals of r^2 / (1 - h) j j^T) (J^T J)^-1, with j
 /// the Jacobian's row and h the residual's leverage j^T (J^T J)^-1 j (White 1980; HC2 of MacKinnon and White 1985). It
 /// is sigma^2 (J^T J)^-1 where all noise is alike. A robust loss of influence psi(r) has psi for r, over the mean of

@@ -26,7 +26,7 @@ struct TexelOutcome {
 /// What is known of eight texels before they are seen: adds
 ///     1/2 sum over the coefficients of weight_k (a_kc - mean_kc)^2 + 1/2 sum over the shape of weight_i (s_i -
 ///     mean_i)^2
-/// to E, so that what samples don't tell stays at the means.
+/// to E, so that what samples don't determine stays at the means.
 template <class Text>
 struct TexelPrior {
     static constexpr size_t B = size_t(Text::basis_count), Q = size_t(Text::shape_count);
@@ -39,7 +39,7 @@ struct TexelPrior {
 /// `Text`: a model's text with real = Pack. Every texel takes its own steps and ends by itself: which others share its
 /// pack does not change a bit of its result.
 ///
-/// How a texel ends: stationary; max_iterations; underdetermined (its samples don't tell the parameters apart: the fit
+/// How a texel ends: stationary; max_iterations; underdetermined (its samples don't determine all parameters: the fit
 /// is as good as any, its parameters mean little); no_samples and not_finite (a sample is): the model's first start, no
 /// coefficients.
 template <class Text>

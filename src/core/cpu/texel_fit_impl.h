@@ -25,7 +25,7 @@ inline bool any(const WidePack::Mask& m) {
         if (m[lane]) return true;
     return false;
 }
-/// Number i of the shape that stands for a texel which wasn't fitted.
+/// Parameter i of the shape that a texel has which wasn't fitted.
 template <class Text>
 constexpr double first_start(size_t i) {
     if constexpr (CompleteText<Text>::several_lobes)
@@ -33,7 +33,7 @@ constexpr double first_start(size_t i) {
     else
         return Text::starts[0][i];
 }
-/// Pivots below this part of their diagonal entry are what sums of floats can't tell from zero.
+/// Pivots below this part of their diagonal entry can't be distinguished from zero in sums of floats.
 constexpr double noise = 1e-6;
 }  // namespace detail
 
@@ -101,7 +101,7 @@ void TexelFit<Text>::evaluate(const Batch& batch, Point& p, const Prior* prior) 
     p.sums = texel_sums<Text>(batch.rows(), packed);
     if (prior) add_prior(*prior, p);
     const SmallMatrix<WidePack, B> a = detail::leading<B, C>(p.sums.shared);
-    // a plain linear fit has no bounds that would keep coefficients small where samples don't tell them apart
+    // a plain linear fit has no bounds that would keep coefficients small where samples don't determine them
     const SmallFactor<WidePack, B> factor(a, detail::noise, Q > 0 ? SmallPivots::raised : SmallPivots::left_out);
     for (size_t c = 0; c < 3; ++c) {
         SmallVector<WidePack, B> g;
@@ -161,7 +161,7 @@ auto TexelFit<Text>::propose(const Point& p, const WidePack& damping, const Prio
     SmallMatrix<WidePack, Q> full = with_gauge(p.s, model.curvature);
     SmallVector<WidePack, Q> down;
     for (size_t i = 0; i < size_t(Q); ++i) {
-        // what stands at its bound and wants beyond stays there
+        // a parameter at its bound that would move beyond stays there
         const auto [lowest, highest] = Text::shape_bounds[i];
         const Mask held = ((p.s[i] <= WidePack(lowest)) & (model.gradient[i] > WidePack(0.0))) |
                           ((p.s[i] >= WidePack(highest)) & (model.gradient[i] < WidePack(0.0)));
@@ -178,7 +178,7 @@ auto TexelFit<Text>::propose(const Point& p, const WidePack& damping, const Prio
     return out;
 }
 
-/// The gauge's tangent has no curvature of its own.
+/// The sums with a curvature along the gauge's tangent, which has none.
 template <class Text>
 template <class>
 auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of)
@@ -205,7 +205,7 @@ auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point {
     return to;
 }
 
-/// How well the samples alone tell apart the columns of the Jacobian: the least part of one that no others make up.
+/// How well the samples alone distinguish the columns of the Jacobian: the least part of one that no others make up.
 template <class Text>
 WidePack TexelFit<Text>::least_pivot(const Point& p, const Prior* prior) {
     SmallMatrix<WidePack, C> m = p.sums.shared;

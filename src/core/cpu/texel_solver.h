@@ -48,7 +48,7 @@ public:
     virtual TexelResult solve(const TexelProblem& problem, const OptimizerOptions& optimizer,
                               const std::function<void()>& progress) const = 0;
     /// The same by batched Levenberg-Marquardt. prior, if given, counts beside the samples (cpu/surface_prior.h);
-    /// texels that no finite sample tells of have its means.
+    /// texels without samples, or with one that is not finite, get its means.
     virtual TexelResult solve_lm(const TexelProblem& problem, const TexelFitOptions& fit,
                                  const std::function<void()>& progress, const SurfacePrior* prior = nullptr) const = 0;
     /// Where optimizers begin: the best of the model's starts, for eight texels [8][parameters].

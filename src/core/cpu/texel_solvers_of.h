@@ -189,7 +189,7 @@ public:
                                           std::ranges::copy(known->mean_of(begin + texels[lane]), o.parameters.begin());
                                   for (size_t lane = 0; lane < lanes; ++lane)
                                       std::copy_n(outcomes[lane].parameters.begin(), N, &p[(lanes * b + lane) * N]);
-                                  // its own error is E's model at the coefficients' optimum, off where that is ill-held
+                                  // the outcome's error is E's quadratic model, inaccurate where it is ill-conditioned
                                   batch_errors(w.batches[b], p, b, problem.options.loss, errors.data());
                                   for (size_t i = lanes * b; i < std::min(lanes * (b + 1), w.order.size()); ++i) {
                                       const size_t t = begin + w.order[i];

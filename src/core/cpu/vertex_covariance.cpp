@@ -16,7 +16,7 @@ using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
 constexpr float unknown = std::numeric_limits<float>::infinity();
 
-/// Where a vertex's texels stand among the blocks of its matrices.
+/// Where a vertex's texels are among the blocks of its matrices.
 class Blocks {
 public:
     Blocks(const VertexProblem& problem) : terms_(problem.options().terms) {
@@ -53,7 +53,7 @@ MatrixXd smoothness_of(const MapNeighbours& map) {
         }
     return once.transpose() * once;
 }
-/// Adds it to each term of a map whose unknowns stand [texel][term].
+/// Adds the smoothness to each term of a map whose unknowns are ordered [texel][term].
 void add_to_terms(MatrixXd& to, const MatrixXd& smoothness, int terms, double factor) {
     for (Index i = 0; i < smoothness.rows(); ++i)
         for (Index j = 0; j < smoothness.cols(); ++j)
@@ -89,7 +89,7 @@ public:
                 look_up.weight[q] * value((problem_.texels(0) + size_t(look_up.texel[q])) * size_t(terms_) + size_t(k));
         return sum;
     }
-    /// [terms] derivatives by the texel's own unknowns, and [4][terms] by those of the look-up.
+    /// [terms] derivatives by the texel's unknowns, and [4][terms] by those of the look-up's view texels.
     void row(size_t texel, const LookUp& at, VectorXd& by_surface, VectorXd& by_view) const {
         by_surface.resize(terms_);
         by_view.resize(4 * terms_);

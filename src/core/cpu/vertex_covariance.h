@@ -25,35 +25,35 @@ namespace radiafit {
 struct ProblemErrorBars {
     /// Blocks: the surface maps, [texel][term] each; the corner: the view map, [view texel][term].
     ArrowMatrix covariance;
-    /// [texels of surface maps, then of the view map][term] standard deviations; infinite where not told.
+    /// [texels of surface maps, then of the view map][term] standard deviations; infinite where undetermined.
     std::vector<float> deviation;
     /// sigma: standard deviation of a pixel, in units of the targets; 0 where samples are no more than what they
     /// determine.
     double noise = 0;
-    int deficient = 0;  ///< directions that neither samples nor penalties tell
+    int deficient = 0;  ///< directions that neither samples nor penalties determine
 };
 /// x: the vertex's block in LfmLayout's order, a lane per channel. Needs a sample.
 ProblemErrorBars problem_error_bars(const VertexProblem& problem, std::span<const Lanes<float>> x, int channel);
 
 /// A parameter whose variance is more than this times what it would be were all others known (Montgomery, Peck and
-/// Vining, Introduction to Linear Regression Analysis, section 3.10) counts as not told.
+/// Vining, Introduction to Linear Regression Analysis, section 3.10) counts as undetermined.
 inline constexpr double most_inflation = 1e6;
 
 /// The same of all vertices.
 class AllVertexErrorBars {
 public:
-    /// eyes: camera centres for which colours are told of. All arguments but `parameters` and `eyes` must outlive it.
+    /// eyes: camera centres that of_value() is asked for. All arguments but `parameters` and `eyes` must outlive it.
     AllVertexErrorBars(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                        const SampleList& samples, const LfmOptions& options, std::span<const float> parameters,
                        std::span<const Vec3d> eyes);
 
-    std::vector<float> deviation;     ///< LfmLayout's order: infinite where not told; 0 without samples
+    std::vector<float> deviation;     ///< LfmLayout's order: infinite where undetermined; 0 without samples
     std::vector<float> noise;         ///< [3 vertices]: ProblemErrorBars'
     std::vector<uint32_t> deficient;  ///< [3 vertices]
 
     /// Of the colour that a texel shows an eye, per channel: the sum of its three vertices' standard deviations, which
     /// is as far as they add up where noise moves them alike, as it does: their targets are parts of the same pixels.
-    /// Infinite where the samples don't tell it.
+    /// Infinite where the samples don't determine it.
     Vec3f of_value(size_t eye, uint32_t triangle, uint32_t local) const;
     /// Standard deviation of a photograph's pixel there.
     Vec3f noise_at(uint32_t triangle, uint32_t local) const;

@@ -11,7 +11,7 @@
 namespace radiafit {
 
 /// One vertex's problem, loaded from its record or from a list of all samples: what stays in the L2 cache while
-/// LaneEngine solves it. Samples stand by (image, ring position, texel), targets weighted and widened once, so a view
+/// LaneEngine solves it. Samples are ordered by (image, ring position, texel), targets weighted and widened once, so a view
 /// look-up serves all of an image's samples. As LaneEngine's Problem it has one block, number 0.
 class VertexProblem {
 public:
@@ -88,8 +88,8 @@ private:
 
     size_t size_ = 0;                         ///< of the vertex's block, in V
     std::vector<uint8_t> sides_;              ///< of its surface maps
-    std::vector<const TriangleTile*> tiles_;  ///< likewise
-    std::vector<uint32_t> first_texels_;      ///< likewise, where their texels begin
+    std::vector<const TriangleTile*> tiles_;  ///< of its surface maps
+    std::vector<uint32_t> first_texels_;      ///< of its surface maps: where their texels begin
     uint32_t samples_ = 0;
     float mean_[3] = {};
     LfmObjective<float>::Scale scale_;

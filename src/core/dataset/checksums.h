@@ -9,7 +9,7 @@
 /// What shows that a packed dataset's files are as they were written.
 namespace radiafit {
 
-/// Bytes of one image in images.bin: pixels, mask, and zeros up to the next image. From version 4 on they stand in this
+/// Bytes of one image in images.bin: pixels, mask, and zeros up to the next image. From version 4 on they are in this
 /// order without a gap, and View::checksum is of all of them.
 uint64_t image_block_bytes(const View& view, Encoding encoding);
 
@@ -26,7 +26,7 @@ uint64_t file_checksum(const std::filesystem::path& file);
 
 /// file_checksum() of dataset.json, as text: it holds the checksums of every image and every other file, so two
 /// datasets with one checksum are the same to the byte. Empty before version 4, which has no others. Throws SystemError
-/// likewise.
+/// where it cannot be read.
 std::string dataset_checksum(const Dataset& dataset);
 
 /// What a run's record says of a dataset that it read: a JSON object with name, source (of absolute paths the

@@ -31,7 +31,7 @@ Range range_of(const View& view, const char* what, uint64_t begin, uint64_t byte
     return {begin, begin + bytes, &view, what};
 }
 
-/// Where the pixels and masks of all views stand: within the file, each in a place of its own.
+/// Throws unless the pixels and masks of all views lie within the file and don't overlap.
 void check_places(const Dataset& dataset, const fs::path& images_file, uint64_t file_bytes) {
     const fs::path json_file = dataset.folder / dataset_json_name;
     std::vector<Range> ranges;

@@ -101,12 +101,12 @@ void require_lights(const Dataset& dataset);
 /// The atlas that a reflectance model is fitted on: with the dataset's normal map, where it has one. Throws UserError
 /// if that was made for another side. The dataset must outlive the atlas.
 TriangleAtlas reflectance_atlas(const Dataset& dataset, int side);
-/// The same, or a grid's, which has a side of its own.
+/// The same, or a grid's, for which `side` is unused.
 std::unique_ptr<Atlas> texel_atlas(const Dataset& dataset, int side);
 
 /// Writes a packed dataset under a temporary name beside `folder`; nothing is visible there before finish().
 /// An unfinished writer removes its temporary folder. An existing dataset (even a damaged one) is replaced whole, an
-/// empty folder too; anything else that stands at `folder` is a UserError, raised by the constructor.
+/// empty folder too; anything else at `folder` is a UserError, raised by the constructor.
 class DatasetWriter {
 public:
     explicit DatasetWriter(const std::filesystem::path& folder);
@@ -122,7 +122,7 @@ public:
     /// views over a grid have the grid's size.
     void finish(const Dataset& header);
     void set_encoding(Encoding encoding);  ///< before the first add; u8_srgb unless set
-    /// Where the files are until finish(): for what is to stand beside the images (truth.h).
+    /// Where the files are until finish(): for files to be written beside the images (truth.h).
     const std::filesystem::path& temporary_folder() const;
 
 private:

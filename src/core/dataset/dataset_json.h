@@ -17,12 +17,12 @@ inline constexpr uint64_t image_alignment = 4096;  ///< of every View::pixel_off
 struct DatasetSizes {
     uint64_t vertices = 0, triangles = 0;
     uint64_t images_bytes = 0;  ///< length of images.bin
-    bool grid_normals = false;  ///< a grid's normals stand in normals.f32
+    bool grid_normals = false;  ///< a grid's normals are in normals.f32
 };
 
 std::string dataset_to_json(const Dataset& dataset, const DatasetSizes& sizes);
-/// Everything but the mesh and the normals: of a mesh's the side is told, of a grid's `grid_normals` that there are
-/// any. `file` names the text in errors (UserError); cameras and values are checked, offsets not.
+/// Everything but the mesh and the normals: of a mesh's normals it has the side, and `grid_normals` says whether a grid
+/// has any. `file` names the text in errors (UserError); cameras and values are checked, offsets not.
 Dataset dataset_from_json(const std::string& text, const std::filesystem::path& file, DatasetSizes& sizes);
 
 /// Whether it can be a view's gain: from 1e-12 to 1e12. A table's lie between 1e-6 and 1e6 before their mean is taken

@@ -22,7 +22,7 @@ namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
-/// What stands in a dataset's folder, and may be replaced with it.
+/// The files of a dataset's folder, which may be replaced with it.
 constexpr std::string_view our_files[] = {dataset_json_name,    dataset_mesh_name, dataset_images_name,
                                           dataset_normals_name, truth_json_name,   truth_parameters_name,
                                           truth_material_name};

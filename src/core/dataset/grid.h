@@ -8,7 +8,7 @@
 namespace radiafit {
 
 /// A flat grid of texels in place of a mesh: every image of the dataset has one pixel per texel, at the same place.
-/// A flat sample whose photographs were rectified, or what a camera that stands still sees of an object.
+/// A flat sample whose photographs were rectified, or what a camera that does not move sees of an object.
 struct Grid {
     int width = 0, height = 0;         ///< texels; 0: there is none, the dataset has a mesh
     Vec3d origin = Vec3d::Zero();      ///< world space: centre of the top left texel

@@ -100,7 +100,7 @@ struct ImageStream::State {
     std::array<std::array<uint16_t, 256>, 3> tables = {};
     Gain tables_gain = 0;  ///< the gain `tables` were made for
     std::array<std::array<float, 256>, 3> values = {};
-    Gain values_gain = 0;            ///< likewise, of `values`
+    Gain values_gain = 0;            ///< the gain `values` were made for
     std::optional<uint32_t> masked;  ///< the view that load_mask() read
 
     bool linear_targets() const { return space == TargetSpace::linear; }

@@ -12,13 +12,13 @@ namespace radiafit {
 /// Where every load() gets its pixels from.
 enum class StreamSource {
     disk,       ///< read from images.bin each time, as the paper did
-    disk_cold,  ///< likewise, and out of the page cache again: every time means from the disk itself
+    disk_cold,  ///< read each time, then dropped from the page cache, so that every read is from the disk itself
     memory      ///< read once, kept in host memory
 };
 
 /// The space residuals are formed in.
 enum class TargetSpace {
-    stored,  ///< the dataset's own encoding (sRGB photographs stay sRGB)
+    stored,  ///< the dataset's encoding (sRGB photographs stay sRGB)
     linear
 };
 
@@ -60,10 +60,10 @@ public:
     /// Fills `image`, reusing its storage. Throws SystemError when the file cannot be read whole.
     void load(uint32_t view, TargetImage& image);
     /// The targets [height][width][3] as they are before load() rounds them to 16 bits; negative values and what the
-    /// mask leaves out are kept. Throws likewise.
+    /// mask leaves out are kept. Throws SystemError when the file cannot be read whole.
     void load_values(uint32_t view, std::vector<float>& values);
     /// The mask alone: `image` gets 8 bits, its colours 0. For those who need the values of some pixels: values_at()
-    /// gives load_values()'s of single ones until the next load. Throws likewise.
+    /// gives load_values()'s of single ones until the next load. Throws as load_values().
     void load_mask(uint32_t view, TargetImage& image);
     /// values [pixels][3] out
     void values_at(std::span<const uint32_t> pixels, float* values);

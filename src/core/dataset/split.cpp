@@ -16,7 +16,7 @@
 namespace radiafit {
 namespace {
 
-/// "NAME:FIRST" or "NAME:FIRST<separator>SECOND": whole numbers, all that stands there.
+/// "NAME:FIRST" or "NAME:FIRST<separator>SECOND": whole numbers, and nothing else in the text.
 struct Numbers {
     uint64_t first;
     std::optional<uint64_t> second;

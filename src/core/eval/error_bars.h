@@ -6,7 +6,7 @@
 
 namespace radiafit {
 
-/// What a contestant says of its own colour at a pixel: standard deviations per channel, in its space.
+/// What a contestant says of the accuracy of its colour at a pixel: standard deviations per channel, in its space.
 struct ErrorBar {
     Vec3f fit = Vec3f::Zero();    ///< of the fitted colour, by the noise of the photographs that were fitted
     Vec3f noise = Vec3f::Zero();  ///< of a photograph's pixel about the true colour

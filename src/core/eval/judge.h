@@ -51,7 +51,7 @@ struct ImageFigures {
     ErrorsByAngle by_angle;      ///< stored: where it was asked for
 };
 
-/// Parts of the surface, such as materials, whose errors are told apart as well.
+/// Parts of the surface, such as materials, whose errors are reported separately as well.
 struct SurfaceParts {
     std::vector<std::string> names;
     std::function<size_t(const RasterPixel& pixel)> of;  ///< index into names; none: no parts
@@ -74,9 +74,9 @@ struct JudgeResult {
     int pixel_points = 0;              ///< that it came to: PixelAreas::points()
     std::vector<ImageFigures> images;  ///< in dataset order
     ErrorSums stored, linear;          ///< pooled over all images
-    SsimSum ssim;                      ///< likewise, over windows
-    ErrorBarFigures error_bars;        ///< likewise, where the contestant has some
-    std::vector<PartFigures> parts;    ///< likewise, if parts were asked for
+    SsimSum ssim;                      ///< pooled over all windows
+    ErrorBarFigures error_bars;        ///< pooled, where the contestant has some
+    std::vector<PartFigures> parts;    ///< pooled, if parts were asked for
     /// Of the images that lie inside the cone of the training views' directions (dataset/view_directions.h), and
     /// outside by a degree or more: what the fit interpolates, and what it extrapolates.
     ErrorSums inside, outside;

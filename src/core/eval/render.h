@@ -27,12 +27,12 @@ LightImage render(const Contestant& contestant, const Dataset& dataset, const Vi
 LightImage in_exposure(LightImage image, const Gain& gain);
 
 /// The view's camera with the whole photograph as its picture, of which a dataset stores a rectangle; or the view's
-/// own, where that rectangle does not lie in a photograph of at most 8192 pixels a side.
+/// camera as it is, where that rectangle does not lie in a photograph of at most 8192 pixels a side.
 Camera photograph_camera(const View& view);
 /// The camera's picture scaled to fit into width x height, in its middle.
 Camera fitted_into(const Camera& camera, int width, int height);
 
-/// Stands in render's EXR and SVG files: by it the next run tells its pictures from those of others.
+/// A mark in the files that render writes, by which the next run recognizes them.
 inline constexpr const char* picture_mark = "radiafit_render";
 
 /// Channels R, G, B (linear light) and A (coverage), float32, and the mark. Throws UserError when the file cannot be

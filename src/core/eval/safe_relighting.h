@@ -7,10 +7,9 @@
 
 namespace radiafit {
 
-/// Shows a texel-local model where its images tell something, and a model that can't go astray elsewhere:
-///  - a texel is never darker than 0, nor brighter, per channel and irradiance, than `most` times the brightest that
-///  its
-///    own fit is at a training image;
+/// Shows a texel-local model where its images determine it, and a model that can't go astray elsewhere:
+///  - a texel is never darker than 0, nor brighter, per channel and irradiance, than `most` times the brightest
+///    that its fit is at a training image;
 ///  - where lamp or camera leave the cone of the training images' directions by more than `trusted` radians, the fit
 ///    fades, within `fade` radians more, to the Lambertian colour nearest to it over the training images;
 ///  - texels without samples have the mean Lambertian colour of the others.

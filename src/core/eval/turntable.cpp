@@ -43,7 +43,7 @@ struct Run {
     double from, to;  ///< azimuths; 2 pi apart: all around
 };
 
-/// Where the most places stand with no wide gap between them.
+/// The azimuths with the most places that have no wide gap between them.
 Run longest_run(const std::vector<Place>& places) {
     std::vector<Place> round;
     for (const Place& p : places)
@@ -70,7 +70,7 @@ Run longest_run(const std::vector<Place>& places) {
     return best;
 }
 
-/// What stands at this azimuth; `above`: by how many standard deviations higher than the mean.
+/// The weighted mean of the places near this azimuth, raised by `above` standard deviations of their elevation.
 Place typical(const std::vector<Place>& places, double azimuth, double above) {
     double weights = 0, elevation = 0, squares = 0, distance = 0;
     for (const Place& p : places) {

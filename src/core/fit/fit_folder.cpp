@@ -73,7 +73,7 @@ void check_fit_target(const fs::path& folder) {
     if (present.empty()) return;
     const fs::path json = folder / fit_json_name;
     if (!fs::is_regular_file(json, error)) refuse("not a fit, it has no fit.json");
-    // Only what a fit listed as its own may go: nobody's renders or notes with it.
+    // Only files that the fit lists may go: nobody's renders or notes with them.
     const std::vector<std::string> own = files_in_json(read_text(json));
     for (const std::string& name : present)
         if (std::find(own.begin(), own.end(), name) == own.end())

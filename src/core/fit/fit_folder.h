@@ -59,14 +59,14 @@ struct LightFieldFit : FitRecord {
 
 /// A texel-local model over an atlas, a problem per texel.
 struct ReflectanceFit : FitRecord {
-    TexelOptions options;           ///< surface_side is that of a mesh's atlas; a grid has its own texels
+    TexelOptions options;           ///< surface_side is that of a mesh's atlas, unused for a grid
     std::vector<float> parameters;  ///< [texels][options.model->parameters], canonical gauge
 };
 
 /// Fills dataset_path, dataset_name, encoding and dataset_fingerprint.
 void set_dataset(FitRecord& fit, const Dataset& dataset);
 
-/// Throws UserError if something other than a fit (or an empty folder) stands at `folder`, or a fit to which somebody
+/// Throws UserError if something other than a fit (or an empty folder) is at `folder`, or a fit to which somebody
 /// added files. Call it before fitting.
 void check_fit_target(const std::filesystem::path& folder);
 
@@ -85,7 +85,7 @@ struct StoredFit {
 /// Reads and checks everything. Throws UserError with one line that names the file and the cure.
 StoredFit read_fit(const std::filesystem::path& folder);
 
-/// The model that fit.json names: "lfm", or a texel-local model's name. Throws UserError likewise.
+/// The model that fit.json names: "lfm", or a texel-local model's name. Throws UserError if it can't be read.
 std::string fitted_model(const std::filesystem::path& folder);
 
 /// The same for reflectance. `atlas` is that of the fit's texels.

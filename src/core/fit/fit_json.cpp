@@ -63,7 +63,7 @@ TargetSpace space_of(const std::string& name) {
     throw std::runtime_error("unknown space \"" + name + "\"");
 }
 
-/// What comes before a model's own entries, and what comes behind them.
+/// The entries before a model's private ones, and those behind them.
 Json head(const FitRecord& fit, const std::string& model, int version = fit_version) {
     return {{"format", fit_format},
             {"version", version},

@@ -18,10 +18,10 @@ inline constexpr const char* fit_json_name = "fit.json";
 /// std::invalid_argument if one of the fit's JSON texts is none.
 std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, const std::string& dataset_path,
                         const std::vector<std::string>& files);
-/// What a fit.json lists as the folder's own; empty if it is no such file.
+/// The files of the folder that a fit.json lists; empty if the text is no fit.json.
 std::vector<std::string> files_in_json(const std::string& text);
 
-/// Of a reflectance fit, and back; throws what the file's reader tells.
+/// A reflectance fit's notes, and back: what take_notes() throws, fit_from_json() reports as a fault of the file.
 inline constexpr const char* reflectance_key = "reflectance";
 TexelFitNotes notes_of(const ReflectanceFit& fit);
 void take_notes(const std::string& model, const std::string& own_json, ReflectanceFit& fit);
@@ -43,7 +43,7 @@ struct FitPromises {
 
 /// Fills everything but the parameters and the problems' figures. `path` is what messages name; throws UserError.
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit);
-/// take(model, own_json): TexelFitNotes of this key. What it throws is told as a fault of the file.
+/// take(model, own_json): TexelFitNotes of this key. What it throws is reported as a fault of the file.
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, const std::string& key,
                           const TakeNotes& take, FitRecord& fit);
 

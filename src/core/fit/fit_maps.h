@@ -7,10 +7,10 @@
 #include "image/exr.h"
 #include "model/lfm.h"
 
-/// Where the numbers of a fit stand in its images (docs/formats.md).
+/// Where the numbers of a fit are in its images (docs/formats.md).
 namespace radiafit {
 
-/// Vertices stand row by row in a table of this many columns: one cell of m x m texels each in the view maps, one
+/// Vertices are arranged row by row in a table of this many columns: one cell of m x m texels each in the view maps, one
 /// pixel each in problems.exr.
 int table_columns(size_t vertices);
 int table_rows(size_t vertices);
@@ -19,7 +19,7 @@ int table_rows(size_t vertices);
 /// texel is, or no map.
 ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, std::span<const float> numbers, int term,
                        int corner);
-/// View maps of one term, likewise: R, G, B; texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
+/// View maps of one term as R, G, B: texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
 ExrImage view_image(const LfmLayout& layout, std::span<const float> numbers, int term);
 /// Of a map as an image, at most.
 uint64_t largest_image_bytes(const TriangleAtlas& atlas, const LfmLayout& layout);
@@ -29,7 +29,7 @@ bool written_side_by_side(const TriangleAtlas& atlas, const LfmLayout& layout);
 ExrImage side_image(const std::vector<uint8_t>& sides);
 /// status, iterations, samples and error, each .R, .G, .B: the vertex's three problems.
 ExrImage problem_image(const LightFieldFit& fit);
-/// noise and deficient, each .R, .G, .B, likewise.
+/// noise and deficient, each .R, .G, .B: the vertex's three problems.
 ExrImage error_bar_image(const ErrorBarMaps& bars);
 
 /// Of a model in texels: parameters [texels][numbers].

@@ -20,7 +20,7 @@ void require(bool holds, const std::string& what);
 /// Of a fit that is to be written.
 void require_problems(const FitRecord& fit, size_t problems);
 
-/// Throws UserError where there is none; what an interrupted exchange left is put right.
+/// Throws UserError where there is no such folder; restores one that an interrupted exchange left hidden.
 void require_folder(const std::filesystem::path& folder);
 /// Throws UserError, naming `problems`, unless the statuses are those that fit.json counted.
 void check_promises(const FitRecord& fit, const FitPromises& promises, const std::filesystem::path& problems);

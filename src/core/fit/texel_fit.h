@@ -18,7 +18,7 @@ struct TexelMap {
     size_t first;
 };
 
-/// What fit.json says of the model: its name, and under `key` a JSON object of its own.
+/// What fit.json says of the model: its name, and under `key` a JSON object private to the model.
 struct TexelFitNotes {
     std::string model, key, own_json;
 };
@@ -30,7 +30,7 @@ void write_texel_fit(const std::filesystem::path& folder, const FitRecord& fit, 
                      const std::function<void(const std::filesystem::path& temporary_folder)>& add_files);
 
 /// Standard deviations of a fit: the parameters' in their order, [problems] a sample's, and [problems] how many
-/// directions are not told.
+/// directions the samples don't determine.
 struct ErrorBarMaps {
     std::span<const float> deviation, noise;
     std::span<const uint32_t> deficient;
@@ -43,8 +43,8 @@ void write_error_bars(const std::filesystem::path& folder, const Atlas& atlas, c
 /// maps.
 class TexelFitReader {
 public:
-    /// Fills `fit`, which must outlive the reader, but for its problems. What `take` throws is told as a fault of
-    /// fit.json.
+    /// Fills `fit`, which must outlive the reader, but for its problems. What `take` throws is reported as a fault
+    /// of fit.json.
     TexelFitReader(const std::filesystem::path& folder, const std::string& key, const TakeNotes& take, FitRecord& fit);
     /// The problems, and the parameters [texels][numbers of all maps].
     std::vector<float> maps(const Atlas& atlas, std::span<const TexelMap> maps);

@@ -39,7 +39,7 @@ private:
     size_t count_;
 };
 
-/// What a step's program depends on besides the engine's arrays: found in every iteration, so it allocates nothing.
+/// What a step's program depends on, the engine's arrays aside. Built in every iteration, so it allocates nothing.
 using StepKey = std::tuple<Step, int, float>;
 inline StepKey step_key(Step which, const Turn& turn) {
     return {which, turn.left_out, turn.left_out ? turn.first_step : 0};

@@ -17,7 +17,7 @@ struct PlannedArray {
     uint64_t count, bytes;  ///< count: texels, or bytes of buffers
 };
 
-/// The textures that images stream through, two batches of them; or that they stay in, each of its own size.
+/// The textures that images stream through, two batches of them; or, if kept on the device, one for each image.
 PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
                          bool keep_on_device);
 

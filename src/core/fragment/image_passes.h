@@ -61,7 +61,7 @@ struct PassResources {
 /// The camera's centre for shaders/gather/footprint.frag: each coordinate as the sum of two floats.
 void set_camera_centre(const Program& program, const Camera& camera);
 
-/// Section 5 as it stands: one image at a time; item buffer; residuals in SLS for each corner; gradients by blending
+/// Section 5 as printed: one image at a time; item buffer; residuals in SLS for each corner; gradients by blending
 /// and gather. One render target a pass.
 std::unique_ptr<ImagePasses> make_paper_passes(const PassResources& resources);
 /// Images that a combined pass takes at a time; images_per_pass: see FragmentOptions.

@@ -61,7 +61,7 @@ struct TexelPassResources {
     void set_shapes(const Program& program, int group) const;
 };
 
-/// Section 5 as it stands: one image at a time; residuals in SLS first, then every map of the gradient by blending; one
+/// Section 5 as printed: one image at a time; residuals in SLS first, then every map of the gradient by blending; one
 /// render target a pass.
 std::unique_ptr<TexelPasses> make_paper_texel_passes(const TexelPassResources& resources);
 /// The same sums in one program that loops over as many images as memory holds at a time, with up to 8 render targets

@@ -11,7 +11,7 @@ namespace radiafit {
 
 inline constexpr uint32_t no_texel = 0xffffffffu;
 
-/// Surface location space (SLS): a texel for every surface location a model is fitted at, and where it stands in a
+/// Surface location space (SLS): a texel for every surface location a model is fitted at, and its place in a
 /// 2-D texture. Two kinds behind one face: triangle tiles and a grid.
 /// Texel index = tile * texels_per_tile() + local; a grid is one tile.
 class Atlas {
@@ -39,7 +39,7 @@ protected:
 /// Sides of triangles' tiles, each in [least_side, largest_side]; null where all have the same.
 using TileSides = std::shared_ptr<const std::vector<uint8_t>>;
 
-/// A triangular tile per triangle, of one side for all or of its own. Two triangles share one rectangle of the largest
+/// A triangular tile per triangle, of one side for all or of one per triangle. Two triangles share one rectangle of the largest
 /// side, n x (n+1): the even triangle upright, cell (i, j) at (i, j); the odd one turned, at (n-1-i, n-j). A tile's
 /// texels come first among the texels_per_tile() places of its triangle; the other places hold none, and aren't usable.
 class TriangleAtlas final : public Atlas {
@@ -94,7 +94,7 @@ private:
 /// distribution. Positions, unit normals and usability are given per texel.
 class GridAtlas final : public Atlas {
 public:
-    /// positions, normals [width * height]; usable likewise, or empty for all. Throws UserError on a size that differs.
+    /// positions, normals [width * height]; usable [width * height] or empty: all. Throws UserError on a size that differs.
     GridAtlas(int width, int height, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
               std::vector<uint8_t> usable);
     std::array<int, 2> place(uint32_t texel) const override {

@@ -89,7 +89,7 @@ std::vector<size_t> spread_over(std::span<const Vec3d> directions, size_t count)
         for (size_t k = 0; k < count; ++k)
             if (sums[k].norm() > 0) centres[k] = sums[k].normalized();
     }
-    // Of each cluster the member next to its centre; or, where that one would lie beyond what is left, the next.
+    // From each cluster the member nearest to its centre; or, where that lies outside those not taken, the next nearest.
     std::vector<std::vector<size_t>> members(count);
     for (size_t i = 0; i < directions.size(); ++i) members[cluster[i]].push_back(i);
     std::erase_if(members, [](const auto& list) { return list.empty(); });
@@ -108,7 +108,7 @@ std::vector<size_t> spread_over(std::span<const Vec3d> directions, size_t count)
             if (turn[k] + 1 < members[k].size() && angle_outside(rest, directions[out[k]]) > 0)
                 ++turn[k], settled = false;
     }
-    // A cluster ran empty, of directions that stand twice: the first that are left.
+    // If a cluster ran empty, because directions occur twice: the first that are left.
     for (size_t i = 0; out.size() < count; ++i)
         if (std::ranges::find(out, i) == out.end()) out.push_back(i);
     std::sort(out.begin(), out.end());

@@ -4,7 +4,7 @@
 
 #include "base/linear.h"
 
-/// Sets of directions: which of them stand at the rim, which amid the others.
+/// Sets of directions: which of them are at the rim, which amid the others.
 namespace radiafit {
 
 /// The angle (radians) from `direction` to the cone that `others` span, all their sums with weights of 0 or more; 0

@@ -3,7 +3,7 @@
 
 #include "base/linear.h"
 
-/// What check_light() asks of a light's numbers, for readers that know the line they stand in. Throw UserError,
+/// What check_light() asks of a light's numbers, for readers that know the line of each. Throw UserError,
 /// prefixed by `name`.
 namespace radiafit {
 

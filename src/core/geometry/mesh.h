@@ -26,12 +26,12 @@ inline constexpr uint32_t no_triangle = 0xffffffffu;
 /// What a part of a mesh knows of the whole that it was cut from (geometry/mesh_part.h).
 struct Surroundings {
     std::shared_ptr<const Mesh> whole;    ///< hides the part in images, as it did before
-    std::vector<uint32_t> vertices;       ///< [V] where each of the part's vertices stands in the whole, ascending
-    std::vector<uint32_t> triangles;      ///< [F] likewise
+    std::vector<uint32_t> vertices;       ///< [V] index of each of the part's vertices in the whole, ascending
+    std::vector<uint32_t> triangles;      ///< [F] index of each of the part's triangles in the whole, ascending
     std::vector<uint32_t> part_triangle;  ///< [whole's F] index in the part, or no_triangle
     /// [V] not 0: a vertex at the part's rim, whose other triangles were left out. It has no problem here.
     std::vector<uint8_t> rim;
-    /// [V] where the vertex's block begins in the whole's parameters (LfmLayout): random starts are told apart by it.
+    /// [V] where the vertex's block begins in the whole's parameters (LfmLayout): random starts depend on it.
     std::vector<uint64_t> blocks;
 };
 

@@ -33,7 +33,7 @@ public:
 private:
     struct Node {
         Vec3f low, high;
-        uint32_t first;  ///< of a leaf's triangles; of an inner node: its right child, the left one stands next to it
+        uint32_t first;  ///< of a leaf's triangles; of an inner node: its right child; the left one is the next node
         uint32_t count;  ///< triangles of a leaf, 0 for an inner node
     };
     struct Triangle {

@@ -19,7 +19,7 @@ struct ExrHeader {
 /// picture is. Throws std::runtime_error, whose text says in a few words what is damaged.
 ExrHeader walk_exr_header(std::istream& in, uint64_t bytes);
 
-/// Whether the value of an attribute in an OpenEXR header is as long as its type, and what stands in it, say. OpenEXR
+/// Whether the value of an attribute in an OpenEXR header has the length that its type and its content imply. OpenEXR
 /// reads values of most types without regard to the length before them: where the two disagree, it takes what follows
 /// for another attribute than one who steps from length to length. True of types that it does not know.
 /// Source: OpenEXR File Layout, "Attribute types".

@@ -12,8 +12,8 @@ struct ImageFile {
     int bits = 8;                 ///< per channel: 8, 16 or 32 (floats)
     bool linear = false;          ///< 16 bits only: the file says that its values are linear; else they are sRGB
     std::vector<uint8_t> rgb8;    ///< [height][width][3] if bits == 8
-    std::vector<uint16_t> rgb16;  ///< likewise if bits == 16
-    std::vector<float> rgb32;     ///< likewise if bits == 32; as stored, not finite values too
+    std::vector<uint16_t> rgb16;  ///< [height][width][3] if bits == 16
+    std::vector<float> rgb32;     ///< [height][width][3] if bits == 32; as stored, not finite values too
     std::vector<uint8_t> alpha;   ///< [height][width], 0 to 255; empty if the file has none
 };
 
@@ -21,7 +21,7 @@ struct ImageFile {
 /// expected.
 using HeaderCheck = std::function<void(int width, int height)>;
 
-/// Reads the formats of image_format.h, told apart by their content. Colours are never multiplied by alpha. EXIF
+/// Reads the formats of image_format.h, recognized by their content. Colours are never multiplied by alpha. EXIF
 /// orientation is ignored, as COLMAP does. `floats`: halves and floats (EXR, PFM, TIFF) are taken too.
 /// Throws UserError that names file and cure: missing, another format, truncated or corrupt, larger than
 /// image/image_header.h allows, neither 8 nor 16 bits, neither grey nor RGB.

@@ -14,7 +14,7 @@ namespace radiafit {
 struct ImageFormat {
     const char* name;                          ///< as messages have it
     std::vector<std::string_view> endings;     ///< of file names, in small letters
-    std::vector<std::string_view> beginnings;  ///< of the bytes, by which it is told; none: known, but not read
+    std::vector<std::string_view> beginnings;  ///< of the bytes, which identify it; none: known, but not read
     bool photograph = false;                   ///< a calibration may leave this ending out of a photograph's name
     bool colmap = false;  ///< photographs of it may go through COLMAP: datasets/scripts/capture.sh counts them
     ImageHeader (*read_header)(const std::filesystem::path& file, std::string_view bytes) = nullptr;

@@ -8,7 +8,7 @@
 namespace radiafit {
 
 /// [height][width][3] sRGB bytes, or [height][width][4] with alpha (not multiplied), as a PNG file's bytes. software:
-/// the program, told near the beginning (a tEXt chunk), or empty. Throws SystemError where libpng fails.
+/// the program, named near the beginning (a tEXt chunk), or empty. Throws SystemError where libpng fails.
 std::string png_bytes(int width, int height, const std::vector<uint8_t>& bytes8, std::string_view software = {});
 
 /// Writes the same as AtomicFile does. Throws UserError where it cannot.

@@ -68,7 +68,7 @@ ArrowInverse::ArrowInverse(ArrowMatrix matrix, const MatrixXd& held) : matrix_(s
         rest.noalias() += matrix_.borders[b].transpose() * follow_.back();
     }
     rest = corner_unit.asDiagonal() * rest * corner_unit.asDiagonal();
-    // held directions get a curvature of 1 in place of their own, and lose it again
+    // held directions get a curvature of 1 instead of theirs, which is taken out again afterwards
     MatrixXd axes = MatrixXd::Zero(rest.rows(), 0);
     if (held.cols() > 0) {
         const Eigen::ColPivHouseholderQR<MatrixXd> basis(corner_unit.asDiagonal() * held);

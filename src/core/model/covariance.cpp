@@ -24,7 +24,7 @@ Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, int hel
     out.deviation.assign(size_t(n), 0.0);
     const std::vector<Eigen::Index> free = free_parameters(n, held);
     const Eigen::Index count = Eigen::Index(free.size());
-    // in units in which each parameter's own curvature is 1; one without effect is told nothing
+    // in units in which each parameter's curvature is 1; a parameter without effect keeps its unit
     Eigen::VectorXd unit(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         const double curvature = normal(free[size_t(i)], free[size_t(i)]);

@@ -21,8 +21,8 @@ enum class Mode { paper, modern };
 
 constexpr int max_terms = 16;  ///< of a light field map
 
-/// Mends of the paper's objective (docs/paper.md, M4 to M6), all of them done but where an experiment asks what one is
-/// worth.
+/// Corrections of the paper's objective (docs/paper.md, M4 to M6). All are on, unless an experiment measures what one
+/// is worth.
 struct LfmMends {
     bool penalty_curvature = true;   ///< the penalties' second derivatives are part of d'Hd
     bool normalized = true;          ///< E over S-bar
@@ -46,7 +46,7 @@ struct LfmOptions {
 };
 /// Throws UserError unless all is within model/limits.h, and lower < upper.
 void check_options(const LfmOptions& options);
-/// Where surface maps stand. The mesh must outlive it.
+/// The layout of the surface maps. The mesh must outlive it.
 TriangleAtlas surface_atlas(const Mesh& mesh, const LfmOptions& options);
 
 /// Parameters order: problem after problem, p = [p_v1 ... p_vQ] (Section 4.1). The block of vertex v holds

@@ -16,7 +16,7 @@ struct Lfm {
 };
 }  // namespace shared_text
 
-/// real3 may be a SIMD pack that stands for the three channels; part 2 of the text needs no more than + and *.
+/// real3 may be a SIMD pack that holds the three channels; part 2 of the text needs no more than + and *.
 template <class real, class real3 = shared_text::real3_t<real>>
 using LfmText = shared_text::Lfm<real, real3>;
 

@@ -7,7 +7,7 @@
 /// texel-local model, |r|. To add one: its text there, its name here.
 namespace radiafit {
 
-/// X(name), besides the square.
+/// X(name) for each loss but the square.
 #define RADIAFIT_LOSSES(X) X(huber) X(cauchy)
 
 #define RADIAFIT_NAME(name) , name

@@ -13,7 +13,7 @@ enum class Status : uint8_t {
     max_iterations,
     no_samples,
     not_finite,       ///< the error of the start, or a sample, is not finite
-    underdetermined,  ///< at an optimum, but the samples don't tell the parameters apart
+    underdetermined,  ///< at an optimum, but the samples don't determine all parameters
     count
 };
 std::string to_string(Status status);  ///< as the key in fit.json, such as "max_iterations"

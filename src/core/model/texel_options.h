@@ -11,7 +11,7 @@ namespace radiafit {
 /// E is over its samples' number (S-bar: samples of the texel).
 struct TexelOptions {
     const TexelModel* model = nullptr;
-    int surface_side = 16;     ///< n of a mesh's atlas; a grid has its own texels
+    int surface_side = 16;     ///< n of a mesh's atlas; unused for a grid, which brings its texels
     Mode mode = Mode::modern;  ///< of the bounds penalty of streamed optimizers
     float mu = 1;              ///< its weight
     /// Leaves out pixels with a channel at or above this share of the largest value that can be stored, in linear light

@@ -9,7 +9,7 @@
 
 namespace radiafit {
 
-/// What one streaming pass tells about the problems before they start.
+/// What one streaming pass finds out about the problems before they start.
 struct ProblemStatistics {
     std::vector<uint32_t> samples;  ///< [problems] pixels in the problem's texels (one pixel = three residuals)
     std::vector<float> mean;        ///< [problems][3] mean of the target the problem fits (light field map: of L t)
@@ -38,7 +38,7 @@ struct EngineSummary {
 ///
 ///   count() *                  statistics; fixes S-bar, lambda_view and which problems have no samples
 ///   reset(start)               trial = start [N, Parameters order]; states fresh; p undefined until the first accept
-///   make_room(room)            the optimizer's own vectors and numbers, all zero
+///   make_room(room)            the optimizer's private vectors and numbers, all zero
 ///   fit_terms(first, last)     terms outside [first, last) stay as they are: their gradient is zero (deflation)
 ///   gradient_pass(diagonal)    at trial: E_t and its gradient, penalties included; on request also the fresh
 ///                              P = diag(J'J)/S-bar + 20 lambda, floored at 1e-4 of the problem's largest entry

@@ -165,11 +165,11 @@ struct OptimizerOptions {
     /// Iterations between fresh preconditioners. Each restarts, and hard problems need long runs of conjugate
     /// directions: 10 takes the median vertex of the star four times as long to 1.01 of the least error.
     int refresh_every = 100;
-    int first_refresh = 10;       ///< and once early: terms that start at zero tell nothing of their partners before
+    int first_refresh = 10;       ///< and once early: a term that starts at zero gives no curvature to its partner before
     int history = 5;              ///< pairs that lbfgs keeps, 8 at most
     float learning_rate = 0.02f;  ///< of adam: the first step, in units of the parameters
-    // Of conjugate gradients and steepest descent, for experiments on what mends of the paper's text are worth.
-    int left_out = 0;      ///< mends that are left out: WITHOUT_* of shaders/optimize/problem_state.glsl
+    // Of conjugate gradients and steepest descent, for experiments on what corrections of the paper's text are worth.
+    int left_out = 0;      ///< corrections left out: WITHOUT_* of shaders/optimize/problem_state.glsl
     float first_step = 1;  ///< of steepest descent with WITHOUT_MEASURED_STEP
 
     bool fresh(int iteration) const { return iteration % refresh_every == 0 || iteration == first_refresh; }

@@ -4,22 +4,22 @@
 /// What the verbs of optim/engine.h are about: vectors, registers and dot products by number.
 namespace radiafit {
 
-/// Vectors of an engine, [N] each. Behind them come the optimizer's own, first_own and on.
+/// Vectors of an engine, [N] each. The optimizer's private ones follow, from first_own on.
 namespace vector {
 enum : int { p, trial, d, g, trial_g, precondition, fresh, first_own, none = -1 };
 }
 
-/// Numbers of a problem, as ProblemState (shaders/optimize/problem_state.glsl) lists them. Behind them come the
-/// optimizer's own, first_own and on, and from first_product on its dot products.
+/// Numbers of a problem, as ProblemState (shaders/optimize/problem_state.glsl) lists them. The optimizer's private
+/// ones follow, from first_own on, and from first_product on its dot products.
 namespace number {
 enum : int { error, norm, slope, step_factor, beta, accepted, status, iterations, alpha, taken, first_own };
 constexpr int first_product = 64;
 }  // namespace number
 
-/// What an optimizer needs besides the vectors, numbers and dot products that all have.
+/// What an optimizer needs in addition to the vectors, numbers and dot products that all have.
 struct Room {
-    int vectors = 0;   ///< own vectors
-    int numbers = 0;   ///< own numbers of each problem; 8 at most
+    int vectors = 0;   ///< private to the optimizer
+    int numbers = 0;   ///< private to the optimizer, of each problem; 8 at most
     int products = 0;  ///< dot products beyond PRODUCT_NORM, PRODUCT_CROSS and PRODUCT_CONJUGATE
 
     int vector_count() const { return vector::first_own + vectors; }

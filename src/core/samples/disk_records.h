@@ -11,8 +11,8 @@
 #include "samples/record_options.h"
 
 /// Step 1 of the CPU baseline (Sections 4.3 and 6.2): radiance samples distributed to disk, so that each vertex's
-/// problem reads back in one piece. Samples of a vertex stand by (image, ring position, texel); every sample stands
-/// three times, once for each corner of its triangle. Layout of the files: docs/formats.md.
+/// problem reads back in one piece. Samples of a vertex are ordered by (image, ring position, texel); every sample is
+/// stored three times, once for each corner of its triangle. Layout of the files: docs/formats.md.
 namespace radiafit {
 
 class TileSampler;  // samples/image_samples.h
@@ -78,7 +78,7 @@ struct FullRecord {
     float residual[3];  ///< of the empty model: -L t
     float surface[2];   ///< x = ring position + (column + 1/2) / n, y = (row + 1/2) / n of the texel's cell, n its
                         ///< tile's side
-    float view[3][2];   ///< in the view maps of the triangle's corners; the vertex's own first
+    float view[3][2];   ///< in the view maps of the triangle's corners; that of the record's vertex first
 };
 
 }  // namespace radiafit

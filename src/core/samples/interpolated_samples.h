@@ -15,7 +15,7 @@ namespace radiafit {
 /// A texel is shown if its triangle faces the camera and the pixel that its centre projects to lies within the mask and
 /// sees the triangle's plane, within half a percent of the depth or a pixel's width: the triangle itself, or a
 /// neighbour that goes on from it. The colour is interpolated bilinearly between the centres of the four pixels around,
-/// of those that do likewise.
+/// of those that lie within the mask and see the plane, too.
 class InterpolatedSampler final : public TileSampler {
 public:
     /// All must outlive it. texels: [texel_count()], those to be looked at; null: all.

@@ -23,7 +23,7 @@ private:
     std::vector<uint8_t> tile_visible_;  ///< [tiles]
     /// [side] barycentric weights of a tile's texels, padded to whole vectors; empty for sides that no tile has.
     std::vector<std::array<std::vector<float>, 3>> weights_;
-    std::vector<uint32_t> tile_pixels_;  ///< where a tile's texels project to, padded likewise
+    std::vector<uint32_t> tile_pixels_;  ///< where a tile's texels project to, padded to whole vectors
 };
 
 /// Workers for build_sample_list() and write_records(), one for each thread; see worker_pointers().

@@ -15,8 +15,8 @@ namespace radiafit {
 template <class Item>
 class WaitingItems {
 public:
-    /// `memory`: bytes held there at most after settle(), what is set aside for more of a key included. `folder`: of
-    /// the file; UserError is thrown if it is needed and the disk is full or the folder not writable.
+    /// `memory`: bytes held in memory at most after settle(), what is set aside for more of a key included. `folder`:
+    /// of the file; UserError is thrown if it is needed and the disk is full or the folder not writable.
     WaitingItems(size_t keys, uint64_t memory, const std::filesystem::path& folder)
         : memory_(memory), path_(folder / "waiting.bin"), held_(keys) {}
     WaitingItems(const WaitingItems&) = delete;

@@ -5,8 +5,8 @@
 
 namespace radiafit {
 
-/// A JSON value (nlohmann's) that is a whole number of 32 bits, or nothing. Its own conversion of other numbers, such
-/// as 1e30, is undefined.
+/// A JSON value (nlohmann's) that is a whole number of 32 bits, or nothing. nlohmann's conversion of other numbers,
+/// such as 1e30, is undefined.
 template <class Json>
 std::optional<uint32_t> whole_number(const Json& value) {
     if (!value.is_number_unsigned()) return {};

@@ -31,7 +31,7 @@ struct SyntheticSize {
 /// Throws UserError, with the names there are, for an unknown shape or scale.
 SyntheticSize synthetic_size(const SyntheticOptions& options);
 
-/// What generate_synthetic() will take, from above. Throws likewise.
+/// Upper bounds of what generate_synthetic() will take. Throws UserError for an unknown shape or scale.
 Needs synthetic_needs(const SyntheticOptions& options);
 
 /// A synthetic dataset's image i: its name, and whether it is held out.
@@ -41,7 +41,7 @@ View synthetic_view(size_t i, const Camera& camera);
 /// same bytes, for any number of threads. Throws UserError for unknown names and for an output that cannot be written.
 void generate_synthetic(const SyntheticOptions& options, const std::filesystem::path& out);
 
-/// The Dataset::source that generate_synthetic() writes: tells whether a dataset at hand is what it would make today.
+/// The Dataset::source that generate_synthetic() writes: a dataset with another was not made by these options.
 std::string synthetic_source(const SyntheticOptions& options);
 
 }  // namespace radiafit

@@ -15,7 +15,7 @@ constexpr double filled = 0.995;                               // of the frame's
 constexpr double lowest = 0.05, highest = 0.995;               // z of the viewing direction: not quite rim and pole
 constexpr double sway = 0.35;                                  // of the spacing of views
 
-/// Turns and steps back until the mesh's image stands in the middle and fills the frame.
+/// Turns and steps back until the mesh's image is in the middle and fills the frame.
 Camera framed(const Mesh& mesh, const Vec3d& direction, int side) {
     Vec3d target = Vec3d::Zero();
     double distance = 5;
