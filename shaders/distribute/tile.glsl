@@ -1,6 +1,6 @@
 // Vertex side of pass 2 of Section 5.1.1: the mesh's triangles rasterized into their SLS tiles. The host leaves out
-// triangles that face away (SlsMesh::select); a triangle that it lets through needlessly finds no pixel that holds its item, and
-// takes none. PROJECTED: with the vertices' pixel coordinates, for passes that take pixels.
+// triangles that face away (SlsMesh::select). One that it lets through needlessly takes no pixel, as none
+// holds its item. PROJECTED: with the vertices' pixel coordinates, for passes that take pixels.
 #include "distribute/tiles.glsl"
 #include "distribute/cover_tile.glsl"
 

@@ -1,5 +1,5 @@
-// Limited-memory BFGS; the schedule is optim/lbfgs.h. A problem's private numbers are rho of each pair, 1 / (s.y), or 0 where
-// there is none.
+// Limited-memory BFGS; the schedule is optim/lbfgs.h. A problem's private numbers are rho of each pair:
+// 1 / (s.y), or 0 where there is no pair.
 #define LBFGS_ALONG (PRODUCT_CONJUGATE + 1)  // s.y, then d.g
 
 // Where accepted: s <- trial - p, y <- trial gradient - g, and p, g and P move on; elsewhere the pair is empty.

@@ -49,7 +49,7 @@ struct Turn {
     int restart;  // 1 where the preconditioner was refreshed
     int slot;     // of what the optimizer keeps, such as a pair of lbfgs
     StopRules stop;
-    int left_out;     // WITHOUT_*: 0 but in experiments on what a correction of the paper's text is worth (docs/paper.md)
+    int left_out;     // WITHOUT_*: 0 but in experiments on what a correction of the paper is worth (docs/paper.md)
     real first_step;  // WITHOUT_MEASURED_STEP
 };
 

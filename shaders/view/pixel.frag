@@ -1,6 +1,6 @@
 #version 300 es
-// A pixel's linear light: the texel that it shows, or the mix of texels (geometry/surface_lookup.h), whose colours the fit's
-// pass has drawn. On a grid the texel is the pixel of its photographs.
+// A pixel's linear light: the texel that it shows, or the mix of texels (geometry/surface_lookup.h), in the colours
+// that the fit's pass has drawn. On a grid the texel is the pixel of its photographs.
 // variants: GRID=-,1 STORED_SRGB=-,1
 // variants: LINEAR=-,1 STORED_SRGB=-,1
 precision highp float;

@@ -102,7 +102,7 @@ public:
     void commit();
 
 private:
-    /// Moves earlier files into path(), from where an error brings them back.
+    /// Exchanges the files with earlier ones, which an error brings back from path().
     void place(const std::vector<std::filesystem::path>& names);
 
     std::filesystem::path folder_;

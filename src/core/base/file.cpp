@@ -76,7 +76,7 @@ uint64_t InputFile::size() const {
 void InputFile::no_readahead() const { posix_fadvise(file_, 0, 0, POSIX_FADV_RANDOM); }
 
 void InputFile::forget(uint64_t offset, uint64_t bytes) const {
-    posix_fadvise(file_, off_t(offset), off_t(bytes), POSIX_FADV_DONTNEED);  // only advice: cached_share() shows its effect
+    posix_fadvise(file_, off_t(offset), off_t(bytes), POSIX_FADV_DONTNEED);  // advice: cached_share() shows the effect
 }
 
 OutputFile::OutputFile(std::filesystem::path path)

@@ -22,8 +22,8 @@ bool stands(const fs::path& path) {
     return fs::exists(fs::symlink_status(path, error));
 }
 
-/// The process number shows one that has not locked its file yet; of a process elsewhere (another container, say), only
-/// the lock shows whether it is still at work.
+/// Whether no other process of that number runs here: one that runs may not have locked its file yet. Whether a process
+/// elsewhere (another container, say) is still at work, only the lock shows.
 bool may_be_left(const TemporaryName& name) {
     if (name.process == 0 || name.made_by_this_process()) return false;
     return name.process == getpid() || (kill(name.process, 0) != 0 && errno == ESRCH);

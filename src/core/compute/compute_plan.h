@@ -6,7 +6,7 @@
 
 namespace radiafit {
 
-/// What a ComputeEngine over cached samples holds at most, vectors like p not counted, and what loading them takes.
+/// What a ComputeEngine over cached samples holds at most, vectors like p not counted, and what building that takes.
 /// images: fitted. samples: about how many. sample_bytes: of one in one order on the device, 4 or 8.
 std::vector<PlannedArray> plan_cached_samples(const TriangleAtlas& atlas, const VertexRings& rings,
                                               const LfmLayout& layout, Accumulate accumulate, uint64_t images,

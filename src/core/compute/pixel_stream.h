@@ -34,7 +34,7 @@ public:
     TileStatistics count();
     /// An invocation for each pixel of an image.
     void dispatch_pixels(const Program& pass, const ImageOnDevice& image) const;
-    /// Binds the image at hand to a program, and sets its uniforms.
+    /// Sets a program's uniforms for the image at hand.
     static void set_image(const Program& program, const ImageOnDevice& image);
 
     const std::vector<uint32_t>& drawn_tiles() const { return mesh_.drawn_tiles(); }

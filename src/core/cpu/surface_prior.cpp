@@ -60,7 +60,7 @@ private:
         return double(parameter(t, last)) + double(parameter(t, last + 1)) + double(parameter(t, last + 2));
     }
     bool of_shape(size_t i) const { return i >= 3 * size_t(model_.basis); }
-    /// The well-determined texels, of whose coefficients medians are taken; for shapes, the half with the highest lobes.
+    /// The well-determined texels, to take medians of; for shapes, the half of them with the highest lobes.
     std::vector<uint32_t> telling(std::span<const uint32_t> texels, bool shape) const {
         std::vector<uint32_t> out;
         for (const uint32_t t : texels)

@@ -178,7 +178,7 @@ auto TexelFit<Text>::propose(const Point& p, const WidePack& damping, const Prio
     return out;
 }
 
-/// The sums with a curvature along the gauge's tangent, which has none.
+/// `of` plus a curvature along the gauge's tangent, where it has none.
 template <class Text>
 template <class>
 auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of)

@@ -11,8 +11,8 @@
 namespace radiafit {
 
 /// One vertex's problem, loaded from its record or from a list of all samples: what stays in the L2 cache while
-/// LaneEngine solves it. Samples are ordered by (image, ring position, texel), targets weighted and widened once, so a view
-/// look-up serves all of an image's samples. As LaneEngine's Problem it has one block, number 0.
+/// LaneEngine solves it. Samples are ordered by (image, ring position, texel), targets weighted and widened once, so a
+/// view look-up serves all of an image's samples. As LaneEngine's Problem it has one block, number 0.
 class VertexProblem {
 public:
     using Real = float;

@@ -52,8 +52,9 @@ struct MaterialErrors {
     double worst_90 = 0;                  ///< 90th percentile of the same
     std::vector<std::string> parameters;  ///< as the truth names them
     std::vector<double> median;           ///< [parameters] median over texels
-    /// [parameters] texels whose parameter has a standard deviation, neither held by the gauge nor untold by the
-    /// samples, and how many of these are no further than that from the truth: 0.68 of them, where error bars are true.
+    /// [parameters] texels whose parameter has a standard deviation, neither held by the gauge nor left open by
+    /// the samples, and how many of these are no further than that from the truth: 0.68 of them, where error bars are
+    /// true.
     std::vector<TruthShare> within;
     TruthShare within_all() const;
 };

@@ -43,7 +43,7 @@ struct Run {
     double from, to;  ///< azimuths; 2 pi apart: all around
 };
 
-/// The azimuths with the most places that have no wide gap between them.
+/// The range of azimuths that holds the most places without a wide gap between them.
 Run longest_run(const std::vector<Place>& places) {
     std::vector<Place> round;
     for (const Place& p : places)

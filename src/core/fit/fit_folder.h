@@ -17,7 +17,7 @@
 /// The FIT folder: what a fit leaves behind, readable with any JSON and EXR reader (docs/formats.md).
 namespace radiafit {
 
-/// Tells two datasets apart without reading their pixels.
+/// Distinguishes datasets without reading their pixels.
 struct DatasetFingerprint {
     uint64_t vertices = 0, triangles = 0, views = 0, held_out = 0, image_bytes = 0;
     std::string digest;  ///< 16 hexadecimal digits over mesh, cameras, split, gains and encoding

@@ -10,8 +10,8 @@
 /// Where the numbers of a fit are in its images (docs/formats.md).
 namespace radiafit {
 
-/// Vertices are arranged row by row in a table of this many columns: one cell of m x m texels each in the view maps, one
-/// pixel each in problems.exr.
+/// Vertices are arranged row by row in a table of this many columns: one cell of m x m texels each in the view maps,
+/// one pixel each in problems.exr.
 int table_columns(size_t vertices);
 int table_rows(size_t vertices);
 

@@ -116,7 +116,7 @@ public:
         vectors_[vector::d].upload(d);
     }
 
-    /// Allocated on the device by this engine; fragment/fragment_plan.h and texel_plan.h foretell it.
+    /// Allocated on the device by this engine; fragment/fragment_plan.h and texel_plan.h predict it.
     uint64_t bytes() const { return bytes_; }
 
 protected:

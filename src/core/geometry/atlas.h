@@ -39,9 +39,10 @@ protected:
 /// Sides of triangles' tiles, each in [least_side, largest_side]; null where all have the same.
 using TileSides = std::shared_ptr<const std::vector<uint8_t>>;
 
-/// A triangular tile per triangle, of one side for all or of one per triangle. Two triangles share one rectangle of the largest
-/// side, n x (n+1): the even triangle upright, cell (i, j) at (i, j); the odd one turned, at (n-1-i, n-j). A tile's
-/// texels come first among the texels_per_tile() places of its triangle; the other places hold none, and aren't usable.
+/// A triangular tile per triangle, all of one side or each with its own. Two triangles share one rectangle of the
+/// largest side, n x (n+1): the even triangle upright, cell (i, j) at (i, j); the odd one turned, at (n-1-i, n-j). A
+/// tile's texels come first among the texels_per_tile() places of its triangle; the other places hold none, and aren't
+/// usable.
 class TriangleAtlas final : public Atlas {
 public:
     /// The mesh must outlive the atlas. sides, if not null: [triangles], none above `side`. Throws UserError for a side
@@ -94,7 +95,7 @@ private:
 /// distribution. Positions, unit normals and usability are given per texel.
 class GridAtlas final : public Atlas {
 public:
-    /// positions, normals [width * height]; usable [width * height] or empty: all. Throws UserError on a size that differs.
+    /// positions, normals [width * height]; usable: the same size, or empty for all. Throws UserError on other sizes.
     GridAtlas(int width, int height, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
               std::vector<uint8_t> usable);
     std::array<int, 2> place(uint32_t texel) const override {

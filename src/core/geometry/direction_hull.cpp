@@ -89,7 +89,7 @@ std::vector<size_t> spread_over(std::span<const Vec3d> directions, size_t count)
         for (size_t k = 0; k < count; ++k)
             if (sums[k].norm() > 0) centres[k] = sums[k].normalized();
     }
-    // From each cluster the member nearest to its centre; or, where that lies outside those not taken, the next nearest.
+    // From each cluster the member nearest to its centre; or, where that lies outside the rest's cone, the next one.
     std::vector<std::vector<size_t>> members(count);
     for (size_t i = 0; i < directions.size(); ++i) members[cluster[i]].push_back(i);
     std::erase_if(members, [](const auto& list) { return list.empty(); });

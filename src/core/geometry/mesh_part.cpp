@@ -30,7 +30,7 @@ std::vector<uint64_t> morton_codes(std::span<const Vec3f> points) {
     return codes;
 }
 
-/// The part of `triangles`, ascending, and of the vertices that have a problem in it; own: [whole's V], not 0 for these.
+/// The part of `triangles`, ascending. own: [whole's V], not 0 for the vertices that have a problem in the part.
 Mesh cut(const std::shared_ptr<const Mesh>& whole, std::vector<uint32_t> triangles, const std::vector<uint8_t>& own) {
     const auto around = std::make_shared<Surroundings>();
     around->whole = whole;

@@ -165,7 +165,7 @@ struct OptimizerOptions {
     /// Iterations between fresh preconditioners. Each restarts, and hard problems need long runs of conjugate
     /// directions: 10 takes the median vertex of the star four times as long to 1.01 of the least error.
     int refresh_every = 100;
-    int first_refresh = 10;       ///< and once early: a term that starts at zero gives no curvature to its partner before
+    int first_refresh = 10;       ///< and once early: a map that starts at zero gives its partner no curvature before
     int history = 5;              ///< pairs that lbfgs keeps, 8 at most
     float learning_rate = 0.02f;  ///< of adam: the first step, in units of the parameters
     // Of conjugate gradients and steepest descent, for experiments on what corrections of the paper's text are worth.

@@ -8,7 +8,7 @@
 
 namespace radiafit {
 
-/// Any optimizer: one that with_schedule() hands out, or another schedule. Each problem accepts, restarts, halves and stops by
+/// Any optimizer: a schedule of with_schedule(), or another. Each problem accepts, restarts, halves and stops by
 /// itself; the loop ends when none is active. Row k of the trace holds the state after k trials, row 0 the start. Call
 /// engine.count() and engine.reset() before. `each_iteration`, if given, is called after every row, outside the trace's
 /// clock.

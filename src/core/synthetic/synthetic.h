@@ -41,7 +41,7 @@ View synthetic_view(size_t i, const Camera& camera);
 /// same bytes, for any number of threads. Throws UserError for unknown names and for an output that cannot be written.
 void generate_synthetic(const SyntheticOptions& options, const std::filesystem::path& out);
 
-/// The Dataset::source that generate_synthetic() writes: a dataset with another was not made by these options.
+/// The Dataset::source that generate_synthetic() writes: a dataset that has it is what it would make today.
 std::string synthetic_source(const SyntheticOptions& options);
 
 }  // namespace radiafit

@@ -17,8 +17,8 @@ struct OiioPixels {
     std::string failure;                ///< what is wrong with OpenImageIO itself, or empty
 };
 
-/// `name` is only passed on to OpenImageIO; `header` is what read_image_header found in the same bytes; `reader`: by which
-/// name OpenImageIO knows the format. Throws nothing of ours.
+/// `name` is only passed on to OpenImageIO; `header` is what read_image_header found in the same bytes; `reader`: by
+/// which name OpenImageIO knows the format. Throws nothing of ours.
 using ReadOiioPixels = void(const std::string& name, std::string_view bytes, const ImageHeader& header,
                             const char* reader, OiioPixels& out);
 
