@@ -4,7 +4,7 @@
 #define COLOUR 8
 #endif
 
-// In 16-bit units.
+// The channels of a colour in 16-bit units.
 vec3 channels_of(uvec2 colour) {
 #if COLOUR == 8
     return vec3(ivec3(uvec3(colour.x, colour.x >> 8, colour.x >> 16) & 255u) * 257);

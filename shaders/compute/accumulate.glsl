@@ -41,7 +41,7 @@
 #define CLEAR_ONE(sums, i) sums[0].x[i] = 0u
 #endif
 
-// Of three channels.
+// The same for three channels.
 #define ADD(sums, i, value, scale) \
     { \
         vec3 added = value, by = scale; \
@@ -54,7 +54,7 @@
 #define CLEAR(sums, i) \
     for (uint channel = 0u; channel < 3u; ++channel) { CLEAR_ONE(sums, 3u * (i) + channel); }
 
-// Which sums there are, the includer says.
+// The includer says which sums there are.
 #ifdef WITH_ELEMENTS  // [element of maps][channel]: gradients; of view maps once cameras' views of vertices are spread
 layout(std430) coherent buffer ElementSums { SUM_WORD x[]; } element_sums[SUM_WORDS];
 #ifdef DIAGONAL

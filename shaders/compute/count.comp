@@ -1,6 +1,6 @@
 #version 450 core
 // variants: LANES=32 NUMBER_COUNT=18 NUMBER_STATUS=6 NUMBER_ACCEPTED=5 TERMS=1 WIDE=-,1
-// Of a tile's samples: the sums of targets L t of its three corners.
+// Sums over a tile's samples of the targets L t of its three corners.
 #include "compute/samples.glsl"
 layout(std430) writeonly buffer TileSums { vec4 tile_sums[]; };  // [tile][corner][TILE_SUMS]
 void main() {

@@ -10,7 +10,7 @@ uniform samplerBuffer direction;  // ALONG: d
 uniform float most_target;
 layout(std430) writeonly buffer Scales { vec4 scale[]; };
 
-// What isn't a number is larger than all.
+// The magnitude of x; infinite for what isn't a number.
 vec3 size_of(vec3 x) { return mix(abs(x), vec3(uintBitsToFloat(0x7f800000u)), isnan(x)); }
 // Largest elements of a vector: of surface maps, and of the view map.
 void bounds_of(samplerBuffer vector, Vertex v, out vec3 surface, out vec3 view) {
@@ -21,7 +21,7 @@ void bounds_of(samplerBuffer vector, Vertex v, out vec3 surface, out vec3 view) 
     surface = group_max(surface);
     view = group_max(view);
 }
-// bound: the logarithm of one, to base 2. Where a term might be no finite float, sums have no scale.
+// bound: base 2 logarithm of a bound of one sample's term. Where a term might be no finite float, sums have no scale.
 void set_scale(int what, vec3 bound) {
     float samples = max(OF_THIS_VERTEX(OF_DENSITY).z, 1.0);
     vec3 power = clamp(floor(60.0 - log2(samples) - bound), -100.0, 100.0);

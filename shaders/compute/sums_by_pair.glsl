@@ -5,7 +5,7 @@ uniform samplerBuffer pair_squares;
 uniform usamplerBuffer pairs;
 uniform samplerBuffer tile_sums;     // [tile][corner][TILE_SUMS]
 #ifdef OF_ELEMENTS
-// Over the pairs whose look-ups have a weight on a texel of the view map.
+// Sums over the pairs whose look-ups have a weight on a texel of the view map.
 void sum_over_view_texel(Vertex v, uint local, uint k, out vec3 slope, out vec3 squares) {
     slope = squares = vec3(0.0);
     const uvec2 place = uvec2(local % uint(VIEW_SIDE), local / uint(VIEW_SIDE));

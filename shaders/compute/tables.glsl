@@ -37,7 +37,7 @@ bool is_active(uint vertex) { return any(equal(number_of(NUMBER_STATUS, vertex),
 
 vec3 element_at(samplerBuffer vector, uint i) { return texelFetch(vector, int(i)).xyz; }
 
-// The sum over the work group, always in the same order. Of all its invocations, and of none else: it holds barriers.
+// The sum over the work group, always in the same order. All its invocations must call it: it holds barriers.
 shared vec4 parts[LANES];
 vec4 group_sum(vec4 mine) {
     barrier();  // whoever reads the last sum has done so

@@ -14,7 +14,7 @@ vec2 pixel_of(vec3 weights, vec3 corner0, vec3 corner1, vec3 corner2) {
     precise vec2 at = floor(q.xy / q.z);
     return at;
 }
-// Channels of 16 bits.
+// The colour in an item, in 16-bit units of a channel.
 vec3 colour_in(uvec4 item) {
     return colour_bits == 8 ? vec3((uvec3(item.y) >> uvec3(0u, 8u, 16u)) & 255u) * 257.0
                             : vec3(uvec3(item.y & 0xffffu, item.y >> 16, item.z));

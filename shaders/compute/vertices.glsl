@@ -27,7 +27,7 @@ Vertex this_vertex() {
 }
 #define OF_THIS_VERTEX(what) problems[vertex_index() * uint(OF_VERTEX) + uint(what)]
 
-// Of a surface map, which is that of a corner of a triangle.
+// Words of a surface map, which is that of a corner of a triangle.
 #define MAP_FIRST 0      // element
 #define MAP_CORNER 1     // 3 x tile + corner
 #define MAP_NEIGHBOUR 2  // in TABLE_NEIGHBOURS

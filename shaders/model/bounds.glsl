@@ -11,7 +11,7 @@ SHARED_FN element bound_slope(element x, element low, element high, real mu, boo
     element beyond = bound_excess(x, low, high);
     return where(beyond, mu * (printed ? x + x - low - high : beyond), element(real(0.0)));
 }
-// Along a change d of x.
+// The second derivative along a change d of x.
 SHARED_FN element bound_curvature(element x, element d, element low, element high, real mu, bool printed) {
     return where(bound_excess(x, low, high), mu * real(printed ? 2.0 : 1.0) * d * d, element(real(0.0)));
 }

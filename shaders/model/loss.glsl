@@ -13,7 +13,7 @@ SHARED_FN element cauchy_value(element s, real delta) { return delta * delta * l
 SHARED_FN element cauchy_weight(element s, real delta) { return element(real(1.0)) / (real(1.0) + s / (delta * delta)); }
 
 #ifndef __cplusplus
-// By the loss of the fit; none: squares.
+// By the loss of the fit: LOSS_SCALE is its scale; undefined: squares.
 #ifdef LOSS_SCALE
 #define LOSS_VALUE(s) LOSS_VALUE_OF(s, LOSS_SCALE)
 #define LOSS_WEIGHTED(s, x) (LOSS_WEIGHT_OF(s, LOSS_SCALE) * (x))

@@ -1,6 +1,6 @@
 // Adam; the schedule is optim/adam.h.
 
-// Every trial is gone on from; the best one is accepted.
+// The optimizer goes on from every trial; the best one is accepted.
 SHARED_FN void adam_judge(INOUT(ProblemState) s, INOUT(Own) own, Given given, Turn turn) {
     bool running = s.status == STATUS_ACTIVE;
     bool first = s.error >= HUGE_ERROR;

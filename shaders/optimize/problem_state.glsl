@@ -73,7 +73,7 @@ struct Turn {
 #define RULE_CG_PAPER 1
 #define RULE_CG_MODERN 2
 
-// Dot products that every optimizer takes; those of one alone follow.
+// Dot products that every optimizer takes; those private to one follow.
 #define PRODUCT_NORM 0       // z'.g'
 #define PRODUCT_CROSS 1      // z'.g
 #define PRODUCT_CONJUGATE 2  // d.g'

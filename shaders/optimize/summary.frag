@@ -1,7 +1,7 @@
 #version 450 core
 // variants: FURTHER=-,1
 // What an iteration reports of all problems, a block of 16 x 16 a fragment: how many run, of how many the trial was accepted,
-// and the sum of their errors, a double in two words. FURTHER: of blocks of such sums. Always in the same order.
+// and the sum of their errors, a double in two words. FURTHER: from blocks of such sums. Always in the same order.
 #include "optimize/dialect.glsl"
 #ifdef FURTHER
 uniform usampler2D source;

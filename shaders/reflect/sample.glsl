@@ -25,7 +25,7 @@ struct View {
     vec4 camera_centre;  // the camera's centre, 1; or unit direction to it, 0
 };
 
-// at: three for each image; nothing if there is one.
+// at: index of the first of the image's three entries in `views`; unused with ONE_IMAGE.
 View view_at(int at) {
 #ifdef ONE_IMAGE
     return View(lamp, exposure, camera_centre);

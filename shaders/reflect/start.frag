@@ -17,7 +17,7 @@
 uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
 #endif
 
-// Those of basis function k and what comes before it, behind `at` numbers of others.
+// Adds the products of basis function k with those up to k and with the target, from number `at` on.
 #define ADD_PRODUCTS(k, at)                                          \
     {                                                                \
         for (int j = 0; j < BASIS_COUNT; ++j)                        \

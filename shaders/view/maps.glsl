@@ -12,5 +12,5 @@ vec3 map_value(sampler2DArray maps, int map, ivec2 place) {
     return scale.rgb * floor(q + 0.5) + offset.rgb;
 }
 
-// Of maps that hold signed square roots, in which dark values have finer steps.
+// The values of maps that hold signed square roots, in which dark values have finer steps.
 vec3 squared(vec3 root) { return root * abs(root); }

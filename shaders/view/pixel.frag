@@ -30,8 +30,8 @@ flat in ivec4 corners;  // vertices, and the tile's side
 flat in ivec3 across;
 flat in vec3 clip0, clip1, clip2;
 
-// Of the pixel's centre, perspective-correct: (b1, b2). Interpolated ones would be those of corners that the rasterizer moved to
-// the next sixteenth of a pixel or so, and fall into other texels.
+// Barycentric coordinates (b1, b2) of the pixel's centre, perspective-correct. Interpolated ones would be those of
+// corners that the rasterizer moved to the next sixteenth of a pixel or so, and fall into other texels.
 vec2 barycentric_here() {
     vec2 at = 2.0 * gl_FragCoord.xy / target_size - 1.0;
     vec2 a = clip0.xy - at * clip0.z, b = clip1.xy - at * clip1.z, c = clip2.xy - at * clip2.z;

@@ -50,8 +50,8 @@ vec3 plain_normal(Site site) {
 }
 #endif
 
-// Unit, or zero: of the dataset's map of normals where it has one (NORMAL_MAP is its number), else the plane's, or those of
-// the triangle's corners, interpolated.
+// The normal, unit or zero: from the dataset's map of normals where it has one (NORMAL_MAP is its number), else the
+// plane's, or those of the triangle's corners, interpolated.
 vec3 site_normal(Site site) {
 #ifdef NORMAL_MAP
     vec3 normal = surface_value(NORMAL_MAP, site);

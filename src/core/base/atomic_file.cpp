@@ -122,7 +122,7 @@ UnfinishedFolder::UnfinishedFolder(const fs::path& parent, const std::string& na
     lock_ = lock_path(path_);
 }
 
-/// Again if a parent went meanwhile: another process that had made it may have had no use for it.
+/// Tries again if a parent vanished meanwhile: another process that had made it may have had no use for it.
 void UnfinishedFolder::make() {
     std::error_code error;
     for (int tries = 0; tries < 100; ++tries) {

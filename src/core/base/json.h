@@ -15,7 +15,7 @@ bool nested_deeper(std::string_view text, int most);
 template <class Json>
 Json parse_json(std::string_view text, int most = 100);
 
-/// Of text that is no UTF-8: throw Json::exception, or write U+FFFD in its place.
+/// What to do with text that is no UTF-8: throw Json::exception, or write U+FFFD in its place.
 enum class NotUtf8 { refuse, replace };
 
 /// indent: blanks a level; -1: all in one line.

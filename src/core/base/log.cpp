@@ -27,7 +27,7 @@ std::string_view environment(const char* variable) {
     return text ? text : "";
 }
 
-/// One that moves its cursor.
+/// Whether standard error is a terminal whose cursor can be moved.
 bool on_terminal() {
     static const bool terminal = isatty(STDERR_FILENO) != 0 && environment("TERM") != "dumb";
     return terminal;

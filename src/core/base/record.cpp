@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of the instructions that make a difference to our loops, those that the compiler may use.
+/// Instruction sets that make a difference to our loops and that the compiler may use.
 std::vector<std::string> instructions() {
     return {
 #ifdef __SSE4_2__

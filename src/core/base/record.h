@@ -47,7 +47,7 @@ std::string git_revision();
 std::string project_version();
 /// "2003-07-27T12:00:00Z".
 std::string utc_now();
-/// Of that form, "20030727T120000Z": for names.
+/// utc_now()'s text as "20030727T120000Z": for names.
 std::string compact_utc(const std::string& utc);
 
 }  // namespace radiafit

@@ -13,7 +13,7 @@ double quantile(std::vector<double> values, double q);
 
 inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
-/// Of the whole numbers of which each is there counts[number] times; not a number if there are none.
+/// The median of whole numbers, each of which occurs counts[number] times; not a number if there are none.
 double median_of_counts(const std::vector<uint64_t>& counts);
 
 struct Interval {

@@ -57,7 +57,7 @@ public:
 std::unique_ptr<SampleSweeps> make_cached_gather(const SweepResources& resources, const Dataset& dataset,
                                                  const TriangleAtlas& atlas, const VertexRings& rings,
                                                  const SampleList& samples);
-/// Of these, accumulate is one that scatters, as accumulate_here() says.
+/// Over the same samples, which scatter: `accumulate` is a way to do so that accumulate_here() returned.
 std::unique_ptr<SampleSweeps> make_cached_scatter(const SweepResources& resources, const Dataset& dataset,
                                                   const TriangleAtlas& atlas, const VertexRings& rings,
                                                   const SampleList& samples, Accumulate accumulate);

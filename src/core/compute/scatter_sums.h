@@ -58,7 +58,7 @@ private:
     Buffer corner_sums_[2], tile_samples_;
 };
 
-/// Of programs that sum along d: all four sums, or the two of the paper's mode.
+/// Definitions for programs that sum along d: all four sums, or the two of the paper's mode.
 inline Defines line_defines(const LfmOptions& options) {
     Defines defines{{"ALONG", ""}};
     return options.mode == Mode::modern ? defines + Defines{{"QUARTIC", ""}} : defines;

@@ -15,8 +15,8 @@ namespace radiafit {
 /// when it is destroyed.
 class TexelComputeEngine final : public BufferEngine {
 public:
-    /// Nothing of the arguments is kept. source: of these views. Throws UserError for options out of range, for a
-    /// dataset without lights, and where a buffer would be larger than the device allows.
+    /// Nothing of the arguments is kept. source: samples of these views. Throws UserError for options out of range, for
+    /// a dataset without lights, and where a buffer would be larger than the device allows.
     TexelComputeEngine(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                        const TexelOptions& options, const TexelSource& source);
 

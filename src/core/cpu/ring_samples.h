@@ -28,7 +28,7 @@ Lanes<real> load_sample(const Sample* s) {
     // in two steps, each of which is one instruction
     return __builtin_convertvector(__builtin_convertvector(one, detail::OneWidened), Lanes<real>);
 }
-/// Those of s[0] and s[1].
+/// load_sample() of s[0] and s[1].
 template <class real>
 PairLanes<real> load_two_samples(const Sample* s) {
     detail::TwoSamples two;

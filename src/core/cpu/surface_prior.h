@@ -20,11 +20,11 @@ struct SurfacePrior {
     std::vector<double> weights;
 
     std::span<const float> mean_of(uint32_t texel) const { return {&means[block_of[texel] * parameters], parameters}; }
-    /// Of these texels alone, numbered anew in their order.
+    /// The prior of these texels alone, numbered anew in their order.
     SurfacePrior of(std::span<const uint32_t> texels) const;
 };
 
-/// Learned from a fit without it, by texels that it determines well. None where these are few.
+/// Learned from a fit without a prior, by the texels that it determines well. None where these are few.
 std::optional<SurfacePrior> learn_surface_prior(const TexelModel& model, const Atlas& atlas, const TexelResult& fit);
 
 /// Whether the prior is used for a texel that a fit without it left in this state: with fewer samples than

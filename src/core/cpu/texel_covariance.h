@@ -9,7 +9,7 @@
 /// parameters, and the colours that it shows.
 namespace radiafit {
 
-/// Of a texel that is fitted.
+/// Error bars of one fitted texel.
 struct TexelErrorBars {
     Covariance covariance;  ///< of the parameters
     double noise = 0;       ///< standard deviation of a sample's residual, per channel; in units of the targets

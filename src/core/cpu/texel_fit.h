@@ -86,7 +86,7 @@ private:
     Outcomes run(const Batch& batch, const Point& start, Trace* trace, const Prior* prior) const;
     static void evaluate(const Batch& batch, Point& p, const Prior* prior);
     static void add_prior(const Prior& prior, Point& p);
-    // Of models with a shape: templates, so that only they have them.
+    // Only for models with a shape: templates, so that others don't have them.
     template <class T = Text>
     static void add_prior(const Prior& prior, StartSums<T>& sums);
     template <class = Text>

@@ -53,7 +53,7 @@ public:
                                  const std::function<void()>& progress, const SurfacePrior* prior = nullptr) const = 0;
     /// Where optimizers begin: the best of the model's starts, for eight texels [8][parameters].
     virtual std::vector<float> start(const std::vector<std::vector<ShadedSample>>& texels) const = 0;
-    /// Raw E of given parameters [texels][parameters], by which solvers that are none of these are judged alike.
+    /// Raw E of given parameters [texels][parameters], by which any other solver can be judged alike.
     /// load_s, if given, grows by what TexelResult says of it.
     virtual std::vector<float> errors(const TexelProblem& problem, std::span<const float> parameters,
                                       double* load_s = nullptr) const = 0;

@@ -10,7 +10,7 @@
 /// surface maps and view map, and the colours that they show.
 namespace radiafit {
 
-/// Of one of a vertex's problems, a channel.
+/// Error bars of one of a vertex's problems, a channel.
 ///
 /// A pixel's noise of standard deviation sigma moves the target L t by Lambda sigma. With J the Jacobian at the
 /// optimum, W the samples' weights, and smoothness and active bounds taken as what is known beforehand, of curvature P
@@ -51,8 +51,8 @@ public:
     std::vector<float> noise;         ///< [3 vertices]: ProblemErrorBars'
     std::vector<uint32_t> deficient;  ///< [3 vertices]
 
-    /// Of the colour that a texel shows an eye, per channel: the sum of its three vertices' standard deviations, which
-    /// is as far as they add up where noise moves them alike, as it does: their targets are parts of the same pixels.
+    /// Deviation of the colour that a texel shows an eye, per channel: the sum of its three vertices' standard
+    /// deviations, as noise moves all three alike: their targets are parts of the same pixels.
     /// Infinite where the samples don't determine it.
     Vec3f of_value(size_t eye, uint32_t triangle, uint32_t local) const;
     /// Standard deviation of a photograph's pixel there.

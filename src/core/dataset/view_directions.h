@@ -7,7 +7,7 @@
 /// Whether what is held out lies amid what is fitted, or beyond it.
 namespace radiafit {
 
-/// Of the mesh's bounding box, or of the grid.
+/// The centre of the mesh's bounding box, or of the grid.
 Vec3d surface_centre(const Mesh& mesh, const Grid& grid);
 
 /// For each view: by how far (radians) its camera's or its lamp's direction from `centre`, whichever is farther, lies

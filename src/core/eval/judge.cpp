@@ -114,7 +114,7 @@ private:
         return float(space == TargetSpace::linear ? linear : exposed(dataset_->encoding, 1, linear));
     }
 
-    /// Of the channels from `first` to `last`.
+    /// The gain that suits the channels from `first` to `last` best, near the gain `around`.
     double best_gain(TargetSpace space, const JudgedView& view, size_t first, size_t last, double around) const {
         std::vector<float> values, photograph;
         for (size_t i = 0; i < view.foreground.size(); ++i)

@@ -24,7 +24,7 @@ public:
     /// `view` may be any, not only the dataset's. worker: as Contestant's.
     void shade(const Contestant& contestant, const View& view, int worker);
 
-    /// Of the view shaded last, [height][width]: what pixels' centres see.
+    /// [height][width] what pixels' centres see, in the view shaded last.
     const std::vector<RasterPixel>& centres() const { return centres_; }
     const std::vector<float>& rgb() const {
         return rgb_;

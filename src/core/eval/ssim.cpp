@@ -38,7 +38,7 @@ std::vector<uint32_t> foreground_above(const JudgedView& view) {
     return out;
 }
 
-/// Of the window around a pixel: weighted means of both images, of their squares and of their product.
+/// Weighted means over the window around a pixel: of both images, of their squares and of their product.
 struct Moments {
     double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
     void add(double weight, const Moments& m) {

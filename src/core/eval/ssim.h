@@ -3,7 +3,7 @@
 
 namespace radiafit {
 
-/// Of a render and its photograph.
+/// The structural similarity of a render and its photograph.
 SsimSum ssim(const JudgedView& view);
 
 }  // namespace radiafit

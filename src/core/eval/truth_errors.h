@@ -46,15 +46,14 @@ struct MaterialErrors {
     std::string name;
     uint64_t texels = 0;  ///< with as many samples as the model needs, and finite ones
     double rmse = 0;      ///< of these texels' samples, training views: sqrt(2 sum E / (3 sum samples))
-    /// Of a material that the fitted model is the truth of: |p - truth| / |truth| in the canonical gauge.
+    /// Whether the truth is of the fitted model. Then errors are |p - truth| / |truth| in the canonical gauge.
     bool comparable = false;
     double worst_median = 0;              ///< median over texels of the worst parameter's error
     double worst_90 = 0;                  ///< 90th percentile of the same
     std::vector<std::string> parameters;  ///< as the truth names them
     std::vector<double> median;           ///< [parameters] median over texels
-    /// [parameters] texels whose parameter has a standard deviation, neither held by the gauge nor left open by
-    /// the samples, and how many of these are no further than that from the truth: 0.68 of them, where error bars are
-    /// true.
+    /// [parameters] texels whose parameter has a standard deviation (not held by the gauge, determined by the samples),
+    /// and how many of these are no further than that from the truth: 0.68 of them, where error bars are true.
     std::vector<TruthShare> within;
     TruthShare within_all() const;
 };

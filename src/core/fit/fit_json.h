@@ -26,10 +26,10 @@ inline constexpr const char* reflectance_key = "reflectance";
 TexelFitNotes notes_of(const ReflectanceFit& fit);
 void take_notes(const std::string& model, const std::string& own_json, ReflectanceFit& fit);
 
-/// The same for a model in texels.
+/// fit_to_json() for a model in texels.
 std::string fit_to_json(const FitRecord& fit, const TexelFitNotes& notes, const Atlas& atlas,
                         const std::string& dataset_path, const std::vector<std::string>& files);
-/// Of surface maps' sides, as fit.json has it.
+/// The checksum of surface maps' sides, as fit.json has it.
 std::string checksum_of(const std::vector<uint8_t>& sides);
 /// "lfm" or a texel-local model's name. Throws UserError.
 std::string model_in_json(const std::filesystem::path& path, const std::string& text);

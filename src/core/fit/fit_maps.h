@@ -21,7 +21,7 @@ ExrImage surface_image(const TriangleAtlas& atlas, const LfmLayout& layout, std:
                        int corner);
 /// View maps of one term as R, G, B: texel (x, y) of vertex v at (v % columns * m + x, v / columns * m + y).
 ExrImage view_image(const LfmLayout& layout, std::span<const float> numbers, int term);
-/// Of a map as an image, at most.
+/// Bytes of the largest map's image.
 uint64_t largest_image_bytes(const TriangleAtlas& atlas, const LfmLayout& layout);
 /// Whether write_fit() has several images in memory at a time, one per thread.
 bool written_side_by_side(const TriangleAtlas& atlas, const LfmLayout& layout);
@@ -32,7 +32,7 @@ ExrImage problem_image(const LightFieldFit& fit);
 /// noise and deficient, each .R, .G, .B: the vertex's three problems.
 ExrImage error_bar_image(const ErrorBarMaps& bars);
 
-/// Of a model in texels: parameters [texels][numbers].
+/// One map of a model in texels; parameters [texels][numbers].
 ExrImage parameter_image(const Atlas& atlas, std::span<const float> parameters, const TexelMap& map);
 /// status, iterations, samples and error, a pixel per texel.
 ExrImage problem_image(const Atlas& atlas, const FitRecord& fit);
@@ -50,7 +50,7 @@ void take_parameter_image(const std::filesystem::path& folder, const Atlas& atla
                           std::span<float> parameters);
 void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, FitRecord& fit);
 
-// The same of images in memory, which have the right sizes and channels.
+// The same from images in memory, which have the right sizes and channels.
 void take_surface_image(const ExrImage& image, const TriangleAtlas& atlas, const LfmLayout& layout, int term,
                         int corner, LightFieldFit& fit);
 void take_view_image(const ExrImage& image, const LfmLayout& layout, int term, LightFieldFit& fit);

@@ -12,12 +12,12 @@ inline constexpr const char* problems_name = "problems.exr";
 
 /// fit.json's text. Throws UserError.
 std::string read_text(const std::filesystem::path& path);
-/// Of the files in a folder, sorted.
+/// Names of the files in a folder, sorted.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
 /// Throws std::invalid_argument unless it holds.
 void require(bool holds, const std::string& what);
-/// Of a fit that is to be written.
+/// Throws std::invalid_argument unless a fit to be written has figures of so many problems.
 void require_problems(const FitRecord& fit, size_t problems);
 
 /// Throws UserError where there is no such folder; restores one that an interrupted exchange left hidden.

@@ -330,7 +330,7 @@ void CombinedPasses::directional_pass(const std::vector<ImageOnDevice>& images, 
 
 }  // namespace
 
-// As many as one RGBA32UI texel holds the colours of, and as varyings have room for, whose number per image is that of
+// As many images as one RGBA32UI texel holds the colours of, and as varyings have room for: each image takes those of
 // the corners and their values in map3.vert.
 int combined_batch(int terms, int bits, int varying_components, int images_per_pass) {
     const int locations = std::min(31, varying_components / 4);

@@ -90,7 +90,7 @@ public:
     EngineSummary summary() { return numbers_->summary(); }
     void outcomes(std::span<ProblemOutcome> out) const { numbers_->outcomes(out); }
     void read_errors(std::span<float> out) const { numbers_->read_errors(out); }
-    /// Of texels in the gauge that they ended in, which may be another than the canonical one.
+    /// Texels' parameters are in the gauge that their fits ended in, which may be another than the canonical one.
     void read_parameters(std::span<float> out) const { read(vector::p, out); }
 
     // What tests and agreement checks look at.

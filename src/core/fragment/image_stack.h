@@ -19,7 +19,7 @@ public:
 
     static constexpr int block_side = 4;
     static int blocks(int pixels) { return (pixels + block_side - 1) / block_side; }
-    /// Of one image in a stack.
+    /// Bytes of one image in a stack.
     static uint64_t bytes(int width, int height, int bits) {
         return uint64_t(blocks(width)) * uint64_t(blocks(height)) * block_side * block_side * uint64_t(bits / 2);
     }

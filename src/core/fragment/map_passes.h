@@ -52,7 +52,7 @@ private:
     void draw(const Pair& pair, int site, const Framebuffer& target, size_t corner = 0);
     Pair make(const std::function<Program(const std::string& vertex_file, const Defines& defines)>& program) const;
     const Pair& update_pair(Update which);  ///< compiled when it is first asked for
-    /// Of these vectors together.
+    /// Render targets of these vectors together.
     const Targets& targets(std::span<const int> vectors);
 
     const MapShape& shape_;

@@ -16,7 +16,7 @@ public:
     /// in shaders/optimize that says what the passes before a step leave of one, "vertices" or "texels".
     ProblemNumbers(PassRunner& run, int width, int height, size_t count, std::vector<uint32_t> place,
                    const std::string& problems);
-    /// Those of the optimizer, all zero.
+    /// Makes the optimizer's numbers, all zero.
     void make_room(const Room& room);
     /// What takes a step; the caller binds what the text of the problems reads. Compiled when it is first asked for.
     const Program& program(Step which, const Turn& turn);
@@ -29,12 +29,12 @@ public:
     /// Waits for the device, but reads few texels back.
     EngineSummary summary();
 
-    /// Of four 32-bit floats each.
+    /// Layers of a problem's numbers, four 32-bit floats in each.
     static int layers(const Room& room) { return own_layer + (room.numbers + 3) / 4; }
     /// Widths and heights of the textures that summary() sums into, one from the other.
     static std::vector<std::array<int, 2>> summary_sizes(int width, int height);
     static uint64_t summary_texels(int width, int height);
-    /// Where those of the optimizer begin, behind the fields of ProblemState.
+    /// The layer where the optimizer's numbers begin, behind the fields of ProblemState.
     static constexpr int own_layer = (number::first_own + 3) / 4;
 
 private:

@@ -52,7 +52,7 @@ private:
     void set_bounds(const Program& program) const;
     void map_passes(const Program& program, const std::vector<Framebuffer>& targets);
     const Program& update_program(Update which);  ///< compiled when it is first asked for
-    /// Of these vectors together, [map].
+    /// Render targets of these vectors together, [map].
     const std::vector<Framebuffer>& targets(std::span<const int> vectors);
     TexelVector make_vector() const override { return {shape_, storage_}; }
     void make_products(int count) override;

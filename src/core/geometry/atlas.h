@@ -39,10 +39,9 @@ protected:
 /// Sides of triangles' tiles, each in [least_side, largest_side]; null where all have the same.
 using TileSides = std::shared_ptr<const std::vector<uint8_t>>;
 
-/// A triangular tile per triangle, all of one side or each with its own. Two triangles share one rectangle of the
-/// largest side, n x (n+1): the even triangle upright, cell (i, j) at (i, j); the odd one turned, at (n-1-i, n-j). A
-/// tile's texels come first among the texels_per_tile() places of its triangle; the other places hold none, and aren't
-/// usable.
+/// A triangular tile per triangle, of one side for all or of several. Two triangles share one rectangle of the largest
+/// side, n x (n+1): the even triangle upright, cell (i, j) at (i, j); the odd one turned, at (n-1-i, n-j). A tile's
+/// texels come first among the texels_per_tile() places of its triangle; the other places hold none, and aren't usable.
 class TriangleAtlas final : public Atlas {
 public:
     /// The mesh must outlive the atlas. sides, if not null: [triangles], none above `side`. Throws UserError for a side

@@ -36,7 +36,7 @@ public:
     Program() = default;
     /// Throws SystemError with the compiler's messages, file names put in.
     static Program draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines = {});
-    /// Of compute shaders: buffers are bound by the names of their blocks.
+    /// As draw(), for a compute shader. Buffers are bound by the names of their blocks.
     static Program compute(const std::string& file, const Defines& defines = {});
     ~Program();
     Program(Program&& other) noexcept { *this = std::move(other); }
@@ -72,7 +72,7 @@ public:
     void dispatch(size_t groups) const;
 
     explicit operator bool() const { return name_ != 0; }
-    /// Of the fragment or compute stage, under shaders/.
+    /// The file of the fragment or compute stage, under shaders/.
     const std::string& file() const { return file_; }
     const Defines& defines() const { return defines_; }
 

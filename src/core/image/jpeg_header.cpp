@@ -7,7 +7,7 @@
 namespace radiafit {
 namespace {
 
-/// Of a start of frame: C0 to CF but for the three tables (DHT, JPG, DAC) that lie among them.
+/// Whether the marker is a start of frame: C0 to CF but for the three tables (DHT, JPG, DAC) that lie among them.
 bool is_frame(uint64_t marker) {
     return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }

@@ -24,7 +24,7 @@ constexpr const char* blocks_name = "records.bin";
 constexpr const char* format = "radiafit-records";
 constexpr int version = 2;
 
-/// Of everything but the checksum itself.
+/// The checksum of everything but the checksum itself.
 uint64_t checksum_of(Json description) {
     description.erase("checksum");
     const std::string text = json_text(description);

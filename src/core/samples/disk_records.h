@@ -30,7 +30,7 @@ struct VertexRecord {
 RecordStatistics write_records(const std::filesystem::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
                                const VertexRings& rings, const std::vector<uint32_t>& views,
                                std::vector<Distributor*> workers, const RecordOptions& options);
-/// The same of what a sampler of the atlas's tiles finds, in the space of the options.
+/// The same for the samples that `sampler` finds in the atlas's tiles, in the space of the options.
 RecordStatistics write_records(const std::filesystem::path& folder, const Dataset& dataset, const TriangleAtlas& atlas,
                                const VertexRings& rings, const std::vector<uint32_t>& views, TileSampler& sampler,
                                const RecordOptions& options);

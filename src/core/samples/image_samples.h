@@ -58,7 +58,7 @@ public:
     int bits() const override { return state_.front().stream.bits(); }
     float scale() const override { return state_.front().stream.scale16(); }
     void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<Sample>> out) override;
-    /// Of any atlas, whose blocks need not be tiles.
+    /// The same for any atlas, whose blocks need not be tiles.
     void collect(std::span<const uint32_t> views, size_t first, std::span<ImageSamples<LinearSample>> out);
 
 private:

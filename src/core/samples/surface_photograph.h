@@ -19,7 +19,7 @@ public:
         double a, b, c;
         double at(double x, double y) const { return a * x + b * y + c; }
     };
-    /// None for a triangle that faces away.
+    /// The triangle's plane; none if it faces away.
     std::optional<Plane> plane_of(const Mesh& mesh, uint32_t triangle) const;
 
     /// Whether a pixel lies within the mask and sees the plane, within half a percent of the depth or a pixel's width:
