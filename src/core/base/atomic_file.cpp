@@ -60,7 +60,7 @@ void remove_quietly(const fs::path& path) {
     fs::remove_all(path, ignored);
 }
 
-/// Another file system begins there: nothing can be renamed to it.
+/// Whether another file system begins there, so that nothing can be renamed to it.
 bool is_mount_point(const fs::path& path) {
     struct stat here, above;
     return lstat(path.c_str(), &here) == 0 && S_ISDIR(here.st_mode) &&
@@ -83,7 +83,7 @@ fs::path file_name(fs::path path) {
     return path;
 }
 
-/// Beside the file, whose folder is cleared of what others left.
+/// A name beside the file, whose folder is cleared of what others left.
 fs::path temporary_file_of(const fs::path& path) {
     if (!within_unfinished_folder(path)) clear_leftovers(path.parent_path());
     return temporary_name(path.parent_path(), path.filename().string());

@@ -24,7 +24,7 @@ bool run_avx512() {
 #if defined(__AVX2__)
 namespace {
 
-/// Before anything that needs them: one line instead of a signal. Calls nothing that could be such instructions itself.
+/// Runs before anything needs newer instructions: one line instead of a signal. Calls nothing compiled to such ones.
 [[gnu::constructor(101)]] void refuse_older_processors() {
     __builtin_cpu_init();
 #if defined(__AVX512F__)

@@ -33,7 +33,7 @@ bool on_terminal() {
     return terminal;
 }
 
-/// no-color.org: NO_COLOR, whatever it says.
+/// Not if NO_COLOR is set, whatever it says (no-color.org).
 bool in_colour() { return on_terminal() && environment("NO_COLOR").empty(); }
 
 constexpr const char *red = "\x1b[1;31m", *yellow = "\x1b[33m", *plain = "\x1b[0m";

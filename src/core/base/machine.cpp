@@ -72,7 +72,7 @@ std::string distribution_of(const fs::path& root) {
     return joined({name, release["ID"] == "debian" ? first_line(root / "etc/debian_version") : ""});
 }
 
-/// Whom the processor names where it says that it is no real one.
+/// The hypervisor that the processor names where it says that it is virtual.
 std::string hypervisor_name() {
 #if defined(__x86_64__) || defined(__i386__)
     unsigned most = 0;

@@ -41,7 +41,7 @@ private:
     int ends_[2];
 };
 
-/// Whether there may be more.
+/// Appends what can be read now; returns whether there may be more.
 bool take_some(int file, std::string& text) {
     char buffer[1 << 16];
     const ssize_t count = read(file, buffer, sizeof buffer);

@@ -26,9 +26,9 @@ Interval ratio_of_medians(const std::vector<double>& above, const std::vector<do
 
 // 95 % intervals.
 
-/// Of the median of a distribution, by order statistics, whatever its shape (David and Nagaraja 2003, section 7.1): the
-/// values whose ranks the median lies between in at least 95 % of the draws. `independent`: how many of the values are
-/// independent of each other, at most all. None for fewer than six.
+/// Interval of the median of a distribution, by order statistics, whatever its shape (David and Nagaraja 2003,
+/// section 7.1): the values whose ranks the median lies between in at least 95 % of the draws. `independent`: how many
+/// of the values are independent of each other, at most all. None for fewer than six.
 std::optional<Interval> median_interval(std::vector<double> values, size_t independent);
 
 /// The same of any quantile, at another confidence if need be. None where there are too few values beyond it.

@@ -42,11 +42,11 @@ protected:
         size_t product_bytes = 0;            ///< of a dot product of all problems
         const TexelShape* texels = nullptr;  ///< null for light field maps
     };
-    /// Vectors and numbers; to be called before anything else.
+    /// Makes vectors and numbers; to be called before anything else.
     ProblemBuffers& make(const Arrays& arrays);
-    /// The programs of all verbs here; prefix: of their files' names. groups: of a pass over all problems.
+    /// Compiles the programs of all verbs here. prefix: of their files' names; groups: of a pass over all problems.
     void compile(const std::string& prefix, size_t groups);
-    /// Of shaders/compute, with everything bound and set that programs share. more: definitions beside theirs.
+    /// A program of shaders/compute; all that programs share is bound and set. more: definitions beside theirs.
     virtual Program program(const std::string& file, const Defines& more) const = 0;
 
 private:

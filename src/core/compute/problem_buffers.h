@@ -13,10 +13,10 @@ struct FetchedBuffer {
     Texture texture;
 
     FetchedBuffer() = default;
-    /// To be fetched only. `format`: of the texture's texels, such as GL_RGBA32F. Throws UserError, naming what it is,
-    /// where the device fetches from none so large.
+    /// Only fetched by passes. `format`: of the texture's texels, such as GL_RGBA32F. Throws UserError, naming what it
+    /// is, where the device fetches from none so large.
     FetchedBuffer(const char* what, GLenum format, size_t bytes, const void* data);
-    /// That passes write to, too; zero at first. Throws UserError where the device allows none so large.
+    /// A buffer that passes write to, too; zero at first. Throws UserError where the device allows none so large.
     static FetchedBuffer written(const char* what, size_t texels, GLenum format = GL_RGBA32F);
 };
 /// A buffer that passes write to, all zero. Throws UserError, naming what it is, where the device writes to none so
@@ -27,7 +27,7 @@ Buffer storage_buffer(const char* what, size_t bytes);
 /// optimizers, which change them.
 class ProblemBuffers final : public DeviceNumbers {
 public:
-    /// Of a problem: the numbers of optim/verbs.h, then room for as many as an optimizer may have.
+    /// Numbers of a problem: those of optim/verbs.h, then room for as many as an optimizer may have.
     static constexpr size_t number_count = number::first_own + 8;
 
     /// given: the text in shaders/compute that says what passes before a step leave of a problem.

@@ -38,8 +38,8 @@ struct TileStatistics {
     std::vector<float> targets;     ///< [tiles][3 corners][3] sums of L t
 };
 
-/// Sums over the samples of a light field map: what a ComputeEngine does in several ways. Passes over vertices find
-/// them that are compiled with sums() and bound by bind_to().
+/// Sums over the samples of a light field map: what a ComputeEngine does in several ways. Passes over vertices
+/// that are compiled with sums() and bound by bind_to() find them.
 class SampleSweeps {
 public:
     virtual ~SampleSweeps() = default;
@@ -53,15 +53,15 @@ public:
     virtual const SweepTimes& times() const;  ///< of images, where they stream
 };
 
-/// Over samples that stay on the device. `resources.tables` are filled and uploaded.
+/// Sweeps over samples that stay on the device. `resources.tables` are filled and uploaded.
 std::unique_ptr<SampleSweeps> make_cached_gather(const SweepResources& resources, const Dataset& dataset,
                                                  const TriangleAtlas& atlas, const VertexRings& rings,
                                                  const SampleList& samples);
-/// Over the same samples, which scatter: `accumulate` is a way to do so that accumulate_here() returned.
+/// Sweeps in which the same samples scatter; `accumulate`: in which way, as accumulate_here() returned it.
 std::unique_ptr<SampleSweeps> make_cached_scatter(const SweepResources& resources, const Dataset& dataset,
                                                   const TriangleAtlas& atlas, const VertexRings& rings,
                                                   const SampleList& samples, Accumulate accumulate);
-/// Over images that stream and are distributed in every sweep; `resources.tables` are uploaded.
+/// Sweeps over images that stream and are distributed in each; `resources.tables` are uploaded.
 std::unique_ptr<SampleSweeps> make_streamed_gather(const SweepResources& resources, const Dataset& dataset,
                                                    const TriangleAtlas& atlas, std::vector<uint32_t> views,
                                                    const StreamOptions& stream);

@@ -79,11 +79,11 @@ private:
     };
     static_assert(sizeof(State::problem) == number::first_own * sizeof(Real), "its fields are numbered");
     using States = std::array<State, size_t(lanes)>;
-    /// Of a block: the liveliest of its problems. One that ended in the last gradient pass may still have a trial to
-    /// take over.
+    /// A block's state is that of its liveliest problem. One that ended in the last gradient pass may still have a
+    /// trial to take over.
     enum class Life : uint8_t { over, ended, active };
 
-    /// body(block) for those that live so much or more.
+    /// body(block) for the blocks whose state is `least` or livelier.
     template <class Body>
     void for_blocks(Life least, const Body& body);
     template <class Function>

@@ -33,7 +33,7 @@ Lanes<real>* scratch(size_t size) {
 
 }  // namespace
 
-/// Lanes of all surface maps, all terms.
+/// Number of lanes of all surface maps, all terms.
 template <class real>
 size_t LfmObjective<real>::surface_size(std::span<const uint8_t> sides) const {
     size_t texels = 0;

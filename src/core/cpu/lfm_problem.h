@@ -47,7 +47,7 @@ public:
     /// At p (the vertex's block): E_t [3] and its gradient (the block g). fresh_p, if not null: diag(J'J)/S-bar + 20
     /// lambda, floored at 1e-4 of its largest entry per channel. A non-finite value is kept, never masked.
     void direction(size_t v, const V* p, V* g, V* fresh_p, double error[3]) const;
-    /// At p along d.
+    /// The sums at p along d.
     void line(size_t v, const V* p, const V* d, LineLanes& sums) const;
 
 private:

@@ -19,7 +19,7 @@ VertexProblem::VertexProblem(const Dataset& dataset, const TriangleAtlas& atlas,
     for (uint32_t view : views) centers_.push_back(dataset.views[view].camera.center());
 }
 
-/// All but the samples and their groups.
+/// Loads all but the samples and their groups.
 void VertexProblem::take_maps(size_t v, uint32_t samples, const float* mean) {
     samples_ = samples;
     sides_.clear();

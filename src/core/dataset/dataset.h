@@ -40,7 +40,7 @@ struct Gain {
 struct View {
     std::string name;
     Camera camera;  ///< of the stored (cropped) rectangle
-    /// Of a grid's image taken from so far that all rays are parallel: unit direction to the camera, world space. Then
+    /// For a grid's image taken from so far that all rays are parallel: unit direction to the camera, world space. Then
     /// `camera` has a width and a height and nothing else.
     std::optional<Vec3d> camera_direction;
     std::optional<Light>

@@ -27,7 +27,7 @@ public:
     /// `training`: views that the fit used. All must outlive it.
     SafeRelighting(const Dataset& dataset, const std::vector<uint32_t>& training, const Atlas& atlas,
                    const ReflectanceFit& fit);
-    /// bounds: [texels], in place of those that it would find.
+    /// bounds: [texels], used instead of finding them.
     SafeRelighting(const Dataset& dataset, const std::vector<uint32_t>& training, const Atlas& atlas,
                    const ReflectanceFit& fit, std::vector<Bounds> bounds);
 

@@ -10,7 +10,7 @@ constexpr int side = 11, half = side / 2;
 constexpr double deviation = 1.5;
 constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;  // (K L)^2 with values up to L = 1
 
-/// Along a row or a column; adds up to 1.
+/// The window's weights along a row or a column; they add up to 1.
 std::array<double, side> window_weights() {
     std::array<double, side> w{};
     double sum = 0;

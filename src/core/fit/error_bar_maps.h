@@ -5,8 +5,8 @@ namespace radiafit {
 
 inline constexpr const char* error_bars_name = "error_bars.exr";
 
-/// Of a light field map: bars' numbers in the order of its parameters and problems. deviation_NAME.exr for each map,
-/// and error_bars.exr, a pixel per vertex: noise and deficient, each .R, .G, .B.
+/// For a light field map; bars' numbers are in the order of its parameters and problems. deviation_NAME.exr for each
+/// map, and error_bars.exr, a pixel per vertex: noise and deficient, each .R, .G, .B.
 void write_error_bars(const std::filesystem::path& folder, const LightFieldFit& fit, const Mesh& mesh,
                       const ErrorBarMaps& bars);
 

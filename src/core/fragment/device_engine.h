@@ -51,8 +51,8 @@ void set_turn(const Program& step, const Turn& turn);
 /// numbers, constants: as update() of optim/engine.h has them. first_own: where the optimizer's numbers begin.
 void set_update(const Program& update, std::initializer_list<int> numbers, std::initializer_list<float> constants,
                 int first_own);
-/// Of groups of problems: how many are active and how many accepted, and their error, a double in two words, the lower
-/// one first.
+/// The sum over groups of problems. A group: how many are active, how many accepted, and their error, a double in two
+/// words, the lower one first.
 EngineSummary sum_of(std::span<const std::array<uint32_t, 4>> groups);
 
 /// Vectors and numbers of an engine, and the verbs of optim/engine.h that only fill, clear and read them. A derived

@@ -114,7 +114,7 @@ double bytes_per_second(bool blend) {
     return texels * double(find_pass_cost(program)->fragment.read_bytes + (blend ? 2 : 1) * 16) / seconds;
 }
 
-// Of shaders/peaks/*.comp.
+// Constants of shaders/peaks/*.comp.
 constexpr size_t lanes = 128;
 constexpr double fused_operations = 2 * 4 * 3 * 16;  // of an invocation's turn
 

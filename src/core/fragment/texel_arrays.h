@@ -78,12 +78,12 @@ std::vector<float> read_texels(const TexelShape& shape, const Texture& texture, 
 /// What shaders/reflect/site.glsl reads, into two layers of RGBA. darkness [texels], or none: samples whose channels'
 /// sum is below that share of u_z lie in shadow.
 void write_surface(const TexelShape& shape, std::span<const float> darkness, Texture& surface);
-/// Of parameters, for shaders/reflect/bounds.glsl: [map][4].
+/// Bounds of parameters, for shaders/reflect/bounds.glsl: [map][4].
 struct MapBounds {
     std::vector<float> lowest, highest;
     explicit MapBounds(const TexelShape& shape);
 };
-/// The way back, [texels] into a texture of one channel.
+/// The inverse of read_texels(): [texels] into a texture of one channel.
 void write_texels(const TexelShape& shape, std::span<const float> values, Texture& texture);
 
 }  // namespace radiafit

@@ -76,7 +76,7 @@ PaperTexelPasses::PaperTexelPasses(const TexelPassResources& resources)
     }
 }
 
-// Into SLS, with one of the two programs for it.
+// Keeps an image's residuals or targets in SLS, by the program that finds them.
 void PaperTexelPasses::keep(const ImageOnDevice& image, const Program& program) {
     const std::array<float, 12> numbers = w_.numbers_of(*image.view);
     constexpr const char* names[] = {"lamp", "exposure", "camera_centre"};

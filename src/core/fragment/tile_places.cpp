@@ -10,7 +10,7 @@
 namespace radiafit {
 namespace {
 
-// Along a Morton curve over the octahedral map of the normal.
+// The place along a Morton curve over the octahedral map of the normal.
 uint32_t facing_key(const Vec3f& normal) {
     const float length = normal.lpNorm<1>();
     if (!(length > 0)) return 0;

@@ -22,7 +22,7 @@ struct TilePlaces {
 class TileMarks {
 public:
     explicit TileMarks(TilePlaces places);
-    /// Whenever the mesh draws others than before.
+    /// To be called whenever the mesh draws other tiles than before.
     void update(const SlsMesh& mesh);
     const Texture& texture() const { return marks_[turn_]; }
     const TilePlaces& places() const { return places_; }

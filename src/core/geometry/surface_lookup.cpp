@@ -10,7 +10,7 @@ namespace {
 
 using Weights = std::array<float, 3>;  // of a triangle's corners
 
-/// Of a place in a tile, in the lattice whose corners are the centres of the tile's corner texels. Centres are evenly
+/// A place in a tile, by the lattice whose corners are the centres of the tile's corner texels. Centres are evenly
 /// spaced there; on the triangle those of the halved cells along the diagonal lie a little nearer to the others. Below
 /// 0: beyond the outermost centres.
 Weights in_lattice(int side, const Weights& at) {
@@ -22,7 +22,7 @@ Weights in_lattice(int side, const Weights& at) {
     return {(n - 1 - x - y) / (n - 1), x / (n - 1), y / (n - 1)};
 }
 
-/// Moved between the corners, where it lies beyond.
+/// The place, moved between the corners if it lies beyond.
 Weights clamped(Weights at) {
     float sum = 0;
     for (float& w : at) sum += w = std::max(0.0f, w);

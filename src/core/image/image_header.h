@@ -17,7 +17,7 @@ struct ImageHeader {
     const ImageFormat* format = nullptr;  ///< set by read_image_header
 };
 
-/// By its content, not its name. Throws UserError that names file and cure: another format than those of
+/// Recognized by content, not by name. Throws UserError that names file and cure: another format than those of
 /// image_format.h, a header that is malformed, a side of 0 or above largest_image_side, more pixels than the file's
 /// bytes can hold, and kinds that no capture needs (see codecs.h).
 ImageHeader read_image_header(const std::filesystem::path& file, std::string_view bytes);

@@ -16,8 +16,8 @@ VectorXd units_of(const MatrixXd& m) {
     return m.diagonal().unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 1.0; });
 }
 
-/// Of a matrix in units in which its diagonal was 1 before others were eliminated; adds to `deficient` the pivots that
-/// what was added to the diagonal makes up.
+/// The inverse of a matrix in units in which its diagonal was 1 before others were eliminated; adds to `deficient` the
+/// number of pivots that hardly exceed what was added to the diagonal.
 MatrixXd inverse_of(const MatrixXd& scaled, int& deficient) {
     const Eigen::LLT<MatrixXd> factor(scaled);
     constexpr double told = 1e3 * least_curvature;

@@ -27,7 +27,7 @@ struct Objective {
 }  // namespace shared_text
 
 /// Texts of the objective that every family and device shares: bounds of parameters, the floor of the preconditioner.
-/// For a number, or several side by side.
+/// `V`: a number, or several side by side.
 template <class real, class V = real>
 using ObjectiveText = shared_text::Objective<real, V>;
 

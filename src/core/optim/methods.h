@@ -86,7 +86,7 @@ struct UpdateShape {
     const char *file, *function;
     int vectors, written, numbers, products;
 };
-/// By Step and by Update.
+/// Files and functions of the steps, indexed by Step; below, those of the updates, by Update.
 inline constexpr StepName steps[] = {
 #define RADIAFIT_ROW(file, function) {#file, #function},
     RADIAFIT_STEPS(RADIAFIT_ROW)
@@ -168,7 +168,7 @@ struct OptimizerOptions {
     int first_refresh = 10;       ///< and once early: a map that starts at zero gives its partner no curvature before
     int history = 5;              ///< pairs that lbfgs keeps, 8 at most
     float learning_rate = 0.02f;  ///< of adam: the first step, in units of the parameters
-    // Of conjugate gradients and steepest descent, for experiments on what corrections of the paper's text are worth.
+    // For conjugate gradients and steepest descent, in experiments on what corrections of the paper's text are worth.
     int left_out = 0;      ///< corrections left out: WITHOUT_* of shaders/optimize/problem_state.glsl
     float first_step = 1;  ///< of steepest descent with WITHOUT_MEASURED_STEP
 

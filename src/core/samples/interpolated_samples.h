@@ -36,7 +36,7 @@ private:
     std::vector<std::unique_ptr<Worker>> workers_;  ///< of each thread
 };
 
-/// All that it finds in these views.
+/// All samples that InterpolatedSampler finds in these views.
 SampleList interpolated_samples(const Dataset& dataset, const TriangleAtlas& atlas, const std::vector<uint32_t>& views,
                                 TargetSpace space = TargetSpace::stored, const std::vector<bool>* texels = nullptr);
 

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 /// Samples as images left them, by block; brought into their texels' order whenever they are read.
 class GatheredTexels final : public TexelSource {
 public:
-    /// Those that exceed `memory` bytes wait in `folder`.
+    /// Samples that exceed `memory` bytes wait in `folder`.
     GatheredTexels(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                    const std::vector<Distributor*>& workers, uint64_t memory = ~uint64_t(0),
                    const fs::path& folder = {})

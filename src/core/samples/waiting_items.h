@@ -25,13 +25,13 @@ public:
         std::error_code ignored;
         if (out_) std::filesystem::remove(path_, ignored);
     }
-    /// When all have been read. Throws std::filesystem::filesystem_error.
+    /// To be called when all have been read. Throws std::filesystem::filesystem_error.
     void remove_file() {
         if (out_) std::filesystem::remove(path_);
     }
 
     size_t keys() const { return held_.size(); }
-    /// Behind the others of its key. Thread-safe for different keys.
+    /// Adds items behind the others of their key. Thread-safe for different keys.
     void add(size_t key, std::span<const Item> items) {
         std::vector<std::vector<Item>>& pieces = held_[key];
         while (!items.empty()) {

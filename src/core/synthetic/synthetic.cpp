@@ -104,7 +104,7 @@ View synthetic_view(size_t i, const Camera& camera) {
 
 namespace {
 
-/// By the scale.
+/// The size by the scale alone.
 SyntheticSize usual_size(const SyntheticOptions& options) {
     const bool star = options.shape == "star", ornament = options.shape == "ornament";
     if (!star && !ornament && options.shape != "bust")

@@ -36,7 +36,7 @@ Camera framed(const Mesh& mesh, const Vec3d& direction, int side) {
     return camera;
 }
 
-/// Over the zone of directions with z in [low, high].
+/// Cameras over the zone of directions with z in [low, high].
 std::vector<Camera> zone_cameras(const Mesh& mesh, int count, int side, uint64_t seed, double low, double high,
                                  double solid_angle) {
     Rng rng(seed, 2);
