@@ -81,8 +81,7 @@ private:
         model_.make_canonical(otherwise);
         return otherwise;
     }
-    /// Halves the texels along their longest side until blocks are small. means: these texels' medians, as far as
-    /// known.
+    /// Halves the texels along their longest side until blocks are small. means: medians of these texels.
     void divide(std::span<uint32_t> texels, const std::vector<float>& means) {
         if (texels.size() <= texels_per_block) {
             const size_t block = prior_.means.size() / n_;
