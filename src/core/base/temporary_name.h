@@ -11,7 +11,7 @@
 namespace radiafit {
 
 inline constexpr std::string_view unfinished_prefix = ".radiafit-tmp";  ///< on its way to NAME
-inline constexpr std::string_view replaced_prefix = ".radiafit-old";    ///< stood under NAME until a moment ago
+inline constexpr std::string_view replaced_prefix = ".radiafit-old";    ///< was at NAME until a moment ago
 
 /// A new name in `folder`.
 std::filesystem::path temporary_name(const std::filesystem::path& folder, const std::string& name,
