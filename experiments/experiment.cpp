@@ -111,7 +111,7 @@ ResultFolder Experiment::open_results(const std::string& device) const {
     record.config = config_->resolved();
     record.more.emplace_back("profile", json_string(profile_));
     record.more.emplace_back("standard", standard_ ? "true" : "false");
-    // What is drawn besides, an experiment's config has under "seed".
+    // The seed of all other random numbers is in the experiment's config, under "seed".
     record.more.emplace_back(
         "seeds", fmt::format(R"({{"datasets": {}, "start": {}}})", SyntheticOptions().seed, FitRequest().seed));
     // what a software renderer's times are of is the processor

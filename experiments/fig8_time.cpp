@@ -30,7 +30,7 @@ namespace {
 namespace rows = rows_of::fig8_time;
 
 constexpr Range<double> budget_seconds{0, 1e6};
-/// The time of an iteration is told from those after the first.
+/// The time of an iteration is measured on those after the first.
 constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "the first is not timed"};
 
 struct Options {

@@ -63,7 +63,7 @@ struct Options {
         r.iterations = iterations;
         return weighted(r, lambda_surface.front(), lambda_view.front());
     }
-    /// density: texels per pixel of triangles' own sides; 0: one side.
+    /// density: texels per pixel, with a separate side for each triangle; 0: one side for all.
     FitRequest high_request(double density, const char* solver = "stream") const {
         FitRequest r = request(high_side);
         r.solver = solver;

@@ -10,7 +10,7 @@
 namespace radiafit::harness {
 class Experiment;
 
-/// Claims are judged at the paper's scale; figures of a smaller profile stand beside and decide nothing.
+/// Claims are judged at the paper's scale; figures of a smaller profile are shown beside and decide nothing.
 inline constexpr const char* judged_profile = "paper";
 
 /// Where runs lie, by an experiment's config (`results`), and then those that came with the checkout.
@@ -45,7 +45,7 @@ struct ClaimFindings {
     /// In short, of one renderer: what was found at the paper's scale or, for want of that, at a smaller one.
     struct Line {
         const Finding* judged;   ///< null: there is none
-        const Finding* smaller;  ///< likewise
+        const Finding* smaller;  ///< at a smaller scale; null: there is none
         std::string found() const;
         std::string verdict() const { return judged ? judged->verdict() : "not run"; }
         std::string at_smaller_scale() const { return smaller ? smaller->by_the_rule() : ""; }

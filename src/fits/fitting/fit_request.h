@@ -79,7 +79,7 @@ struct FitRequest {
     float first_step = 1;              ///< OptimizerOptions::first_step
     bool cull = true;                  ///< FragmentOptions::cull
 
-    /// A family's own options, by the type of their struct.
+    /// The options of a single family, by the type of their struct.
     template <class Block>
     const Block& own() const {
         return of_families.get<Block>();

@@ -20,7 +20,7 @@ class AllErrorBars;
 }  // namespace radiafit
 
 /// A fit as a value, whatever its family. What is asked of one is a free function here. A ring around this one that
-/// shows a fit in a way of its own (a page, a material) writes an overload for each of the four and calls it by
+/// shows a fit in another way (a page, a material) writes an overload for each of the four and calls it by
 /// std::visit().
 namespace radiafit::fits {
 
@@ -35,7 +35,7 @@ struct FittedLightField {
 struct FittedReflectance {
     ReflectanceFit fit;
     std::unique_ptr<Atlas> atlas;
-    std::shared_ptr<const AllErrorBars> error_bars = {};  ///< likewise
+    std::shared_ptr<const AllErrorBars> error_bars = {};  ///< none until find_error_bars()
 };
 
 /// Colours by view direction, texel by texel.
@@ -47,7 +47,7 @@ struct FittedByView {
 using FittedViewBasis = FittedByView<ViewBasisFit>;
 using FittedSg = FittedByView<SgFit>;
 
-/// The dataset that was fitted: the caller's, who keeps it; or one of the fit's own.
+/// The dataset that was fitted: the caller's, who keeps it; or one that the fit owns.
 class FittedDataset {
 public:
     FittedDataset() = default;

@@ -6,7 +6,7 @@
 #include "base/rings.h"
 #include "dataset/dataset.h"
 
-/// What small fits tell of a dataset's images, before anything is fitted in earnest.
+/// What small fits say of a dataset's images, before anything is fitted in earnest.
 namespace radiafit::fits {
 
 /// Training images that the simplest model, a mean colour per texel of a coarse lattice over the mesh, where lamps move

@@ -117,7 +117,7 @@ private:
         if (tried_) tried_(all_.back());
     }
 
-    /// Tries what stands beside the best setting, option by option; whether that led to a better one.
+    /// Tries the values next to the best setting's, option by option; whether that led to a better one.
     bool climb(const std::vector<TuneCandidate>& candidates) {
         const TriedSetting before = best();
         const std::string& model = before.setting.front().second;

@@ -86,7 +86,7 @@ private:
         }
     }
 
-    /// As many of `most` registers as stand before the diagonal, or on it.
+    /// Multiplies as many of `most` registers as lie before the diagonal, or on it.
     template <class Register, size_t most>
     void multiply_up_to(size_t m, size_t n) {
         const size_t left = (m + per_line - n) / columns_of<Register>;

@@ -56,7 +56,7 @@ struct SgSolution {
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
                     const SgOptions& options, Journal* journal = nullptr);
 
-/// Gives texels of triangles that no image shows this colour, as solve_sg() does by the mean of its own samples.
+/// Gives texels of triangles that no image shows this colour, where solve_sg() gives the mean of its samples.
 /// samples: SgSolution's.
 void colour_unseen(const TriangleAtlas& atlas, std::span<const uint32_t> samples, int lobes, const Vec3f& colour,
                    std::vector<float>& parameters);

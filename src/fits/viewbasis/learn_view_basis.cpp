@@ -80,7 +80,7 @@ private:
     Matrix precision_;
 };
 
-/// Maximization. `common`, if given, counts as so many texels of its own.
+/// Maximization. `common`, if given, counts as `common_texels` more texels.
 Prior maximized(const Prior& last, const Moments& sums, const Prior* common) {
     const double own = sums.texels, borrowed = common ? common_texels : 0;
     if (own + borrowed == 0) return last;

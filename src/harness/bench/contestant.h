@@ -33,11 +33,11 @@ public:
 /// What an EngineContestant cannot ask an engine.
 struct EngineHooks {
     std::function<void()> wait = {};          ///< until the device is done, if it is another one
-    std::function<void()> distribute = {};    ///< if that is a pass of its own
+    std::function<void()> distribute = {};    ///< if that is a separate pass
     std::function<PassLoad(Pass)> load = {};  ///< if its programs declare none
 };
 
-/// An engine that stands on nothing but itself.
+/// An engine that needs nothing but itself.
 template <class E>
 struct OnOpenGl {
     E engine;
@@ -50,7 +50,7 @@ inline FragmentOptions fragment_options(Device device) {
     return {.passes = device == Device::paper_passes ? Passes::paper : Passes::combined};
 }
 
-/// Conjugate gradients by an engine; `Owner` holds one and all that it stands on, as member `engine`.
+/// Conjugate gradients by an engine; `Owner` holds it, as member `engine`, and all that it needs.
 template <class Owner>
 class EngineContestant : public TimedDevice {
 public:

@@ -13,7 +13,7 @@
 namespace radiafit::harness {
 namespace {
 
-/// What engines hold of a map besides its numbers: every fourth one of LfmLayout's order.
+/// Values in LfmLayout's order without its padding, which is every fourth.
 template <class T>
 std::vector<T> without_padding(const std::vector<T>& values) {
     std::vector<T> out;

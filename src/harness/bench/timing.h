@@ -28,7 +28,7 @@ struct Timed {
     std::string scene;
     Device device;
     std::unique_ptr<TimedDevice> contestant;
-    std::map<Pass, int> times = {};  ///< runs of a measurement: as many as take long enough to tell
+    std::map<Pass, int> times = {};  ///< runs of a measurement: as many as take long enough to time
     std::map<Pass, Series> series = {};
 };
 

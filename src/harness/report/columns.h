@@ -75,7 +75,7 @@ inline constexpr bool partial = true;
 
 }  // namespace columns
 
-/// Neighbours that are told in one line.
+/// Neighbouring columns that are described in one line.
 struct Columns {
     const char* spaced_names;  ///< between blanks; "*" is any number of columns, named where the file is written
     ColumnType type;

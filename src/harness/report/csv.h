@@ -14,7 +14,7 @@ namespace radiafit::harness {
 /// Throws UserError where AtomicFile does.
 class CsvWriter {
 public:
-    /// Throws std::logic_error for an empty header, or a name that is empty or stands twice.
+    /// Throws std::logic_error for an empty header, or a name that is empty or occurs twice.
     CsvWriter(std::filesystem::path path, std::vector<std::string> header);
     /// As many fields as the header has names, or std::logic_error.
     void row(const std::vector<std::string>& fields);

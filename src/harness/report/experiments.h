@@ -12,14 +12,14 @@ struct ExperimentEntry {
     const char* name;
     const char* about;                  ///< what it measures: paragraphs of docs/results.md
     std::vector<const RowFile*> files;  ///< that every run leaves
-    int place;                          ///< in the report and on the page; the paper's own table and figures first
+    int place;                          ///< in the report and on the page; the table and figures of the paper first
 
     // What the report says (report.cpp of experiments/).
     const char* title = "";    ///< empty: the report has nothing of it
     const char* section = "";  ///< of the paper; empty: the paper has nothing like it
     const char* paper = "";    ///< what it states there, or that our text has lost it
     const char* figure = "";   ///< what is to be seen in the figure, for who cannot see it; empty: there is no figure
-    /// Files of the run that are shown as tables: its own NAME.md, or rows of which each is worth reading.
+    /// Files of the run that are shown as tables: its NAME.md, or rows of which each is worth reading.
     std::vector<const char*> tables = {};
     const char* target = "experiments";  ///< of make, which makes the rows
 };

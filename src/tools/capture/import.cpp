@@ -35,7 +35,7 @@ namespace radiafit::tools {
 namespace fs = std::filesystem;
 namespace {
 
-/// Some of the photographs, spread over the list, small: enough to tell where the mesh would have to be.
+/// Some of the photographs, spread over the list, small: enough to find where the mesh would have to be.
 std::vector<Silhouette> small_silhouettes(const std::vector<Photograph>& photographs, const Calibration& model) {
     constexpr size_t most = 16;
     constexpr int side = 256;  // pixels

@@ -16,7 +16,7 @@
 /// from maps as the page has them to what the judge compares.
 namespace radiafit::tools {
 
-/// Which texture of the page a map stands in: all of one place have the same size.
+/// Which texture of the page a map is in: all of one place have the same size.
 enum class MapPlace { surface, view };
 
 /// Numbers of the fit as an image of up to three channels. Zeros stay zeros.

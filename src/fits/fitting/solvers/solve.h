@@ -25,7 +25,7 @@ struct FitTimes {
     double outside = 0;  ///< emptying the page cache, which is no part of the total
 };
 
-/// What a run tells besides its fit.
+/// What else a run reports with its fit.
 struct FitRun {
     Trace trace;
     FitTimes times;
@@ -85,8 +85,8 @@ struct ReflectanceOutcome : FitRun {
     ReflectanceFit fit;
     std::unique_ptr<Atlas> atlas;
     uint64_t samples = 0;  ///< pixels in texels, those that don't count included
-    /// Of a part whose request has a prior, which only the whole surface tells: the fit is one without it, and these
-    /// are the samples of its texels that are poorly_seen(), of others none.
+    /// Of a part whose request has a prior, which is known only from the whole surface: the fit is one without it, and
+    /// these are the samples of its texels that are poorly_seen(), of others none.
     TexelSamples poorly_seen;
 };
 /// Samples by texel that several fits share; `request` as those of the fits, as far as it means something here.
