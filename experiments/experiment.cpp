@@ -30,7 +30,7 @@ bool is_checkout(const fs::path& folder) {
     return folder_stands(folder / "experiments") && folder_stands(folder / "paper_figs");
 }
 
-/// Of the config file, or else of the working folder.
+/// The checkout that the config file lies in, or else the working folder.
 fs::path find_checkout(const fs::path& config) {
     for (fs::path folder = fs::absolute(config).parent_path(); folder != folder.root_path();
          folder = folder.parent_path())

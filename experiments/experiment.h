@@ -56,7 +56,7 @@ public:
     /// from among them; says where everything lies.
     void finish(ResultFolder& results, const std::string& caption) const;
     const std::filesystem::path& root() const { return root_; }  ///< the checkout
-    /// Of the rows: the checkout's `results`, or what --output says.
+    /// Where rows go: the checkout's `results`, or what --output says.
     std::filesystem::path results() const { return output_.empty() ? root_ / "results" : output_; }
     /// Where figures go: paper_figs; paper_figs/PROFILE for other profiles than the standard one; or what --output
     /// says.

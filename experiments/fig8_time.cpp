@@ -160,7 +160,7 @@ void run_opengl(Runs& runs, const Dataset& dataset, FitRequest request, const st
     runs.cached_share.push_back(out.images_cached_share);
 }
 
-/// One that runs whole fits; run() adds a repetition.
+/// A solver that runs whole fits; run() adds a repetition.
 struct Contestant {
     Runs runs;
     bool opengl;
@@ -275,7 +275,7 @@ struct Bar {
     double remainder() const { return total - distribution - streaming - computation - switching; }
 };
 
-/// Of the run with the median total.
+/// The bar of the run with the median total.
 Bar two_step_bar(const Runs& runs) {
     std::vector<FitTimes> times = runs.times;
     const auto middle = times.begin() + long(times.size() / 2);

@@ -54,7 +54,7 @@ struct Options {
         c.finish();
         if (validation < 2) c.reject("validation", "is 2 at least: some views to fit, some to choose by");
     }
-    /// In the paper's mode, with the first of the weights.
+    /// A request in the paper's mode, with the first of the weights.
     FitRequest request(int side) const {
         FitRequest r;
         r.set("mode", "paper");
@@ -138,7 +138,7 @@ public:
                 best_of(dataset, seed, "pca-refilled", std::move(refilled))};
     }
 
-    /// With one term; with more of them, if asked for, what Figure 9 compares on the CPU.
+    /// Runs all methods with one term; with more terms, if asked for, only what Figure 9 compares on the CPU.
     void run(const Dataset& dataset, const std::string& seed, const Chosen& chosen, bool more_terms) {
         const Options& o = options_;
         const auto add = [&](const char* method, const std::string& weights, const FitRequest& request) {

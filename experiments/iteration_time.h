@@ -28,7 +28,7 @@ struct HalfTime {
 
 struct IterationTime {
     HalfTime line, direction;
-    /// Of the images' pages, what the cache held: before it began; from a cold disk before or after, whichever is more.
+    /// The share of the images' pages that were cached: before; from a cold disk before or after, whichever is more.
     double cached_share = 0;
 
     /// Steepest descent has its line in its first iteration only.
@@ -82,7 +82,7 @@ void start_iterations(E& engine, std::span<const float> start) {
     engine.summary();
 }
 
-/// Of an iteration after the first: the mean of some.
+/// Seconds of an iteration after the first: the mean of `iterations` of them.
 template <class E>
 double seconds_per_iteration(E& engine, int iterations) {
     const Stopwatch clock;

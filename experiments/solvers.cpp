@@ -233,7 +233,7 @@ std::vector<double> sums(const std::vector<std::vector<double>>& seconds, size_t
     return out;
 }
 
-/// Of the repetitions.
+/// Over the repetitions.
 double median_to_101(const Contestant& c, size_t vertex) {
     std::vector<double> seconds;
     for (const auto& repetition : c.to_101) seconds.push_back(repetition[vertex]);

@@ -30,7 +30,7 @@ public:
     }
     const std::vector<std::string>& datasets() const { return datasets_; }
 
-    /// Of every seed.
+    /// The rows of every seed.
     std::vector<size_t> rows(const std::string& dataset, const Method& method) const {
         std::vector<size_t> found;
         for (size_t i = 0; i < rows_.row_count(); ++i)

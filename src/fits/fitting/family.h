@@ -82,7 +82,7 @@ void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
 
-/// Of lamps that move, by what is known of the surface and by how many images show it:
+/// For lamps that move, by what is known of the surface and by how many images show it:
 ///     normals of the plane, all seen from one direction, 16 images or more: ptm, whose six coefficients need no normal
 ///     4 images or more: lafortune
 ///     fewer: lambert

@@ -81,7 +81,7 @@ Contestant contestant_of(Fitted& fitted);
 /// The trivial baseline, of the views, sides, space and samples that this fit used. The dataset must outlive it.
 Fitted baseline_of(Fitted& fitted);
 const char* baseline_name(const Fitted& fitted);
-/// Of a synthetic dataset, else empty: its materials, and how far the fit is from their parameters.
+/// Empty unless the dataset is synthetic: its materials, and how far the fit is from their parameters.
 SurfaceParts surface_parts(Fitted& fitted);
 std::vector<MaterialErrors> truth_errors(Fitted& fitted);
 /// Whether it shows the surface under any lamp.
@@ -89,7 +89,7 @@ bool takes_light(const Fitted& fitted);
 /// Finds how far noise moves the fit (cpu/texel_covariance.h, cpu/vertex_covariance.h), which truth_errors() and, of
 /// the views that will be shown, contestant_of() say from then on. Throws UserError where a model has no error bars.
 void find_error_bars(Fitted& fitted, std::span<const View> shown);
-/// As maps, once they are found; until then it writes nothing.
+/// Writes error bars as maps, once they are found; until then nothing.
 void write_error_bars(const std::filesystem::path& folder, Fitted& fitted);
 /// As write_fit() of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, Fitted& fitted,

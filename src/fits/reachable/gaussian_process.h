@@ -40,8 +40,8 @@ private:
     std::vector<Kept> kept_;
 };
 
-/// Of these views. Throws UserError for a dataset that no light field map could be fitted to. The dataset must outlive
-/// the contestant.
+/// From these views. Throws UserError for a dataset that no light field map could be fitted to. The dataset must
+/// outlive the contestant.
 Contestant gaussian_process_of(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
                                const GaussianProcessOptions& options = {});
 

@@ -18,7 +18,7 @@ using Means = Eigen::Matrix<double, view_terms, 3>;
 constexpr double common_texels = 100;  // that the common prior counts for in a block's covariance
 constexpr size_t texels_at_once = 64;  // whose sums are made one after another
 
-/// Of a texel's polynomial coefficients, each channel's: N(mean, covariance).
+/// The distribution of a texel's polynomial coefficients, in each channel: N(mean, covariance).
 struct Prior {
     Means mean = Means::Zero();
     Matrix covariance = Matrix::Identity();

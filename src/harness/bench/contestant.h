@@ -21,12 +21,12 @@ public:
     /// So that run() can follow; not to be timed. A fit that has gone far begins anew, for problems that have ended are
     /// passed over.
     virtual void prepare(Pass pass, int times) = 0;
-    /// So many times one after another; the device is done on return.
+    /// Runs the pass `times` times one after another; the device is done on return.
     virtual void run(Pass pass, int times) = 0;
     virtual bool has(Pass pass) const = 0;
     /// Seconds spent so far on reading images and handing them to the device.
     virtual double streaming_s() const { return 0; }
-    /// Of one run.
+    /// The load of one run.
     virtual PassLoad load(Pass pass) = 0;
 };
 
@@ -45,7 +45,7 @@ struct OnOpenGl {
     explicit OnOpenGl(Args&&... args) : engine(std::forward<Args>(args)...) {}
 };
 
-/// Of a device that runs fragment programs: images from host memory, each handed over in every sweep.
+/// For a device that runs fragment programs: images from host memory, each handed over in every sweep.
 inline FragmentOptions fragment_options(Device device) {
     return {.passes = device == Device::paper_passes ? Passes::paper : Passes::combined};
 }

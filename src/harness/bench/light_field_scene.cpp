@@ -89,7 +89,7 @@ private:
     SampleList distribute() const {
         return build_sample_list(dataset_, atlas_, views_, worker_pointers(raster_distributors(atlas_)));
     }
-    /// Of compute shaders that distribute in every sweep; images from host memory.
+    /// Compute shaders that distribute in every sweep; images from host memory.
     template <class Made>
     std::unique_ptr<Made> redistributing(Device device, const LfmOptions& options) const {
         const auto accumulate = device == Device::scattering ? Accumulate::scatter_fixed : Accumulate::gather;

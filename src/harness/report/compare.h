@@ -28,7 +28,7 @@ struct Pairing {
     std::vector<std::string> only_before, only_after;  ///< "EXPERIMENT (PROFILE, DEVICE)" without a partner
 };
 
-/// Of each experiment whose name contains `only`: the newest runs of each device and profile that both sides have, or,
+/// For each experiment whose name contains `only`: the newest runs of each device and profile that both sides have, or,
 /// if they share none, the newest of either. Both newest first.
 Pairing pair_runs(std::span<const RunRecord> before, std::span<const RunRecord> after, const std::string& only = "");
 

@@ -34,7 +34,7 @@ public:
     /// Throws for an unreadable file, an unfinished quote, a row whose length differs from the header's, or a last line
     /// without its line break.
     explicit CsvTable(std::filesystem::path path);
-    /// Of a file's bytes that were read by other means.
+    /// From a file's bytes that were read by other means.
     CsvTable(std::filesystem::path path, std::string bytes);
 
     const std::vector<std::string>& header() const { return header_; }

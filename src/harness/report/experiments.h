@@ -26,13 +26,13 @@ struct ExperimentEntry {
 
 /// By place.
 const std::vector<const ExperimentEntry*>& all_experiments();
-/// Those of which the report has something.
+/// The experiments that the report shows.
 std::vector<const ExperimentEntry*> reported_experiments();
 
 /// What a file of an experiment is; null if it is of none.
 const RowFile* find_row_file(std::string_view experiment, std::string_view file);
 
-/// Where it is said, for messages.
+/// Where files of experiments are described, for messages.
 constexpr const char* rows_folder = "experiments/rows";
 
 }  // namespace radiafit::harness

@@ -100,7 +100,7 @@ void set_size(Camera& camera, const Frame& frame, const fs::path& photograph) {
     camera.height = static_cast<int>(header.height);
 }
 
-/// In pixels along a side of so many: as it is, or of the angle that the side spans.
+/// In pixels, along a side of `pixels`: `value` itself, or found from the angle that the side spans.
 double focal_length(const Frame& frame, const char* key, double value, int pixels) {
     if (!std::string_view(key).starts_with("camera_angle")) {
         if (!(value > 0)) frame.fail(fmt::format("\"{}\" is {}, not positive", key, value));
@@ -119,7 +119,7 @@ void set_lens(Camera& camera, const Frame& frame) {
     camera.cy = frame.optional_number("cy").value_or(0.5 * camera.height);
 }
 
-/// From 3 or 4 rows of transform_matrix.
+/// Reads the pose from 3 or 4 rows of transform_matrix.
 void read_pose(Camera& camera, const Frame& frame, const Json& json) {
     const auto found = json.find("transform_matrix");
     constexpr const char* shape = "\"transform_matrix\" must be 4 rows of 4 numbers";

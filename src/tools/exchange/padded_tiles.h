@@ -25,7 +25,7 @@ public:
 
     int width() const { return width_; }
     int height() const { return height_; }
-    /// Of the triangle's three corners, in texels from the top left corner of the texture.
+    /// The triangle's three corners, in texels from the top left corner of the texture.
     std::array<std::array<float, 2>, 3> corners(uint32_t triangle) const;
     /// Values [texels][channels] of the atlas in this layout; 0 where no triangle is.
     TextureImage bake(std::span<const float> values, int channels, SurfaceLookup lookup) const;

@@ -60,7 +60,7 @@ Contestant kept_alive(Contestant contestant, std::shared_ptr<const void> owner);
 
 /// log2(1 + samples) and root mean square residual [texels], as a map.
 PageMap knowledge_map(const FitRecord& fit, const Atlas& atlas);
-/// Of one of 3 x samples values.
+/// The root mean square of 3 x samples residuals, whose squares have the sum 2 x error.
 float root_mean_square(float error, uint32_t samples);
 
 /// Maps of parameters [texels][numbers of all `maps`], at most three channels each: a longer one becomes several.

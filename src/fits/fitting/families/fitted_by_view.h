@@ -45,7 +45,7 @@ template <class Model>
     throw UserError(fmt::format("{} no problems to export; choose lfm or a texel-local model", Model::have));
 }
 
-/// Of the whole surface, or of a part with the whole's normals.
+/// The atlas of the whole surface, or of a part with the whole's normals.
 std::unique_ptr<TriangleAtlas> by_view_atlas(const Dataset& dataset, const FitRequest& request);
 
 template <class Model>
@@ -86,7 +86,7 @@ void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& requ
 Ladder noise_ladder();
 Ladder side_ladder();
 
-/// Of n numbers per texel and a row of what all have in common, but for what else the model holds.
+/// The plan for n numbers per texel and a row of what all texels have in common, without what else the model holds.
 Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n, PlanRow common);
 template <class Model>
 Plan plan_of_model(const Dataset& dataset, const FitRequest& request, size_t most_views) {
@@ -96,7 +96,7 @@ Plan plan_of_model(const Dataset& dataset, const FitRequest& request, size_t mos
             plan.memory.push_back(std::move(row));
     return plan;
 }
-/// While so many of the atlas's texels are looked at alone: their samples, and what finds them.
+/// Adds rows for while only `texels` of the atlas's texels are looked at: their samples, and what finds them.
 void add_samples_of_some(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          size_t most_views, uint64_t texels, std::vector<PlanRow>& rows);
 

@@ -14,7 +14,7 @@
 /// before, and images that can't show it are left out.
 namespace radiafit::fits {
 
-/// Of those that are fitted, by which plans estimate the samples of a part.
+/// How many of the fitted views plans look at to estimate the samples of a part.
 inline constexpr size_t views_to_count_samples_on = 8;
 
 /// A fit by itself: the part's surface, and views of which those that can't show it count as held out.
@@ -27,7 +27,7 @@ struct Part {
 /// Calls look(part, name) for all parts of a fit, one after another. name: of errors about it.
 using EachPart = std::function<void(const std::function<void(const PartResult& part, const std::string& name)>& look)>;
 
-/// Of a part that doesn't belong there. Throws UserError, prefixed by its name.
+/// Throws UserError for a part that doesn't belong there, prefixed by its name.
 [[noreturn]] void throw_foreign(const std::string& name);
 
 /// A dataset that is cut, and the results put together again. Both arguments of Family::divide must outlive it.
@@ -62,7 +62,7 @@ Dataset part_dataset(const Dataset& whole, Mesh mesh, std::span<const uint32_t> 
 /// The whole's request for a part, whose views are chosen already; with its records in a separate folder.
 FitRequest part_request(FitRequest request, std::span<const uint32_t> units);
 
-/// Of one machine, or one job: the i-th of n, from 1.
+/// The parts for one machine, or one job: the i-th of n shards, from 1.
 struct Shard {
     int index = 1, count = 1;
 };

@@ -117,13 +117,13 @@ struct PlanRow {
         while_all = 15
     };
 };
-/// Of the stage that holds most.
+/// Bytes in the stage that holds most.
 uint64_t total_bytes(const std::vector<PlanRow>& rows);
 struct Plan {
     std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
     std::vector<PlanRow> paper;         ///< the paper's layout of the same, where it has one
 };
-/// Of the program itself with its libraries, which `radiafit --version` loads too.
+/// What the program itself takes with its libraries, which `radiafit --version` loads too.
 inline constexpr uint64_t program_bytes = 150'000'000;
 /// Samples are counted on every eighth fitted view but eight at least, or on `most_views`.
 Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);
@@ -131,7 +131,7 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views =
 struct PlannedSeconds {
     double distributing = 0, solving = 0;
 };
-/// By doing both for a few images and some of the vertices. Of light field maps by `stream` on the CPU, else none.
+/// By doing both for a few images and some of the vertices. For light field maps by `stream` on the CPU, else none.
 std::optional<PlannedSeconds> plan_seconds(const Dataset& dataset, const FitRequest& request);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);
