@@ -114,7 +114,7 @@ ResultFolder Experiment::open_results(const std::string& device) const {
     // The seed of all other random numbers is in the experiment's config, under "seed".
     record.more.emplace_back(
         "seeds", fmt::format(R"({{"datasets": {}, "start": {}}})", SyntheticOptions().seed, FitRequest().seed));
-    // what a software renderer's times are of is the processor
+    // a software renderer's times are those of the processor
     return ResultFolder(results(), name_, is_software_renderer(device) ? device + ", " + record_.cpu : device, record);
 }
 

@@ -102,8 +102,8 @@ inline void read_whole(const std::filesystem::path& path) {
         file.read(bytes.data(), at, std::min<uint64_t>(bytes.size(), file.size() - at));
 }
 
-/// An iteration after the first, in the paper's mode; `images`: the file that the engine reads from `source`. Whoever
-/// came before left the page cache as it liked.
+/// An iteration after the first, in the paper's mode; `images`: the file that the engine reads from `source`. The
+/// page cache is as whatever ran before left it.
 template <class E>
 IterationTime time_iteration(E& engine, const std::filesystem::path& images, ImageSource source) {
     const auto half = [&](const auto& body) {

@@ -13,7 +13,7 @@ namespace radiafit::fits {
 /// a Lambertian fit, misses by far more than the others (eval/outliers.h). None where it cannot be fitted, takes
 /// more than half of the free memory, or has too few images to say so.
 std::vector<std::string> suspicious_images(const Dataset& dataset);
-/// One line for people that names them and the cure; empty of none.
+/// One line for people that names them and the cure; empty if there are none.
 std::string describe_suspicious(const std::vector<std::string>& names);
 
 /// By which share the gains of a dataset under light that stays lower the root mean square error of every eighth

@@ -99,7 +99,7 @@ private:
         return request;
     }
 
-    /// Nothing where it was tried before, or no time is left for it.
+    /// Fits and judges a setting, unless it was tried before or no time is left for it.
     void attempt(const FitSetting& setting) {
         const std::string name = command_line_of(setting);
         if (std::ranges::find(names_, name) != names_.end()) return;

@@ -56,7 +56,7 @@ public:
     Hull(const Hull&) = delete;
     Hull& operator=(const Hull&) = delete;
 
-    /// Delaunay triangles of xy [count][2], orientation as it comes.
+    /// Delaunay triangles of xy [count][2], in either orientation.
     std::vector<Triangle> triangulate(std::vector<double>& xy) {
         // Qt: cocircular points' cells cut into triangles; Qbb: lifted coordinate scaled; Qz: a point at infinity, so
         // that cocircular sets have a lower hull.

@@ -18,7 +18,7 @@ public:
     virtual std::vector<double> fit(int iterations) = 0;
 
     static constexpr int most_times = 8;  ///< of run()
-    /// So that run() can follow; not to be timed. A fit that has gone far begins anew, for problems that have ended are
+    /// Makes ready for run(); not to be timed. A fit that has gone far is begun anew, for problems that have ended are
     /// passed over.
     virtual void prepare(Pass pass, int times) = 0;
     /// Runs the pass `times` times one after another; the device is done on return.

@@ -64,7 +64,7 @@ public:
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
-    /// One of its commands has to be given. Lives as long as this.
+    /// Adds a command, of which one has to be given. It lives as long as this.
     CommandLine& add_command(const std::string& name, const std::string& about);
     /// What runs once the whole command line is read, if this command is in it.
     void on_run(std::function<void()> run);

@@ -4,8 +4,8 @@
 
 #include "report/columns.h"
 
-/// The experiments: what each leaves, and what is said of it beside. One of experiments/rows/NAME.h each, all found by
-/// the build.
+/// The experiments: what files each leaves, and what the report says of it. Each is defined in experiments/rows/NAME.h;
+/// the build finds all of them.
 namespace radiafit::harness {
 
 struct ExperimentEntry {

@@ -14,7 +14,7 @@ namespace radiafit::tools {
 /// What one photograph says of where the object is.
 struct Silhouette {
     Camera camera;
-    std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: nobody knows
+    std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: unknown
 };
 
 /// Counts of pixels, of one photograph or of many.

@@ -22,7 +22,7 @@ CodedMap code_map(const PageMap& map, const std::array<float, 3>& step);
 /// that it was made from.
 PageMap decoded_map(const CodedMap& coded, const PageMap& like);
 
-/// As they are stored: the value, or its signed root.
+/// A value as it is stored: itself, or its signed root.
 float stored_number(const PageMap& map, float value);
 float number_of(const PageMap& map, float stored);
 

@@ -26,7 +26,7 @@ struct PageMap {
     ExrImage image = {};
     bool root = false;     ///< stored as signed square roots, so that small values have finer steps
     bool one_unit = true;  ///< the channels have one unit, and so one step
-    /// Of each channel as stored; 0: as fine as what it shows asks for (publish/steps.h), but not above most_step.
+    /// Each channel's step as stored; 0: as fine as what it shows asks for (publish/steps.h), but not above most_step.
     std::array<float, 3> fixed_step{};
     float most_step = std::numeric_limits<float>::infinity();
 };

@@ -40,7 +40,7 @@ double values_with_chosen_steps(const PageModel& model) {
     return std::max(1.0, double(values));
 }
 
-/// Coarser until the page is small enough: a bit less of each value for 6 dB, of which it goes most of the way at once.
+/// Lowers the fidelity until the page is small enough: by 6 dB for each bit that values have to lose, less a margin.
 std::vector<CodedMap> maps_within(PageModel& model, const Dataset& dataset, const std::vector<uint32_t>& training,
                                   const PublishOptions& options, uint64_t other_bytes) {
     const auto effects = map_effects(model, dataset, training);

@@ -40,8 +40,8 @@ struct DenseReport {
 /// meanwhile; a run that makes the same maps goes on from it. Throws UserError.
 DenseReport compute_depths(const DenseOptions& options, const std::filesystem::path& out);
 
-/// OUT.parts/depths.journal: maps that are finished, not yet compared (base/journal.h); gone with the run that finishes
-/// all.
+/// OUT.parts/depths.journal: maps that are finished, not yet compared (base/journal.h); removed by the run that
+/// finishes all.
 std::filesystem::path unfinished_depths(const std::filesystem::path& out);
 
 }  // namespace radiafit::tools

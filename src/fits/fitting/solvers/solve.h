@@ -15,8 +15,8 @@
 #include "samples/distributor.h"
 #include "samples/texel_source.h"
 
-/// From a dataset and a choice of solver, optimizer and engine to a fit: the one way through the house, for the command
-/// line and for experiments alike.
+/// Fits a dataset by a choice of solver, optimizer and engine: the one way to do so, for the command line and for
+/// experiments alike.
 namespace radiafit::fits {
 
 /// Seconds by activity; what is not named is unaccounted.

@@ -121,7 +121,7 @@ void settle_cache(const std::filesystem::path& records, const FitRequest& reques
 
 /// The context that a request names; `run` takes down what it is.
 std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);
-/// Adds to `run` what an engine reports of its sweeps over images that stream, after so many seconds.
+/// Takes into `run` what an engine reports of its sweeps over images that stream. seconds: of all its work.
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
 
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json says of problems.
