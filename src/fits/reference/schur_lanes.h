@@ -45,8 +45,7 @@ private:
     };
     static void broadcast(const F& x, Narrow& to) { to = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3); }
     static void broadcast(const F& x, Wide& to) {
-        const auto twice =
-            __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3);  // GCC 12 does one step through memory
+        const auto twice = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3);  // in one step GCC 12 uses memory
         to = __builtin_shufflevector(twice, twice, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     }
     template <class Register>
