@@ -31,7 +31,7 @@ struct Method {
     FitSetting setting;
 };
 
-/// Of "name: --model lfm --terms 3". Throws UserError.
+/// Parses "name: --model lfm --terms 3". Throws UserError.
 Method parse_method(const std::string& text) {
     const size_t colon = text.find(": ");
     if (colon == std::string::npos || colon == 0)

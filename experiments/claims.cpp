@@ -1,6 +1,6 @@
 // The paper's claims, each judged by its rule from the rows of the other experiments. Nothing is measured here, and no
 // verdict is typed in: what has not been run says so. Claims are judged at the paper's scale, by the newest run or,
-// where there is none, by the one that came with the checkout; figures of a smaller profile stand beside and decide
+// where there is none, by the one that came with the checkout; figures of a smaller profile are shown beside and decide
 // nothing.
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-// What our mends of the paper's text are worth, each left out by itself (docs/paper.md numbers them): how far the
+// What our corrections of the paper's text are worth, each left out by itself (numbered in docs/paper.md): how far the
 // paper's optimizers then come, on light field maps of the star and on Lafortune's model on the ornament.
 #include "rows/departures.h"
 
@@ -76,7 +76,7 @@ struct Options {
     }
 };
 
-/// A mend by its number in docs/paper.md, and how a fit goes without it.
+/// A correction by its number in docs/paper.md, and how a fit goes without it.
 struct Departure {
     std::string id, without;
     std::function<void(FitRequest&)> leave_out;
@@ -142,7 +142,7 @@ struct Row {
     double arrived = NAN, iterations_median = NAN;  ///< share within the tolerance; those that don't count as never
     double stalled = 0, not_finite = 0;             ///< shares
     double error = 0;                               ///< sum of E over samples, without penalties
-    double error_ratio = 1;                         ///< over that with all mends
+    double error_ratio = 1;                         ///< over that with all corrections
     double psnr = NAN, ape = NAN, held_psnr = NAN;
 };
 
@@ -319,7 +319,7 @@ void Departures::culling() {
                             amounts[cull][1] / amounts[1][1], amounts[cull][2] / amounts[1][2], same});
 }
 
-/// Lafortune's model by a text of its own: all of TexelSolversOf's, over the same samples.
+/// Lafortune's model by a separate text, with the solvers made from that, over the same samples.
 struct Variant {
     Departure departure;
     const TexelModel* model;

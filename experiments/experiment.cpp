@@ -30,7 +30,7 @@ bool is_checkout(const fs::path& folder) {
     return folder_stands(folder / "experiments") && folder_stands(folder / "paper_figs");
 }
 
-/// Of the config file, or else of the working folder.
+/// The checkout that the config file lies in, or else the working folder.
 fs::path find_checkout(const fs::path& config) {
     for (fs::path folder = fs::absolute(config).parent_path(); folder != folder.root_path();
          folder = folder.parent_path())
@@ -111,10 +111,10 @@ ResultFolder Experiment::open_results(const std::string& device) const {
     record.config = config_->resolved();
     record.more.emplace_back("profile", json_string(profile_));
     record.more.emplace_back("standard", standard_ ? "true" : "false");
-    // What is drawn besides, an experiment's config has under "seed".
+    // The seed of all other random numbers is in the experiment's config, under "seed".
     record.more.emplace_back(
         "seeds", fmt::format(R"({{"datasets": {}, "start": {}}})", SyntheticOptions().seed, FitRequest().seed));
-    // what a software renderer's times are of is the processor
+    // a software renderer's times are those of the processor
     return ResultFolder(results(), name_, is_software_renderer(device) ? device + ", " + record_.cpu : device, record);
 }
 

@@ -56,12 +56,12 @@ public:
     /// from among them; says where everything lies.
     void finish(ResultFolder& results, const std::string& caption) const;
     const std::filesystem::path& root() const { return root_; }  ///< the checkout
-    /// Of the rows: the checkout's `results`, or what --output says.
+    /// Where rows go: the checkout's `results`, or what --output says.
     std::filesystem::path results() const { return output_.empty() ? root_ / "results" : output_; }
     /// Where figures go: paper_figs; paper_figs/PROFILE for other profiles than the standard one; or what --output
     /// says.
     std::filesystem::path figures() const;
-    /// Whether it runs by the checkout's own config file with nothing set beside. Only such runs count as "the" run of
+    /// Whether it runs by the checkout's config file, with nothing else set. Only such runs count as "the" run of
     /// their profile; the figures of others lie among their rows.
     bool standard() const { return standard_; }
     /// "cpu, 2 threads": in rows, the renderer of a figure that the CPU made.
@@ -103,7 +103,7 @@ using Points = std::vector<std::pair<double, double>>;
 double log_slope(const Points& points);
 
 /// Rules for the names of synthetic datasets in a config: any, or those that a light field map can be fitted to. Throw
-/// UserError, telling the names that there are.
+/// UserError that lists the names there are.
 void check_shape(const std::string& shape);
 void check_light_field_shape(const std::string& shape);
 /// Reads surface_side, view_side and lambda, the weight of both kinds of maps.

@@ -1,6 +1,6 @@
 // Figure 10 of the paper: the share of the device's peaks of arithmetic, memory traffic and texture reads that the
 // fragment engines reach, by what their programs declare, how often they ran, and how long an iteration took. The same
-// counts tell what penalties cost, and are those that a model of the paper's chip starts from.
+// counts say what penalties cost, and are those that a model of the paper's chip starts from.
 #include "rows/fig10_utilization.h"
 
 #include <fmt/format.h>

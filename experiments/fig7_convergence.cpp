@@ -89,7 +89,7 @@ struct End {
 struct Problem {
     double best = 0;          ///< least error that any of them ended with
     std::string best_solver;  ///< whose
-    double penalty = 0;  ///< what the paper's penalty for bounds adds to varpro's error in place of its own; a share
+    double penalty = 0;  ///< what the paper's penalty for bounds, in place of ours, adds to varpro's error; a share
     std::vector<int> arrived;  ///< [solver] iterations to tolerance * best; -1: never within the cap
     std::vector<End> ends;     ///< [method of the paper], of vertices whose ends are compared
     std::vector<double> curves[methods_of_paper];  ///< error by iteration, of problems that are shown
@@ -143,7 +143,7 @@ private:
     const std::vector<Entrant> entrants_ = entrants();
     std::vector<std::array<Problem, 3>> problems_;  ///< [vertices with samples]
     std::vector<size_t> to_ends_;                   ///< places among those
-    std::vector<size_t> shown_;                     ///< likewise, three times the place plus the channel
+    std::vector<size_t> shown_;                     ///< problems: three times the vertex's place plus the channel
 };
 
 Contest::Contest(const Options& o, const VertexBench& bench, const std::string& dataset, double lambda, bool judged)

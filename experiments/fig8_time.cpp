@@ -30,7 +30,7 @@ namespace {
 namespace rows = rows_of::fig8_time;
 
 constexpr Range<double> budget_seconds{0, 1e6};
-/// The time of an iteration is told from those after the first.
+/// The time of an iteration is measured on those after the first.
 constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "the first is not timed"};
 
 struct Options {
@@ -160,7 +160,7 @@ void run_opengl(Runs& runs, const Dataset& dataset, FitRequest request, const st
     runs.cached_share.push_back(out.images_cached_share);
 }
 
-/// One that runs whole fits; run() adds a repetition.
+/// A solver that runs whole fits; run() adds a repetition.
 struct Contestant {
     Runs runs;
     bool opengl;
@@ -275,7 +275,7 @@ struct Bar {
     double remainder() const { return total - distribution - streaming - computation - switching; }
 };
 
-/// Of the run with the median total.
+/// The bar of the run with the median total.
 Bar two_step_bar(const Runs& runs) {
     std::vector<FitTimes> times = runs.times;
     const auto middle = times.begin() + long(times.size() / 2);

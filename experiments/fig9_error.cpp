@@ -54,7 +54,7 @@ struct Options {
         c.finish();
         if (validation < 2) c.reject("validation", "is 2 at least: some views to fit, some to choose by");
     }
-    /// In the paper's mode, with the first of the weights.
+    /// A request in the paper's mode, with the first of the weights.
     FitRequest request(int side) const {
         FitRequest r;
         r.set("mode", "paper");
@@ -63,7 +63,7 @@ struct Options {
         r.iterations = iterations;
         return weighted(r, lambda_surface.front(), lambda_view.front());
     }
-    /// density: texels per pixel of triangles' own sides; 0: one side.
+    /// density: texels per pixel, with a separate side for each triangle; 0: one side for all.
     FitRequest high_request(double density, const char* solver = "stream") const {
         FitRequest r = request(high_side);
         r.solver = solver;
@@ -138,7 +138,7 @@ public:
                 best_of(dataset, seed, "pca-refilled", std::move(refilled))};
     }
 
-    /// With one term; with more of them, if asked for, what Figure 9 compares on the CPU.
+    /// Runs all methods with one term; with more terms, if asked for, only what Figure 9 compares on the CPU.
     void run(const Dataset& dataset, const std::string& seed, const Chosen& chosen, bool more_terms) {
         const Options& o = options_;
         const auto add = [&](const char* method, const std::string& weights, const FitRequest& request) {

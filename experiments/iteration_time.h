@@ -28,7 +28,7 @@ struct HalfTime {
 
 struct IterationTime {
     HalfTime line, direction;
-    /// Of the images' pages, what the cache held: before it began; from a cold disk before or after, whichever is more.
+    /// The share of the images' pages that were cached: before; from a cold disk before or after, whichever is more.
     double cached_share = 0;
 
     /// Steepest descent has its line in its first iteration only.
@@ -82,7 +82,7 @@ void start_iterations(E& engine, std::span<const float> start) {
     engine.summary();
 }
 
-/// Of an iteration after the first: the mean of some.
+/// Seconds of an iteration after the first: the mean of `iterations` of them.
 template <class E>
 double seconds_per_iteration(E& engine, int iterations) {
     const Stopwatch clock;
@@ -102,8 +102,8 @@ inline void read_whole(const std::filesystem::path& path) {
         file.read(bytes.data(), at, std::min<uint64_t>(bytes.size(), file.size() - at));
 }
 
-/// An iteration after the first, in the paper's mode; `images`: the file that the engine reads from `source`. Whoever
-/// came before left the page cache as it liked.
+/// An iteration after the first, in the paper's mode; `images`: the file that the engine reads from `source`. The
+/// page cache is as whatever ran before left it.
 template <class E>
 IterationTime time_iteration(E& engine, const std::filesystem::path& images, ImageSource source) {
     const auto half = [&](const auto& body) {

@@ -163,7 +163,7 @@ private:
     std::vector<Step> steps_;
 };
 
-/// Of an image and a sweep.
+/// For one image in one sweep.
 double milliseconds(const Step& step, size_t round, size_t images) {
     return 1e3 * step.seconds[round] / (sweeps_per_iteration * double(images));
 }

@@ -56,7 +56,7 @@ struct Entrant {
     FitRequest request;
 };
 
-/// Of Lafortune's model.
+/// A fit of Lafortune's model.
 FitRequest request_of(const char* solver, const char* optimizer, const char* mode, int iterations, int side) {
     FitRequest r;
     r.set("model", fitted_model);

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr double heaviest_mb = 10;
 
-/// A part of the page under its own heading.
+/// A part of the page with a heading.
 struct Section {
     const char* id;
     const char* title;

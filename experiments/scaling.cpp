@@ -141,7 +141,7 @@ struct Contestant {
     uint64_t texels = 0, samples = 0, parameters = 0;
     std::function<Taken()> measure = {};  ///< of an iteration, or of distributing all images once
     std::vector<double> seconds = {};     ///< [round]
-    std::vector<double> sweeps = {};      ///< likewise, of them in sweeps over images; empty where none stream
+    std::vector<double> sweeps = {};      ///< [round] of these, in sweeps over images; empty where none stream
 
     std::string name() const { return what == iteration ? engine : engine + ", " + what; }
     static constexpr const char *iteration = "iteration", *kept = "iteration, samples kept",

@@ -52,7 +52,7 @@ std::vector<fs::path> show_run(const fs::path& checkout, const RunRecord& run, c
     std::set<std::string> files;
     for (const std::string& file : run_files(run.folder)) files.insert(file);
     for (const auto& [file, description] : run.files) files.insert(file);
-    const AtomicFolder unpacked(folder / (run.experiment + "-rows"));  // goes again
+    const AtomicFolder unpacked(folder / (run.experiment + "-rows"));  // never committed, so it is removed at the end
     for (const std::string& file : files) write_file(unpacked.path() / file, read_run_file(run, file));
     return show_rows(checkout, run.experiment, unpacked.path(), run.caption, folder);
 }

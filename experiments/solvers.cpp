@@ -80,9 +80,9 @@ struct Contestant {
     Solve solve;
     double spent_s = 0;
     std::vector<VertexRun> runs;                ///< of the last repetition; fewer than all vertices for a slow one
-    std::vector<std::array<double, 3>> errors;  ///< likewise: E_t of what was returned, in double
+    std::vector<std::array<double, 3>> errors;  ///< of the last repetition: E_t of what was returned, in double
     std::vector<std::vector<double>> to_101;    ///< [repetition][vertex] seconds to the tolerance
-    std::vector<std::vector<double>> to_end;    ///< [repetition][vertex] seconds to the solver's own end
+    std::vector<std::vector<double>> to_end;    ///< [repetition][vertex] seconds until the solver ends by itself
     size_t vertices() const { return runs.size(); }
     std::string name() const { return setting.empty() ? solver : solver + " " + setting; }
 };
@@ -233,7 +233,7 @@ std::vector<double> sums(const std::vector<std::vector<double>>& seconds, size_t
     return out;
 }
 
-/// Of the repetitions.
+/// Over the repetitions.
 double median_to_101(const Contestant& c, size_t vertex) {
     std::vector<double> seconds;
     for (const auto& repetition : c.to_101) seconds.push_back(repetition[vertex]);

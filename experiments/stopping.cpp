@@ -92,7 +92,7 @@ Vertex solve(const Options& o, const std::vector<Setting>& all, BenchVertex& ver
     std::vector<Course> courses;
     for (const Setting& s : all) {
         OptimizerOptions options = s.options;
-        // of the rules' own unit, which is a residual times Lambda
+        // in the unit of the rules, which is a residual times Lambda
         const auto threshold = float(s.levels / 255 * out.weight);
         (s.rule == std::string("residual") ? options.stop_residual : options.stop_output_change) = threshold;
         courses.push_back(vertex.optimize(options));

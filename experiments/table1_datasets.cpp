@@ -39,7 +39,7 @@ struct Options {
     }
 };
 
-/// What the paper's text states of its own capture of that name.
+/// What the paper's text states of the authors' capture of that name.
 struct Stated {
     const char *triangles, *image_bytes;
 };

@@ -41,7 +41,7 @@ constexpr Range<int> drawn_vertices{0, 1'000'000'000, "0 is all"};
 /// 0 to `last`, the later ones ever sparser: rows of a curve over a logarithmic axis.
 std::vector<int> sparse_iterations(int last);
 
-/// A vertex at hand, of a worker thread.
+/// The vertex that a worker thread has loaded.
 class BenchVertex {
 public:
     BenchVertex(const VertexProblem& fresh, const TriangleAtlas& atlas, const VertexRings& rings,
@@ -86,7 +86,7 @@ public:
     VertexBench(const Dataset& dataset, const LfmOptions& maps, int vertices, int seed);
 
     const std::vector<uint32_t>& seen() const { return seen_; }  ///< vertices that take part, ascending
-    /// Places in seen() of so many of them, or of all if they are fewer; ascending.
+    /// Places in seen() of `count` vertices drawn by seed, or of all if they are fewer; ascending.
     std::vector<size_t> draw(size_t count, uint64_t seed) const;
     /// body(place in seen(), vertex) for all of them in the paper's mode with this lambda, threads over vertices.
     void for_each(double lambda, const std::string& task,

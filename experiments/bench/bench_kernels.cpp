@@ -40,7 +40,7 @@ struct Scene {
     TriangleAtlas atlas;
     VertexRings rings;
     SampleList list;
-    AtomicFolder folder;  // never committed: it goes again
+    AtomicFolder folder;  // never committed, so it is removed at the end
     std::unique_ptr<DiskRecords> records;
     LfmOptions options;
     size_t vertex = 0;  ///< one with the median number of samples

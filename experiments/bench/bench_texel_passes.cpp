@@ -1,5 +1,5 @@
 // Passes of the fragment engine over reflectance samples, images resident on the device, by process CPU time per sample
-// that counts: under a software renderer that is the time of one core, however many work; of a GPU it tells nothing.
+// that counts: under a software renderer that is the time of one core, however many work; of a GPU it says nothing.
 // Passes over texels that a verb ends with are included; they weigh less, the more images there are. Arguments: width
 // and height of images, their number. One eye: all images are seen from one place, as under a fixed camera.
 #include <benchmark/benchmark.h>

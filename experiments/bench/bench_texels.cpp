@@ -117,7 +117,7 @@ void sweep(benchmark::State& state) {
     state.counters["of_l2_peak"] = 1e-9 * sweep_bytes * total / seconds / scene.peaks.l2_gb_s;
 }
 
-/// From the same starts, whose search isn't in Ceres' time but is in the batch's.
+/// Ceres begins at the same starts; the search for them isn't in its time but is in the batch's.
 void ceres(benchmark::State& state, CeresTexelOptions::Linear linear) {
     const Scene& scene = Scene::of(state.range(0));
     constexpr size_t count = 128;

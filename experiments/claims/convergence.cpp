@@ -31,20 +31,20 @@ public:
     size_t problems() const { return penalties_.size(); }
     size_t vertices() const { return vertices_.size(); }
 
-    /// Of solver `a` over those of `b`, problem by problem; who doesn't arrive counts as arriving at the cap.
+    /// Iterations of solver `a` over those of `b`, problem by problem; never to arrive counts as arriving at the cap.
     std::vector<double> ratios(const char* a, const char* b) const {
         std::vector<double> out;
         for (size_t i = 0; i < problems(); ++i) out.push_back(counted(a, i) / counted(b, i));
         return out;
     }
-    /// The same of the problems where varpro's objective is the paper's: no bounds are at work at its end.
+    /// The same for the problems where varpro's objective is the paper's: no bounds are at work at its end.
     std::vector<double> comparable_ratios(const char* a, const char* b) const {
         std::vector<double> out;
         for (size_t i = 0; i < problems(); ++i)
             if (std::abs(penalties_[i]) <= 1e-3) out.push_back(counted(a, i) / counted(b, i));
         return out;
     }
-    /// The same of the problems where both arrive.
+    /// The same for the problems where both arrive.
     std::vector<double> arrived_ratios(const char* a, const char* b) const {
         std::vector<double> out;
         for (size_t i = 0; i < problems(); ++i)
@@ -73,8 +73,8 @@ private:
     std::vector<double> penalties_;
 };
 
-/// Of both datasets, at the lambda that claims are judged at. Those that the run lacks are left out, and the premise is
-/// noted as unmet.
+/// Arrivals on both datasets, at the lambda that claims are judged at. Datasets that the run lacks are left out, and
+/// the premise is noted as unmet.
 std::map<std::string, Arrivals> judged_arrivals(const FinishedRun& run, const CsvTable& t, Judgement& j) {
     const double lambda = run.setting("lambda"), cap = run.setting("cap");
     std::map<std::string, Arrivals> out;

@@ -108,7 +108,7 @@ std::vector<ClaimFindings> find_claims(const RunFolders& folders, const std::str
         one.claim = &claim;
         one.judged =
             findings_of(claim, judged_profile, folders.newest(claim.experiment, judged_profile), folders.checkout);
-        if (profile != judged_profile)  // what came with the checkout is judged, and not what stands beside
+        if (profile != judged_profile)  // from the results alone: runs of the checkout are for the judged profile
             one.smaller =
                 findings_of(claim, profile, newest_runs(folders.results, claim.experiment, profile), folders.checkout);
     }

@@ -10,7 +10,7 @@
 namespace radiafit::harness {
 class Experiment;
 
-/// Claims are judged at the paper's scale; figures of a smaller profile stand beside and decide nothing.
+/// Claims are judged at the paper's scale; figures of a smaller profile are shown beside and decide nothing.
 inline constexpr const char* judged_profile = "paper";
 
 /// Where runs lie, by an experiment's config (`results`), and then those that came with the checkout.
@@ -36,22 +36,22 @@ struct Finding {
     std::string reason() const;
 };
 
-/// All that is found of one claim; at least one finding of the judged profile, that nothing was run if so.
+/// All that is found of one claim; where nothing was run, one finding of the judged profile says so.
 struct ClaimFindings {
     const Claim* claim;
     std::vector<Finding> judged;   ///< of each device
     std::vector<Finding> smaller;  ///< of another profile, which was asked for; none if that is the judged one
 
-    /// In short, of one renderer: what was found at the paper's scale or, for want of that, at a smaller one.
+    /// A summary for one renderer: what was found at the paper's scale or, for want of that, at a smaller one.
     struct Line {
         const Finding* judged;   ///< null: there is none
-        const Finding* smaller;  ///< likewise
+        const Finding* smaller;  ///< at a smaller scale; null: there is none
         std::string found() const;
         std::string verdict() const { return judged ? judged->verdict() : "not run"; }
         std::string at_smaller_scale() const { return smaller ? smaller->by_the_rule() : ""; }
         const std::string& renderer() const { return (judged ? judged : smaller)->judgement.renderer; }
     };
-    /// One of each renderer that either profile has figures of; one if there are none.
+    /// One line for each renderer that either profile has figures of; one line if there are none.
     std::vector<Line> lines() const;
     /// The judged ones first.
     std::vector<const Finding*> all() const;

@@ -30,7 +30,7 @@ public:
     }
     const std::vector<std::string>& datasets() const { return datasets_; }
 
-    /// Of every seed.
+    /// The rows of every seed.
     std::vector<size_t> rows(const std::string& dataset, const Method& method) const {
         std::vector<size_t> found;
         for (size_t i = 0; i < rows_.row_count(); ++i)
@@ -107,7 +107,7 @@ void demand_chosen_weights(Judgement& j, const FinishedRun& run, const OneTerm& 
 
 std::string map_sizes(const OneTerm& t, const Method& method) {
     const int m = std::stoi(t.text(method, "view_side"));
-    const std::string density = t.text(method, "texels_per_pixel");  // where each triangle has a side of its own
+    const std::string density = t.text(method, "texels_per_pixel");  // where each triangle has a separate side
     return fmt::format("{} texels in a surface map{} and {} in a view map", t.range(method, "surface_texels"),
                        density.empty() || std::stod(density) == 0 ? "" : " on average", m * m);
 }

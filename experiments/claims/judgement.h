@@ -66,7 +66,7 @@ struct Judgement {
     std::string sentence = {};             ///< what was found, for a reader who knows only the paper
     std::string renderer = {};             ///< of the figures; empty: what run.json says
     std::string not_run = {};              ///< why there is nothing to judge
-    std::string no_rule = {};              ///< why no bound is set: the figures are only told
+    std::string no_rule = {};              ///< why no bound is set: the figures are only reported
 
     /// What the rule asks of the run itself, such as a graphics chip.
     void demand(bool given, const std::string& what) {

@@ -53,7 +53,7 @@ inline std::vector<double> values(const Rounds& rounds) {
 }
 inline double median_of(const Rounds& rounds) { return median(values(rounds)); }
 
-/// Of the rounds that both have.
+/// operation(a, b) for each of the rounds that both have.
 template <class Operation>
 inline std::vector<double> each(const Rounds& a, const Rounds& b, const Operation& operation) {
     std::vector<double> out;

@@ -53,7 +53,7 @@ public:
         for (const auto& [round, points] : out) list.push_back(points);
         return list;
     }
-    /// Of log time over log size, a slope for each round.
+    /// The slope of log time over log size, one for each round.
     Figure slope(const char* part, const std::string& engine, const char* size, const char* time = "seconds") const {
         std::vector<double> slopes;
         for (const auto& points : rounds(part, engine, size, iteration, time)) {

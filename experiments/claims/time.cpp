@@ -40,7 +40,7 @@ Rounds totals(const FinishedRun& run, const CsvTable& t, const std::string& meth
     });
 }
 
-/// What stands in a column of the two-step solver's rows with the paper's record, in order.
+/// The values in a column of the two-step solver's rows with the paper's record, in order.
 std::set<int> those_of(const CsvTable& t, const char* column) {
     std::set<int> numbers;
     for (const size_t row : rows_where(t, {{"method", full_record}})) numbers.insert(int(t.number(row, column)));

@@ -108,7 +108,7 @@ Judgement paper_chip(const FinishedRun& run) {
     // each component, and a multiply-add as two.
     constexpr double most_in_one_instruction = 8;
     constexpr double streaming = 0.2;
-    // Of machines of that time, as is well known; not stated by the paper.
+    // Bounds for machines of that time: common knowledge, not stated by the paper.
     constexpr double least_disk = 20e6, most_switch = 1e-3;
     std::vector<std::string> found;
     bool plausible = true;

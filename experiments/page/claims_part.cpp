@@ -111,7 +111,7 @@ Html claims_summary(std::span<const ClaimFindings> claims) {
     std::vector<HtmlRow> rows;
     for (size_t i = 0; i < claims.size(); ++i) {
         auto lines = claims[i].lines();
-        // What other machines have of a smaller scale stands in full below.
+        // Beside a judged result, those at a smaller scale are shown by claims_in_full() only.
         if (std::ranges::any_of(lines, [](const auto& line) { return line.judged; }))
             std::erase_if(lines, [](const auto& line) { return !line.judged; });
         for (const auto& line : lines) rows.push_back(row_of(claims[i], i, line, lines.size() > 1));

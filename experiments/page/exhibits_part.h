@@ -12,7 +12,7 @@ namespace radiafit::harness {
 std::vector<RunRecord> shown_runs(const RunFolders& folders, const std::string& experiment, const std::string& profile);
 
 /// Every figure and table, drawn anew from its rows, beside what the paper says and the claims that are judged from it.
-/// What a run lacks, or cannot be drawn, is told in its place. `scratch`: a folder for files that go again.
+/// Where a run lacks something, or it cannot be drawn, a note says so. `scratch`: a folder for temporary files.
 Html exhibits_part(const RunFolders& folders, const std::string& profile, std::span<const ClaimFindings> claims,
                    const std::filesystem::path& scratch);
 

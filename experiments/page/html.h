@@ -13,7 +13,7 @@ namespace radiafit::harness {
 class Html {
 public:
     Html() = default;
-    /// What HTML gives a meaning to stands escaped; control characters and what is no UTF-8 as U+FFFD.
+    /// Characters with a meaning in HTML are escaped; control characters and invalid UTF-8 become U+FFFD.
     Html(std::string_view text);
     Html(const char* text) : Html(std::string_view(text)) {}
     Html(const std::string& text) : Html(std::string_view(text)) {}
@@ -38,12 +38,12 @@ private:
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 /// <name attributes>inside</name>, with a line break behind what is no part of a line of text. Throws std::logic_error
-/// for a name that is none (lower-case letters, digits, dashes), for one that stands twice among the attributes, and
+/// for a name that is none (lower-case letters, digits, dashes), for one that occurs twice among the attributes, and
 /// for an element that has no content, such as img.
 Html element(std::string_view name, const Attributes& attributes, const Html& inside);
 inline Html element(std::string_view name, const Html& inside) { return element(name, {}, inside); }
 
-/// One that has none. Throws std::logic_error for others, and likewise.
+/// An element that has no content. Throws std::logic_error for one that has, and for attributes as element() does.
 Html empty_element(std::string_view name, const Attributes& attributes);
 
 /// <style> and <script> with text that is ours. Throw std::logic_error for one that ends the element by itself.

@@ -32,7 +32,7 @@ std::vector<std::string> fields_of(std::string_view line) {
 bool is_row(std::string_view line) { return line.size() > 1 && line.starts_with('|') && line.ends_with('|'); }
 bool is_rule(std::string_view line) { return is_row(line) && line.find_first_not_of("|-: ") == std::string_view::npos; }
 
-/// From `at` on; `at` comes to stand behind it. Rows of another length than the header's are left out of it.
+/// The table whose header is line `at`; moves `at` behind it. Rows are cut or padded to the header's length.
 Table table_at(const std::vector<std::string_view>& lines, size_t& at) {
     const std::vector<std::string> header = fields_of(lines[at]);
     Table table(header);

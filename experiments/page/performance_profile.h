@@ -17,7 +17,7 @@ struct SolverTimes {
 /// The share of problems that a solver solved within a factor of the fastest solver's time.
 struct PerformanceProfile {
     std::string solver;
-    size_t tried = 0;  ///< the problems of which shares are told
+    size_t tried = 0;  ///< the problems of which shares are taken
     /// Of the solved ones: its time over the fastest one's, ascending; infinite where only the fastest took no time.
     std::vector<double> ratios;
     double share_within(double factor) const;

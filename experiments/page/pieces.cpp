@@ -32,7 +32,7 @@ std::string constant(const CsvTable& rows, const std::string& column) {
     return first;
 }
 
-/// Of a PNG file, from its header.
+/// A side of a PNG file, from its header.
 int png_side(const std::string& png, size_t at) {
     int side = 0;
     for (size_t i = at; i < at + 4 && i < png.size(); ++i) side = side << 8 | static_cast<unsigned char>(png[i]);

@@ -7,7 +7,7 @@
 /// What several parts of the report are put together from.
 namespace radiafit::harness {
 
-/// A verdict as a mark that is told by its word and shape as well as by its colour.
+/// A verdict as a mark that is recognized by its word and shape as well as by its colour.
 Html verdict_mark(const std::string& verdict);
 /// The mark "not run", and why.
 Html not_run(const std::string& why);

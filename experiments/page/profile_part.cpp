@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* file = "vertices.csv";
 constexpr double problems_of_vertex = 3;
 
-/// Of every solver, in the rows' order, and every vertex that any took.
+/// The times of every solver, in the rows' order, on every vertex that any of them took.
 std::vector<SolverTimes> times_of(const CsvTable& rows) {
     std::vector<SolverTimes> times;
     std::map<std::string, size_t> solvers, vertices;

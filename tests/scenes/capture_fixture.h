@@ -14,7 +14,7 @@
 #include "base/error.h"
 
 /// Small captures written by the test itself. PNG and COLMAP's binary files are encoded here, byte by byte from their
-/// specifications, so that the readers are held against something that is not their own library.
+/// specifications, so that the readers are checked against something that is not the library they use.
 namespace radiafit::testing {
 
 namespace fs = std::filesystem;
@@ -133,7 +133,7 @@ inline std::string encode_pfm(int width, int height, const std::vector<float>& v
     return "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n" + data.text;
 }
 
-/// A test with a folder of its own, removed afterwards.
+/// A test with a temporary folder, removed afterwards.
 class FolderTest : public ::testing::Test {
 protected:
     FolderTest() {

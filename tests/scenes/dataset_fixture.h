@@ -16,12 +16,12 @@
 #include "base/rng.h"
 #include "dataset/dataset.h"
 
-/// Datasets that a test writes in a folder of its own.
+/// Datasets that a test writes in a temporary folder.
 namespace radiafit {
 
 namespace fs = std::filesystem;
 
-/// A folder of this test's own, removed afterwards.
+/// A test with a temporary folder, removed afterwards.
 class DatasetTest : public ::testing::Test {
 protected:
     DatasetTest() {

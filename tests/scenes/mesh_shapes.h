@@ -53,7 +53,7 @@ inline Mesh fan(int valence, bool closed, Rng& rng) {
     return mesh;
 }
 
-/// Appends `other`, moved aside, as a component of its own.
+/// Appends `other`, moved aside, as a separate component.
 inline void append(Mesh& mesh, const Mesh& other, const Vec3f& shift) {
     const uint32_t base = static_cast<uint32_t>(mesh.positions.size());
     for (const Vec3f& p : other.positions) mesh.positions.push_back(p + shift);

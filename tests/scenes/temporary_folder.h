@@ -6,7 +6,7 @@
 
 namespace radiafit {
 
-/// A folder of its own for a test, removed with all that is in it.
+/// A temporary folder for a test, removed with all that is in it.
 class TemporaryFolder {
 public:
     TemporaryFolder() {

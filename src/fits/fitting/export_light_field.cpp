@@ -21,7 +21,7 @@ constexpr const char* formulas = R"json({
     "prediction": "of a sample: sum over c and k of surface[a,k] h[v,i,k]"
 })json";
 
-/// What the problems stand on, whatever the samples.
+/// What the problems are made from, whatever the samples.
 struct Ground {
     const Dataset& dataset;
     LfmOptions options;

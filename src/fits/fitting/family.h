@@ -38,7 +38,7 @@ struct Family {
     bool (*owns)(const std::string& model);  ///< by its name in requests and in fit.json
     std::vector<std::string> (*models)();    ///< their names
     const char* help;                        ///< of the models, after "--model"
-    std::vector<FitOption> (*options)() = [] { return std::vector<FitOption>(); };  ///< its own; equal rows stand once
+    std::vector<FitOption> (*options)() = [] { return std::vector<FitOption>(); };  ///< its rows; equal ones count once
     bool has_error_bars;                                                            ///< find_error_bars()
     ModelKind kind;
     std::optional<SolverFacts> (*facts)(const Solver& solver);  ///< how it fits this family; none: it fits no such
@@ -50,8 +50,8 @@ struct Family {
     void (*settle)(const Given& given, const Dataset& dataset, FitRequest& request);
     /// What `tune` tries of it; none: none of its models suits the dataset.
     std::vector<TuneCandidate> (*candidates)(const Dataset& dataset);
-    /// A fit in seconds that predicts well what photographs show that it has not seen, by which imports check them;
-    /// empty: none of its fits is so.
+    /// A fit in seconds that predicts photographs well that it has not seen, by which imports check them; empty: the
+    /// family has no such fit.
     FitSetting (*quick)() = [] { return FitSetting(); };
     Plan (*plan)(const Dataset& dataset, const FitRequest& request, size_t most_views);
     FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
@@ -67,7 +67,7 @@ extern const Family light_field_maps, texel_local_models, view_bases, spherical_
 std::span<const Family* const> families();
 
 const Family& family_of(const FitRequest& request);
-/// Throws UserError likewise.
+/// Family::open of the family whose model the folder's fit has. Throws UserError.
 Fitted open_fit(const std::filesystem::path& folder, const std::filesystem::path& moved_to = {});
 
 /// The trivial baseline of what light does not change: a mean colour per texel, of the views that `like` fitted, in its
@@ -82,7 +82,7 @@ void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
 
-/// Of lamps that move, by what is known of the surface and by how many images show it:
+/// For lamps that move, by what is known of the surface and by how many images show it:
 ///     normals of the plane, all seen from one direction, 16 images or more: ptm, whose six coefficients need no normal
 ///     4 images or more: lafortune
 ///     fewer: lambert
@@ -97,7 +97,7 @@ FinishedFit finished_light_field(LightFieldFit fit, FitRun run, const Resampling
                                  const Dataset& dataset);
 FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& dataset);
 
-/// The request that a fit answers, as far as its record tells. Throws UserError.
+/// The request that a fit answers, as far as its record says. Throws UserError.
 FitRequest fitted_request(const FitRecord& fit);
 /// FitRequest::validation of a fit. Throws UserError.
 int validation_of(const FitRecord& fit);

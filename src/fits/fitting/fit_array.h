@@ -8,7 +8,7 @@
 
 namespace radiafit::fits {
 
-/// Numbers of a fit where they lie, told as NumPy tells of arrays.
+/// Numbers of a fit where they lie in memory, described as NumPy describes arrays.
 struct FitArray {
     std::string name, meaning;
     const char* type;  ///< npy_type()

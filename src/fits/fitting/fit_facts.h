@@ -55,7 +55,7 @@ struct FitFacts : SolverFacts {
 
     /// Compute shaders sum over a light field map's samples, in one of several ways.
     bool accumulates() const { return light_field() && on_compute(); }
-    /// They find these samples again in every sweep over the images.
+    /// Compute shaders find these samples again in every sweep over the images.
     bool redistributes() const { return accumulates() && samples == SampleUse::redistributed; }
     bool streams_images() const { return on_fragment() || redistributes(); }
     /// Between the centres of a mesh's texels, colours may be interpolated.

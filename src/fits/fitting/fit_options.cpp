@@ -28,7 +28,7 @@ void check_name(const char* what, const std::string& name, const auto& table) {
 void check_solver(const std::string& name) { check_name("solver", name, solvers()); }
 void check_ceres(const std::string& name) { check_name("ceres setting", name, ceres_settings()); }
 
-/// Of an option whose values are a table's names.
+/// An option whose values are a table's names.
 FitOption one_of(FitOption o, const auto& table) {
     for (const auto& entry : table) o.choices.emplace_back(entry.name);
     return o;

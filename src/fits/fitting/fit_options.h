@@ -8,8 +8,8 @@
 #include "fitting/fit_facts.h"
 
 /// The options of a fit: one table. From it come the command line of fit and plan, fit.json, options in experiments'
-/// configs, the refusal of options that mean nothing to a fit, and docs/options.md. A family's own rows come from the
-/// family (fitting/family.h).
+/// configs, the refusal of options that mean nothing to a fit, and docs/options.md. Rows of a single family come from
+/// the family (fitting/family.h).
 namespace radiafit::fits {
 
 struct FitOption {
@@ -21,7 +21,7 @@ struct FitOption {
     std::vector<std::string> choices;     ///< where values are names
     std::string type = "TEXT";            ///< in --help
     Meaning meaning;                      ///< of a fit that has the option, if families alone have it
-    std::vector<const Family*> families;  ///< that have it alone; none: it is no family's own
+    std::vector<const Family*> families;  ///< the only ones that have it; empty: all may
     bool hide_default = false;
     bool states_problem = false;             ///< says what the problems are, not how they are solved
     bool decides_result = true;              ///< false: a fit comes out the same whatever its value
@@ -36,7 +36,7 @@ struct FitOption {
     bool means_something(const FitFacts& fit) const;
 };
 std::span<const FitOption> fit_options();
-/// Throws UserError, telling the nearest name.
+/// Throws UserError that names the nearest option.
 const FitOption& find_fit_option(const std::string& name);
 
 /// Options by their names in the table, with values as FitRequest::set() takes them.

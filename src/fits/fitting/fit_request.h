@@ -79,7 +79,7 @@ struct FitRequest {
     float first_step = 1;              ///< OptimizerOptions::first_step
     bool cull = true;                  ///< FragmentOptions::cull
 
-    /// A family's own options, by the type of their struct.
+    /// The options of a single family, by the type of their struct.
     template <class Block>
     const Block& own() const {
         return of_families.get<Block>();
@@ -93,7 +93,7 @@ struct FitRequest {
     FitRequest& set(const std::string& option, const std::string& value);
     std::string text(const std::string& option) const;  ///< as set() takes it
     /// Throws UserError for a value out of range, options that exclude one another, or a solver of other models. An
-    /// option that means nothing to this fit is none of its concern; see reject_idle_options().
+    /// option that means nothing to this fit is no error here; see reject_idle_options().
     void check() const;
     std::string json() const;  ///< every option, as one JSON object
 

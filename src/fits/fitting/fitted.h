@@ -20,7 +20,7 @@ class AllErrorBars;
 }  // namespace radiafit
 
 /// A fit as a value, whatever its family. What is asked of one is a free function here. A ring around this one that
-/// shows a fit in a way of its own (a page, a material) writes an overload for each of the four and calls it by
+/// shows a fit in another way (a page, a material) writes an overload for each of the four and calls it by
 /// std::visit().
 namespace radiafit::fits {
 
@@ -35,7 +35,7 @@ struct FittedLightField {
 struct FittedReflectance {
     ReflectanceFit fit;
     std::unique_ptr<Atlas> atlas;
-    std::shared_ptr<const AllErrorBars> error_bars = {};  ///< likewise
+    std::shared_ptr<const AllErrorBars> error_bars = {};  ///< none until find_error_bars()
 };
 
 /// Colours by view direction, texel by texel.
@@ -47,7 +47,7 @@ struct FittedByView {
 using FittedViewBasis = FittedByView<ViewBasisFit>;
 using FittedSg = FittedByView<SgFit>;
 
-/// The dataset that was fitted: the caller's, who keeps it; or one of the fit's own.
+/// The dataset that was fitted: the caller's, who keeps it; or one that the fit owns.
 class FittedDataset {
 public:
     FittedDataset() = default;
@@ -81,7 +81,7 @@ Contestant contestant_of(Fitted& fitted);
 /// The trivial baseline, of the views, sides, space and samples that this fit used. The dataset must outlive it.
 Fitted baseline_of(Fitted& fitted);
 const char* baseline_name(const Fitted& fitted);
-/// Of a synthetic dataset, else empty: its materials, and how far the fit is from their parameters.
+/// Empty unless the dataset is synthetic: its materials, and how far the fit is from their parameters.
 SurfaceParts surface_parts(Fitted& fitted);
 std::vector<MaterialErrors> truth_errors(Fitted& fitted);
 /// Whether it shows the surface under any lamp.
@@ -89,7 +89,7 @@ bool takes_light(const Fitted& fitted);
 /// Finds how far noise moves the fit (cpu/texel_covariance.h, cpu/vertex_covariance.h), which truth_errors() and, of
 /// the views that will be shown, contestant_of() say from then on. Throws UserError where a model has no error bars.
 void find_error_bars(Fitted& fitted, std::span<const View> shown);
-/// As maps, once they are found; until then it writes nothing.
+/// Writes error bars as maps, once they are found; until then nothing.
 void write_error_bars(const std::filesystem::path& folder, Fitted& fitted);
 /// As write_fit() of fit/fit_folder.h.
 void write_fit(const std::filesystem::path& folder, Fitted& fitted,

@@ -33,7 +33,7 @@ bool small(const Dataset& dataset, const FitRequest& request) {
     return total_bytes(plan(dataset, request, views_to_count_samples_on).memory) <= available_memory() / 2;
 }
 
-/// The first family's that has one.
+/// The quick fit of the first family that has one.
 std::optional<FitRequest> quick_fit() {
     for (const Family* family : families()) {
         if (family->quick().empty()) continue;
@@ -44,7 +44,7 @@ std::optional<FitRequest> quick_fit() {
     return {};
 }
 
-/// Of every eighth training photograph, as stored, predicted with its gain by a fit of the others.
+/// Error of every eighth training photograph, as stored, predicted with its gain by a fit of the others.
 double error_left_out(const Dataset& dataset, const FitRequest& request) {
     FinishedFit done = family_of(request).fit(dataset, request);
     Dataset left_out = dataset;

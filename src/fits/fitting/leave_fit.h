@@ -16,7 +16,7 @@ void require_result(const FitRecord& fit, const Dataset& dataset);
 /// Writes everything that a fit leaves into one folder. `begun`: its provenance. Throws as Fitted::write() does.
 void save_fit(const std::filesystem::path& folder, FinishedFit& done, const FitRequest& request, const Record& begun);
 
-/// Where a fit goes, and what is wanted of it besides.
+/// Where a fit goes, and what else is wanted of it.
 struct FitTarget {
     std::string out;
     bool covariance = false;  ///< maps of standard deviations

@@ -14,7 +14,7 @@
 #include "fitting/fit_options.h"
 
 /// Rows of the table of a fit's options. `member` is a member of FitRequest, or a function that finds one in it: in()
-/// of members of members, own() of those of a family's own options.
+/// finds members of members, own() those of the options of a single family.
 namespace radiafit::fits::rows {
 
 /// As JSON; names may be no UTF-8.
@@ -33,7 +33,7 @@ template <class... Members>
 auto in(Members... members) {
     return [=](auto& r) -> auto& { return (r.*....*members); };
 }
-/// A member of a family's own options, such as own(&ViewBasisOptions::rank).
+/// A member of the options of a single family, such as own(&ViewBasisOptions::rank).
 template <class Block, class Value>
 auto own(Value Block::*member) {
     return [member](auto& r) -> auto& { return r.template own<Block>().*member; };

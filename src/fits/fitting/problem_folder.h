@@ -11,7 +11,7 @@
 
 namespace radiafit::fits {
 
-/// Arrays for other people's solvers, and one JSON file that tells of them: the PROBLEMS folder of docs/problems.md, or
+/// Arrays for other people's solvers, and a JSON file that describes them: the PROBLEMS folder of docs/problems.md, or
 /// PARAMETERS. Written under a temporary name until commit(); a folder of the name that is there already is refused.
 class ProblemFolder {
 public:

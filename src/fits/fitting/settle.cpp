@@ -36,7 +36,7 @@ std::vector<Place> middles_of(const Mesh& mesh) {
     return places;
 }
 
-/// What a place may lie behind the surface that a pixel of a small image sees, which spans much of it.
+/// How far a place may lie behind the surface that a pixel of a small image sees, which spans much of it.
 double slack_of(const Mesh& mesh) {
     Vec3f low = Vec3f::Constant(1e30f), high = -low;
     for (const Vec3f& position : mesh.positions) low = low.cwiseMin(position), high = high.cwiseMax(position);
@@ -58,7 +58,7 @@ FitRequest of_model(FitRequest request, const std::string& name) {
     return request;
 }
 
-/// Of the models that suit the dataset the first that takes what is given; else the one that is fitted by default, so
+/// The first of the models that suit the dataset that takes what is given; else the one that is fitted by default, so
 /// that errors are about it, or the only one.
 std::optional<Chosen> chosen_model(const Given& given, const Dataset& dataset, const FitRequest& request) {
     std::optional<Chosen> otherwise;

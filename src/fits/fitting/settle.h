@@ -5,8 +5,8 @@
 #include "dataset/dataset.h"
 #include "fitting/fit_options.h"
 
-/// What a command line leaves open of a fit, and the dataset decides. Experiments and configs keep FitRequest's own
-/// defaults: only commands call this.
+/// What a command line leaves open of a fit, and the dataset decides. Experiments and configs keep the defaults of
+/// FitRequest: only commands call this.
 namespace radiafit::fits {
 
 /// Median over the surface of the training views that show a place; over a grid, all of them.

@@ -99,7 +99,7 @@ private:
         return request;
     }
 
-    /// Nothing where it was tried before, or no time is left for it.
+    /// Fits and judges a setting, unless it was tried before or no time is left for it.
     void attempt(const FitSetting& setting) {
         const std::string name = command_line_of(setting);
         if (std::ranges::find(names_, name) != names_.end()) return;
@@ -117,7 +117,7 @@ private:
         if (tried_) tried_(all_.back());
     }
 
-    /// Tries what stands beside the best setting, option by option; whether that led to a better one.
+    /// Tries the values next to the best setting's, option by option; whether that led to a better one.
     bool climb(const std::vector<TuneCandidate>& candidates) {
         const TriedSetting before = best();
         const std::string& model = before.setting.front().second;

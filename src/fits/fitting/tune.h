@@ -35,7 +35,7 @@ struct TriedSetting {
 
 /// Fits of the models that the dataset's kind of light allows, then of settings beside the best one's, option by
 /// option, as long as one is better by 0.02 dB and time is left. Best first. `tried`: after each. A signal ends it with
-/// what was tried so far, and comes to stand in `stopped`, if given. Throws UserError where nothing can be fitted or
+/// what was tried so far, and is stored in `stopped`, if given. Throws UserError where nothing can be fitted or
 /// judged.
 std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
                                const std::function<void(const TriedSetting&)>& tried = {},

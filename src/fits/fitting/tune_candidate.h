@@ -6,7 +6,7 @@
 
 namespace radiafit::fits {
 
-/// What is tried of an option, in order, besides where a search begins.
+/// The values of an option that a search goes through, in order, from the one that it begins with.
 struct Ladder {
     const char* option;
     std::vector<const char*> values;

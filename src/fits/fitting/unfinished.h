@@ -19,11 +19,11 @@ bool anything_unfinished(const std::filesystem::path& folder);
 /// here". Empty where it can, and where nothing is there. Throws UserError for a damaged part.
 std::string why_not_resumable(const std::filesystem::path& folder, const std::string& key);
 
-/// Says whether an earlier run left something there that this fit goes on from. What is of another fit goes; with
-/// `resume` it stays, and UserError names what differs.
+/// Says whether an earlier run left something there that this fit goes on from. What is of another fit is removed;
+/// with `resume` it stays, and UserError names what differs.
 void settle_unfinished(const std::filesystem::path& folder, const std::string& key, bool resume);
 
-/// All that radiafit wrote there; the folder, too, unless it holds something else.
+/// Removes all that radiafit wrote there; the folder, too, unless it holds something else.
 void remove_unfinished(const std::filesystem::path& folder);
 
 }  // namespace radiafit::fits

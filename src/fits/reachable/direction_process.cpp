@@ -43,7 +43,7 @@ DirectionProcess moved(DirectionProcess process, const Parameters& step) {
     return process;
 }
 
-/// Over chunks of places, added up in their order.
+/// Sums over chunks of places, added up in their order.
 Evidence evidence_of_all(const DirectionProcess& process, const std::vector<SeenColours>& places) {
     constexpr size_t chunk = 32;
     std::vector<Evidence> parts((places.size() + chunk - 1) / chunk);

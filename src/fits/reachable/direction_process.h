@@ -21,7 +21,7 @@ struct SeenColours {
 /// directions v and w
 ///     k(v, w) = level + amplitude (1 + r + r^2 / 3) exp(-r),    r = sqrt(5) |v - w| / length    (Matern's of
 ///     smoothness 5/2);
-/// samples have noise besides.
+/// samples have noise in addition.
 struct DirectionProcess {
     Vec3d mean = Vec3d::Constant(0.5);
     double level = 0.04;      ///< variance of what all directions share

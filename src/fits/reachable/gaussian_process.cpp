@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint64_t draw_seed = 1;
 
-/// Every so many of a texel's samples are kept, which makes so many.
+/// Every stride_of()-th of a texel's samples is kept: kept_of() of them, at most most_samples.
 size_t stride_of(size_t samples) {
     const size_t most = GaussianProcessTexels::most_samples;
     return std::max<size_t>(1, (samples + most - 1) / most);
@@ -83,7 +83,7 @@ private:
     std::vector<SeenTexel> texels_;
 };
 
-/// Of texels drawn evenly from those that some camera sees.
+/// Colours of texels drawn evenly from those that some camera sees.
 std::vector<SeenColours> drawn_texels(TileReader& reader, const TriangleAtlas& atlas, const SampleList& samples,
                                       int count) {
     std::vector<SeenColours> out;

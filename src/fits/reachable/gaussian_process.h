@@ -23,7 +23,7 @@ public:
     /// Of samples as interpolated_samples() gives them. The dataset must outlive it.
     GaussianProcessTexels(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                           const GaussianProcessOptions& options = {});
-    /// As seen from `eye`, the posterior mean: the process's own where nothing was seen.
+    /// As seen from `eye`, the posterior mean: the process's mean where nothing was seen.
     Vec3f colour(uint32_t texel, const Vec3f& eye) const;
     const DirectionProcess& process() const { return process_; }
 
@@ -40,8 +40,8 @@ private:
     std::vector<Kept> kept_;
 };
 
-/// Of these views. Throws UserError for a dataset that no light field map could be fitted to. The dataset must outlive
-/// the contestant.
+/// From these views. Throws UserError for a dataset that no light field map could be fitted to. The dataset must
+/// outlive the contestant.
 Contestant gaussian_process_of(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space,
                                const GaussianProcessOptions& options = {});
 

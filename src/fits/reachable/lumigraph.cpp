@@ -15,13 +15,13 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_penalty = 1e-9;  // of a photograph from the eye itself, which then counts alone
 
-/// Between two unit vectors; accurate where it is small.
+/// The angle between two unit vectors; accurate where it is small.
 double angle_between(const Vec3d& a, const Vec3d& b) { return 2 * std::asin(std::min(1.0, 0.5 * (a - b).norm())); }
 
 /// By how much the direction to a point so far away turns, at most, within a radius.
 double widest_turn(double radius, double distance) { return std::asin(std::min(1.0, radius / distance)); }
 
-/// Of a point within an image: to the nearest of its borders, pixels.
+/// From a point within an image to the nearest of its borders, in pixels.
 double distance_to_border(double x, double y, const TargetImage& image) {
     return std::min({x, y, image.width - x, image.height - y});
 }

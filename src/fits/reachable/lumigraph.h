@@ -35,7 +35,7 @@ public:
         double weight;  ///< all add up to 1
         Vec3f colour;
     };
-    /// Of what a pixel of the camera sees, of least penalty first; none if no photograph shows it.
+    /// The photographs of what a pixel of the camera sees, least penalty first; none if no photograph shows it.
     std::vector<Part> parts(const Camera& camera, const RasterPixel& pixel) const;
     /// rgb [height][width][3] out. What no photograph shows has the mean colour of all photographs.
     void shade(const Camera& camera, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const;

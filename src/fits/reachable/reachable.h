@@ -11,8 +11,8 @@ namespace radiafit::fits {
 struct ReachableModel {
     const char* name;   ///< at the command line and in configs
     const char* words;  ///< in texts
-    /// Of these views; takes the dataset's mesh and cameras, which must outlive the contestant. Throws UserError for a
-    /// dataset that no light field map could be fitted to.
+    /// Made from these views; takes the dataset's mesh and cameras, which must outlive the contestant. Throws UserError
+    /// for a dataset that no light field map could be fitted to.
     Contestant (*of)(const Dataset& dataset, const std::vector<uint32_t>& views, TargetSpace space);
 };
 std::span<const ReachableModel> reachable_models();

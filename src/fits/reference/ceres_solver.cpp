@@ -99,7 +99,7 @@ public:
         add(row);
         return row.cost <= enough_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
     }
-    /// Of both kinds of summary.
+    /// Takes what both kinds of Ceres' summaries have.
     void end(const std::vector<ceres::IterationSummary>& all, ceres::TerminationType termination, double initial_cost) {
         // line searches report no row that ends them
         for (size_t i = now_->error.size(); i < all.size(); ++i) add(all[i]);

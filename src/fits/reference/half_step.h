@@ -20,7 +20,7 @@ struct Smoothness {
     explicit Smoothness(const MapNeighbours& map);
 };
 
-/// Of surface maps, for the sides that a fit's have.
+/// The smoothness of surface maps, for each side that a fit has.
 class TileSmoothness {
 public:
     explicit TileSmoothness(const LfmOptions& model);
@@ -48,7 +48,7 @@ public:
     /// x holds the present values. Bit c of the result: lane c's A isn't positive definite; no lane of x is changed
     /// then.
     unsigned solve(const LfmOptions& o, V* x);
-    /// Of A and the bounds that the last solution is beyond.
+    /// The factor of A with the bounds that the last solution is beyond.
     const LaneCholesky& factor() const { return factor_; }
 
 private:

@@ -104,7 +104,7 @@ private:
         }
         return 0;
     }
-    /// From columns [first, past) of `rows` rows of the rest, the product of the panel's.
+    /// Subtracts the product of the panel's columns from columns [first, past) of `rows` rows of the rest.
     template <size_t rows>
     void subtract(size_t i, size_t first, size_t past) {
         V f[rows][panel];

@@ -14,7 +14,7 @@
 
 namespace radiafit::fits {
 
-/// One vertex's three light field mapping problems (one per channel, in lanes), in double and with samples of its own:
+/// One vertex's three light field mapping problems (one per channel, in lanes), in double and with copies of samples:
 /// what the reference solvers read. Parameters are a vertex's part of LfmLayout's order, a texel's term per lane:
 ///     surface maps [ring position][tile texel][term], view map [view texel][term]
 struct LfmVertex {

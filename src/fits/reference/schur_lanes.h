@@ -45,7 +45,7 @@ private:
     };
     static void broadcast(const F& x, Narrow& to) { to = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3); }
     static void broadcast(const F& x, Wide& to) {
-        const auto twice = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3);  // in one step GCC 12 goes by memory
+        const auto twice = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3);  // in one step GCC 12 uses memory
         to = __builtin_shufflevector(twice, twice, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     }
     template <class Register>
@@ -86,7 +86,7 @@ private:
         }
     }
 
-    /// As many of `most` registers as stand before the diagonal, or on it.
+    /// Multiplies as many of `most` registers as lie before the diagonal, or on it.
     template <class Register, size_t most>
     void multiply_up_to(size_t m, size_t n) {
         const size_t left = (m + per_line - n) / columns_of<Register>;

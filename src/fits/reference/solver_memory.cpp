@@ -87,7 +87,7 @@ uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, CeresMe
         doubles = double(s.samples * (s.surface + look_up) + s.maps * s.surface_texels * (s.terms + 1) * s.surface +
                          view_penalties + 2 * s.view_map * s.view_map + 2 * s.maps * s.surface * s.surface);
     if (memory == CeresMemory::vectors) doubles = 50 * n;  // L-BFGS keeps 20 pairs of vectors
-    constexpr double of_a_block = 800;                     // of residuals, in Ceres' own structures
+    constexpr double of_a_block = 800;                     // of residuals, in Ceres' structures
     const double bytes = doubles * sizeof(double) + double(s.samples + texels) * of_a_block;
     return uint64_t(std::min(bytes, 1e15));  // times any number of threads it stays within 64 bits
 }

@@ -56,7 +56,7 @@ public:
     Hull(const Hull&) = delete;
     Hull& operator=(const Hull&) = delete;
 
-    /// Delaunay triangles of xy [count][2], orientation as it comes.
+    /// Delaunay triangles of xy [count][2], in either orientation.
     std::vector<Triangle> triangulate(std::vector<double>& xy) {
         // Qt: cocircular points' cells cut into triangles; Qbb: lifted coordinate scaled; Qz: a point at infinity, so
         // that cocircular sets have a lower hull.
@@ -108,7 +108,7 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
     const double extent = std::max((high - low).maxCoeff(), 1e-300), grid = 1e-6 * extent;
     const std::vector<uint32_t> kept = distinct(points, low, grid);
 
-    // On one line, as far as doubles can tell triangles from slivers?
+    // Are all points on one line, as far as doubles can distinguish triangles from slivers?
     const auto farther = [&](const Vec2d& from) {
         return [&](uint32_t a, uint32_t b) { return (points[a] - from).norm() < (points[b] - from).norm(); };
     };
@@ -133,7 +133,7 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
         const double area = twice_area(points[t[0]], points[t[1]], points[t[2]]);
         if (std::abs(area) < 1e-12 * extent * extent) continue;  // a sliver along the hull
         if (area < 0) std::swap(t[1], t[2]);
-        // Qhull's order of facets is its own: begin with the least corner, then sort.
+        // Qhull's order of facets is arbitrary: begin with the least corner, then sort.
         std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
         triangles_.push_back(t);
         for (size_t i = 0; i < 3; ++i) {
@@ -143,7 +143,7 @@ Triangulation::Triangulation(std::span<const Vec2d> points) : points_(points.beg
     }
     std::sort(triangles_.begin(), triangles_.end());
     std::sort(sides.begin(), sides.end());
-    for (size_t i = 0; i < sides.size(); ++i) {  // one of a triangle alone stands once
+    for (size_t i = 0; i < sides.size(); ++i) {  // the side of a single triangle is there once
         const bool as_before = i > 0 && sides[i] == sides[i - 1];
         const bool as_next = i + 1 < sides.size() && sides[i] == sides[i + 1];
         if (!as_before && !as_next) border_.push_back(sides[i]);

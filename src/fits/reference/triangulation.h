@@ -11,7 +11,7 @@
 namespace radiafit::fits {
 
 /// Delaunay triangulation of scattered points in the plane, for piecewise linear interpolation of what is known at
-/// them (by Qhull). Points in one cell of a grid of 1e-6 of the set's extent are one: the first stands for all.
+/// them (by Qhull). Points in one cell of a grid of 1e-6 of the set's extent are one: the first represents all.
 class Triangulation {
 public:
     /// At least one point, all finite; std::invalid_argument otherwise. Points on one line have no triangles, so that
@@ -26,7 +26,7 @@ public:
     struct Weights {
         std::array<uint32_t, 3> point;
         std::array<double, 3> weight;
-        bool inside;  ///< in a triangle; else the place is outside the hull and stands for the hull's nearest point
+        bool inside;  ///< in a triangle; else outside the hull: the weights are those of the hull's nearest point
     };
     Weights at(const Vec2d& place) const;
 

@@ -36,7 +36,7 @@ Eigen::MatrixXd gram(const Eigen::MatrixXd& rows) {
     return out;
 }
 
-/// Of the largest eigenvalues of a symmetric matrix, which is given by its lower half; [size][count], descending.
+/// Eigenvectors of a symmetric matrix's largest eigenvalues, descending: [size][count]. Only its lower half is read.
 Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& symmetric, Eigen::Index count) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
     return eigen.eigenvectors().rowwise().reverse().leftCols(count);

@@ -8,7 +8,7 @@ namespace radiafit::fits {
 struct VarproOptions {
     int iterations = 25;        ///< trials of the view map; the first row is the start, the second the projection of it
     double stop_residual = 0;   ///< root mean square residual; 0 = off
-    double stop_change = 1e-7;  ///< relative decrease of E_t by an accepted step; the 32-bit Hessian tells little below
+    double stop_change = 1e-7;  ///< relative decrease of E_t by an accepted step; the 32-bit Hessian shows little below
 };
 
 /// Throws UserError for the paper's bounds penalty, and for more than 1024 view parameters.

@@ -23,7 +23,7 @@ struct VertexRun {
     };
     Channel channel[3];
     bool joint = false;               ///< the channels went side by side on one clock, not one after another
-    double setup_s = 0;               ///< spent before: building the solver's own structures
+    double setup_s = 0;               ///< spent before: building the solver's structures
     double (*clock)() = wall_time_s;  ///< what times are taken with
 
     /// Seconds until all channels had done `rows` rows, or as many as they have; set-up not counted.

@@ -22,7 +22,7 @@ struct SgFit : FitRecord {
     ColourSum colours;              ///< of all samples; not stored with the fit
 };
 
-/// Where parameters stand in images.
+/// Where parameters are stored in images.
 std::vector<TexelMap> sg_maps(int lobes);
 
 /// As those of fit/fit_folder.h.

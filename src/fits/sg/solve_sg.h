@@ -29,7 +29,7 @@ void check_options(const SgOptions& options);
 
 constexpr int sg_parameters(int lobes) { return 3 + 6 * lobes; }
 
-/// Of the colours of all samples; exact, so that parts of a surface add up to the whole.
+/// The sum of all samples' colours; exact, so that parts of a surface add up to the whole.
 struct ColourSum {
     std::array<uint64_t, 3> rgb{};  ///< of Sample::rgb
     uint64_t samples = 0;
@@ -49,14 +49,14 @@ struct SgSolution {
     ColourSum colours;
 };
 
-/// Of every texel the parameters of least 1/2 sum over samples of w |y - m(v)|^2 and prior: d about the triangle's mean
-/// colour, a about 0, lobes about the normal and lambda = 5. From greedy starts by batched Levenberg-Marquardt
+/// For every texel the parameters of least 1/2 sum over samples of w |y - m(v)|^2 and prior: d about the triangle's
+/// mean colour, a about 0, lobes about the normal and lambda = 5. From greedy starts by batched Levenberg-Marquardt
 /// (cpu/texel_fit.h). `up`: as view_frame()'s. The same for any number of threads. `journal` keeps triangles that are
 /// finished.
 SgSolution solve_sg(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up,
                     const SgOptions& options, Journal* journal = nullptr);
 
-/// Gives texels of triangles that no image shows this colour, as solve_sg() does by the mean of its own samples.
+/// Gives texels of triangles that no image shows this colour, where solve_sg() gives the mean of its samples.
 /// samples: SgSolution's.
 void colour_unseen(const TriangleAtlas& atlas, std::span<const uint32_t> samples, int lobes, const Vec3f& colour,
                    std::vector<float>& parameters);

@@ -18,7 +18,7 @@ using Means = Eigen::Matrix<double, view_terms, 3>;
 constexpr double common_texels = 100;  // that the common prior counts for in a block's covariance
 constexpr size_t texels_at_once = 64;  // whose sums are made one after another
 
-/// Of a texel's polynomial coefficients, each channel's: N(mean, covariance).
+/// The distribution of a texel's polynomial coefficients, in each channel: N(mean, covariance).
 struct Prior {
     Means mean = Means::Zero();
     Matrix covariance = Matrix::Identity();
@@ -80,7 +80,7 @@ private:
     Matrix precision_;
 };
 
-/// Maximization. `common`, if given, counts as so many texels of its own.
+/// Maximization. `common`, if given, counts as `common_texels` more texels.
 Prior maximized(const Prior& last, const Moments& sums, const Prior* common) {
     const double own = sums.texels, borrowed = common ? common_texels : 0;
     if (own + borrowed == 0) return last;

@@ -15,7 +15,7 @@ namespace radiafit::fits {
 struct ViewBasisOptions {
     int rank = 10;        ///< of the basis, in [1, 28]: 3 x rank numbers per texel
     double noise = 6e-4;  ///< variance of a residual, in units of white
-    int blocks = 400;     ///< of the surface with a basis of its own each, about so many; 1: one for all
+    int blocks = 400;     ///< of the surface with a separate basis each, about so many; 1: one for all
     int rounds = 8;       ///< of expectation and maximization
     int texels = 10000;   ///< that the common basis is learned from; each block's, from 200
 };
@@ -33,7 +33,7 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
 /// most_learned_from().
 std::vector<bool> learned_from(const TriangleAtlas& atlas, const ViewBasisOptions& options);
 uint64_t most_learned_from(const ViewBasisOptions& options);  ///< about so many
-/// That it holds besides samples, about.
+/// Bytes that learning holds beyond samples, about.
 uint64_t learning_bytes(const TriangleAtlas& atlas, const ViewBasisOptions& options);
 
 }  // namespace radiafit::fits

@@ -8,7 +8,7 @@
 namespace radiafit::fits {
 namespace {
 
-/// One thread's. Width: the rank, filled up with zeros to whole vectors.
+/// One thread's solver. Width: the rank, filled up with zeros to whole vectors.
 template <int Width>
 class TexelSolver {
 public:

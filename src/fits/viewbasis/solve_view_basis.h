@@ -14,7 +14,7 @@ struct ViewBasisSolution {
         : parameters(texels * size_t(rank) * 3), samples(texels), error(texels) {}
 };
 
-/// Of every texel the z of least
+/// For every texel the z of least
 ///     sum over samples of w |y - m . b - z . (u . b)|^2 + noise |z|^2,
 /// which is the mean of what prior and samples say of z, by Cholesky's decomposition of one matrix for the three
 /// channels. All arguments as learn_view_basis() had them. `journal` keeps triangles that are finished.

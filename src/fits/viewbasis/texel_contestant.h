@@ -12,8 +12,8 @@ struct ShownTexel {
 };
 inline constexpr uint32_t shown_texels = 1u << 16;
 
-/// Of fits that have colours by view direction in each texel: colour_of(texel, eye) is a texel's, seen from a camera.
-/// A pixel shows the mix of those that the look-up tells. The atlas must outlive the contestant.
+/// For fits that have colours by view direction in each texel: colour_of(texel, eye) is a texel's, seen from a camera.
+/// A pixel shows the mix of those texels that the look-up names. The atlas must outlive the contestant.
 template <class ColourOf>
 Contestant texel_contestant(const TriangleAtlas& atlas, SurfaceLookup lookup, TargetSpace space, ColourOf colour_of) {
     const auto shade = [&atlas, find = TexelLookup(atlas, lookup), colour_of](

@@ -15,7 +15,7 @@ Frame view_frame(const Vec3f& normal, const Vec3f& up);
 inline Vec3f view_direction(const Frame& frame, const Vec3f& position, const Vec3f& eye) {
     return frame.to_local((eye - position).normalized());
 }
-/// Of a sample seen in this direction: the cosine with the normal, at least a little.
+/// The weight of a sample seen in this direction: the cosine with the normal, at least a little.
 inline float view_sample_weight(const Vec3f& direction) {
     return ViewText::view_weight({direction.x(), direction.y(), direction.z()});
 }
@@ -30,9 +30,9 @@ class TexelViewReader {
 public:
     /// All arguments must outlive it.
     TexelViewReader(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples, const Vec3f& up);
-    /// Of a texel, images ascending.
+    /// What cameras see of a texel, images ascending.
     void read(uint32_t tile, uint32_t local, std::vector<TexelView>& out) const;
-    /// The same of all of a tile's texels, [texels of the tile].
+    /// The same for all of a tile's texels, [texels of the tile].
     void read(uint32_t tile, std::vector<std::vector<TexelView>>& out) const;
     const Vec3f& eye(uint32_t image) const { return eyes_[image]; }
 

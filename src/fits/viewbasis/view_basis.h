@@ -45,7 +45,7 @@ struct ViewBasis {
     std::vector<std::array<int32_t, 3>> cubes;  ///< ascending; those that hold a surface; one at least
     std::vector<float> numbers;                 ///< a BlockBasis of each cube
 
-    /// Of a place on the surface; the first where it lies in none.
+    /// The block of a place on the surface; the first where it lies in none.
     size_t block_at(const Vec3f& position) const;
     auto block(size_t i) const { return BlockBasis::Map(&numbers[i * block_size()], view_terms, 3 + rank); }
     size_t block_size() const { return size_t(view_terms) * size_t(3 + rank); }

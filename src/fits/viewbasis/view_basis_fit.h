@@ -25,7 +25,7 @@ struct ViewBasisFit : FitRecord {
 std::string description_of(const ViewBasis& basis);
 /// The same the other way round; throws std::runtime_error or what nlohmann throws.
 ViewBasis described_basis(const std::string& json);
-/// Where z stands in images.
+/// Where z is stored in images.
 std::vector<TexelMap> maps_of(const ViewBasis& basis);
 
 /// As those of fit/fit_folder.h.

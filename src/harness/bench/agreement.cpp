@@ -19,7 +19,7 @@ double distance(double value, const ExactSum& exact) {
     return difference <= least ? 0 : exact.magnitude > 0 ? difference / exact.magnitude : infinite;
 }
 
-/// Of one site, of entries [begin, end).
+/// The largest distance at one site, whose entries are [begin, end).
 double worst_of(const std::vector<float>& values, const std::vector<ExactSum>& exact, size_t begin, size_t end) {
     double worst = 0;
     for (size_t i = begin; i < end; ++i) worst = std::max(worst, distance(double(values[i]), exact[i]));

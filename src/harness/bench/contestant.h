@@ -18,26 +18,26 @@ public:
     virtual std::vector<double> fit(int iterations) = 0;
 
     static constexpr int most_times = 8;  ///< of run()
-    /// So that run() can follow; not to be timed. A fit that has gone far begins anew, for problems that have ended are
+    /// Makes ready for run(); not to be timed. A fit that has gone far is begun anew, for problems that have ended are
     /// passed over.
     virtual void prepare(Pass pass, int times) = 0;
-    /// So many times one after another; the device is done on return.
+    /// Runs the pass `times` times one after another; the device is done on return.
     virtual void run(Pass pass, int times) = 0;
     virtual bool has(Pass pass) const = 0;
     /// Seconds spent so far on reading images and handing them to the device.
     virtual double streaming_s() const { return 0; }
-    /// Of one run.
+    /// The load of one run.
     virtual PassLoad load(Pass pass) = 0;
 };
 
 /// What an EngineContestant cannot ask an engine.
 struct EngineHooks {
     std::function<void()> wait = {};          ///< until the device is done, if it is another one
-    std::function<void()> distribute = {};    ///< if that is a pass of its own
+    std::function<void()> distribute = {};    ///< if that is a separate pass
     std::function<PassLoad(Pass)> load = {};  ///< if its programs declare none
 };
 
-/// An engine that stands on nothing but itself.
+/// An engine that needs nothing but itself.
 template <class E>
 struct OnOpenGl {
     E engine;
@@ -45,12 +45,12 @@ struct OnOpenGl {
     explicit OnOpenGl(Args&&... args) : engine(std::forward<Args>(args)...) {}
 };
 
-/// Of a device that runs fragment programs: images from host memory, each handed over in every sweep.
+/// For a device that runs fragment programs: images from host memory, each handed over in every sweep.
 inline FragmentOptions fragment_options(Device device) {
     return {.passes = device == Device::paper_passes ? Passes::paper : Passes::combined};
 }
 
-/// Conjugate gradients by an engine; `Owner` holds one and all that it stands on, as member `engine`.
+/// Conjugate gradients by an engine; `Owner` holds it, as member `engine`, and all that it needs.
 template <class Owner>
 class EngineContestant : public TimedDevice {
 public:

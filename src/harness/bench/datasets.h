@@ -10,8 +10,8 @@
 
 namespace radiafit::harness {
 
-/// The synthetic datasets of a scale, in a temporary folder that goes with this (TMPDIR says where; in /dev/shm they
-/// stay in memory). Engines keep no images but in memory, and read each once.
+/// The synthetic datasets of a scale, in a temporary folder that is removed with this (TMPDIR says where; in /dev/shm
+/// they stay in memory). Engines keep no images but in memory, and read each once.
 class BenchDatasets {
 public:
     /// Throws UserError for an unknown scale.

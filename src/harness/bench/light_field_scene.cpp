@@ -13,7 +13,7 @@
 namespace radiafit::harness {
 namespace {
 
-/// What engines hold of a map besides its numbers: every fourth one of LfmLayout's order.
+/// Values in LfmLayout's order without its padding, which is every fourth.
 template <class T>
 std::vector<T> without_padding(const std::vector<T>& values) {
     std::vector<T> out;
@@ -89,7 +89,7 @@ private:
     SampleList distribute() const {
         return build_sample_list(dataset_, atlas_, views_, worker_pointers(raster_distributors(atlas_)));
     }
-    /// Of compute shaders that distribute in every sweep; images from host memory.
+    /// Compute shaders that distribute in every sweep; images from host memory.
     template <class Made>
     std::unique_ptr<Made> redistributing(Device device, const LfmOptions& options) const {
         const auto accumulate = device == Device::scattering ? Accumulate::scatter_fixed : Accumulate::gather;

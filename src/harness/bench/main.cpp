@@ -41,8 +41,8 @@ void list_all() {
     if (!found && !signs.advice.empty()) fmt::print("no graphics chip by OpenGL: {}\n", signs.advice);
 }
 
-/// Null where no device needs one. Throws UserError where a chip that is there could not be had, and nobody asked for
-/// software.
+/// Null where no device needs a context. Throws UserError where a chip exists but could not be used, and software was
+/// not asked for.
 std::unique_ptr<Context> open_context(const BenchOptions& options) {
     if (std::ranges::none_of(options.devices, needs_opengl)) return nullptr;
     auto context = Context::create(options.context);
@@ -141,7 +141,7 @@ Record record_of(Record record, const BenchOptions& options, const std::vector<D
     return record;
 }
 
-/// As experiments have it: what a software renderer's times are of is the processor.
+/// Named as experiments name it: a software renderer's times are those of the processor.
 std::string folder_of(const Context* context, const Record& record) {
     if (!context) return fmt::format("{}, {} threads", record.cpu, thread_count());
     return context->software() ? context->renderer() + ", " + record.cpu : context->renderer();

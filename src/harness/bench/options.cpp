@@ -20,7 +20,7 @@ namespace {
 const std::vector<std::string> scales = {"smoke", "standard", "paper"};
 const std::vector<std::string> platforms = {"egl", "osmesa"};
 
-/// Those behind a name of the command line.
+/// The devices behind a name of the command line.
 const std::vector<std::pair<std::string, std::vector<Device>>> groups = {
     {"cpu", {Device::cpu, Device::one_thread}},
     {"fragment", {Device::paper_passes, Device::combined_passes}},

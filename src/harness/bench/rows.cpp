@@ -58,7 +58,7 @@ void write_peaks(const BenchResults& results, const ResultFolder& folder) {
     rows.commit();
 }
 
-/// Of what a pass takes, the share of the peak of the same round; median over the rounds.
+/// The rate of a pass as a share of the peak of the same round; median over the rounds.
 std::optional<double> share(const std::optional<double>& amount, const std::vector<double>& seconds, Device device,
                             double DevicePeaks::*rate, const std::vector<Peaks>& peaks) {
     if (!amount) return std::nullopt;

@@ -29,7 +29,7 @@ struct BenchResults {
     std::vector<Timed> timed = {};
     std::vector<Peaks> peaks = {};  ///< [repetition]
     std::string renderer;           ///< of OpenGL's devices
-    std::string processor;          ///< of the others
+    std::string processor;          ///< of the devices without OpenGL
 };
 
 void write_rows(const BenchResults& results, const ResultFolder& folder);

@@ -21,7 +21,7 @@ using ExactText = texel_text::lafortune<double>;
 using Texels = TexelBatches<Text>;
 constexpr size_t per_texel = Texels::N;  // parameters
 
-/// The CPU's samples. Texels stand in another order there: texel_of[i] is its i-th.
+/// The CPU's samples. Texels are in another order there: texel_of[i] is its i-th.
 struct Batches {
     std::vector<Texels::Batch> batches;
     std::vector<uint32_t> texel_of;

@@ -15,7 +15,7 @@ struct DevicePeaks {
     double operations = 0, reads = 0, bytes = 0;
 };
 using Peaks = std::map<Device, DevicePeaks>;
-/// Of these devices; for those of OpenGL a context must be current.
+/// The peaks of these devices; for those of OpenGL a context must be current.
 Peaks measure_peaks(const std::vector<Device>& devices);
 
 /// Values by repetition.
@@ -28,7 +28,7 @@ struct Timed {
     std::string scene;
     Device device;
     std::unique_ptr<TimedDevice> contestant;
-    std::map<Pass, int> times = {};  ///< runs of a measurement: as many as take long enough to tell
+    std::map<Pass, int> times = {};  ///< runs of a measurement: as many as take long enough to time
     std::map<Pass, Series> series = {};
 };
 

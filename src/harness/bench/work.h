@@ -5,12 +5,12 @@
 #include "fragment/pass_runner.h"
 
 /// What passes over samples take: what fragment programs declare, or of the CPU and of compute shaders the least that
-/// there is: the model's own arithmetic (a multiply-add is two operations), every sample once in each order that the
+/// there is: the model's arithmetic (a multiply-add is two operations), every sample once in each order that the
 /// pass reads, and vectors of parameters once. A penalty, addresses and what is read again are not in it.
 namespace radiafit::harness {
 
 struct PassLoad {
-    std::optional<double> operations = {}, reads = {}, bytes = {};  ///< none where that is not told
+    std::optional<double> operations = {}, reads = {}, bytes = {};  ///< none where that is not known
 };
 
 /// How a device keeps what it reads.

@@ -22,7 +22,7 @@ std::vector<std::string> commands_of(const CLI::App& app) {
     return names;
 }
 
-/// Of a command and of all that it stands below.
+/// The options of a command and of all commands above it.
 std::vector<std::string> options_of(const CLI::App& app) {
     std::vector<std::string> names;
     for (const CLI::App* at = &app; at; at = at->get_parent())
@@ -78,7 +78,7 @@ CommandOption& CommandOption::group(const std::string& name) {
 CommandLine::CommandLine(const std::string& name, const std::string& about, const std::string& version)
     : own_(std::make_unique<CLI::App>(about, name)), app_(own_.get()) {
     if (!version.empty()) app_->set_version_flag("--version", version);
-    app_->fallthrough();  // its options may stand behind a command
+    app_->fallthrough();  // its options may come after a command
 }
 CommandLine::CommandLine(CLI::App& app) : app_(&app) {}
 CommandLine::~CommandLine() = default;

@@ -30,7 +30,7 @@ std::string plain_name(const std::string& names);
 struct OptionDescription {
     std::vector<std::string> names;    ///< "-o", "--output"; of a positional argument its name
     std::string type, default_text;    ///< "INT", "FLOAT", "TEXT", "NAME"; empty of a flag
-    std::string help, group;           ///< group: empty for the command's own
+    std::string help, group;           ///< group: in --help; empty for options in none
     std::vector<std::string> choices;  ///< where values are names
     bool positional = false, required = false;
 };
@@ -47,7 +47,7 @@ public:
     CommandOption& choices(std::vector<std::string> names);  ///< for completions: values that there are
     CommandOption& required();
     CommandOption& excludes(const std::string& other);  ///< an option of the same command, named before
-    CommandOption& hide_default();                      ///< of one that stands for "not given"
+    CommandOption& hide_default();                      ///< of a default that means "not given"
     CommandOption& group(const std::string& name);      ///< of --help
 
 private:
@@ -64,7 +64,7 @@ public:
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
-    /// One of its commands has to be given. Lives as long as this.
+    /// Adds a command, of which one has to be given. It lives as long as this.
     CommandLine& add_command(const std::string& name, const std::string& about);
     /// What runs once the whole command line is read, if this command is in it.
     void on_run(std::function<void()> run);
@@ -73,12 +73,12 @@ public:
     /// the nearest name that exists, and the cure; and whatever a command throws.
     bool parse(int argc, const char* const* argv);
     CommandDescription describe() const;
-    /// Whether an option stands in the command line.
+    /// Whether an option is in the command line.
     bool given(const std::string& name) const;
 
     // Names are "--name", "-n,--name", or without a dash of a positional argument. Values are written while the command
     // line is parsed, and must outlive that.
-    /// Hands over what stands in the command line.
+    /// Gives `read` the option's text in the command line.
     CommandOption add(const std::string& name, const std::string& type, const std::string& default_text,
                       const std::string& help, const std::function<void(const std::string&)>& read);
     /// Any text.
@@ -112,7 +112,7 @@ public:
             value = text;
         });
     }
-    /// A name that stands for something.
+    /// A name for one of several values.
     template <class Choice>
     CommandOption add_choice(const std::string& name, Choice& value,
                              std::vector<std::pair<std::string, Choice>> choices, const std::string& help) {

@@ -49,7 +49,7 @@ std::string bash_completion(const CommandDescription& program) {
     std::string paths, values, lists;
     for_commands(program, [&](const CommandDescription& command, const std::string& path) {
         if (!path.empty()) paths += fmt::format("{}\"{}\"", paths.empty() ? "" : " | ", path);
-        // the program's own options may stand behind a command
+        // the program's options may come after a command
         std::vector<std::string> names = option_names(command);
         if (!path.empty())
             for (const std::string& name : option_names(program))

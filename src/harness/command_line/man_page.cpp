@@ -55,7 +55,7 @@ void add_options(std::string& out, const CommandDescription& command) {
     }
 }
 
-/// A command, or those that stand below it. `before`: "radiafit import".
+/// A command, or those below it. `before`: "radiafit import".
 void add_command(std::string& out, const CommandDescription& command, const std::string& before) {
     const std::string name = before + " " + command.name;
     out += fmt::format(".SS {}\n{}.\n", escaped(name), escaped(command.about));

@@ -50,7 +50,7 @@ constexpr ColumnType work() { return {{ColumnKind::work}}; }
 constexpr ColumnType exact(const char* format = "{}") { return {{ColumnKind::exact}, format}; }
 /// PSNR is written with four digits: its last one may round the other way.
 constexpr ColumnType decibels(const char* format) { return {{ColumnKind::absolute, 1e-4, "dB"}, format, "dB"}; }
-/// Of what stops on its way.
+/// PSNR of fits that are stopped on their way.
 constexpr ColumnType rough_decibels(const char* format) { return {{ColumnKind::absolute, 0.01, "dB"}, format, "dB"}; }
 /// Shares of problems, texels or vertices: one in a thousand may fall on the other side of a threshold.
 constexpr ColumnType shares(const char* format) { return {{ColumnKind::absolute, 1e-3}, format, "share"}; }
@@ -62,7 +62,7 @@ constexpr ColumnType errors(const char* format, double tolerance = 1e-4) {
 constexpr ColumnType iterations(const char* format = "{}") {
     return {{ColumnKind::iterations, 1}, format, "iterations"};
 }
-/// Of such counts.
+/// Ratios of such counts of iterations.
 constexpr ColumnType ratios(const char* format) { return {{ColumnKind::relative, 0.01}, format}; }
 constexpr ColumnType times(const char* format) { return {{ColumnKind::time}, format, "s"}; }
 constexpr ColumnType memory() { return {{ColumnKind::memory}, "{}", "bytes"}; }
@@ -75,7 +75,7 @@ inline constexpr bool partial = true;
 
 }  // namespace columns
 
-/// Neighbours that are told in one line.
+/// Neighbouring columns that are described in one line.
 struct Columns {
     const char* spaced_names;  ///< between blanks; "*" is any number of columns, named where the file is written
     ColumnType type;
@@ -102,7 +102,7 @@ public:
     bool covers(std::string_view file) const;
     /// The rule of a column; null if there is none.
     const ColumnRule* rule(std::string_view column) const;
-    /// Of a file with `several` columns in place of "*".
+    /// The header of a file with `several` columns in place of "*".
     std::vector<std::string> header(const std::vector<std::string>& several) const;
 
 private:

@@ -314,7 +314,7 @@ std::vector<Cell> compare_runs(const RunPair& pair) {
                                         ((has_run_file(a, name) ? a : b).folder / name).string(), a.experiment,
                                         rows_folder));
         const bool here = has_run_file(a, name), there = has_run_file(b, name);
-        // read in any case, so that a damaged file is told
+        // read in any case, so that a damaged file is reported
         const std::vector<KeyedRows> before = rows_of(pair.before, name, *rules),
                                      after = rows_of(pair.after, name, *rules);
         if (here != there) {

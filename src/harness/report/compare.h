@@ -8,7 +8,7 @@
 #include "report/columns.h"
 #include "report/finished_runs.h"
 
-/// Two runs of an experiment, figure by figure: what differs, what got slower, and what cannot be told
+/// Two runs of an experiment, figure by figure: what differs, what got slower, and what cannot be decided
 /// (docs/compare.md).
 namespace radiafit::harness {
 
@@ -18,7 +18,7 @@ const char* to_string(Verdict verdict);  ///< "DIFFERENT", …; of added "NEW"
 bool is_worse(Verdict verdict);
 
 /// Runs of one experiment to hold side by side, each side the newest first. The first are compared; the others, which
-/// repeat them, tell by how much times differ anyhow.
+/// repeat them, show by how much times differ from run to run.
 struct RunPair {
     std::vector<RunRecord> before, after;
 };
@@ -28,7 +28,7 @@ struct Pairing {
     std::vector<std::string> only_before, only_after;  ///< "EXPERIMENT (PROFILE, DEVICE)" without a partner
 };
 
-/// Of each experiment whose name contains `only`: the newest runs of each device and profile that both sides have, or,
+/// For each experiment whose name contains `only`: the newest runs of each device and profile that both sides have, or,
 /// if they share none, the newest of either. Both newest first.
 Pairing pair_runs(std::span<const RunRecord> before, std::span<const RunRecord> after, const std::string& only = "");
 
@@ -57,8 +57,8 @@ struct TimeJudgement {
     std::optional<Interval> interval = {};
     std::string reason = {};
 };
-/// `run_to_run`: the factor by which times of one program differ from run to run, where the timings are of one run
-/// each; 1 where each is of a run of its own. Unclear where it isn't known.
+/// `run_to_run`: the factor by which times of one program differ from run to run, where each side's timings are
+/// of one run; 1 where each timing is of a separate run. Unclear where it isn't known.
 TimeJudgement judge_times(const std::vector<double>& before, const std::vector<double>& after,
                           std::optional<double> run_to_run);
 

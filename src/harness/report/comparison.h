@@ -21,7 +21,7 @@ struct Comparison {
 /// Throws UserError as compare_runs() does.
 Comparison compare(RunPair runs);
 
-/// Cells of one file with the same verdict, told in one line: of one column, or without figures of theirs.
+/// Cells of one file with the same verdict, reported in one line: of one column, or of any where cells have no figures.
 struct CellGroup {
     std::vector<const Cell*> cells;
     std::vector<std::string> columns;

@@ -14,7 +14,7 @@ namespace radiafit::harness {
 /// Throws UserError where AtomicFile does.
 class CsvWriter {
 public:
-    /// Throws std::logic_error for an empty header, or a name that is empty or stands twice.
+    /// Throws std::logic_error for an empty header, or a name that is empty or occurs twice.
     CsvWriter(std::filesystem::path path, std::vector<std::string> header);
     /// As many fields as the header has names, or std::logic_error.
     void row(const std::vector<std::string>& fields);
@@ -34,7 +34,7 @@ public:
     /// Throws for an unreadable file, an unfinished quote, a row whose length differs from the header's, or a last line
     /// without its line break.
     explicit CsvTable(std::filesystem::path path);
-    /// Of a file's bytes that were read by other means.
+    /// From a file's bytes that were read by other means.
     CsvTable(std::filesystem::path path, std::string bytes);
 
     const std::vector<std::string>& header() const { return header_; }

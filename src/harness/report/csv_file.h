@@ -33,7 +33,7 @@ inline IntervalEnds ends_of(const std::optional<Interval>& interval) {
     return interval ? IntervalEnds{interval->low, interval->high} : IntervalEnds{};
 }
 
-/// Nothing in place of what is no number.
+/// The value; nothing where it is not a number.
 inline std::optional<double> unless_nan(double value) {
     return std::isnan(value) ? std::nullopt : std::optional(value);
 }

@@ -33,7 +33,7 @@ bool whole(const std::string& image, const std::string& terminal) {
 /// The image's bytes. They come through a pipe: gnuplot says nothing of a file that the disk did not take whole.
 std::string draw(const fs::path& script, const std::string& terminal,
                  const std::vector<std::pair<std::string, std::string>>& variables) {
-    // Neither a terminal nor settings of the user's own.
+    // Without the user's terminal and settings.
     std::vector<std::string> command = {"env", "-u", "GNUTERM", "gnuplot", "-d"};
     const auto define = [&command](const std::string& name, const std::string& value) {
         command.insert(command.end(), {"-e", assignment(name, value)});

@@ -15,7 +15,7 @@ struct RunRecord {
     std::string renderer = {};  ///< OpenGL's, where it made rows
     std::string caption = {};   ///< of its figure; empty in older runs
     int cores = 0, threads = 0;
-    bool standard = true;                            ///< by the checkout's own config file, with nothing set beside
+    bool standard = true;                            ///< by the checkout's config file, with nothing else set
     std::map<std::string, std::string> config = {};  ///< resolved, values as JSON
     std::map<std::string, std::string> files = {};   ///< what row_files.h knows each by; empty: no list was made
 
@@ -33,10 +33,10 @@ struct RunRecord {
     }
 };
 
-/// Of a run's own folder. Throws UserError for a run.json that is missing, damaged, or of an older version.
+/// The run whose folder this is. Throws UserError for a run.json that is missing, damaged, or of an older version.
 RunRecord read_run(const std::filesystem::path& folder);
 
-/// A run's own folder, or all standard runs in a folder up to three levels down (EXPERIMENT/DEVICE/RUN); hidden
+/// The run whose folder this is, or all standard runs in it up to three levels down (EXPERIMENT/DEVICE/RUN); hidden
 /// folders, in which runs are under way or were broken off, left out. The newest first. Throws UserError: no such
 /// folder, no run, rows without their run.json, or one that is damaged.
 std::vector<RunRecord> find_runs(const std::filesystem::path& folder);

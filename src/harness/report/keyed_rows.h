@@ -20,12 +20,12 @@ std::string shown(const RowKey& key);
 /// The rows of one file of a run by their keys.
 class KeyedRows {
 public:
-    /// Throws UserError, naming the file: for columns without a rule, columns that stand twice, and rows with the same
+    /// Throws UserError, naming the file: for columns without a rule, columns that occur twice, and rows with the same
     /// keys which are no repetitions.
     KeyedRows(const RunRecord& run, const std::string& name, const RowFile& rules);
 
     const CsvTable& table() const { return table_; }
-    const std::vector<RowKey>& order() const { return order_; }  ///< keys, as their first rows stand in the file
+    const std::vector<RowKey>& order() const { return order_; }  ///< keys, in the order of their first rows in the file
     bool has(const std::string& column) const;
     /// Rows with this key; none if there are none.
     std::span<const size_t> rows(const RowKey& key) const;

@@ -90,7 +90,7 @@ std::string rms_range(const ProblemPicture& p) {
 }  // namespace
 
 void draw_problems(const ProblemPicture& picture, const std::filesystem::path& stem) {
-    const AtomicFolder work(stem.string() + "-maps");  // goes again
+    const AtomicFolder work(stem.string() + "-maps");  // never committed, so it is removed at the end
     write_values(work.path() / "status.f32", picture.status);
     write_values(work.path() / "iterations.f32", picture.iterations);
     write_values(work.path() / "samples.f32", picture.samples);

@@ -132,7 +132,7 @@ Intrinsics read_cameras_text(const std::filesystem::path& file) {
     return cameras;
 }
 
-/// Of COLMAP's own comment "# Number of images: 24, mean observations per image: ..."; nothing of other lines.
+/// The number in COLMAP's comment "# Number of images: 24, mean observations per image: ..."; none of other lines.
 std::optional<uint64_t> announced_images(const TextFile& text, std::string_view line) {
     constexpr std::string_view words = "Number of images:";
     const size_t at = line.find(words);

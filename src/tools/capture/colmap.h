@@ -5,10 +5,10 @@
 
 namespace radiafit::tools {
 
-/// Reads cameras and images of the COLMAP model in `folder`: binary if cameras.bin and images.bin stand there (as
+/// Reads cameras and images of the COLMAP model in `folder`: binary if cameras.bin and images.bin are there (as
 /// COLMAP itself prefers), else text. Undistorted photographs only: cameras SIMPLE_PINHOLE and PINHOLE, and those with
 /// radial and tangential distortion (SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV) whose coefficients are all zero.
-/// COLMAP's conventions are Camera's own. Throws UserError that names the file (text: and the line) for anything
+/// COLMAP's conventions are those of Camera. Throws UserError that names the file (text: and the line) for anything
 /// missing, malformed, truncated, not finite, zero quaternions, names or camera ids given twice, and images of unknown
 /// cameras.
 Calibration read_colmap(const std::filesystem::path& folder);

@@ -14,8 +14,8 @@
 namespace radiafit::tools {
 namespace {
 
-constexpr double least_gain = 0.2;       // by which another frame's fit must exceed the mesh's own to be worth a word
-constexpr double nearly_as_good = 0.05;  // within this of the best fit, the plainer frame is told
+constexpr double least_gain = 0.2;       // by which another frame must fit better than the mesh as it is to be reported
+constexpr double nearly_as_good = 0.05;  // within this of the best fit, the plainer frame is reported
 
 bool is_own(const OtherFrame& frame) { return frame.scale == 1 && frame.shift.isZero() && !frame.turned_over; }
 

@@ -8,13 +8,13 @@
 #include "geometry/camera.h"
 #include "geometry/mesh.h"
 
-/// Whether a mesh stands where the photographs show the object, and if not, where it would.
+/// Whether a mesh is where the photographs show the object, and if not, where it would be.
 namespace radiafit::tools {
 
 /// What one photograph says of where the object is.
 struct Silhouette {
     Camera camera;
-    std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: nobody knows
+    std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: unknown
 };
 
 /// Counts of pixels, of one photograph or of many.
@@ -49,7 +49,7 @@ struct OtherFrame {
 /// mesh as it is. Cost: some fifteen times drawing the mesh in each view.
 OtherFrame find_other_frame(const Mesh& mesh, std::span<const Silhouette> views);
 
-/// "scaled by 0.01 it would cover 93 % of the masks: it is in another unit"; empty for a frame that is the mesh's own.
+/// "scaled by 0.01 it would cover 93 % of the masks: it is in another unit"; empty for the mesh as it is.
 std::string describe(const OtherFrame& frame, const std::string& of_what);
 
 }  // namespace radiafit::tools

@@ -24,7 +24,7 @@ constexpr double clipped = 250.0 / 255.0;  // stored value; above, the sensor's 
 constexpr float dark = 0.005f;             // linear mean; below, an 8-bit step is more than 5 % of the value
 constexpr size_t least_shared = 20;        // samples on points that other views see too
 constexpr double least_gain = 1e-6, largest_gain = 1e6;  // of a table
-constexpr int rounds = 20;                               // of reweighting; the scale settles after about ten
+constexpr int rounds = 20;                               // of reweighting; the scale converges after about ten
 
 /// Samples of the training views that take part, grouped by point.
 struct Observation {
@@ -55,7 +55,7 @@ public:
     }
     double log_gain(size_t view) const { return log_gains_[static_cast<Eigen::Index>(view)]; }
     double brightness(uint32_t point) const { return brightness_[point]; }
-    /// Views that settle a point's brightness. One view alone says nothing about gains.
+    /// The number of views that determine a point's brightness. One view alone says nothing about gains.
     size_t views_of(uint32_t point) const { return point < groups_.size() ? groups_[point].size() : 0; }
 
 private:

@@ -26,7 +26,7 @@ void normalize_gains(std::vector<double>& gains, const std::vector<uint8_t>& hel
 struct GainSample {
     uint32_t point;
     float log_value;  ///< natural logarithm of the mean linear value of the 3 x 3 pixels around it
-    std::array<float, 3> log_channels = {};  ///< likewise of its channels; not a number of one that is dark
+    std::array<float, 3> log_channels = {};  ///< the same of each channel; not a number for a dark one
 };
 
 /// Points on a mesh at which images are compared: about 20,000, spread over its triangles.
@@ -53,12 +53,12 @@ struct GainEstimate {
 
 /// Robust least squares in the logarithm: minimizes sum rho(log_value + log gain_view - m_point) over training views'
 /// gains and the points' brightness m, rho Cauchy's with its scale from the residuals. A held-out view does not take
-/// part; its gain is then the median over the points that the training views have settled.
+/// part; its gain is then the median over the points whose brightness is known from training views.
 GainEstimate estimate_gains(const std::vector<std::vector<GainSample>>& samples, const std::vector<uint8_t>& held_out);
 
 struct ChannelGainEstimate {
     std::vector<std::array<double, 3>> gains;  ///< [views], each channel's normalized
-    std::vector<size_t> guessed;               ///< likewise
+    std::vector<size_t> guessed;               ///< as in GainEstimate
 };
 /// The same channel by channel, for captures whose white balance changed, too. A view of which a channel shows too few
 /// points that are not dark has for it what estimate_gains() says.

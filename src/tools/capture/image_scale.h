@@ -14,10 +14,10 @@ const std::vector<float>& linear_table(int bits, bool linear);
 std::array<int, 2> size_within(int width, int height, int max_size);
 
 /// The image at width x height, neither larger than before: every new pixel is the mean, in linear light, of the area
-/// it covers, encoded again as the image was. Floats are averaged as they stand, and so is alpha.
+/// it covers, encoded again as the image was. Floats are averaged as they are, and so is alpha.
 ImageFile scale_down(const ImageFile& image, int width, int height);
 
-/// Likewise for a mask of 0 and 255: 255 where at least half of the area is.
+/// A mask of 0 and 255 at width x height: 255 where at least half of the area is.
 std::vector<uint8_t> scale_down_mask(const std::vector<uint8_t>& mask, int old_width, int old_height, int width,
                                      int height);
 

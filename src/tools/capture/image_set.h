@@ -31,7 +31,7 @@ ImageSetFormat learn_format(const std::filesystem::path& first, const std::strin
 std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format);
 
 /// One image in the format's encoding and size. mask: of all images, [file_height][file_width], or empty; the image's
-/// own alpha, below one half, leaves out more. Throws UserError that names file and cure for another size or depth than
+/// alpha, below one half, leaves out more. Throws UserError that names file and cure for another size or depth than
 /// the first image's, and for a pixel that is not finite; where it is left out anyway, it becomes 0.
 PackedImage read_packed(const std::filesystem::path& file, const ImageSetFormat& format,
                         const std::vector<uint8_t>& mask);

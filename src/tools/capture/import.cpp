@@ -35,7 +35,7 @@ namespace radiafit::tools {
 namespace fs = std::filesystem;
 namespace {
 
-/// Some of the photographs, spread over the list, small: enough to tell where the mesh would have to be.
+/// Some of the photographs, spread over the list, small: enough to find where the mesh would have to be.
 std::vector<Silhouette> small_silhouettes(const std::vector<Photograph>& photographs, const Calibration& model) {
     constexpr size_t most = 16;
     constexpr int side = 256;  // pixels
@@ -196,7 +196,7 @@ void pack(const std::vector<Photograph>& photographs, const std::vector<Gain>& g
     });
 }
 
-/// Of the images as they are cropped, in memory by several threads at a time.
+/// What the images need as they are cropped, in memory by several threads at a time.
 Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Encoding encoding) {
     const uint64_t mesh_bytes = 12 * mesh.vertex_count() + 13 * mesh.triangle_count();
     Needs needs{.memory = 2 * mesh_bytes, .disk = mesh_bytes};

@@ -42,8 +42,8 @@ struct ImportReport {
 ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
 
 /// The same for a NeRF's transforms.json, or the folder that has it (capture/transforms.h). `images`: what its paths
-/// are relative to; empty: its own folder. Without a rule, images of transforms_test.json beside it are held out; with
-/// one, that file is not read.
+/// are relative to; empty: the file's folder. Without a rule, images of transforms_test.json beside it are held out;
+/// with one, that file is not read.
 ImportReport import_transforms(const ImportOptions& options, const std::filesystem::path& out);
 
 /// The same for LLFF's poses_bounds.npy, or the folder that has it (capture/llff.h). `images` empty: the folder images

@@ -64,7 +64,7 @@ void check_options(const LightImportOptions& o) {
             fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
 
-/// Light files often name images by where they once were, on another system, which may not tell letter cases apart.
+/// Light files often name images by where they once were, on another system, which may not distinguish letter cases.
 fs::path find_image(const fs::path& folder, const std::vector<std::string>& found, const std::string& name,
                     const fs::path& list) {
     const std::string base = name.substr(name.find_last_of("/\\") + 1);
@@ -213,7 +213,7 @@ std::vector<Vec3f> read_normals(const LightImportOptions& o, const ImageSetForma
     return format.is_scaled() ? scale_normals(file, format) : std::move(file.normals);
 }
 
-/// What tells normals: images that are fitted, never those held out, under distant lamps.
+/// The images that normals are found from: fitted ones, never those held out, under distant lamps.
 std::vector<size_t> images_for_normals(const LightImportOptions& o, const std::vector<Source>& sources,
                                        LightImportReport& report) {
     if (!o.normals.empty() || o.lights.empty()) return {};

@@ -12,7 +12,7 @@ namespace radiafit::tools {
 struct LightImportOptions {
     std::filesystem::path images;            ///< folder; 8 or 16 bits or floats, all alike
     std::filesystem::path lights;            ///< directions to distant lamps: .lp, or one per line
-    std::filesystem::path light_positions;   ///< in its place: where near lamps stand; needs sample_width
+    std::filesystem::path light_positions;   ///< in its place: where near lamps are; needs sample_width
     std::filesystem::path names;             ///< images in the order of the lights; empty: those of the folder, sorted
     std::filesystem::path intensities;       ///< per image or one for all (see Light::intensity); empty: 1
     std::filesystem::path camera_positions;  ///< per image or one for all; empty: far away along +z. Needs sample_width

@@ -5,8 +5,8 @@
 
 #include "base/linear.h"
 
-/// Text files that say how the images of a capture were lit. Numbers of a line stand between blanks or commas; # begins
-/// a comment line. Every reader throws UserError that names file and line: missing, malformed, not finite.
+/// Text files that say how the images of a capture were lit. Numbers in a line are separated by blanks or commas; #
+/// begins a comment line. Every reader throws UserError that names file and line: missing, malformed, not finite.
 namespace radiafit::tools {
 
 struct LightFile {
@@ -15,8 +15,8 @@ struct LightFile {
 };
 
 /// By the name's ending: an RTI light file (.lp: the number of images, then an image's name, which may hold blanks, and
-/// a vector per line) or three numbers per line. Throws likewise for a zero vector, an image named twice, and an .lp
-/// file with another number of lines than it says.
+/// a vector per line) or three numbers per line. Throws UserError also for a zero vector, an image named twice, and
+/// an .lp file with another number of lines than it says.
 LightFile read_lights(const std::filesystem::path& file);
 
 /// Three numbers per line; `what` names their role, such as "camera position".

@@ -40,7 +40,7 @@ constexpr std::array<Habit, 8> habits = {{{"NAME.png", "", false, "", true},
                                           {"NAME_mask.png, without subfolders", "", false, "_mask", false},
                                           {"mask_NAME.png, without subfolders", "mask_", false, "", false}}};
 
-/// Its ending in small letters.
+/// The name with its ending in small letters.
 std::string with_lower_ending(const std::string& name) { return fs::path(name).stem().string() + lower_ending(name); }
 
 /// The pictures of one folder by their names without .png, as with_lower_ending() has them.

@@ -18,7 +18,7 @@ namespace {
     throw UserError(fmt::format("{}: {}: write it by numpy.save as a matrix of float64", file.string(), problem));
 }
 
-/// What stands behind a key of the header's Python dictionary.
+/// What follows a key of the header's Python dictionary.
 std::string_view behind(std::string_view header, std::string_view key, const std::filesystem::path& file) {
     const size_t at = header.find(key);
     if (at == std::string_view::npos) fail(file, fmt::format("the header has no {}", key));

@@ -9,7 +9,7 @@
 /// shadows, highlights and interreflections sway little.
 namespace radiafit::tools {
 
-/// Whether such lamps tell normals: three at least, and not nearly in one plane. Directions are unit.
+/// Whether such lamps determine normals: three at least, and not nearly in one plane. Directions are unit.
 bool lamps_tell_normals(std::span<const Vec3d> directions);
 
 /// The unit normal of a diffuse surface that would look most like this, z above 0; 0 where too little is lit.

@@ -79,7 +79,7 @@ size_t header_bytes(const std::filesystem::path& file, std::string_view content)
     return end + 1;
 }
 
-/// Of one entry at least: in text, every number takes a digit and a blank.
+/// Bytes of one entry at least: in text, every number takes a digit and a blank.
 uint64_t least_bytes(const PlyElement& element, PlyHeader::Format format) {
     uint64_t bytes = 0;
     for (const PlyProperty& p : element.properties)

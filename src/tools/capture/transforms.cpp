@@ -87,7 +87,7 @@ int side(const Frame& frame, const char* key, double value) {
     return static_cast<int>(value);
 }
 
-/// The size that the frame says, or else the photograph's own.
+/// The size that the frame says, or else the photograph's.
 void set_size(Camera& camera, const Frame& frame, const fs::path& photograph) {
     const auto width = frame.optional_number("w"), height = frame.optional_number("h");
     if (width && height) {
@@ -100,7 +100,7 @@ void set_size(Camera& camera, const Frame& frame, const fs::path& photograph) {
     camera.height = static_cast<int>(header.height);
 }
 
-/// In pixels along a side of so many: as it is, or of the angle that the side spans.
+/// In pixels, along a side of `pixels`: `value` itself, or found from the angle that the side spans.
 double focal_length(const Frame& frame, const char* key, double value, int pixels) {
     if (!std::string_view(key).starts_with("camera_angle")) {
         if (!(value > 0)) frame.fail(fmt::format("\"{}\" is {}, not positive", key, value));
@@ -119,7 +119,7 @@ void set_lens(Camera& camera, const Frame& frame) {
     camera.cy = frame.optional_number("cy").value_or(0.5 * camera.height);
 }
 
-/// From 3 or 4 rows of transform_matrix.
+/// Reads the pose from 3 or 4 rows of transform_matrix.
 void read_pose(Camera& camera, const Frame& frame, const Json& json) {
     const auto found = json.find("transform_matrix");
     constexpr const char* shape = "\"transform_matrix\" must be 4 rows of 4 numbers";
@@ -172,7 +172,7 @@ fs::path find_photograph(const fs::path& images, const std::string& file_path, c
                                 option_name("images")));
 }
 
-/// nerfstudio's masks, by paths from the file's own folder; empty: none.
+/// nerfstudio's masks, by paths from the file's folder; empty: none.
 fs::path find_mask(const Json& json, const fs::path& file, const Frame& frame) {
     const auto path = json.find("mask_path");
     if (path == json.end() || path->is_null()) return {};
@@ -220,7 +220,7 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
     return result;
 }
 
-/// An image that stands in both files. Another camera there would mean another photograph of the same name.
+/// For an image that is in both files. Another camera there would mean another photograph of the same name.
 void hold_out(CalibratedImage& image, const Camera& in_test, const TransformsFiles& files) {
     const Camera& camera = image.camera;
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::max(1.0, std::abs(a)); };

@@ -5,7 +5,7 @@
 
 namespace radiafit::tools {
 
-/// Where the cameras of a NeRF's transforms.json stand, and what is held out beside it.
+/// The files that hold a NeRF's cameras: transforms.json, and the held-out ones beside it.
 struct TransformsFiles {
     std::filesystem::path main;  ///< transforms.json or transforms_train.json
     std::filesystem::path test;  ///< transforms_test.json beside it; empty: there is none
@@ -16,8 +16,8 @@ TransformsFiles find_transforms(const std::filesystem::path& model);
 
 /// Reads files as NeRF, instant-ngp and nerfstudio write them: transform_matrix takes camera coordinates (x right, y
 /// up, z back, as OpenGL has them) to the world. The lens is fl_x, fl_y, or camera_angle_x, camera_angle_y in radians,
-/// cx, cy (default: the image's middle), w, h (default: the photograph's own); a frame's values go before the file's.
-/// Images of files.test are held out, those that stand in both files, too. images: the folder to which each file_path
+/// cx, cy (default: the image's middle), w, h (default: the photograph's); a frame's values go before the file's.
+/// Images of files.test are held out, those that are in both files, too. images: the folder to which each file_path
 /// is relative. A file_path may lack its ending; one that leads nowhere is looked for by its last part. Throws
 /// UserError that names file and frame for anything missing, malformed, not finite, for lenses with distortion and
 /// other projections, and for photographs that are not there.

@@ -55,7 +55,7 @@ void check_glb_target(const fs::path& file) {
             "{}: stands there and is no glTF file of radiafit; choose another name or remove it", file.string()));
 }
 
-/// A folder of ours is replaced: one with no other files than such. Throws UserError for anything else that stands
+/// A folder with no other files than `names` is ours and is replaced. Throws UserError for anything else that is
 /// there.
 void check_folder_target(const fs::path& folder, const char* what, std::span<const char* const> names) {
     std::error_code error;

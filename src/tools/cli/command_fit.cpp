@@ -48,7 +48,7 @@ void add_fit_options(CommandLine& c, FitRequest& r) {
 
 namespace {
 
-/// What a command is told beside the request's options.
+/// What a command is given in addition to the request's options.
 struct FitCommand : FitTarget {
     std::string dataset, shard;
     bool force = false, leave_out_outliers = false, resume = false;

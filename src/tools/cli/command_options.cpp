@@ -80,7 +80,7 @@ std::string takers(const FitOption& option) {
     return fmt::format("{}", fmt::join(all, ", "));
 }
 
-/// Text as it stands in a cell of a Markdown table.
+/// Text as it is written in a cell of a Markdown table.
 std::string cell(std::string text) {
     for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
     return text;

@@ -38,7 +38,7 @@ public:
     Views(const RenderOptions& options, Fitted& fitted, Pictures& pictures)
         : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(contestant_of(fitted)) {}
 
-    /// As the photograph shows it, and the sheet that compares them.
+    /// Adds the fit as a photograph shows it, and the sheet that compares the two.
     void add_photographed(const std::string& name, uint32_t view) {
         const Dataset& dataset = fitted_->dataset();
         if (!baseline_) baseline_ = baseline_of(*fitted_);

@@ -31,8 +31,8 @@ void print_table(const std::string& dataset, const std::vector<TriedSetting>& al
     fmt::print("\nradiafit fit {} {} -o {}-fit\n", dataset, command_line_of(all.front().setting), dataset);
 }
 
-/// Options of a fit that tune takes, too: every fit then has them. Fits of tune are in one piece, and go
-/// again; what they leave out to judge by is tune's own to say.
+/// Options of a fit that tune takes, too: every fit then has them. Fits of tune are in one piece and
+/// not kept; what they leave out to judge by, tune decides.
 bool may_be_fixed(const FitOption& option) {
     return option.name != "validation" && option.name != "memory" && option.name != "records";
 }

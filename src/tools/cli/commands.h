@@ -32,7 +32,7 @@ void add_completion(CommandLine& program);
 /// `status`: what the program shall end with where runs differ.
 void add_compare(CommandLine& program, int& status);
 
-/// --json, of the commands that tell results: one object on standard output, and no messages.
+/// --json, of the commands that report results: one object on standard output, and no messages.
 void add_json(CommandLine& command, bool& json);
 
 /// --force, of the commands that compare what they need with what is free.

@@ -73,7 +73,7 @@ void Pictures::add(const std::string& name, const ProblemPicture& picture) {
 }
 
 void Pictures::commit() {
-    for (const fs::path& file : checked_) check_ours(file);  // again: something may stand there by now
+    for (const fs::path& file : checked_) check_ours(file);  // again: something may be there by now
     files_.commit();
     for (const std::string& message : messages_) log_info(message);
 }

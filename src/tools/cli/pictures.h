@@ -11,7 +11,7 @@
 /// What render leaves on the disk.
 namespace radiafit::tools {
 
-/// Throws UserError where something stands at `file` that is not render's: it does not carry picture_mark, nor is it
+/// Throws UserError where there is something at `file` that is not render's: it has no picture_mark, nor is it
 /// the PNG that gnuplot draws beside an SVG that does.
 void check_ours(const std::filesystem::path& file);
 
@@ -25,7 +25,7 @@ public:
     /// background: of PNG files; EXR files have the coverage.
     explicit Pictures(const std::filesystem::path& folder, const Background& background = {});
 
-    /// Refuses a name at which one of `endings` stands and is not render's: a fit's own map, a photograph.
+    /// Refuses a name that exists with one of `endings` and is not render's: a fit's map, a photograph.
     void check(const std::string& name, std::initializer_list<const char*> endings);
     void add(const std::string& name, const LightImage& image);
     void add_sheet(const std::string& name, const ByteImage& sheet, const std::string& content);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-/// What moves along a path, and how it is told.
+/// What moves along a path, and what messages call it.
 struct Revolution {
     std::vector<View> frames;
     ClosedPath path;

@@ -34,7 +34,7 @@ const std::vector<Format>& formats() {
     return all;
 }
 
-/// As it stands in a pattern of ffmpeg's, where % begins a number.
+/// A path as it is written in a pattern of ffmpeg's, where % begins a number.
 std::string in_pattern(const std::string& path) {
     std::string out;
     for (const char c : path) out.append(c == '%' ? 2 : 1, c);
@@ -74,7 +74,7 @@ void Video::add(const LightImage& frame) {
 void Video::encode() {
     const auto format = std::ranges::find_if(formats(), [&](const Format& f) { return file_.extension() == f.ending; });
     const fs::path film = film_.path() / file_.filename();
-    // Codecs halve the resolution of colour, which asks for even sides; and colours are told apart by BT.709's matrix,
+    // Codecs halve the resolution of colour, which asks for even sides; and colours are converted by BT.709's matrix,
     // which players take for granted.
     std::vector<std::string> command = {
         "ffmpeg",
@@ -112,7 +112,7 @@ void Video::encode() {
 }
 
 void Video::commit() {
-    check_ours(file_);  // again: something may stand there by now
+    check_ours(file_);  // again: something may be there by now
     film_.commit();
     log_info(fmt::format("{}: {} frames, {} a second", file_.string(), count_, frames_per_second));
 }

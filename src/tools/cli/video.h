@@ -8,7 +8,7 @@
 namespace radiafit::tools {
 
 /// A film of 30 frames a second, .mp4 (H.264) or .webm (VP9, which can be transparent), made by ffmpeg: an optional
-/// program that is looked for on PATH when a film is asked for. It appears whole or not at all, over an earlier one of
+/// program that is looked for on PATH when a film is asked for. It is written atomically, over an earlier one of
 /// render's and over nothing else.
 class Video {
 public:

@@ -128,7 +128,7 @@ void add_image(const std::string& png, const char* name, Buffer& buffer, Json& g
 }
 
 void add_material(const SurfaceLook& look, const LookTextures& textures, Buffer& buffer, Json& gltf) {
-    // No mipmaps: they would mix triangles that stand beside each other in the texture alone.
+    // No mipmaps: they would mix triangles that are neighbours in the texture alone.
     gltf["samplers"] = Json::array({{{"magFilter", linear_filter},
                                      {"minFilter", linear_filter},
                                      {"wrapS", clamp_to_edge},

@@ -14,7 +14,7 @@ struct TextureImage {
     std::vector<float> values;  ///< [height][width][channels]
 };
 
-/// Where triangles stand in a texture that others look up linearly: as in the atlas, two share a rectangle, but each
+/// Where triangles are in a texture that others look up linearly: as in the atlas, two share a rectangle, but each
 /// has a texel around it that continues it, so that no colour of a triangle that isn't its neighbour comes in. A
 /// triangle of side n has its corners at (1, 1), (n + 1, 1), (1, n + 1) in a rectangle of (n + 3) x (n + 4) texels, the
 /// odd one turned by half a circle. All sides are the atlas's largest.
@@ -25,7 +25,7 @@ public:
 
     int width() const { return width_; }
     int height() const { return height_; }
-    /// Of the triangle's three corners, in texels from the top left corner of the texture.
+    /// The triangle's three corners, in texels from the top left corner of the texture.
     std::array<std::array<float, 2>, 3> corners(uint32_t triangle) const;
     /// Values [texels][channels] of the atlas in this layout; 0 where no triangle is.
     TextureImage bake(std::span<const float> values, int channels, SurfaceLookup lookup) const;
@@ -37,9 +37,9 @@ private:
     int side_, per_row_, width_, height_;
 };
 
-/// The corners of a triangle in the atlas's own layout, likewise.
+/// A triangle's corners in the atlas's layout, in texels from the top left corner.
 std::array<std::array<float, 2>, 3> atlas_corners(const TriangleAtlas& atlas, uint32_t triangle);
-/// Values [texels][channels] in the atlas's own layout: a grid's.
+/// Values [texels][channels] in the atlas's layout: a grid's.
 TextureImage in_layout(const Atlas& atlas, std::span<const float> values, int channels);
 
 }  // namespace radiafit::tools

@@ -22,8 +22,8 @@ struct Relight {
 /// little even where that is nothing, so that the polynomial does not go astray there. x runs right over the grid, y
 /// up.
 ///
-/// A value stands in an image as the byte 255 (value / scale + bias), with the scale and bias of each coefficient and
-/// channel that lose least, by rounding and by what lies beyond.
+/// A value is stored in an image as the byte 255 (value / scale + bias), with the scale and bias of each coefficient
+/// and channel that lose least, by rounding and by what lies beyond.
 ///
 /// view: whose camera is asked, of a dataset with a grid. Throws UserError for one without.
 Relight relight_of(const Contestant& contestant, const Dataset& dataset, const View& view, int quality);

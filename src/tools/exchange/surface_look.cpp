@@ -16,7 +16,7 @@ constexpr size_t most_cameras = 24;  // evenly among the training views, to take
 std::shared_ptr<const Atlas> not_owned(const Atlas& atlas) { return {std::shared_ptr<const void>(), &atlas}; }
 
 Vec3f not_below_zero(const Vec3f& colour) {
-    return colour.unaryExpr([](float x) { return std::max(0.0f, x); });  // not-a-number comes to 0, too
+    return colour.unaryExpr([](float x) { return std::max(0.0f, x); });  // not-a-number becomes 0, too
 }
 
 /// Pixels that see the centre of each texel, in the atlas's order.

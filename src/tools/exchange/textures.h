@@ -8,7 +8,7 @@
 
 namespace radiafit::tools {
 
-/// A look as textures of one size: of a mesh in the layout of PaddedTiles, of a grid a texel for each of its own.
+/// A look as textures of one size: of a mesh in the layout of PaddedTiles, of a grid a texel for each of the grid's.
 struct LookTextures {
     std::optional<PaddedTiles> tiles;  ///< of a mesh
     TextureImage base_colour;  ///< R, G, B: linear light; of a grid with texels that aren't fitted also A, 0 or 1

@@ -18,11 +18,11 @@ struct CodedMap {
 
 /// step: of each channel. Throws UserError where the image is too large for the format.
 CodedMap code_map(const PageMap& map, const std::array<float, 3>& step);
-/// What a page gets of it: read back from the bytes, by the same sums in single precision. `like`: of which it was
-/// made.
+/// What a page gets of a coded map: read back from the bytes, by the same sums in single precision. `like`: the map
+/// that it was made from.
 PageMap decoded_map(const CodedMap& coded, const PageMap& like);
 
-/// As they are stored: the value, or its signed root.
+/// A value as it is stored: itself, or its signed root.
 float stored_number(const PageMap& map, float value);
 float number_of(const PageMap& map, float stored);
 

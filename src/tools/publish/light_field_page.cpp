@@ -29,7 +29,7 @@ LightFieldFit without_unseen(const LightFieldFit& fit, const LfmLayout& layout) 
     return out;
 }
 
-/// Of vertices: of the channel with the fewest samples, and the residuals of all three.
+/// For each vertex, the samples of the channel with the fewest, and the residual over all three.
 PageTable knowledge_of(const LightFieldFit& fit) {
     PageTable table{"vertex_knowledge", {}};
     for (size_t q = 0; q < fit.samples.size(); q += 3) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* mark = "<meta name=\"generator\" content=\"radiafit-page\">";  // stands in web/index.html
+constexpr const char* mark = "<meta name=\"generator\" content=\"radiafit-page\">";  // is in web/index.html
 constexpr const char* index_name = "index.html";
 constexpr const char* program_name = "viewer.js";
 constexpr const char* data_name = "data";

@@ -14,10 +14,10 @@ struct Page {
     uint64_t written_bytes() const;                          ///< about so many, blobs in base64
 };
 
-/// Throws UserError if something stands there that is no page of radiafit's, or that somebody added files to.
+/// Throws UserError if something is there that is no page of radiafit's, or that somebody added files to.
 void check_page_target(const std::filesystem::path& place, bool single_file);
 
-/// Into a folder, in which index.html is to be opened; or as one HTML file. Whole or not at all. Throws likewise.
+/// Into a folder, in which index.html is to be opened; or as one HTML file. Atomic. Throws as check_page_target() does.
 void write_page(const std::filesystem::path& place, bool single_file, const Page& page);
 
 /// Throws UserError where this radiafit was built without the viewer.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t channels_of_map = 3;
 
-/// In pieces of at most three channels.
+/// The maps in pieces of at most three channels.
 std::vector<TexelMap> pieces_of(std::span<const TexelMap> maps) {
     std::vector<TexelMap> out;
     for (const TexelMap& map : maps)

@@ -16,7 +16,7 @@
 /// from maps as the page has them to what the judge compares.
 namespace radiafit::tools {
 
-/// Which texture of the page a map stands in: all of one place have the same size.
+/// Which texture of the page a map is in: all of one place have the same size.
 enum class MapPlace { surface, view };
 
 /// Numbers of the fit as an image of up to three channels. Zeros stay zeros.
@@ -26,7 +26,7 @@ struct PageMap {
     ExrImage image = {};
     bool root = false;     ///< stored as signed square roots, so that small values have finer steps
     bool one_unit = true;  ///< the channels have one unit, and so one step
-    /// Of each channel as stored; 0: as fine as what it shows asks for (publish/steps.h), but not above most_step.
+    /// Each channel's step as stored; 0: as fine as what it shows asks for (publish/steps.h), but not above most_step.
     std::array<float, 3> fixed_step{};
     float most_step = std::numeric_limits<float>::infinity();
 };
@@ -60,7 +60,7 @@ Contestant kept_alive(Contestant contestant, std::shared_ptr<const void> owner);
 
 /// log2(1 + samples) and root mean square residual [texels], as a map.
 PageMap knowledge_map(const FitRecord& fit, const Atlas& atlas);
-/// Of one of 3 x samples values.
+/// The root mean square of 3 x samples residuals, whose squares have the sum 2 x error.
 float root_mean_square(float error, uint32_t samples);
 
 /// Maps of parameters [texels][numbers of all `maps`], at most three channels each: a longer one becomes several.

@@ -40,7 +40,7 @@ double values_with_chosen_steps(const PageModel& model) {
     return std::max(1.0, double(values));
 }
 
-/// Coarser until the page is small enough: a bit less of each value for 6 dB, of which it goes most of the way at once.
+/// Lowers the fidelity until the page is small enough: by 6 dB for each bit that values have to lose, less a margin.
 std::vector<CodedMap> maps_within(PageModel& model, const Dataset& dataset, const std::vector<uint32_t>& training,
                                   const PublishOptions& options, uint64_t other_bytes) {
     const auto effects = map_effects(model, dataset, training);
@@ -71,7 +71,7 @@ void add_uncertainty(Published& fit) {
     PageModel& model = fit.model;
     model.defines.emplace_back("UNCERTAINTY_MAP", std::to_string(model.maps.size()));
     model.maps.push_back(uncertainty_map(fit.fit, fit.dataset, fit.training, *model.atlas, model.most_uncertainty));
-    fit.fit.error_bars = {};  // they tell of no other views, and the judge would ask
+    fit.fit.error_bars = {};  // known for these views alone, but the judge would ask for others
 }
 
 Json scores_json(const PublishOutcome& o, double bytes_of_maps) {

@@ -21,7 +21,7 @@ struct Published {
 
 struct PublishOptions {
     double fidelity =
-        50;  ///< dB: PSNR of the page's pictures against the fit's own; less where the page would be too large
+        50;  ///< dB: PSNR of the page's pictures against the fit's; less where the page would be too large
     double megabytes = 30;  ///< of the page, at most
     int views = 8;          ///< of each split whose photographs are on the page, at most
 };
@@ -31,8 +31,8 @@ struct PublishOutcome {
     Page page;
     double fidelity = 0;  ///< dB: of pictures by the maps as the page has them, against the fit's; infinite: alike
     double psnr = 0, shown_psnr = 0, baseline_psnr = 0;  ///< of the fit, of the page's maps, of the baseline
-    Split split = Split::test;                           ///< that they are of
-    size_t photographs = 0;                              ///< of it
+    Split split = Split::test;                           ///< that these are of
+    size_t photographs = 0;                              ///< in this split
 };
 
 /// Encodes the maps, decodes them again, and has the judge compare renders of both. Throws UserError where no page of

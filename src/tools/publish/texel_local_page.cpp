@@ -9,7 +9,7 @@ namespace radiafit::tools {
 namespace {
 
 constexpr float root_step = 1.0f / 255;
-constexpr float finest_normals = 1.0f / 512;  // at least so fine, since lamps move to where no image tells of it
+constexpr float finest_normals = 1.0f / 512;  // at least so fine, since lamps move to where no image shows the error
 
 /// What a page shows: a fit with the numbers of decoded maps.
 struct Shown {

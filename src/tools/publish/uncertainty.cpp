@@ -55,7 +55,7 @@ PageMap uncertainty_map(const Contestant& fit, const Dataset& dataset, const std
         fit.error_bars(view, pixels, bars);
         for (size_t t = 0; t < pixels.size(); ++t) {
             if (pixels[t].triangle == no_triangle) continue;
-            squares[t] += bars[t].fit.squaredNorm() / 3;  // infinite where it is not told
+            squares[t] += bars[t].fit.squaredNorm() / 3;  // infinite where it is not known
             ++count[t];
         }
     }

@@ -6,7 +6,7 @@
 namespace radiafit::tools {
 namespace {
 
-/// Of every block and polynomial: the means of the three channels, then the functions, in whole entries of four.
+/// For every block and polynomial: the means of the three channels, then the functions, in whole entries of four.
 PageTable table_of(const ViewBasis& basis) {
     PageTable table{"basis_table", {}};
     const size_t columns = size_t(3 + basis.rank), entries = (columns + 3) / 4;

@@ -35,13 +35,13 @@ struct DenseReport {
     std::vector<View> views;
 };
 
-/// Writes depth and normal maps of all photographs (stereo/stereo_folder.h); the folder appears whole or not at all.
+/// Writes depth and normal maps of all photographs (stereo/stereo_folder.h); the folder is written atomically.
 /// Photographs that share no points with two others have empty maps. What is finished is kept in unfinished_depths(out)
 /// meanwhile; a run that makes the same maps goes on from it. Throws UserError.
 DenseReport compute_depths(const DenseOptions& options, const std::filesystem::path& out);
 
-/// OUT.parts/depths.journal: maps that are finished, not yet compared (base/journal.h); gone with the run that finishes
-/// all.
+/// OUT.parts/depths.journal: maps that are finished, not yet compared (base/journal.h); removed by the run that
+/// finishes all.
 std::filesystem::path unfinished_depths(const std::filesystem::path& out);
 
 }  // namespace radiafit::tools

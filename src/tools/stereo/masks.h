@@ -12,12 +12,12 @@ namespace radiafit::tools {
 /// The mask of each image of the model (capture/mask_names.h); empty if `masks` is. Throws UserError.
 std::vector<std::filesystem::path> find_mask_files(const Calibration& model, const std::filesystem::path& images,
                                                    const std::filesystem::path& masks);
-/// That of image i, [height][width], 255 = object; empty where there are no files. Throws UserError for another size
-/// than the camera's.
+/// The mask of image i, [height][width], 255 = object; empty where there are no files. Throws UserError for another
+/// size than the camera's.
 std::vector<uint8_t> load_mask(const std::vector<std::filesystem::path>& files, size_t i, const Camera& camera);
 
-/// Writes what each camera sees of the mesh, less a rim of `inset` pixels, as out/NAME.png; the folder appears whole or
-/// not at all. Throws UserError, also for two images whose names differ in the ending alone.
+/// Writes what each camera sees of the mesh, less a rim of `inset` pixels, as out/NAME.png; the folder is written
+/// atomically. Throws UserError, also for two images whose names differ in the ending alone.
 void write_mesh_masks(const Mesh& mesh, const Calibration& model, int inset, const std::filesystem::path& out);
 
 }  // namespace radiafit::tools

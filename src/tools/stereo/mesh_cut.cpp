@@ -61,7 +61,7 @@ Marks closed(const Mesh& mesh, const Marks& kept, const Marks& allowed, int ring
     return grown;
 }
 
-/// Of each vertex the least vertex of its component, through triangles that are kept.
+/// For each vertex the least vertex of its component, through triangles that are kept.
 std::vector<uint32_t> components(const Mesh& mesh, const Marks& kept) {
     std::vector<uint32_t> parent(kept.size());
     std::iota(parent.begin(), parent.end(), 0u);

@@ -17,7 +17,7 @@ constexpr float least_facing = 0.2f;  // cosine: surfaces seen more obliquely ar
 constexpr int coarsest_rounds = 4, rounds = 2;
 constexpr size_t most_sources = 16;
 
-/// Random numbers in [-1, 1) of a pixel in a round, told apart by number.
+/// Random numbers in [-1, 1) of a pixel in a round, a separate sequence for each.
 class Dice {
 public:
     Dice(uint64_t seed, size_t pixel, int round)

@@ -19,7 +19,7 @@ constexpr double texels_per_pixel = 2;
 int side_for_photographs(const Dataset& dataset) {
     constexpr int sides[] = {3, 4, 6, 8, 12};  // of side_ladder(), from where a search goes on
     const std::vector<uint32_t> training = dataset.split(false);
-    std::vector<uint32_t> some;  // they tell enough of it
+    std::vector<uint32_t> some;  // enough views to find the median
     const size_t step = std::max<size_t>(1, training.size() / 16);
     for (size_t i = 0; i < training.size(); i += step) some.push_back(training[i]);
     std::vector<double> areas = projected_areas(dataset, some);
@@ -93,7 +93,7 @@ void add_samples_of_some(const Dataset& dataset, const TriangleAtlas& atlas, con
     const uint64_t all = std::max<uint64_t>(1, atlas.used_texels());
     const uint64_t samples =
         estimate_interpolated(dataset, atlas, request, most_views).samples * std::min(texels, all) / all;
-    // Of an image and of the list, each with a group of its own at worst.
+    // A sample as its image gives it and as the list holds it, there at worst in a group by itself.
     constexpr uint64_t bytes = sizeof(Sample) + 2 * sizeof(uint32_t) + sizeof(Sample) + sizeof(SampleGroup);
     rows.push_back({"samples to learn from, about", fmt::format("of {} texels, x {} bytes", texels, bytes), samples,
                     samples * bytes + 4 * uint64_t(atlas.tile_count()), PlanRow::while_learning});

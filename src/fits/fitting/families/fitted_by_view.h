@@ -19,7 +19,7 @@
 ///     static constexpr const char* have;   // "a view basis has"
 ///     static size_t numbers(const FitRequest&);  // of a texel
 ///
-///     /// Fills what all texels have in common, and tells of it in `out`. It may look at samples of those texels alone
+///     /// Fills what all texels have in common, and reports it in `out`. It may look at samples of those texels alone
 ///     /// that looked_at() names, which is empty where it looks at none.
 ///     static std::vector<bool> looked_at(const TriangleAtlas&, const FitRequest&);
 ///     static void begin(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&,
@@ -27,14 +27,14 @@
 ///     /// Of a fit as begin() left it, the problems and the parameters, texel by texel.
 ///     static void solve(const Dataset&, const TriangleAtlas&, const SampleList&, const FitRequest&, Fit&, FitRun&);
 ///
-///     /// What parts keep besides (PartResult::own); put together, part after part, into the whole's fit; and what is
-///     /// left to do when all are there. take() may throw std::exception for a part of another fit.
+///     /// keep() stores what else a part has (PartResult::own); take() puts that into the whole's fit, part by part;
+///     /// complete() does what is left when all are there. take() may throw std::exception for a part of another fit.
 ///     static void keep(const Fit& part, PartResult& out);
 ///     static void take(const PartResult& part, Fit& whole);
 ///     static void complete(const TriangleAtlas&, Fit& whole);
 ///
-///     /// Of plans: what all texels have in common, no bytes if that is nothing; of how many texels, at most, begin()
-///     /// looks at samples; and what begin() and solve() hold besides.
+///     /// For plans: common(): what all texels have in common, no bytes if that is nothing; most_looked_at(): of how
+///     /// many texels, at most, begin() looks at samples; working(): what else begin() and solve() hold.
 ///     static PlanRow common(const FitRequest&);
 ///     static uint64_t most_looked_at(const FitRequest&);
 ///     static std::vector<PlanRow> working(const TriangleAtlas&, const FitRequest&);
@@ -45,7 +45,7 @@ template <class Model>
     throw UserError(fmt::format("{} no problems to export; choose lfm or a texel-local model", Model::have));
 }
 
-/// Of the whole surface, or of a part with the whole's normals.
+/// The atlas of the whole surface, or of a part with the whole's normals.
 std::unique_ptr<TriangleAtlas> by_view_atlas(const Dataset& dataset, const FitRequest& request);
 
 template <class Model>
@@ -80,13 +80,13 @@ FitOption noise_option();
 /// The rows, in their group.
 std::vector<FitOption> by_view_options(std::vector<FitOption> rows);
 
-/// Each texel stands alone: finer ones show more, as long as there are pixels for them. Between them colours go on.
+/// Texels are independent: finer ones show more, as long as there are pixels for them. Colours are interpolated.
 void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& request);
 /// What a search tries of them.
 Ladder noise_ladder();
 Ladder side_ladder();
 
-/// Of n numbers per texel and a row of what all have in common, but for what else the model holds.
+/// The plan for n numbers per texel and a row of what all texels have in common, without what else the model holds.
 Plan plan_by_view(const Dataset& dataset, const FitRequest& request, size_t most_views, uint64_t n, PlanRow common);
 template <class Model>
 Plan plan_of_model(const Dataset& dataset, const FitRequest& request, size_t most_views) {
@@ -96,7 +96,7 @@ Plan plan_of_model(const Dataset& dataset, const FitRequest& request, size_t mos
             plan.memory.push_back(std::move(row));
     return plan;
 }
-/// While so many of the atlas's texels are looked at alone: their samples, and what finds them.
+/// Adds rows for while only `texels` of the atlas's texels are looked at: their samples, and what finds them.
 void add_samples_of_some(const Dataset& dataset, const TriangleAtlas& atlas, const FitRequest& request,
                          size_t most_views, uint64_t texels, std::vector<PlanRow>& rows);
 

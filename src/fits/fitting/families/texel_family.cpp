@@ -41,7 +41,7 @@ FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& data
 
 const Family texel_local_models = {
     .name = "texel-local models",
-    .owns = [](const std::string& model) { return model != lfm_name; },  // those that are none are told by their reader
+    .owns = [](const std::string& model) { return model != lfm_name; },  // unknown names, too: reading one reports it
     .models =
         [] {
             std::vector<std::string> names;

@@ -24,7 +24,7 @@ void choose_device(const Ranks& ranks, FitRequest& request) {
     if (devices.size() > 1) request.context.device = devices[size_t(ranks.local_rank()) % devices.size()];
 }
 
-/// Every rank's shard comes to stand where rank 0 sees it: it may be there already, on a disk that all share.
+/// Copies every rank's shard to where rank 0 sees it, unless it is there already, on a disk that all share.
 void gather(Ranks& ranks, const std::vector<fs::path>& folders) {
     if (ranks.rank() == 0) {
         for (int from = 1; from < ranks.count(); ++from) {

@@ -7,7 +7,7 @@
 
 namespace radiafit::fits {
 
-/// A fit on all ranks, each of which calls it: a shard each, in a folder of its own in `folder`; where OpenGL is used,
+/// A fit on all ranks, each of which calls it: a shard each, in separate folders in `folder`; where OpenGL is used,
 /// on a GPU each as far as a machine has them. Returns the fit to rank 0, and nothing to the others. Whatever one of
 /// them throws ends all, after one line on standard error.
 std::optional<FinishedFit> fit_on_ranks(Ranks& ranks, const Dataset& dataset, const FitRequest& request,

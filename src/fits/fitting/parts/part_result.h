@@ -17,13 +17,13 @@ struct PartResult {
     std::vector<Status> status;
     std::vector<uint32_t> iterations, samples;
     std::vector<float> error;
-    std::vector<float> own;        ///< what its family keeps of a part besides
-    std::string own_json = "{}";   ///< likewise
+    std::vector<float> own;        ///< what else its family keeps of a part
+    std::string own_json = "{}";   ///< more of the same, as JSON
     int terms = 0, view_side = 0;  ///< of a light field map: a solver may fit a smaller one than it was asked for
     std::string run_json;          ///< of the part's solver: run_to_json()
 };
 
-/// What a run tells besides its fit, as JSON; and what runs of several parts, one after another, tell together.
+/// What else a run reports with its fit, as JSON; and the sum of that over several parts' runs, one after another.
 std::string run_to_json(const FitRun& run, const ResamplingCounts& resampling, uint64_t samples = 0);
 class RunSum {
 public:
@@ -39,7 +39,7 @@ private:
     uint64_t samples_ = 0;
 };
 
-/// One file, which appears whole or not at all (docs/formats.md). `key`: all that decides what the result is. Throws
+/// One file, written atomically (docs/formats.md). `key`: all that decides what the result is. Throws
 /// UserError when the disk is full or the folder not writable.
 void write_part_result(const std::filesystem::path& file, const std::string& key, const PartResult& result);
 /// The key of a file, of which only the beginning is read. Throws UserError where that is damaged.

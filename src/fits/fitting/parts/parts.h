@@ -14,10 +14,10 @@
 /// before, and images that can't show it are left out.
 namespace radiafit::fits {
 
-/// Of those that are fitted, by which plans estimate the samples of a part.
+/// How many of the fitted views plans look at to estimate the samples of a part.
 inline constexpr size_t views_to_count_samples_on = 8;
 
-/// A fit of its own: the part's surface, and views of which those that can't show it count as held out.
+/// A fit by itself: the part's surface, and views of which those that can't show it count as held out.
 struct Part {
     Dataset dataset;
     FitRequest request;
@@ -27,7 +27,7 @@ struct Part {
 /// Calls look(part, name) for all parts of a fit, one after another. name: of errors about it.
 using EachPart = std::function<void(const std::function<void(const PartResult& part, const std::string& name)>& look)>;
 
-/// Of a part that doesn't belong there. Throws UserError, prefixed by its name.
+/// Throws UserError for a part that doesn't belong there, prefixed by its name.
 [[noreturn]] void throw_foreign(const std::string& name);
 
 /// A dataset that is cut, and the results put together again. Both arguments of Family::divide must outlive it.
@@ -43,26 +43,26 @@ public:
     virtual PartResult solve(const Part& part) const = 0;
     /// Bytes that are held beside a part: the whole surface, what it takes to cut it, and what parts have in common.
     virtual uint64_t held_bytes() const = 0;
-    /// Bytes that learning that takes besides, samples counted on `most_views` views; 0 where there is nothing to
-    /// learn.
+    /// Bytes that learning what parts have in common takes beyond held_bytes(), samples counted on `most_views` views;
+    /// 0 where there is nothing to learn.
     virtual uint64_t learning_bytes(size_t most_views) const;
-    /// Likewise while the whole fit is put together and written, results of `parts` parts one at a time.
+    /// Bytes held while the whole fit is put together and written, results of `parts` parts one at a time.
     virtual uint64_t merge_bytes(size_t parts) const = 0;
 
     /// Puts a part in its place. Throws UserError, prefixed by `name`, if it doesn't belong there, or was there before.
     virtual void add(const PartResult& result, const std::string& name) = 0;
-    /// Of all parts. each_part: the same that were added, for what all of them together tell of one. Throws UserError
-    /// if units are missing.
+    /// The fit of all parts. each_part: the same that were added, for what follows for one from all of them together.
+    /// Throws UserError if units are missing.
     virtual FinishedFit finish(const EachPart& each_part) = 0;
 };
 
 /// The dataset with another surface, and of these views those that may show it fitted, but one at least; all others
 /// held out.
 Dataset part_dataset(const Dataset& whole, Mesh mesh, std::span<const uint32_t> views);
-/// With what belongs to the whole settled, and records in a folder of the part's own.
+/// The whole's request for a part, whose views are chosen already; with its records in a separate folder.
 FitRequest part_request(FitRequest request, std::span<const uint32_t> units);
 
-/// Of one machine, or one job: the i-th of n, from 1.
+/// The parts for one machine, or one job: the i-th of n shards, from 1.
 struct Shard {
     int index = 1, count = 1;
 };
@@ -70,9 +70,8 @@ struct Shard {
 Shard parse_shard(const std::string& text);
 
 /// Fits a shard into a folder, which keeps what is done: a run that was stopped goes on from there. In as few parts as
-/// keep within request.memory, where that is set. Throws UserError for a folder of another fit, and if no number of
-/// parts is within the memory.
-/// Throws likewise where memory or disk will not suffice, unless `force`.
+/// keep within request.memory, where that is set. Throws UserError for a folder of another fit, if no number of
+/// parts is within the memory, and, unless `force`, where memory or disk will not suffice.
 void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& shard,
                const std::filesystem::path& folder, bool force);
 inline constexpr const char* shard_json_name = "shard.json";  ///< in the folder, once all of its parts are

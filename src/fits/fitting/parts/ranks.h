@@ -16,7 +16,7 @@ public:
     virtual int rank() const = 0;
     virtual int count() const = 0;
     virtual int local_rank() const = 0;  ///< among those of this machine
-    /// From one rank to another; each send meets one receive.
+    /// Sends bytes from one rank to another; each send meets one receive.
     virtual void send(int to, std::span<const uint8_t> bytes) = 0;
     virtual std::vector<uint8_t> receive(int from) = 0;
     /// Ends the processes of all ranks.
@@ -28,7 +28,7 @@ int started_together();
 /// Null where mpirun did not start this program, or started it alone. Throws UserError where this build has no MPI.
 std::unique_ptr<Ranks> join_ranks();
 
-/// A file from rank `from` to rank 0, under the same name in rank 0's `folder`. Both call it.
+/// Sends a file from rank `from` to rank 0, under the same name in rank 0's `folder`. Both call it.
 void send_file(Ranks& ranks, const std::filesystem::path& file);
 void receive_file(Ranks& ranks, int from, const std::filesystem::path& folder);
 

@@ -78,8 +78,8 @@ void exchange(ReflectanceFit& fit, TexelResult& result) {
     fit.error.swap(result.error);
 }
 
-/// The surface's prior is learned when all parts are there, by then fitted without it; for what it changes, parts keep
-/// samples.
+/// The surface's prior is learned when all parts have been fitted, without it; parts keep the samples of texels that it
+/// changes.
 class DividedReflectance final : public DividedTexels {
 public:
     DividedReflectance(const Dataset& dataset, const FitRequest& request)

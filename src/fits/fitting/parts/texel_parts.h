@@ -8,7 +8,7 @@ class DividedTexels : public Divided {
 public:
     std::span<const Vec3f> places() const override { return places_; }
     std::span<const uint64_t> weights() const override { return weights_; }
-    /// With the whole's normals per texel: at the rim, the part's own would be others.
+    /// With the whole's normals per texel: at the rim, those of the part alone would differ.
     Part cut(std::span<const uint32_t> places) const override;
     uint64_t held_bytes() const override;
     uint64_t merge_bytes(size_t parts) const override;
@@ -20,10 +20,10 @@ protected:
 
     /// Which texel of a part's atlas its i-th unit is: a grid stays whole.
     size_t texel_in(const Part& part, size_t i) const { return dataset_->has_grid() ? part.units[i] : i; }
-    /// Of a part that was fitted: `fit` has a problem, and `all` parameters, for each texel of its atlas.
+    /// The result of a part that was fitted: `fit` has a problem, and `all` parameters, for each texel of its atlas.
     PartResult result_of(const Part& part, const FitRecord& fit, const std::vector<float>& all,
                          std::string run_json) const;
-    /// Of all parts, into the whole's fit: its problems and `all` parameters, and what tells of its request and
+    /// Puts all parts into the whole's fit: its problems and `all` parameters, and what describes its request and
     /// dataset. Throws UserError if texels are missing.
     void put_together(FitRecord& fit, std::vector<float>& all);
 
@@ -42,7 +42,7 @@ private:
     uint32_t per_place_ = 0;  ///< texels
     std::vector<Vec3f> places_;
     std::vector<uint64_t> weights_;
-    // Of parts that were added.
+    // Results of the parts that were added.
     std::vector<uint8_t> done_;  ///< [texels]
     std::vector<float> parameters_;
     FitRecord problems_;

@@ -39,7 +39,7 @@ bool of_8_bits(const Dataset& dataset, const FitRequest& request) {
            ImageStream(dataset, StreamSource::disk, request.space).bits() == 8;
 }
 
-/// Of a sample in the records of two-step, which stands in three vertices' blocks, and once more in a file in which it
+/// Bytes of a sample in the records of two-step: it is in three vertices' blocks, and once more in a file in which it
 /// waits to be sorted.
 uint64_t record_bytes(const FitRequest& request) {
     constexpr uint64_t longest_compact = 10, full = 56, waiting = 16;

@@ -26,7 +26,7 @@ std::vector<uint32_t> some_of(const std::vector<uint32_t>& views, size_t count) 
     return out;
 }
 
-/// Runs of vertices that stand side by side, as a thread takes them, spread over the mesh.
+/// Runs of consecutive vertices, as a thread takes them, spread over the mesh.
 std::vector<uint32_t> some_vertices(size_t all) {
     constexpr size_t run = 16, runs = 64;
     if (all <= run * runs) return spread(all, all);

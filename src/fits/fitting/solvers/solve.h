@@ -15,8 +15,8 @@
 #include "samples/distributor.h"
 #include "samples/texel_source.h"
 
-/// From a dataset and a choice of solver, optimizer and engine to a fit: the one way through the house, for the command
-/// line and for experiments alike.
+/// Fits a dataset by a choice of solver, optimizer and engine: the one way to do so, for the command line and for
+/// experiments alike.
 namespace radiafit::fits {
 
 /// Seconds by activity; what is not named is unaccounted.
@@ -25,7 +25,7 @@ struct FitTimes {
     double outside = 0;  ///< emptying the page cache, which is no part of the total
 };
 
-/// What a run tells besides its fit.
+/// What else a run reports with its fit.
 struct FitRun {
     Trace trace;
     FitTimes times;
@@ -85,8 +85,8 @@ struct ReflectanceOutcome : FitRun {
     ReflectanceFit fit;
     std::unique_ptr<Atlas> atlas;
     uint64_t samples = 0;  ///< pixels in texels, those that don't count included
-    /// Of a part whose request has a prior, which only the whole surface tells: the fit is one without it, and these
-    /// are the samples of its texels that are poorly_seen(), of others none.
+    /// Of a part whose request has a prior, which is known only from the whole surface: the fit is one without it, and
+    /// these are the samples of its texels that are poorly_seen(), of others none.
     TexelSamples poorly_seen;
 };
 /// Samples by texel that several fits share; `request` as those of the fits, as far as it means something here.
@@ -117,13 +117,13 @@ struct PlanRow {
         while_all = 15
     };
 };
-/// Of the stage that holds most.
+/// Bytes in the stage that holds most.
 uint64_t total_bytes(const std::vector<PlanRow>& rows);
 struct Plan {
     std::vector<PlanRow> memory, disk;  ///< disk: upper bounds, since what is written shrinks
     std::vector<PlanRow> paper;         ///< the paper's layout of the same, where it has one
 };
-/// Of the program itself with its libraries, which `radiafit --version` loads too.
+/// What the program itself takes with its libraries, which `radiafit --version` loads too.
 inline constexpr uint64_t program_bytes = 150'000'000;
 /// Samples are counted on every eighth fitted view but eight at least, or on `most_views`.
 Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views = SIZE_MAX);
@@ -131,7 +131,7 @@ Plan plan(const Dataset& dataset, const FitRequest& request, size_t most_views =
 struct PlannedSeconds {
     double distributing = 0, solving = 0;
 };
-/// By doing both for a few images and some of the vertices. Of light field maps by `stream` on the CPU, else none.
+/// By doing both for a few images and some of the vertices. For light field maps by `stream` on the CPU, else none.
 std::optional<PlannedSeconds> plan_seconds(const Dataset& dataset, const FitRequest& request);
 /// Section 6.3's accounting for a mesh: 16 bytes per texel, half of each tile unused.
 std::vector<PlanRow> paper_layout(size_t triangles, size_t vertices, int surface_side, int view_side);

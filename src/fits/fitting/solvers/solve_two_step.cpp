@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the pixels, and of what says which of them count.
+/// Over the pixels, and over what says which of them count.
 uint64_t image_checksum(const Dataset& dataset) {
     uint64_t hash = file_checksum(dataset.folder / dataset_images_name);
     for (const View& view : dataset.views) {
@@ -90,7 +90,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
         times.outside += outside.wall_s();
     }
     Stopwatch clock;
-    AtomicFolder records(folder, AtomicFolder::Existing::replace);  // goes again, unless it is to stay
+    AtomicFolder records(folder, AtomicFolder::Existing::replace);  // removed at the end, unless it is to stay
     write(records.path());
     times.distribution = clock.wall_s();
     if (!keep || stands(folder)) return read(records.path());  // another run was faster

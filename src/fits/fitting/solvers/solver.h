@@ -31,7 +31,7 @@ public:
     const VertexRings& rings;
     const std::vector<uint32_t>& views;  ///< to fit
     const IterationHook& each_iteration;
-    LfmOptions options;  ///< of the model that is fitted; a solver with a smaller one of its own says so here
+    LfmOptions options;  ///< of the model that is fitted; a solver that fits a smaller one sets it here
     FitOutcome& out;
 
     FitTask(const Dataset& dataset, const FitRequest& request, const TriangleAtlas& atlas, const VertexRings& rings,
@@ -80,12 +80,12 @@ struct Solver {
     std::optional<SolverFacts> facts = {};            ///< of solve
     void (*solve_texels)(TexelTask& task) = nullptr;  ///< a texel-local model; none: it fits no such
     std::optional<SolverFacts> texel_facts = {};      ///< of solve_texels
-    int halo = 0;  ///< how far beyond a vertex's own triangles its solution looks at samples: so many rings of them
-    /// Bytes that a thread takes for the largest vertex, besides parameters and samples; none: it holds no more.
+    int halo = 0;  ///< how far beyond a vertex's triangles its solution looks at samples: so many rings of them
+    /// Bytes that a thread takes for the largest vertex, beyond parameters and samples; null: it holds no more.
     uint64_t (*vertex_bytes)(const FitRequest& request, const VertexShape& largest) = nullptr;
 };
 std::span<const Solver> solvers();
-/// Throws UserError, telling the names that there are.
+/// Throws UserError that lists the names there are.
 const Solver& find_solver(const std::string& name);
 
 void solve_stream(FitTask& task);
@@ -104,7 +104,7 @@ void solve_texel_tiny(TexelTask& task);
 /// Where optimizers begin [texels][parameters]: for every texel the best of the model's starts.
 std::vector<float> starts_of(const TexelProblem& problem);
 
-/// What the fit tells of its request.
+/// Fills what the fit's record says of its request.
 void describe_request(const FitRequest& request, FitRecord& fit);
 
 /// Around everything that a solver of records does: calls `write(folder)` where records are wanted and not there yet,
@@ -119,12 +119,12 @@ std::string record_key(const Dataset& dataset, const FitRequest& request, const 
 /// Drops records from the page cache if so requested, and notes how much of them is there.
 void settle_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
 
-/// The context that a request names, which the run tells of.
+/// The context that a request names; `run` takes down what it is.
 std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);
-/// What an engine tells of its sweeps over images that stream, after so many seconds.
+/// Takes into `run` what an engine reports of its sweeps over images that stream. seconds: of all its work.
 void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
 
-/// For those that return problems' outcomes: E itself from E_t, and all that fit.json tells of problems.
+/// For those that return problems' outcomes: E itself from E_t, and all that fit.json says of problems.
 void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
                    std::span<const ProblemOutcome> outcomes, std::vector<float> parameters);
 

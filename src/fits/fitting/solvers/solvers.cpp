@@ -120,7 +120,7 @@ void solve_mean(FitTask& task) {
     fill_problems(task, std::move(parameters), Status::stationary, 0);
 }
 
-/// Of an optimizer over one vertex: vectors and states; its samples are few beside them.
+/// Bytes of an optimizer over one vertex: vectors and states; its samples are few beside them.
 static uint64_t vertex_work(const FitRequest& request, const VertexShape& vertex) {
     const LfmOptions& m = request.model;
     const size_t texels = vertex.maps * TriangleTile::texels_of(m.surface_side) + size_t(m.view_side * m.view_side);

@@ -1,5 +1,5 @@
 // The functions of fmt's shared library, for a program that is to run where none is: Debian packages no static one.
-// What fmt's headers leave to its library is instantiated here, as its own src/format.cc does.
+// What fmt's headers leave to its library is instantiated here, as fmt's src/format.cc does.
 #include <fmt/format-inl.h>
 
 FMT_BEGIN_NAMESPACE
