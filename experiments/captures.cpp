@@ -13,7 +13,7 @@
 #include "dataset/view_directions.h"
 #include "experiment.h"
 #include "fitting/family.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 #include "reachable/reachable.h"
 #include "report/csv_file.h"
 #include "report/table.h"
@@ -138,7 +138,7 @@ private:
     template <class Rules>
     void judge_capture(const std::string& name, const std::vector<Method>& methods, const Rules& rules_of) {
         const std::filesystem::path folder = experiment_.root() / "datasets" / "packed" / name;
-        if (!folder_stands(folder)) {
+        if (!folder_exists(folder)) {
             log_info(fmt::format("{}: not packed in datasets/packed; datasets/captures.md says how to", name));
             return;
         }
@@ -167,7 +167,7 @@ private:
             return rows.emplace_back(dataset.name, rule, method);
         };
         for (const Method& method : methods) {
-            const FitRequest request = settled_request(method.setting, dataset);
+            const FitRequest request = resolved_request(method.setting, dataset);
             FinishedFit fit = family_of(request).fit(dataset, request);
             if (&method == &methods.front()) {
                 Fitted baseline = baseline_of(fit.fit);

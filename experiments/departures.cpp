@@ -90,13 +90,13 @@ Departure step(const std::string& id, const std::string& without, int left_out) 
 
 const Departure none = {"", "all mends", [](FitRequest&) {}};
 const Departure plain_sum = {"M5", "E a plain sum, the same lambda",
-                             [](FitRequest& r) { r.model.mends.normalized = false; }, "sum"};
+                             [](FitRequest& r) { r.model.corrections.normalized = false; }, "sum"};
 
 /// density: mean of S-bar.
 Departure plain_sum_and_weight(double density) {
     return {"M5", "E a plain sum, lambda times its mean growth",
             [=](FitRequest& r) {
-                r.model.mends.normalized = false;
+                r.model.corrections.normalized = false;
                 r.model.lambda_surface *= float(density);
                 r.model.lambda_view *= float(density);
             },
@@ -108,11 +108,11 @@ std::vector<Departure> of_conjugate_gradients(double density) {
             step("M1", "Eq. 7 as printed", WITHOUT_SIGN),
             step("M2", "no Gauss-Newton curvature where d'Hd <= 0", WITHOUT_GAUSS_NEWTON),
             step("M3", "beta of Eq. 8 where d climbs", WITHOUT_DOWNHILL),
-            {"M4", "no penalties in d'Hd", [](FitRequest& r) { r.model.mends.penalty_curvature = false; }},
+            {"M4", "no penalties in d'Hd", [](FitRequest& r) { r.model.corrections.penalty_curvature = false; }},
             plain_sum,
             plain_sum_and_weight(density),
-            {"M6", "one lambda for both kinds of maps", [](FitRequest& r) { r.model.mends.scaled_lambda_view = false; },
-             "one lambda"},
+            {"M6", "one lambda for both kinds of maps",
+             [](FitRequest& r) { r.model.corrections.scaled_lambda_view = false; }, "one lambda"},
             step("S1", "a problem ends when its error rises", WITHOUT_RETRY),
             {"S4", "mu = 1", [](FitRequest& r) { r.mu = 1; }, "mu"}};
 }

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 bool is_checkout(const fs::path& folder) {
-    return folder_stands(folder / "experiments") && folder_stands(folder / "paper_figs");
+    return folder_exists(folder / "experiments") && folder_exists(folder / "paper_figs");
 }
 
 /// The checkout that the config file lies in, or else the working folder.

@@ -6,11 +6,13 @@ Arguments: the program.
 import csv
 import json
 import math
+import pathlib
 import random
 import re
 import resource
 import shutil
 import struct
+import tempfile
 import unittest
 
 from cli_fixture import ProgramTest, read_png, take_arguments, write_capture, write_png
@@ -24,11 +26,19 @@ def strict_json(text):
 
 
 class CommandLine(ProgramTest):
+    made = None  # `star` and its `fit`, made once for all classes
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.dataset("star")
-        cls.good("fit", "star", "--model", "lfm", "-o", "fit")
+        if not CommandLine.made:
+            CommandLine.made = pathlib.Path(tempfile.mkdtemp(prefix="radiafit-cli-"))
+            unittest.addModuleCleanup(shutil.rmtree, CommandLine.made)
+            cls.dataset("star")
+            cls.good("fit", "star", "--model", "lfm", "-o", "fit")
+            shutil.copytree(cls.root, CommandLine.made, dirs_exist_ok=True)
+        else:
+            shutil.copytree(CommandLine.made, cls.root, dirs_exist_ok=True)
 
     def judge(self, fit, split="test"):
         result = self.good("judge", fit, "--json", "--split", split)
@@ -240,11 +250,11 @@ class Outliers(CommandLine):
 
 class Tune(CommandLine):
     def test_tells_a_fit_that_runs(self):
-        result = self.good("tune", "star", "--seconds", "5")
+        result = self.good("tune", "star", "--seconds", "2")
         command = result.stdout.splitlines()[-1].split()
         self.assertEqual(command[:3], ["radiafit", "fit", "star"])
         self.good(*command[1:])
-        tried = strict_json(self.good("tune", "star", "--seconds", "5", "--json").stdout)["tried"]
+        tried = strict_json(self.good("tune", "star", "--seconds", "2", "--json").stdout)["tried"]
         self.assertEqual([t["psnr"] for t in tried], sorted((t["psnr"] for t in tried), reverse=True))
         # What it tells is what a fit without the same views is worth on them.
         every = re.search(r"one in (\d+) training views", result.stdout)[1]
@@ -253,7 +263,7 @@ class Tune(CommandLine):
 
     def test_leaves_options_that_are_given_as_they_are(self):
         given = ("--model", "lfm", "--terms", "2", "--deflate")
-        result = self.good("tune", "star", *given, "--seconds", "5", "--json")
+        result = self.good("tune", "star", *given, "--seconds", "2", "--json")
         tried = [t["options"] for t in strict_json(result.stdout)["tried"]]
         self.assertGreater(len(tried), 1)
         for options in tried:

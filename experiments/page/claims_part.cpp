@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "pieces.h"
 #include "page/html_table.h"
+#include "pieces.h"
 
 namespace radiafit::harness {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "page/html_table.h"
 #include "pieces.h"
 #include "report/comparison.h"
-#include "page/html_table.h"
 
 namespace radiafit::harness {
 namespace {

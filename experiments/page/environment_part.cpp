@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/read_file.h"
-#include "pieces.h"
 #include "page/html_table.h"
+#include "pieces.h"
 
 namespace radiafit::harness {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
 
-#include "report/finished_runs.h"
 #include "page/html.h"
+#include "report/finished_runs.h"
 
 namespace radiafit::harness {
 

@@ -8,8 +8,8 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "claims_part.h"
-#include "pieces.h"
 #include "page/html_table.h"
+#include "pieces.h"
 #include "show_rows.h"
 
 namespace radiafit::harness {

@@ -2,8 +2,8 @@
 #include <span>
 
 #include "claims/findings.h"
-#include "report/experiments.h"
 #include "page/html.h"
+#include "report/experiments.h"
 
 namespace radiafit::harness {
 

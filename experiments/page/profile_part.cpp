@@ -9,11 +9,11 @@
 
 #include "base/error.h"
 #include "exhibits_part.h"
+#include "page/html_table.h"
+#include "page/performance_profile.h"
 #include "pieces.h"
 #include "report/csv.h"
 #include "report/figures.h"
-#include "page/html_table.h"
-#include "page/performance_profile.h"
 #include "report/row_files.h"
 
 namespace radiafit::harness {

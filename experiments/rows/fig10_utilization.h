@@ -18,7 +18,7 @@ inline const RowFileOf<Iteration> iterations{
      {"repetition", repetition(), "from 0", &Iteration::repetition},
      {"seconds", times("{:.5g}"), "", &Iteration::seconds},
      {"penalties_s", times("{:.5g}"), "from the last image to the finished gradient or line: penalties, and the gradient's last step", &Iteration::penalties_s},
-     {"cached_share", told("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
+     {"cached_share", shown("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
 
 struct Work {
     std::string problem, optimizer, passes;
@@ -63,7 +63,7 @@ inline const RowFileOf<Peak> peaks{
     {{"device", device(), "", &Peak::device},
      {"peak", key(), "what of", &Peak::peak},
      {"repetition", repetition(), "from 0", &Peak::repetition},
-     {"per_second", told("{:.5g}").in("1/s"), "", &Peak::per_second}}};
+     {"per_second", shown("{:.5g}").in("1/s"), "", &Peak::per_second}}};
 
 struct Bar {
     std::string problem, optimizer, passes;
@@ -81,14 +81,14 @@ inline const RowFileOf<Bar> utilization{
     "utilization.csv",
     "The bars of the figure: medians over repetitions, each by the peaks of its own round.",
     {{"problem optimizer passes", key(), as_before, &Bar::problem, &Bar::optimizer, &Bar::passes},
-     {"computation_share computation_low computation_high", told("{:.5g}").in("share"), "of the same device's peak of arithmetic, and its interval of 95 %", &Bar::computation_share,
+     {"computation_share computation_low computation_high", shown("{:.5g}").in("share"), "of the same device's peak of arithmetic, and its interval of 95 %", &Bar::computation_share,
       &Bar::computation_low, &Bar::computation_high},
-     {"bandwidth_share bandwidth_low bandwidth_high", told("{:.5g}").in("share"), "likewise of memory traffic", &Bar::bandwidth_share, &Bar::bandwidth_low, &Bar::bandwidth_high},
-     {"reads_share reads_low reads_high", told("{:.5g}").in("share"), "likewise of texture reads", &Bar::reads_share, &Bar::reads_low, &Bar::reads_high},
-     {"seconds_per_iteration", told("{:.5g}").in("s"), "median", &Bar::seconds_per_iteration},
-     {"repetitions", told(), "", &Bar::repetitions},
-     {"source", told(), "where images come from", &Bar::source},
-     {"renderer", told(), "", &Bar::renderer}}};
+     {"bandwidth_share bandwidth_low bandwidth_high", shown("{:.5g}").in("share"), "likewise of memory traffic", &Bar::bandwidth_share, &Bar::bandwidth_low, &Bar::bandwidth_high},
+     {"reads_share reads_low reads_high", shown("{:.5g}").in("share"), "likewise of texture reads", &Bar::reads_share, &Bar::reads_low, &Bar::reads_high},
+     {"seconds_per_iteration", shown("{:.5g}").in("s"), "median", &Bar::seconds_per_iteration},
+     {"repetitions", shown(), "", &Bar::repetitions},
+     {"source", shown(), "where images come from", &Bar::source},
+     {"renderer", shown(), "", &Bar::renderer}}};
 
 inline const ExperimentEntry experiment{
     .name = "fig10_utilization",

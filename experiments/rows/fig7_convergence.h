@@ -21,8 +21,8 @@ inline const RowFileOf<Problem> problems{
      {"lambda", key("{:g}"), "weight of the smoothness of both kinds of maps", &Problem::lambda},
      {"vertex channel", key(), "the problem", &Problem::vertex, &Problem::channel},
      {"best_error", errors("{:.8g}").in("E_t"), "of any solver", &Problem::best_error},
-     {"best_solver", told(), "whose it is", &Problem::best_solver},
-     {"varpro_penalty", told("{:.3g}").in("share"), "of variable projection's error, by which the paper's penalty for bounds changes it", &Problem::varpro_penalty},
+     {"best_solver", shown(), "whose it is", &Problem::best_solver},
+     {"varpro_penalty", shown("{:.3g}").in("share"), "of variable projection's error, by which the paper's penalty for bounds changes it", &Problem::varpro_penalty},
      {"*", iterations(), "each other column is a solver: to arrive", &Problem::arrived}}};
 
 struct End {
@@ -41,9 +41,9 @@ inline const RowFileOf<End> ends{
     {{"dataset vertex channel", key(), "the problem", &End::dataset, &End::vertex, &End::channel},
      {"cg_error sd_error", errors("{:.8g}").in("E_t"), "at the end", &End::cg_error, &End::sd_error},
      {"cg_iterations sd_iterations", iterations(), "to the end", &End::cg_iterations, &End::sd_iterations},
-     {"cg_at_rest sd_at_rest", told(), "1: E_t fell by less than a millionth in the last 200 iterations", &End::cg_at_rest, &End::sd_at_rest},
+     {"cg_at_rest sd_at_rest", shown(), "1: E_t fell by less than a millionth in the last 200 iterations", &End::cg_at_rest, &End::sd_at_rest},
      {"cg_minimum sd_minimum", errors("{:.8g}").in("E_t"), "where modern conjugate gradients come to from that end", &End::cg_minimum, &End::sd_minimum},
-     {"cg_minimum_at_rest sd_minimum_at_rest", told(), "1: they came to rest there", &End::cg_minimum_at_rest, &End::sd_minimum_at_rest}}};
+     {"cg_minimum_at_rest sd_minimum_at_rest", shown(), "1: they came to rest there", &End::cg_minimum_at_rest, &End::sd_minimum_at_rest}}};
 
 struct Point {
     std::string dataset, method;

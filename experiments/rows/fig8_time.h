@@ -24,7 +24,7 @@ inline const RowFileOf<Repetition> repetitions{
      {"total_s", times("{:.5g}"), "wall time", &Repetition::total_s},
      {"iteration_s", times("{:.5g}"), "of an iteration; of OpenGL the mean of those after the first", &Repetition::iteration_s},
      {"error", errors("{:.8g}").in("E_t"), "the sum over problems at the end", &Repetition::error},
-     {"cached_share", told("{:.5g}").in("share"), "of the pages read that were in the page cache", &Repetition::cached_share}},
+     {"cached_share", shown("{:.5g}").in("share"), "of the pages read that were in the page cache", &Repetition::cached_share}},
     partial};  // on a software renderer OpenGL runs fewer repetitions
 
 struct Iteration {
@@ -41,7 +41,7 @@ inline const RowFileOf<Iteration> iterations{
      {"seconds", times("{:.5g}"), "", &Iteration::seconds},
      {"streaming_s", times("{:.5g}"), "of it: reading images and handing them to OpenGL", &Iteration::streaming_s},
      {"switching_s", times("{:.5g}"), "of the same commands cut to one texel", &Iteration::switching_s},
-     {"cached_share", told("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
+     {"cached_share", shown("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
 
 struct Work {
     std::string method, optimizer;
@@ -72,16 +72,16 @@ inline const RowFileOf<Bar> times{
     {{"method optimizer threads", key(), as_before, &Bar::method, &Bar::optimizer, &Bar::threads},
      {"iterations", key(), "that the bar is for", &Bar::iterations},
      {"timed_iterations", columns::work(), "that were timed: if fewer, the rest counts as they did", &Bar::timed_iterations},
-     {"distribution_s streaming_s computation_s switching_s", told("{:.4f}").in("s"), "parts of the total", &Bar::distribution_s, &Bar::streaming_s, &Bar::computation_s, &Bar::switching_s},
-     {"remainder_s", told("{:.4f}").in("s"), "of the total that is none of these", &Bar::remainder_s},
-     {"total_s", told("{:.4f}").in("s"), "median", &Bar::total_s},
-     {"low_s high_s", told("{:.5g}").in("s"), "its interval of 95 %", &Bar::low_s, &Bar::high_s},
-     {"repetitions", told(), "", &Bar::repetitions},
+     {"distribution_s streaming_s computation_s switching_s", shown("{:.4f}").in("s"), "parts of the total", &Bar::distribution_s, &Bar::streaming_s, &Bar::computation_s, &Bar::switching_s},
+     {"remainder_s", shown("{:.4f}").in("s"), "of the total that is none of these", &Bar::remainder_s},
+     {"total_s", shown("{:.4f}").in("s"), "median", &Bar::total_s},
+     {"low_s high_s", shown("{:.5g}").in("s"), "its interval of 95 %", &Bar::low_s, &Bar::high_s},
+     {"repetitions", shown(), "", &Bar::repetitions},
      {"error", errors("{:.8g}").in("E_t"), "the sum over problems at the end", &Bar::error},
      {"agreeing_share", shares("{:.4f}"), "of the vertices whose error at the end is the CPU engine's within 1e-4", &Bar::agreeing_share},
      {"bytes_written bytes_read", memory(), "of records", &Bar::bytes_written, &Bar::bytes_read},
-     {"source", told(), "where images come from", &Bar::source},
-     {"renderer", told(), "", &Bar::renderer}}};
+     {"source", shown(), "where images come from", &Bar::source},
+     {"renderer", shown(), "", &Bar::renderer}}};
 
 inline const ExperimentEntry experiment{
     .name = "fig8_time",

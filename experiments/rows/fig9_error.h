@@ -37,7 +37,7 @@ inline const RowFileOf<Error> errors{
      {"seconds", times("{:.3f}"), "of the fit", &Error::seconds},
      {"surface_texels", exact("{:.1f}").in("texels"), "of a surface map, mean over triangles", &Error::surface_texels},
      {"texels_per_pixel", exact().in("texels"), "that triangles have for a pixel of their largest projection, where their maps differ in side; 0: they do not", &Error::texels_per_pixel},
-     {"renderer", told(), "", &Error::renderer}}};
+     {"renderer", shown(), "", &Error::renderer}}};
 
 struct Choice {
     std::string dataset, seed, method, lambda_surface, lambda_view, refills;
@@ -51,7 +51,7 @@ inline const RowFileOf<Choice> choice{
      {"lambda_surface lambda_view refills", key(), as_before, &Choice::lambda_surface, &Choice::lambda_view, &Choice::refills},
      {"validation_psnr_db", decibels("{:.4f}"), "", &Choice::validation_psnr_db},
      {"validation_ape", columns::errors("{:.4f}").in("1/255"), "", &Choice::validation_ape},
-     {"chosen", told(), "1: the best of its method", &Choice::chosen}}};
+     {"chosen", shown(), "1: the best of its method", &Choice::chosen}}};
 
 inline const ExperimentEntry experiment{
     .name = "fig9_error",

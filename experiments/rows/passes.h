@@ -21,7 +21,7 @@ inline const RowFileOf<Round> rounds{
      {"images", exact(), "distinct training images", &Round::images},
      {"samples", errors("{}"), "pixels that texels take, by the CPU's rasterizer", &Round::samples},
      {"ms_per_image_and_sweep", times("{:.6g}").in("ms"), "an iteration's time over its two sweeps and the images", &Round::ms_per_image_and_sweep},
-     {"renderer", told(), "", &Round::renderer}}};
+     {"renderer", shown(), "", &Round::renderer}}};
 
 struct Step {
     size_t step;
@@ -35,10 +35,10 @@ inline const RowFileOf<Step> ladder{
     "ladder.csv",
     "One row for each step.",
     {{"step name", key(), as_before, &Step::step, &Step::name},
-     {"median_ms", told("{:.4g}").in("ms"), "of an image and a sweep", &Step::median_ms},
-     {"low_ms high_ms", told("{:.4g}").in("ms"), "its interval of 95 %, where there are rounds enough", &Step::low_ms, &Step::high_ms},
-     {"over_previous over_first", told("{:.4g}"), "medians of ratios within a round, to the step before and to the first", &Step::over_previous, &Step::over_first},
-     {"renderer", told(), "", &Step::renderer}}};
+     {"median_ms", shown("{:.4g}").in("ms"), "of an image and a sweep", &Step::median_ms},
+     {"low_ms high_ms", shown("{:.4g}").in("ms"), "its interval of 95 %, where there are rounds enough", &Step::low_ms, &Step::high_ms},
+     {"over_previous over_first", shown("{:.4g}"), "medians of ratios within a round, to the step before and to the first", &Step::over_previous, &Step::over_first},
+     {"renderer", shown(), "", &Step::renderer}}};
 
 inline const ExperimentEntry experiment{
     .name = "passes",

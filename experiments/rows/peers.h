@@ -11,7 +11,7 @@ inline const RowFile curves{
     "One row for each point on the way: of PyTorch after every step of one descent, whose clock stands still meanwhile; of ours after fits of so many iterations each.",
     {{"setting library solver", key(), as_before},
      {"iteration", key(), ""},
-     {"seconds", told().in("s"), "of solving"},
+     {"seconds", shown().in("s"), "of solving"},
      {"psnr_db", rough_decibels(""), ""},
      {"error", errors("", 0.01).in("E_t"), "the sum over all problems"}},
     partial};
@@ -36,11 +36,11 @@ inline const RowFile peers{
      {"iterations", work(), "that were timed: to arrive, or all"},
      {"psnr_db", rough_decibels(""), "that it came to"},
      {"target_db converged_db", rough_decibels(""), "to reach, and of the converged fit"},
-     {"seconds seconds_least seconds_most", told().in("s"), "of solving, from the start values"},
-     {"times_ours times_ours_least times_ours_most", told(), "over those of our quickest solver that arrives, in the same repetition"},
-     {"setup_s setup_s_least setup_s_most", told().in("s"), "before that: ours reads images and distributes their samples; PyTorch, measured once, has the exported problems written and reads them"},
-     {"repetitions", told(), ""},
-     {"renderer", told(), ""}}};
+     {"seconds seconds_least seconds_most", shown().in("s"), "of solving, from the start values"},
+     {"times_ours times_ours_least times_ours_most", shown(), "over those of our quickest solver that arrives, in the same repetition"},
+     {"setup_s setup_s_least setup_s_most", shown().in("s"), "before that: ours reads images and distributes their samples; PyTorch, measured once, has the exported problems written and reads them"},
+     {"repetitions", shown(), ""},
+     {"renderer", shown(), ""}}};
 
 inline const ExperimentEntry experiment{
     .name = "peers",

@@ -42,7 +42,7 @@ inline const RowFileOf<Final> finals{
      {"psnr_less_fp32", decibels("{:.4f}"), "the difference to that with 32 bits", &Final::psnr_less_fp32},
      {"problems_not_finite", exact(), "that ended at no number", &Final::problems_not_finite},
      {"seconds", times("{:.3f}"), "of the fit", &Final::seconds},
-     {"renderer", told(), "", &Final::renderer}}};
+     {"renderer", shown(), "", &Final::renderer}}};
 
 inline const ExperimentEntry experiment{
     .name = "precision",

@@ -18,7 +18,7 @@ inline const RowFileOf<Fit> fits{
     "One row for each set of images, method and group of texels.",
     {{"images", key(), "noise-free or noisy", &Fit::images},
      {"method", key(), "", &Fit::method},
-     {"renderer", told(), "", &Fit::renderer},
+     {"renderer", shown(), "", &Fit::renderer},
      {"iterations", exact(), "most that the method may take", &Fit::iterations},
      {"group", key(), "of texels: by material, or by how sharp their lobes are", &Fit::group},
      {"texels", exact(), "in it that have enough samples", &Fit::texels},
@@ -37,14 +37,14 @@ inline const RowFileOf<Time> times{
     "times.csv",
     "One row for each set of images and method.",
     {{"images method", key(), as_before, &Time::images, &Time::method},
-     {"renderer", told(), "", &Time::renderer},
+     {"renderer", shown(), "", &Time::renderer},
      {"distributes", exact(), "once, before the fit; or every sweep over the images", &Time::distributes},
      {"texels samples", exact(), "that are fitted", &Time::texels, &Time::samples},
      {"distribution_s", columns::times("{:.4g}"), "of distributing once; 0 where every sweep does", &Time::distribution_s},
      {"load_s", columns::times("{:.4g}"), "of reading samples, or images, and shading them", &Time::load_s},
      {"solve_s", columns::times("{:.4g}"), "from samples at hand to parameters and their errors", &Time::solve_s},
-     {"fits_per_s", told("{:.4g}").in("1/s"), "texels over solve_s", &Time::fits_per_s},
-     {"ns_per_sample_iteration", told("{:.4g}").in("ns"), "solve_s over samples and iterations", &Time::ns_per_sample_iteration}}};
+     {"fits_per_s", shown("{:.4g}").in("1/s"), "texels over solve_s", &Time::fits_per_s},
+     {"ns_per_sample_iteration", shown("{:.4g}").in("ns"), "solve_s over samples and iterations", &Time::ns_per_sample_iteration}}};
 
 struct Part {
     std::string images, method, renderer, part;
@@ -55,7 +55,7 @@ inline const RowFileOf<Part> pictures{
     "images.csv",
     "Held-out images by the fits of each method.",
     {{"images method", key(), as_before, &Part::images, &Part::method},
-     {"renderer", told(), "", &Part::renderer},
+     {"renderer", shown(), "", &Part::renderer},
      {"part", key(), "of the surface: a material, or all", &Part::part},
      {"pixels", exact(), "that were judged", &Part::pixels},
      {"held_psnr_db", decibels("{:.4f}"), "", &Part::held_psnr_db},

@@ -23,7 +23,7 @@ inline const RowFileOf<Memory> memory{
      {"planned_bytes", columns::memory(), "what `radiafit plan` foretells", &Memory::planned_bytes},
      {"allocated_bytes", columns::memory(), "what the program counted while it asked OpenGL for textures and buffers", &Memory::allocated_bytes},
      {"opengl_bytes", columns::memory(), "of all textures and buffers, by the sizes and formats that OpenGL tells of each", &Memory::opengl_bytes},
-     {"process_bytes", told().in("bytes"), "by how much the process's resident memory grew, shaders included, where OpenGL runs in it", &Memory::process_bytes},
+     {"process_bytes", shown().in("bytes"), "by how much the process's resident memory grew, shaders included, where OpenGL runs in it", &Memory::process_bytes},
      {"paper_layout_bytes", columns::memory(), "by Section 6.3's accounting, at 32 bits", &Memory::paper_layout_bytes}}};
 
 // OpenGL's samples differ from the CPU's in some pixels, and between devices.
@@ -55,8 +55,8 @@ inline const RowFileOf<Time> time{
      {"parameters", exact(), "of the model; 0 of a distribution", &Time::parameters},
      {"repetition", repetition(), "from 0", &Time::repetition},
      {"seconds", times("{:.6g}"), "", &Time::seconds},
-     {"sweep_seconds", told("{:.6g}").in("s"), "of these, sweeps over images; empty where none stream", &Time::sweep_seconds},
-     {"renderer", told(), "", &Time::renderer}}};
+     {"sweep_seconds", shown("{:.6g}").in("s"), "of these, sweeps over images; empty where none stream", &Time::sweep_seconds},
+     {"renderer", shown(), "", &Time::renderer}}};
 
 struct Summary {
     std::string of, engine;
@@ -68,8 +68,8 @@ inline const RowFileOf<Summary> summary{
     "Medians over repetitions.",
     {{"of", key(), "a slope of logarithms, such as seconds over samples; or a ratio of times", &Summary::of},
      {"engine", key(), "as in time.csv, or with the storage of memory.csv", &Summary::engine},
-     {"median", told("{:.4f}"), "", &Summary::median},
-     {"low high", told("{:.4f}"), "its interval of 95 %; of what is counted, itself", &Summary::low, &Summary::high}}};
+     {"median", shown("{:.4f}"), "", &Summary::median},
+     {"low high", shown("{:.4f}"), "its interval of 95 %; of what is counted, itself", &Summary::low, &Summary::high}}};
 
 inline const ExperimentEntry experiment{
     .name = "scaling",

@@ -38,7 +38,7 @@ inline const RowFileOf<Vertex> vertices{
     "One row for each solver and vertex, whose three problems are solved together: what the report's performance profile is of.",
     {{"solver setting vertex", key(), "", &Vertex::solver, &Vertex::setting, &Vertex::vertex},
      {"reached", exact(), "how many of its three problems arrived", &Vertex::reached},
-     {"seconds_to_101", told("{:.6g}").in("s"), "of processor time until all three arrived, or to the end where one didn't: median of the repetitions", &Vertex::seconds_to_101}},
+     {"seconds_to_101", shown("{:.6g}").in("s"), "of processor time until all three arrived, or to the end where one didn't: median of the repetitions", &Vertex::seconds_to_101}},
     partial};
 
 struct Repetition {
@@ -70,16 +70,16 @@ inline const RowFileOf<Solver> solvers{
      {"threads", exact(), "", &Solver::threads},
      {"vertices problems", work(), "that it took", &Solver::vertices, &Solver::problems},
      {"reached_share", shares("{:.6g}"), "of the problems that arrived", &Solver::reached_share},
-     {"seconds_to_101 seconds_to_101_least seconds_to_101_most", told("{:.6g}").in("s"), "median, least and most of repetitions.csv", &Solver::seconds_to_101, &Solver::seconds_to_101_least,
+     {"seconds_to_101 seconds_to_101_least seconds_to_101_most", shown("{:.6g}").in("s"), "median, least and most of repetitions.csv", &Solver::seconds_to_101, &Solver::seconds_to_101_least,
       &Solver::seconds_to_101_most},
-     {"times_cg_modern times_cg_modern_median", told("{:.6g}"), "its seconds over modern conjugate gradients' on the same vertices, of the sums and of the median vertex", &Solver::times_cg_modern,
+     {"times_cg_modern times_cg_modern_median", shown("{:.6g}"), "its seconds over modern conjugate gradients' on the same vertices, of the sums and of the median vertex", &Solver::times_cg_modern,
       &Solver::times_cg_modern_median},
-     {"times_varpro times_varpro_median", told("{:.6g}"), "likewise over variable projection's", &Solver::times_varpro, &Solver::times_varpro_median},
+     {"times_varpro times_varpro_median", shown("{:.6g}"), "likewise over variable projection's", &Solver::times_varpro, &Solver::times_varpro_median},
      {"iterations_median", iterations("{:.6g}"), "to arrive", &Solver::iterations_median},
      {"final_over_best_median", errors("{:.6g}"), "the error at the end over the best error", &Solver::final_over_best_median},
-     {"seconds_setup", told("{:.6g}").in("s"), "of preparing the solver", &Solver::seconds_setup},
-     {"seconds_total", told("{:.6g}").in("s"), "to the end, median", &Solver::seconds_total},
-     {"repetitions", told(), "", &Solver::repetitions}}};
+     {"seconds_setup", shown("{:.6g}").in("s"), "of preparing the solver", &Solver::seconds_setup},
+     {"seconds_total", shown("{:.6g}").in("s"), "to the end, median", &Solver::seconds_total},
+     {"repetitions", shown(), "", &Solver::repetitions}}};
 
 inline const ExperimentEntry experiment{
     .name = "solvers",

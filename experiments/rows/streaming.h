@@ -18,7 +18,7 @@ inline const RowFileOf<Iteration> iterations{
      {"repetition", repetition(), "from 0", &Iteration::repetition},
      {"line_s line_streaming_s direction_s direction_streaming_s", times("{:.5g}"), "of the two halves, a sweep over the images each; of these: reading images and handing them to OpenGL",
       &Iteration::line_s, &Iteration::line_streaming_s, &Iteration::direction_s, &Iteration::direction_streaming_s},
-     {"cached_share", told("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
+     {"cached_share", shown("{:.5g}").in("share"), "of the images' pages in the page cache", &Iteration::cached_share}}};
 
 struct Bar {
     std::string problem, passes, optimizer, source;
@@ -34,12 +34,12 @@ inline const RowFileOf<Bar> times{
     {{"problem passes", key(), as_before, &Bar::problem, &Bar::passes},
      {"optimizer", key(), "sd or cg", &Bar::optimizer},
      {"source", key(), as_before, &Bar::source},
-     {"seconds_per_iteration low_s high_s", told("{:.5g}").in("s"), "median, and its interval of 95 %", &Bar::seconds_per_iteration, &Bar::low_s, &Bar::high_s},
-     {"streaming_s", told("{:.5g}").in("s"), "of reading images and handing them to OpenGL", &Bar::streaming_s},
-     {"streaming_share", told("{:.5g}").in("share"), "of the iteration", &Bar::streaming_share},
-     {"over_disk_cold", told("{:.5g}"), "the time over that from a cold disk, round by round", &Bar::over_disk_cold},
-     {"repetitions", told(), "", &Bar::repetitions},
-     {"renderer", told(), "", &Bar::renderer}}};
+     {"seconds_per_iteration low_s high_s", shown("{:.5g}").in("s"), "median, and its interval of 95 %", &Bar::seconds_per_iteration, &Bar::low_s, &Bar::high_s},
+     {"streaming_s", shown("{:.5g}").in("s"), "of reading images and handing them to OpenGL", &Bar::streaming_s},
+     {"streaming_share", shown("{:.5g}").in("share"), "of the iteration", &Bar::streaming_share},
+     {"over_disk_cold", shown("{:.5g}"), "the time over that from a cold disk, round by round", &Bar::over_disk_cold},
+     {"repetitions", shown(), "", &Bar::repetitions},
+     {"renderer", shown(), "", &Bar::renderer}}};
 
 inline const ExperimentEntry experiment{
     .name = "streaming",

@@ -67,8 +67,8 @@ TEST_F(JournalTest, NothingIsWrittenBeforeItsTimeOrWhereItIsOff) {
         off.keep(0, 1, "one");
         off.flush();
     }
-    EXPECT_FALSE(stands(folder.path() / "waiting"));
-    EXPECT_FALSE(stands(folder.path() / "off"));
+    EXPECT_FALSE(path_exists(folder.path() / "waiting"));
+    EXPECT_FALSE(path_exists(folder.path() / "off"));
 }
 
 TEST_F(JournalTest, OfACutFileTheWholeBlocksCount) {

@@ -241,7 +241,7 @@ TEST(PhotometricStereo, OutliersHaveLittleSay) {
     EXPECT_LT(median(errors), 0.2);
     EXPECT_LT(quantile(errors, 1), 1);
     EXPECT_EQ(photometric_normal(lamps, std::vector<float>(60, 0)), Vec3f(Vec3f::Zero()));
-    EXPECT_FALSE(lamps_tell_normals(std::vector<Vec3d>{Vec3d::UnitX(), Vec3d::UnitZ()}));
+    EXPECT_FALSE(lamps_give_normals(std::vector<Vec3d>{Vec3d::UnitX(), Vec3d::UnitZ()}));
 }
 
 // ---- Size ----

@@ -83,7 +83,7 @@ public:
     }
 
     // False where nothing is seen, or where the pixel is so near an edge, a cell's border or a depth tie that rounding
-    // may settle it either way.
+    // may resolve_options it either way.
     bool pixel(const Camera& camera, int x, int y, std::array<double, 3>& rgb, bool& seen) const {
         const Vec3d eye = camera.center();
         const Vec3d in_camera((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);

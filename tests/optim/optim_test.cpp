@@ -195,7 +195,7 @@ TEST(Optimizer, NegativeCurvatureFallsBackToGaussNewton) {
     EXPECT_NEAR(trace.rows.back().error, 0, 1e-12);
 }
 
-/// The paper's text without our mends.
+/// The paper's text without our corrections.
 TEST(Optimizer, MendsCanBeLeftOut) {
     const auto run = [](TinyEngine e, const OptimizerOptions& options) {
         e.reset(start);

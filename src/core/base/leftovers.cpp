@@ -17,7 +17,7 @@ namespace radiafit {
 namespace fs = std::filesystem;
 namespace {
 
-bool stands(const fs::path& path) {
+bool path_exists(const fs::path& path) {
     std::error_code error;
     return fs::exists(fs::symlink_status(path, error));
 }
@@ -84,7 +84,7 @@ fs::path follow_links(fs::path path) {
 
 void clear_leftovers(const fs::path& folder) {
     for (const Leftover& leftover : leftovers_in(folder.empty() ? fs::path(".") : folder)) {
-        if (!leftover.target.empty() && !stands(leftover.target)) {
+        if (!leftover.target.empty() && !path_exists(leftover.target)) {
             restore(leftover);
             continue;
         }
@@ -98,9 +98,9 @@ void clear_leftovers(const fs::path& folder) {
 
 void restore_interrupted(const fs::path& folder) {
     const fs::path target = follow_links(folder);
-    if (stands(target)) return;
+    if (path_exists(target)) return;
     for (const Leftover& leftover : leftovers_in(folder_of(target)))
-        if (leftover.target.filename() == target.filename() && !stands(target)) restore(leftover);
+        if (leftover.target.filename() == target.filename() && !path_exists(target)) restore(leftover);
 }
 
 }  // namespace radiafit

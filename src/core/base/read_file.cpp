@@ -62,12 +62,12 @@ std::filesystem::file_status look_at(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool stands(const std::filesystem::path& path) {
+bool path_exists(const std::filesystem::path& path) {
     const std::filesystem::file_status status = look_at(path);
     return std::filesystem::status_known(status) && std::filesystem::exists(status);
 }
 
-bool folder_stands(const std::filesystem::path& path) { return std::filesystem::is_directory(look_at(path)); }
+bool folder_exists(const std::filesystem::path& path) { return std::filesystem::is_directory(look_at(path)); }
 
 std::string read_file(const std::filesystem::path& file, const std::string& what) {
     const Descriptor opened(file);

@@ -13,7 +13,7 @@ void check_readable(const std::filesystem::path& file, const std::string& what);
 
 /// Whether something, or a folder, exists at a path or where its links lead. Throw UserError where that can't be known:
 /// no permission to look into its folder, links in a circle.
-bool stands(const std::filesystem::path& path);
-bool folder_stands(const std::filesystem::path& path);
+bool path_exists(const std::filesystem::path& path);
+bool folder_exists(const std::filesystem::path& path);
 
 }  // namespace radiafit

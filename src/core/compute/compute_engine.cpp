@@ -57,7 +57,7 @@ void ComputeEngine::make_programs() {
     }
     line_ = over(vector::p, "line.comp");
     line_.bind("direction", vectors_[vector::d].texture);
-    line_.set("penalized", int(options_.mends.penalty_curvature));
+    line_.set("penalized", int(options_.corrections.penalty_curvature));
     compile("", layout_.problem_count());
     count_bytes();
 }

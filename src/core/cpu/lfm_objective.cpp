@@ -83,7 +83,7 @@ void LfmObjective<real>::finish_line(const Scale& scale, std::span<const uint8_t
                                      LineLanes& sums) const {
     for (Lanes<double>* sum : {&sums.gauss_newton, &sums.curvature, &sums.third, &sums.fourth})
         *sum *= double(scale.inverse_density);
-    if (!options_.mends.penalty_curvature) return;
+    if (!options_.corrections.penalty_curvature) return;
     V* smooth = scratch<real>(surface_size(sides) + view_size_);
     const V lambda = broadcast3(real(options_.lambda_surface));
     V penalty{};

@@ -241,13 +241,13 @@ void check_view(const View& view, const std::string& name) {
 std::string read_dataset_file(const fs::path& file) {
     const fs::path folder = file.parent_path();
     restore_interrupted(folder);
-    if (!stands(folder))
+    if (!path_exists(folder))
         throw UserError(
             fmt::format("{}: no such folder; {}", folder.string(),
                         at_command_line("radiafit generate or import makes a dataset", "give a dataset's folder")));
-    if (!folder_stands(folder))
+    if (!folder_exists(folder))
         throw UserError(fmt::format("{}: a dataset is a folder, this is a file; give the folder", folder.string()));
-    if (!stands(file))
+    if (!path_exists(file))
         throw UserError(
             fmt::format("{}: not a packed dataset, it has no {}; {}", folder.string(), dataset_json_name,
                         at_command_line("radiafit generate or import makes one", "give a dataset's folder")));

@@ -59,7 +59,7 @@ void write_truth(const ReflectanceTruth& truth, const fs::path& folder) {
 }
 
 bool has_truth(const Dataset& dataset) {
-    return dataset.checksums.contains(std::string(truth_json_name)) || stands(dataset.folder / truth_json_name);
+    return dataset.checksums.contains(std::string(truth_json_name)) || path_exists(dataset.folder / truth_json_name);
 }
 
 ReflectanceTruth read_truth(const fs::path& folder) {

@@ -154,7 +154,7 @@ StoredFit read_fit(const fs::path& folder) {
 
 Dataset open_fitted_dataset(const FitRecord& fit, const fs::path& moved_to) {
     const fs::path path = moved_to.empty() ? fit.dataset_path : moved_to;
-    if (!stands(path))
+    if (!path_exists(path))
         throw UserError(
             fmt::format("{}: the dataset of this fit ({}) is no longer there; move it back or name its folder{}",
                         path.string(), fit.dataset_name, at_command_line(" by --dataset", "")));

@@ -42,7 +42,7 @@ void require_problems(const FitRecord& fit, size_t problems) {
 
 void require_folder(const fs::path& folder) {
     restore_interrupted(folder);
-    if (!folder_stands(folder))
+    if (!folder_exists(folder))
         throw UserError(fmt::format("{}: no such folder; {}", folder.string(),
                                     at_command_line("radiafit fit writes one", "give a fit's folder")));
 }

@@ -144,7 +144,7 @@ void MapPasses::finish_precondition(const MapSums& squares) {
 }
 
 void MapPasses::finish_directional(const MapVector& x, const MapVector& d) {
-    if (!options_.mends.penalty_curvature) return;  // the sum stays 0
+    if (!options_.corrections.penalty_curvature) return;  // the sum stays 0
     bind(penalty_curvature_, "parameters", x);
     bind(penalty_curvature_, "direction", d);
     for (int term = 0; term < shape_.terms(); ++term) {

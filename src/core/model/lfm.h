@@ -23,7 +23,7 @@ constexpr int max_terms = 16;  ///< of a light field map
 
 /// Corrections of the paper's objective (docs/paper.md, M4 to M6). All are on, unless an experiment measures what one
 /// is worth.
-struct LfmMends {
+struct LfmCorrections {
     bool penalty_curvature = true;   ///< the penalties' second derivatives are part of d'Hd
     bool normalized = true;          ///< E over S-bar
     bool scaled_lambda_view = true;  ///< lambda_view times what its gradients grow by
@@ -42,7 +42,7 @@ struct LfmOptions {
     float mu = 1;                  ///< weight of E_b, first term only
     float lower = 0, upper = 16;   ///< bounds of the first term's maps
     Loss loss = {};
-    LfmMends mends = {};
+    LfmCorrections corrections = {};
 };
 /// Throws UserError unless all is within model/limits.h, and lower < upper.
 void check_options(const LfmOptions& options);

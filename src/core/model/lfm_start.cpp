@@ -21,12 +21,12 @@ std::vector<float> lfm_start(const LfmLayout& layout, std::span<const float> mea
 }
 
 float scaled_lambda_view(const LfmOptions& o, size_t ring_texels, float mean) {
-    if (!o.mends.scaled_lambda_view) return o.lambda_view;
+    if (!o.corrections.scaled_lambda_view) return o.lambda_view;
     return o.lambda_view * float(ring_texels) / float(o.view_side * o.view_side) * std::max(mean * mean, 1e-3f);
 }
 
 double inverse_density(const LfmOptions& o, size_t ring_texels, uint32_t samples) {
-    return o.mends.normalized ? double(ring_texels) / samples : 1;
+    return o.corrections.normalized ? double(ring_texels) / samples : 1;
 }
 
 }  // namespace radiafit

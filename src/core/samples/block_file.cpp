@@ -36,7 +36,7 @@ uint64_t checksum_of(const std::vector<BlockEntry>& index) {
 
 [[noreturn]] void throw_damaged(const fs::path& file) {
     throw UserError(fmt::format("{}: {}; delete the folder {}, it is made anew", file.string(),
-                                stands(file) ? "damaged" : "missing", file.parent_path().string()));
+                                path_exists(file) ? "damaged" : "missing", file.parent_path().string()));
 }
 
 InputFile open_file(const fs::path& file) {
@@ -51,7 +51,7 @@ bool says(const Json& json, const char* name, const Json& value) {
 
 std::string read_description(const fs::path& file, const std::string& key) {
     std::string text;
-    if (stands(file)) text = read_file(file, "description of records");
+    if (path_exists(file)) text = read_file(file, "description of records");
     if (nested_deeper(text, 100)) throw_damaged(file);
     const Json json = parse_json<Json>(text);
     if (says(json, "format", format) && !says(json, "version", version))

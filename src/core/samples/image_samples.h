@@ -97,7 +97,7 @@ void collect_by_block(Collector& collector, std::span<const uint32_t> views, Wai
                 images[k].for_blocks(begin, end,
                                      [&](size_t block, auto samples) { add(uint32_t(first + k), block, samples); });
         });
-        waiting.settle();
+        waiting.make_room();
     }
     waiting.close();
 }

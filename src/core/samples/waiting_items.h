@@ -15,8 +15,8 @@ namespace radiafit {
 template <class Item>
 class WaitingItems {
 public:
-    /// `memory`: bytes held in memory at most after settle(), what is set aside for more of a key included. `folder`:
-    /// of the file; UserError is thrown if it is needed and the disk is full or the folder not writable.
+    /// `memory`: bytes held in memory at most after make_room(), what is set aside for more of a key included.
+    /// `folder`: of the file; UserError is thrown if it is needed and the disk is full or the folder not writable.
     WaitingItems(size_t keys, uint64_t memory, const std::filesystem::path& folder)
         : memory_(memory), path_(folder / "waiting.bin"), held_(keys) {}
     WaitingItems(const WaitingItems&) = delete;
@@ -46,7 +46,7 @@ public:
         }
     }
     /// Moves all to the file if they are too many. To be called after some have been added.
-    void settle() {
+    void make_room() {
         uint64_t held = 0;
         for (const auto& pieces : held_)
             for (const auto& piece : pieces) held += piece.capacity() * sizeof(Item) + sizeof piece;

@@ -173,7 +173,7 @@ void write_parameters(const LfmLayout& layout, const std::vector<float>& p, cons
     view.close();
 }
 
-void tell_model(const LfmOptions& o, TargetSpace space, SurfaceLookup surface, ProblemFolder& out) {
+void describe_model(const LfmOptions& o, TargetSpace space, SurfaceLookup surface, ProblemFolder& out) {
     using Json = nlohmann::ordered_json;
     out.tell("model", json_string(lfm_name));
     out.tell("space", json_string(space == TargetSpace::stored ? "stored" : "linear"));
@@ -193,8 +193,8 @@ void export_light_field_problems(const Dataset& dataset, const FitRequest& asked
     const FitRequest request = with_sides(asked, dataset, training);
     const Ground ground(dataset, request.model_options());
     const LfmOptions& o = ground.options;
-    tell_model(o, request.space, request.surface, out);
-    out.tell_views(training, held_out);
+    describe_model(o, request.space, request.surface, out);
+    out.describe_views(training, held_out);
     out.tell("objective", nlohmann::ordered_json{{"lambda_surface", o.lambda_surface},
                                                  {"mu", o.mu},
                                                  {"lower", o.lower},
@@ -223,7 +223,7 @@ void export_parameters(const LightFieldFit& fit, const Mesh& mesh, ProblemFolder
         const size_t v = problem / 3;  // a vertex without samples contributes nothing
         for (size_t at = layout.offset(v) + problem % 3; at < layout.view_offset(v); at += 4) p[at] = 0;
     }
-    tell_model(fit.options, fit.space, fit.surface, out);
+    describe_model(fit.options, fit.space, fit.surface, out);
     write_parameters(layout, p, "", out);
 }
 

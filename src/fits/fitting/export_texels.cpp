@@ -79,14 +79,14 @@ uint64_t write_split(const std::string& split, const TexelProblem& problem, Prob
     return samples;
 }
 
-void tell_model(const TexelModel& model, ProblemFolder& out) {
+void describe_model(const TexelModel& model, ProblemFolder& out) {
     out.tell("model", json_string(model.name));
     Json parameters = Json::array();
     for (int i = 0; i < model.parameters; ++i) parameters.push_back(model.parameter_name(i));
     out.tell("parameters", parameters.dump());
 }
 
-void tell_objective(const TexelOptions& o, ProblemFolder& out) {
+void describe_objective(const TexelOptions& o, ProblemFolder& out) {
     Json lower = Json::array(), upper = Json::array();
     for (const auto& bounds : o.model->bounds) {
         lower.push_back(are_meant(bounds) ? Json(bounds[0]) : Json());
@@ -105,9 +105,9 @@ void export_texel_problems(const Dataset& dataset, const FitRequest& request, Pr
     TexelOptions options = request.texel_options();
     const std::vector<uint32_t> training = fitted_views(dataset, request), held_out = judged_views(dataset, request);
     const auto atlas = texel_atlas(dataset, options.surface_side);
-    tell_model(*options.model, out);
-    out.tell_views(training, held_out);
-    tell_objective(options, out);
+    describe_model(*options.model, out);
+    out.describe_views(training, held_out);
+    describe_objective(options, out);
     {
         const SharedTexels texels = distribute_texels(dataset, request, training);
         const TexelLoader loader(dataset, *atlas, training, options);
@@ -124,7 +124,7 @@ void export_texel_problems(const Dataset& dataset, const FitRequest& request, Pr
 
 void export_parameters(const ReflectanceFit& fit, ProblemFolder& out) {
     const uint64_t n = uint64_t(fit.options.model->parameters);
-    tell_model(*fit.options.model, out);
+    describe_model(*fit.options.model, out);
     out.write("texels", {fit.parameters.size() / n, n}, fit.parameters, "parameters of each texel");
 }
 

@@ -47,7 +47,7 @@ struct Family {
     /// For users who name no model; nothing: none of its models suits the dataset.
     std::optional<Chosen> (*choose)(const Given& given, const Dataset& dataset);
     /// What the user left open and the dataset decides.
-    void (*settle)(const Given& given, const Dataset& dataset, FitRequest& request);
+    void (*resolve_options)(const Given& given, const Dataset& dataset, FitRequest& request);
     /// What `tune` tries of it; none: none of its models suits the dataset.
     std::vector<TuneCandidate> (*candidates)(const Dataset& dataset);
     /// A fit in seconds that predicts photographs well that it has not seen, by which imports check them; empty: the

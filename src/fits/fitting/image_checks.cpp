@@ -11,7 +11,7 @@
 #include "base/resources.h"
 #include "eval/outliers.h"
 #include "fitting/family.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 
 namespace radiafit::fits {
 namespace {
@@ -22,7 +22,7 @@ FitRequest simplest_fit(const Dataset& dataset) {
         request.set("model", "lambert").set("optimizer", "lm");
     else
         request.set("solver", "mean");
-    settle([](const char* option) { return std::string_view(option) != "--surface-side"; }, dataset, request);
+    resolve_options([](const char* option) { return std::string_view(option) != "--surface-side"; }, dataset, request);
     if (!dataset.light_moves()) request.set("surface_side", "2");  // texels as large as the mesh has them
     return request;
 }

@@ -95,7 +95,7 @@ FitOption text(const char* name, Meaning meaning, Member member, const char* val
 
 FitOption flag(const char* name, Meaning meaning, bool FitRequest::*member, const char* flag, const char* help);
 
-/// An option whose default a command line takes from the dataset (fitting/settle.h), as its help says.
+/// An option whose default a command line takes from the dataset (fitting/resolve_options.h), as its help says.
 FitOption by_data(FitOption option);
 FitOption of_problem(FitOption option);
 FitOption of_resources(FitOption option);

@@ -24,14 +24,14 @@ void ProblemFolder::note(const std::string& name, const char* type, const std::v
     arrays_.emplace_back(name, Json{{"dtype", type}, {"shape", shape}, {"meaning", meaning}}.dump());
 }
 
-void ProblemFolder::tell_dataset(const std::string& name, const DatasetFingerprint& f) {
+void ProblemFolder::describe_dataset(const std::string& name, const DatasetFingerprint& f) {
     const Json about = {
         {"name", name},     {"digest", f.digest},     {"vertices", f.vertices},      {"triangles", f.triangles},
         {"views", f.views}, {"held_out", f.held_out}, {"image_bytes", f.image_bytes}};
     tell("dataset", about.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-void ProblemFolder::tell_views(const std::vector<uint32_t>& training, const std::vector<uint32_t>& held_out) {
+void ProblemFolder::describe_views(const std::vector<uint32_t>& training, const std::vector<uint32_t>& held_out) {
     tell("views", Json{{"training", training}, {"held_out", held_out}}.dump());
 }
 

@@ -35,9 +35,9 @@ public:
     /// An entry of the JSON file: its key and its value as JSON.
     void tell(const std::string& key, const std::string& json) { entries_.emplace_back(key, json); }
     /// The entry "dataset".
-    void tell_dataset(const std::string& name, const DatasetFingerprint& fingerprint);
+    void describe_dataset(const std::string& name, const DatasetFingerprint& fingerprint);
     /// The entry "views": which of the dataset's are fitted, and by which a solution is judged.
-    void tell_views(const std::vector<uint32_t>& training, const std::vector<uint32_t>& held_out);
+    void describe_views(const std::vector<uint32_t>& training, const std::vector<uint32_t>& held_out);
     /// Writes the JSON file, the record in it as "provenance", and gives the folder its name.
     void commit(const Record& record);
 

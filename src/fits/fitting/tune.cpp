@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "eval/judge.h"
 #include "fitting/family.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 
 namespace radiafit::fits {
 namespace {
@@ -94,7 +94,7 @@ private:
     const TriedSetting& best() const { return *std::ranges::max_element(all_, {}, &TriedSetting::psnr); }
 
     FitRequest request_of(const FitSetting& setting) const {
-        FitRequest request = settled_request(setting, dataset_);
+        FitRequest request = resolved_request(setting, dataset_);
         request.validation = options_.validation;
         return request;
     }

@@ -23,7 +23,7 @@ bool is_journal(const fs::path& file) { return file.extension() == journal_exten
 /// Parts and journals.
 std::vector<fs::path> files_in(const fs::path& folder) {
     std::vector<fs::path> out;
-    if (!folder_stands(folder)) return out;
+    if (!folder_exists(folder)) return out;
     for (const auto& entry : fs::directory_iterator(folder))
         if (entry.is_regular_file() &&
             (is_journal(entry.path()) || entry.path().filename().string().starts_with("part-")))
@@ -48,7 +48,7 @@ std::string why_not_resumable(const fs::path& folder, const std::string& key) {
     return "";
 }
 
-void settle_unfinished(const fs::path& folder, const std::string& key, bool resume) {
+void check_unfinished(const fs::path& folder, const std::string& key, bool resume) {
     if (!anything_unfinished(folder)) {
         if (resume) log_info(fmt::format("{}: nothing there to go on from; the fit begins", folder.string()));
         return;
@@ -65,7 +65,7 @@ void settle_unfinished(const fs::path& folder, const std::string& key, bool resu
 void remove_unfinished(const fs::path& folder) {
     std::error_code ignored;
     for (const fs::path& file : files_in(folder)) fs::remove(file, ignored);
-    if (!folder_stands(folder)) return;
+    if (!folder_exists(folder)) return;
     fs::remove(folder / shard_json_name, ignored);
     for (const auto& entry : fs::directory_iterator(folder))  // of ranks
         if (entry.path().filename().string().starts_with("shard-") && entry.is_directory())

@@ -21,7 +21,7 @@ std::string why_not_resumable(const std::filesystem::path& folder, const std::st
 
 /// Says whether an earlier run left something there that this fit goes on from. What is of another fit is removed;
 /// with `resume` it stays, and UserError names what differs.
-void settle_unfinished(const std::filesystem::path& folder, const std::string& key, bool resume);
+void check_unfinished(const std::filesystem::path& folder, const std::string& key, bool resume);
 
 /// Removes all that radiafit wrote there; the folder, too, unless it holds something else.
 void remove_unfinished(const std::filesystem::path& folder);

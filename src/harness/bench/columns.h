@@ -36,12 +36,12 @@ inline const RowFileOf<Agreement> agreement{
       "point and along a random direction; fit: errors of three iterations; run: it does not, for want of memory or of "
       "something else",
       &Agreement::quantity},
-     {"difference", told("{:.2g}").in("share"),
+     {"difference", shown("{:.2g}").in("share"),
       "samples: of all vertices or texels; sums: the largest difference, of its terms' magnitudes; fit: the largest, "
       "of "
       "the error",
       &Agreement::difference},
-     {"tolerance", told("{:.5g}").in("share"), "what it may be", &Agreement::tolerance},
+     {"tolerance", shown("{:.5g}").in("share"), "what it may be", &Agreement::tolerance},
      {"agrees", exact(), "1, or 0: then the device is not timed on this problem", &Agreement::agrees}},
     partial};
 
@@ -60,7 +60,7 @@ inline const RowFileOf<Measurement> measurements{
       &Measurement::pass},
      {"repetition", repetition(), "from 0", &Measurement::repetition},
      {"seconds", times("{:.5g}"), "of one pass", &Measurement::seconds},
-     {"streaming_s", told("{:.5g}").in("s"), "of it: handing images, which are in host memory, to OpenGL",
+     {"streaming_s", shown("{:.5g}").in("s"), "of it: handing images, which are in host memory, to OpenGL",
       &Measurement::streaming_s}},
     partial};
 
@@ -77,7 +77,7 @@ inline const RowFileOf<Peak> peaks{
       "operations: components of multiply-adds, two each; reads: texels of 16 bytes; bytes: to and from main memory",
       &Peak::peak},
      {"repetition", repetition(), "from 0", &Peak::repetition},
-     {"per_second", told("{:.5g}").in("1/s"), "", &Peak::per_second}},
+     {"per_second", shown("{:.5g}").in("1/s"), "", &Peak::per_second}},
     partial};
 
 struct Summary {
@@ -93,23 +93,23 @@ inline const RowFileOf<Summary> summary{
     "summary.csv",
     "Medians over repetitions.",
     {{"problem device pass", key(), as_before, &Summary::problem, &Summary::device, &Summary::pass},
-     {"seconds low_s high_s", told("{:.5g}").in("s"), "of one pass, and the interval of 95 % of the median",
+     {"seconds low_s high_s", shown("{:.5g}").in("s"), "of one pass, and the interval of 95 % of the median",
       &Summary::seconds, &Summary::low_s, &Summary::high_s},
-     {"ms_per_image", told("{:.5g}").in("ms"), "", &Summary::ms_per_image},
-     {"ns_per_sample", told("{:.5g}").in("ns"),
+     {"ms_per_image", shown("{:.5g}").in("ms"), "", &Summary::ms_per_image},
+     {"ns_per_sample", shown("{:.5g}").in("ns"),
       "over samples; on star and bust over three times as many, since a sample counts for the three vertices of its "
       "triangle",
       &Summary::ns_per_sample},
-     {"operations reads bytes", told("{:.5g}"),
+     {"operations reads bytes", shown("{:.5g}"),
       "fragment programs: what they declare, times how often they ran; CPU and compute shaders: the least that the "
       "model and its samples ask for (`src/harness/bench/work.cpp`), reads not told, nor bytes of those that "
       "distribute anew",
       &Summary::operations, &Summary::reads, &Summary::bytes},
-     {"operations_share reads_share bytes_share", told("{:.5g}").in("share"),
+     {"operations_share reads_share bytes_share", shown("{:.5g}").in("share"),
       "of the device's peaks, each by its own round's; beyond 1 where caches serve what is counted",
       &Summary::operations_share, &Summary::reads_share, &Summary::bytes_share},
-     {"repetitions", told(), "", &Summary::repetitions},
-     {"renderer", told(), "", &Summary::renderer}},
+     {"repetitions", shown(), "", &Summary::repetitions},
+     {"renderer", shown(), "", &Summary::renderer}},
     partial};
 
 inline const ExperimentEntry experiment{

@@ -23,7 +23,7 @@ enum class ColumnKind {
     iterations,  ///< a count of iterations; below 0: never, which is like no count
     time,        ///< seconds: the lower the better
     memory,      ///< bytes that were reckoned or counted: the same in every run
-    told         ///< said by the experiment, not compared
+    shown        ///< said by the experiment, not compared
 };
 
 struct ColumnRule {
@@ -66,7 +66,7 @@ constexpr ColumnType iterations(const char* format = "{}") {
 constexpr ColumnType ratios(const char* format) { return {{ColumnKind::relative, 0.01}, format}; }
 constexpr ColumnType times(const char* format) { return {{ColumnKind::time}, format, "s"}; }
 constexpr ColumnType memory() { return {{ColumnKind::memory}, "{}", "bytes"}; }
-constexpr ColumnType told(const char* format = "{}") { return {{ColumnKind::told}, format}; }
+constexpr ColumnType shown(const char* format = "{}") { return {{ColumnKind::shown}, format}; }
 
 /// In place of what a column is: an earlier file of the experiment says it.
 inline constexpr const char* as_before = nullptr;

@@ -51,7 +51,7 @@ std::optional<RunRecord> standard_run(const fs::path& folder, const std::string&
 }
 
 void collect(const fs::path& folder, int below, std::vector<RunRecord>& runs) {
-    if (stands(folder / record_name)) {
+    if (path_exists(folder / record_name)) {
         runs.push_back(read_run(folder));
         return;
     }
@@ -103,10 +103,10 @@ RunRecord read_run(const fs::path& folder) {
 }
 
 std::vector<RunRecord> find_runs(const fs::path& folder) {
-    if (!folder_stands(folder)) throw UserError(fmt::format("{}: no such folder; check the path", folder.string()));
+    if (!folder_exists(folder)) throw UserError(fmt::format("{}: no such folder; check the path", folder.string()));
     std::vector<RunRecord> runs;
     collect(folder, levels, runs);
-    if (!stands(folder / record_name)) std::erase_if(runs, [](const RunRecord& run) { return !run.standard; });
+    if (!path_exists(folder / record_name)) std::erase_if(runs, [](const RunRecord& run) { return !run.standard; });
     if (runs.empty())
         throw UserError(fmt::format(
             "{}: no run in it or up to three folders down; name a folder with a {}, or one that holds such folders",

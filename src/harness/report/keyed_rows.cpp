@@ -13,9 +13,9 @@
 namespace radiafit::harness {
 
 std::string shown(const RowKey& key) {
-    RowKey told;
-    std::ranges::copy_if(key, std::back_inserter(told), [](const std::string& text) { return !text.empty(); });
-    return fmt::format("{}", fmt::join(told, ", "));
+    RowKey shown;
+    std::ranges::copy_if(key, std::back_inserter(shown), [](const std::string& text) { return !text.empty(); });
+    return fmt::format("{}", fmt::join(shown, ", "));
 }
 
 KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const RowFile& rules)

@@ -10,7 +10,7 @@
 
 namespace radiafit::tools {
 
-void settle_images(Calibration& calibration) {
+void sort_images(Calibration& calibration) {
     std::vector<CalibratedImage>& images = calibration.images;
     if (images.empty())
         throw UserError(

@@ -28,7 +28,7 @@ struct Calibration {
 inline constexpr int largest_calibrated_side = 1 << 16;  ///< pixels; anything beyond is a broken file
 
 /// Sorts the images by name. Throws UserError if there is none, or a name occurs twice.
-void settle_images(Calibration& calibration);
+void sort_images(Calibration& calibration);
 
 /// A camera's pose from its axes in the world, the columns right, down and forward, and its centre. Axes that were
 /// rounded are made orthonormal. Throws UserError, prefixed by `where`, for axes that are not finite, or more than 1e-3

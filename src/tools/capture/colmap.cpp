@@ -207,7 +207,7 @@ void read_images_binary(Calibration& model, const Intrinsics& cameras) {
 }  // namespace
 
 Calibration read_colmap(const std::filesystem::path& folder) {
-    const auto holds = [&](const char* name) { return stands(folder / name); };
+    const auto holds = [&](const char* name) { return path_exists(folder / name); };
     Calibration model;
     model.origin = "COLMAP";
     model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
@@ -225,7 +225,7 @@ Calibration read_colmap(const std::filesystem::path& folder) {
                         "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
                         folder.string(), option_name("model")));
     }
-    settle_images(model);
+    sort_images(model);
     return model;
 }
 

@@ -33,7 +33,7 @@ std::vector<uint8_t> mask_of(const ImageFile& image, const std::vector<uint8_t>&
 }
 
 /// A dataset has finite numbers only.
-void settle_floats(std::vector<float>& rgb, const std::vector<uint8_t>& mask, const fs::path& file, int width) {
+void require_finite(std::vector<float>& rgb, const std::vector<uint8_t>& mask, const fs::path& file, int width) {
     for (size_t i = 0; i < rgb.size(); ++i) {
         if (std::isfinite(rgb[i])) continue;
         const size_t pixel = i / 3;
@@ -101,7 +101,7 @@ PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, cons
     check_depth(image, file, format);
     PackedImage packed;
     packed.mask = mask_of(image, mask);
-    settle_floats(image.rgb32, packed.mask, file, image.width);
+    require_finite(image.rgb32, packed.mask, file, image.width);
     if (format.is_scaled()) {
         image.linear = format.encoding != Encoding::u8_srgb && !format.decode_srgb;
         image = scale_down(image, format.width, format.height);

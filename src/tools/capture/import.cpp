@@ -334,7 +334,7 @@ ImportReport import_transforms(const ImportOptions& given, const fs::path& out) 
 ImportReport import_llff(const ImportOptions& given, const fs::path& out) {
     check_options(given);
     ImportOptions options = given;
-    const fs::path file = folder_stands(options.model) ? options.model / "poses_bounds.npy" : options.model;
+    const fs::path file = folder_exists(options.model) ? options.model / "poses_bounds.npy" : options.model;
     if (options.images.empty()) options.images = folder_of(file) / "images";
     return import_calibrated("llff", options, read_llff(file, options.images), out);
 }

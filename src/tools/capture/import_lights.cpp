@@ -59,7 +59,7 @@ void check_options(const LightImportOptions& o) {
         throw UserError(fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), o.max_size));
     if (o.depth != 0 && o.depth != 8 && o.depth != 16 && o.depth != 32)
         throw UserError(fmt::format("{} {}: choose 8, 16 or 32 (floats)", option_name("depth"), o.depth));
-    if (!folder_stands(o.images))
+    if (!folder_exists(o.images))
         throw UserError(
             fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
@@ -69,7 +69,7 @@ fs::path find_image(const fs::path& folder, const std::vector<std::string>& foun
                     const fs::path& list) {
     const std::string base = name.substr(name.find_last_of("/\\") + 1);
     for (const fs::path& file : {folder / name, folder / base})
-        if (stands(file)) return file;
+        if (path_exists(file)) return file;
     const std::string lower = lower_case(base);
     const auto alike = [&](const std::string& other) { return lower_case(other) == lower; };
     const auto first = std::find_if(found.begin(), found.end(), alike);
@@ -224,7 +224,7 @@ std::vector<size_t> images_for_normals(const LightImportOptions& o, const std::v
         chosen.push_back(i);
         directions.push_back(sources[i].view.light->place);
     }
-    if (lamps_tell_normals(directions)) return chosen;
+    if (lamps_give_normals(directions)) return chosen;
     report.remarks.push_back(fmt::format(
         "no normals, and the lamps of {} training images (fewer than three, or all in one plane) tell none: "
         "the surface is taken to be flat; give {}",

@@ -47,7 +47,7 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
     if (matrix.columns != row_length)
         throw UserError(fmt::format("{}: has {} columns, not the {} of LLFF's poses_bounds.npy: write it again",
                                     file.string(), matrix.columns, row_length));
-    if (!folder_stands(images))
+    if (!folder_exists(images))
         throw UserError(
             fmt::format("{}: no such folder of photographs: check {}", images.string(), option_name("images")));
     const std::vector<std::string> names = list_images(images);
@@ -64,7 +64,7 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
     for (size_t i = 0; i < names.size(); ++i)
         calibration.images.push_back(
             {names[i], read_camera(matrix, i, fmt::format("{}: row {}, image '{}'", file.string(), i, names[i]))});
-    settle_images(calibration);
+    sort_images(calibration);
     return calibration;
 }
 

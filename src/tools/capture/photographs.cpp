@@ -39,10 +39,10 @@ Camera scaled_camera(Camera camera, int max_size) {
 
 std::vector<Photograph> list_photographs(const ImportOptions& options, const Calibration& calibration,
                                          const std::vector<uint8_t>& held_out, ImportReport& report) {
-    if (!folder_stands(options.images))
+    if (!folder_exists(options.images))
         throw UserError(
             fmt::format("{}: no such folder of photographs: check {}", options.images.string(), option_name("images")));
-    if (!options.masks.empty() && !folder_stands(options.masks))
+    if (!options.masks.empty() && !folder_exists(options.masks))
         throw UserError(
             fmt::format("{}: no such folder of masks: check {}", options.masks.string(), option_name("masks")));
     std::vector<Photograph> photographs(calibration.images.size());
@@ -54,7 +54,7 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
         photograph.camera = scaled_camera(photograph.calibrated, options.max_size);
         photograph.held_out = held_out[i] != 0;
         photograph.mask = calibration.images[i].mask;
-        if (!stands(photograph.image))
+        if (!path_exists(photograph.image))
             throw UserError(fmt::format("{}: no such image, but {} lists it: check {}", photograph.image.string(),
                                         calibration.images_file.string(), option_name("images")));
         check_readable(photograph.image, "image file");

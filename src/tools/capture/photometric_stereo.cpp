@@ -46,7 +46,7 @@ Vec3d solve(std::span<const Vec3d> directions, std::span<const float> values, co
 
 }  // namespace
 
-bool lamps_tell_normals(std::span<const Vec3d> directions) {
+bool lamps_give_normals(std::span<const Vec3d> directions) {
     if (directions.size() < 3) return false;
     Mat3d mean = Mat3d::Zero();
     for (const Vec3d& l : directions) mean += l * l.transpose() / double(directions.size());
@@ -57,7 +57,7 @@ Vec3f photometric_normal(std::span<const Vec3d> directions, std::span<const floa
     const std::vector<size_t> used = middle_of(values);
     std::vector<Vec3d> lamps;
     for (const size_t i : used) lamps.push_back(directions[i]);
-    if (!lamps_tell_normals(lamps)) return Vec3f::Zero();
+    if (!lamps_give_normals(lamps)) return Vec3f::Zero();
     std::vector<double> weights(used.size(), 1.0);
     Vec3d g = solve(directions, values, used, weights);
     const double smallest = 1e-3 * double(values[used.back()]);  // an error that counts as none

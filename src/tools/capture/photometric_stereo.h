@@ -10,7 +10,7 @@
 namespace radiafit::tools {
 
 /// Whether such lamps determine normals: three at least, and not nearly in one plane. Directions are unit.
-bool lamps_tell_normals(std::span<const Vec3d> directions);
+bool lamps_give_normals(std::span<const Vec3d> directions);
 
 /// The unit normal of a diffuse surface that would look most like this, z above 0; 0 where too little is lit.
 /// values: [lamps] linear light of one pixel over its lamp's intensity; not a number: left out (masked, clipped).

@@ -140,11 +140,11 @@ void read_pose(Camera& camera, const Frame& frame, const Json& json) {
 
 /// The photograph of this path, whose ending may be left out; nothing if there is none.
 std::optional<fs::path> with_ending(const fs::path& images, const fs::path& path, const Frame& frame) {
-    if (stands(images / path) && !folder_stands(images / path)) return path;
+    if (path_exists(images / path) && !folder_exists(images / path)) return path;
     std::optional<fs::path> found;
     const auto try_ending = [&](const std::string& ending) {
         const fs::path candidate = path.string() + ending;
-        if (!stands(images / candidate)) return;
+        if (!path_exists(images / candidate)) return;
         if (found)
             throw UserError(fmt::format("{}: may be {} or {}: write the ending into file_path", frame.where(),
                                         (images / *found).string(), (images / candidate).string()));
@@ -178,7 +178,7 @@ fs::path find_mask(const Json& json, const fs::path& file, const Frame& frame) {
     if (path == json.end() || path->is_null()) return {};
     if (!path->is_string()) frame.fail("\"mask_path\" must be a text");
     const fs::path mask = file.parent_path() / path->get<std::string>();
-    if (!stands(mask))
+    if (!path_exists(mask))
         throw UserError(fmt::format("{}: no such mask, but {} names it: restore it, or give {}", mask.string(),
                                     frame.where(), option_name("masks")));
     return mask;
@@ -238,17 +238,17 @@ void hold_out(CalibratedImage& image, const Camera& in_test, const TransformsFil
 
 TransformsFiles find_transforms(const fs::path& model) {
     TransformsFiles files;
-    if (!folder_stands(model)) {
+    if (!folder_exists(model)) {
         files.main = model;
     } else {
         for (const char* name : {"transforms.json", "transforms_train.json"})
-            if (files.main.empty() && stands(model / name)) files.main = model / name;
+            if (files.main.empty() && path_exists(model / name)) files.main = model / name;
         if (files.main.empty())
             throw UserError(fmt::format("{}: neither transforms.json nor transforms_train.json stands here: check {}",
                                         model.string(), option_name("model")));
     }
     const fs::path test = files.main.parent_path() / "transforms_test.json";
-    if (files.main.filename() != test.filename() && stands(test)) files.test = test;
+    if (files.main.filename() != test.filename() && path_exists(test)) files.test = test;
     return files;
 }
 
@@ -259,7 +259,7 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
     calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
                                         option_name("max-size"));
     calibration.images = read_frames(files.main, images);
-    settle_images(calibration);
+    sort_images(calibration);
     if (files.test.empty()) return calibration;
 
     std::map<std::string, size_t> known;
@@ -273,7 +273,7 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
         else
             hold_out(calibration.images[same->second], image.camera, files);
     }
-    settle_images(calibration);
+    sort_images(calibration);
     calibration.remarks.push_back(fmt::format("the {} images of {} are held out", test.size(), files.test.string()));
     return calibration;
 }

@@ -20,7 +20,7 @@
 #include "fitting/fit_options.h"
 #include "fitting/limits.h"
 #include "fitting/parts/parts.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 #include "report/table.h"
 #include "synthetic/synthetic.h"
 
@@ -229,8 +229,8 @@ void add_info(CommandLine& program) {
     command.on_run([=] {
         const std::filesystem::path path(*folder);
         restore_interrupted(path);
-        const bool is_folder = folder_stands(path), fit = is_folder && stands(path / "fit.json");
-        if (is_folder && !fit && !stands(path / "dataset.json"))
+        const bool is_folder = folder_exists(path), fit = is_folder && path_exists(path / "fit.json");
+        if (is_folder && !fit && !path_exists(path / "dataset.json"))
             throw UserError(
                 fmt::format("{}: neither a dataset nor a fit: it holds no dataset.json and no fit.json; give a folder "
                             "that radiafit generate, import or fit wrote",
@@ -258,7 +258,7 @@ void add_plan(CommandLine& program) {
     command.on_run([=, &command] {
         const Dataset dataset = open_dataset(*folder);
         const auto given = [&](const char* option) { return command.given(option); };
-        const std::string chosen = settle(given, dataset, *request);
+        const std::string chosen = resolve_options(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         const Plan planned = plan(dataset, *request);
         const auto seconds = plan_seconds(dataset, *request);

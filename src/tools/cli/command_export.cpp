@@ -42,9 +42,9 @@ void add_problems(CommandLine& exporter, const Invocation& invocation) {
         const auto given = [&](const std::string& option) {
             return option == "--optimizer" || option == "--prior" || command.given(option);
         };
-        family_of(*request).settle(given, dataset, *request);
+        family_of(*request).resolve_options(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
-        problems.tell_dataset(dataset.name, fingerprint(dataset));
+        problems.describe_dataset(dataset.name, fingerprint(dataset));
         family_of(*request).export_problems(dataset, *request, problems);
         problems.tell("options", options_json(*request));
         problems.commit(record);
@@ -65,7 +65,7 @@ void add_parameters(CommandLine& exporter, const Invocation& invocation) {
         ProblemFolder parameters(*out, "radiafit-parameters");
         const Record record = make_record(invocation.argc, invocation.argv);
         auto fit = open_fit(*folder, *moved_to);
-        parameters.tell_dataset(fit.record().dataset_name, fit.record().dataset_fingerprint);
+        parameters.describe_dataset(fit.record().dataset_name, fit.record().dataset_fingerprint);
         export_parameters(fit, parameters);
         parameters.commit(record);
         log_info(fmt::format("parameters of {}: {}", *folder, *out));

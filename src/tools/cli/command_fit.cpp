@@ -25,7 +25,7 @@
 #include "fitting/parts/fit_on_ranks.h"
 #include "fitting/parts/parts.h"
 #include "fitting/parts/ranks.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 #include "fitting/unfinished.h"
 
 namespace radiafit::tools {
@@ -114,7 +114,7 @@ FinishedFit fit_without_outliers(const Dataset& dataset, FitRequest& request) {
 void fit_alone(const FitCommand& command, const Dataset& dataset, FitRequest request, const Record& begun,
                const std::filesystem::path& parts) {
     const std::string key = fit_key(dataset, request);
-    settle_unfinished(parts, key, command.resume);
+    check_unfinished(parts, key, command.resume);
     if (needs_parts(dataset, request)) {
         fit_shard(dataset, request, {}, parts, command.force);
         return leave(command, dataset, request, merge_shards(dataset, request, {parts}), begun);
@@ -203,7 +203,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         request->scratch = (std::filesystem::absolute(o->out) / "").parent_path().parent_path();
         const Dataset dataset = open_dataset(o->dataset);
         const auto given = [&](const char* option) { return command.given(option); };
-        const std::string chosen = settle(given, dataset, *request);
+        const std::string chosen = resolve_options(given, dataset, *request);
         reject_idle_options(*request, dataset.has_grid());
         if (o->leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
         if (o->covariance) require_error_bars(*request, share.has_value());

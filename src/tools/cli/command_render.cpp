@@ -74,7 +74,7 @@ void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const Vi
     Pictures pictures(stem.parent_path(), o.background);
     pictures.check(name, {".png", ".exr", "_sheet.png"});
     Views views(o, fitted, pictures);
-    tell_share(views.share_of_fit(shown));
+    describe_share(views.share_of_fit(shown));
     if (o.light.empty())
         views.add_photographed(name, view);
     else

@@ -81,7 +81,7 @@ std::string frame_name(size_t i) { return fmt::format("turn{:03d}", i); }
 
 }  // namespace
 
-void tell_share(double share) {
+void describe_share(double share) {
     if (share < 1)
         log_warning(
             fmt::format("lamp or camera are far from those of the training images: the picture shows {:.0f} % of the "
@@ -119,7 +119,7 @@ void render_turntable(const RenderOptions& o, Fitted& fitted, const View& shown)
                          circle ? "a full circle" : fmt::format("{:.0f} degrees and back", turn.path.span * degrees),
                          std::max(1.0, turn.path.farthest * degrees), turn.what,
                          circle ? "" : "; --full-circle goes all around"));
-    tell_share(least_share);
+    describe_share(least_share);
 }
 
 }  // namespace radiafit::tools

@@ -11,6 +11,6 @@ namespace radiafit::tools {
 void render_turntable(const RenderOptions& options, Fitted& fitted, const View& shown);
 
 /// Warns where views lie so far from the images that were fitted that they show only this share of the fit.
-void tell_share(double share);
+void describe_share(double share);
 
 }  // namespace radiafit::tools

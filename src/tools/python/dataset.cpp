@@ -5,7 +5,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "base/error.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 #include "fitting/solvers/solve.h"
 #include "python/arrays.h"
 #include "python/settings.h"
@@ -69,7 +69,7 @@ std::shared_ptr<SampleList> samples(const Dataset& dataset, const py::kwargs& op
         throw UserError(dataset.folder.string() + ": a grid's images are its samples; take image()");
     FitRequest request;
     for (const auto& [name, value] : setting) request.set(name, value);
-    settle(given_by(setting), dataset, request);
+    resolve_options(given_by(setting), dataset, request);
     const std::vector<uint32_t> views = fitted_views(dataset, request);
     const LfmOptions sides = with_sides(request, dataset, views).model;
     return std::make_shared<SampleList>(list_samples(dataset, surface_atlas(dataset.mesh, sides), request, views));

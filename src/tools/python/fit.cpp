@@ -11,7 +11,7 @@
 #include "fitting/family.h"
 #include "fitting/leave_fit.h"
 #include "fitting/parts/parts.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 #include "python/arrays.h"
 #include "python/settings.h"
 
@@ -47,7 +47,7 @@ Fit fit(std::shared_ptr<const Dataset> dataset, const py::kwargs& options) {
     const py::gil_scoped_release others_run;
     FitRequest request;
     for (const auto& [name, value] : setting) request.set(name, value);
-    settle(given_by(setting), *dataset, request);
+    resolve_options(given_by(setting), *dataset, request);
     reject_idle_options(request, dataset->has_grid());
     if (needs_parts(*dataset, request))
         throw UserError("memory: this fit takes more in one piece; choose more, or run radiafit fit --memory");

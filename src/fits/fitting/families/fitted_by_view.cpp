@@ -42,7 +42,7 @@ std::vector<FitOption> by_view_options(std::vector<FitOption> rows) {
     return rows;
 }
 
-void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& request) {
+void resolve_by_view(const Given& given, const Dataset& dataset, FitRequest& request) {
     if (!given("--surface-side")) request.model.surface_side = side_for_photographs(dataset);
     if (!given("--surface")) request.surface = SurfaceLookup::linear;
 }

@@ -81,7 +81,7 @@ FitOption noise_option();
 std::vector<FitOption> by_view_options(std::vector<FitOption> rows);
 
 /// Texels are independent: finer ones show more, as long as there are pixels for them. Colours are interpolated.
-void settle_by_view(const Given& given, const Dataset& dataset, FitRequest& request);
+void resolve_by_view(const Given& given, const Dataset& dataset, FitRequest& request);
 /// What a search tries of them.
 Ladder noise_ladder();
 Ladder side_ladder();

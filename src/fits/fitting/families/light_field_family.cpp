@@ -23,7 +23,7 @@ FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
 
 /// What does well on captures and synthetic objects alike, beyond the paper's: few photographs show a vertex, and view
 /// maps want to be smoother than surface maps.
-void settle(const Given& given, const Dataset&, FitRequest& request) {
+void resolve_options(const Given& given, const Dataset&, FitRequest& request) {
     if (request.texels_per_pixel > 0 && given("--surface-side"))
         throw UserError("--texels-per-pixel chooses surface maps' sides; leave out --surface-side");
     if (request.mode == Mode::paper || !facts_of(request).objective) return;
@@ -82,7 +82,7 @@ const Family light_field_maps = {
     .facts = [](const Solver& solver) { return solver.facts; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
     .choose = choose,
-    .settle = settle,
+    .resolve_options = resolve_options,
     .candidates = candidates,
     .plan = plan_light_field,
     .fit = fit_light_field,

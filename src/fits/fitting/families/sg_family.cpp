@@ -100,8 +100,8 @@ const Family spherical_gaussians = [] {
         if (dataset.light_moves()) return {};
         return Chosen{{{"model", sg_name}}, nullptr};
     };
-    family.settle = [](const Given& given, const Dataset& dataset, FitRequest& request) {
-        settle_by_view(given, dataset, request);
+    family.resolve_options = [](const Given& given, const Dataset& dataset, FitRequest& request) {
+        resolve_by_view(given, dataset, request);
         if (!given("--iterations")) request.iterations = SgOptions().iterations;  // more gain nothing that is seen
     };
     family.candidates = [](const Dataset& dataset) -> std::vector<TuneCandidate> {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "fitting/family.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 
 namespace radiafit::fits {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "fitting/families/fitted_models.h"
 #include "fitting/parts/by_view_parts.h"
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 #include "fitting/solvers/solver.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
@@ -136,7 +136,7 @@ const Family view_bases = [] {
         return {};
     };
     family.choose = choose_view_basis;
-    family.settle = settle_by_view;
+    family.resolve_options = resolve_by_view;
     family.candidates = view_basis_candidates;
     // Mean colours would take an image that looks into the gloss for one that was exposed longer.
     family.quick = [] { return FitSetting{{"model", view_basis_name}, {"rank", "6"}, {"surface_side", "4"}}; };

@@ -30,7 +30,7 @@ void gather(Ranks& ranks, const std::vector<fs::path>& folders) {
         for (int from = 1; from < ranks.count(); ++from) {
             const fs::path& folder = folders[size_t(from)];
             ranks.receive(from);  // its shard is done
-            const bool wanted = !stands(folder / shard_json_name);
+            const bool wanted = !path_exists(folder / shard_json_name);
             const uint8_t answer = wanted;
             ranks.send(from, {&answer, 1});
             if (!wanted) continue;

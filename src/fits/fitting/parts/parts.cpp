@@ -48,7 +48,7 @@ std::string name_of(const Shard& shard) {
 /// What a shard.json says, or nothing where there is none.
 std::optional<Json> read_note(const fs::path& folder) {
     const fs::path file = folder / shard_json_name;
-    if (!stands(file)) return {};
+    if (!path_exists(file)) return {};
     const std::string text = read_file(file, "shard's description");
     const Json json = parse_json<Json>(text);
     if (!json.is_object() || json.value("format", Json()) != format) throw_damaged(file);
@@ -70,8 +70,8 @@ FitRequest request_from(const Json& options) {
 
 /// A folder that holds nothing, or parts of this very fit.
 void check_shard_folder(const fs::path& folder, const std::string& key, const Shard& shard) {
-    if (!stands(folder)) return;
-    if (!folder_stands(folder)) throw UserError(folder.string() + ": no folder; choose another name");
+    if (!path_exists(folder)) return;
+    if (!folder_exists(folder)) throw UserError(folder.string() + ": no folder; choose another name");
     if (const auto note = read_note(folder);
         note && (note->value("key", "") != key || note->value("shard", Json()) != Json{shard.index, shard.count}))
         throw UserError(fmt::format("{}: holds {} of another fit, or another shard; choose another folder",
@@ -99,7 +99,7 @@ std::vector<std::string> solve_parts(const Divided& whole, const std::vector<std
         const std::string name = "part-" + digest_of(part.units);
         files.push_back(name + ".bin");
         const fs::path file = folder / files.back(), journal = folder / (name + journal_extension);
-        if (stands(file)) {
+        if (path_exists(file)) {
             read_part_result(file, key);
             log_info(fmt::format("part {} of {} is there", k + 1, parts.size()));
             continue;
@@ -243,7 +243,7 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
 }
 
 ShardNote read_shard(const fs::path& folder) {
-    if (!folder_stands(folder)) throw UserError(folder.string() + ": missing; run its shard's command");
+    if (!folder_exists(folder)) throw UserError(folder.string() + ": missing; run its shard's command");
     const auto json = read_note(folder);
     if (!json) {
         const bool begun = std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
@@ -297,7 +297,7 @@ FinishedFit merge_shards(const Dataset& dataset, const FitRequest& request, cons
         for (const auto& [index, folder] : have)
             for (const std::string& name : read_shard(folder).files) {
                 const fs::path file = folder / name;
-                if (!stands(file)) throw UserError(file.string() + ": missing; run its shard's command again");
+                if (!path_exists(file)) throw UserError(file.string() + ": missing; run its shard's command again");
                 look(read_part_result(file, key), file.string());
             }
     };

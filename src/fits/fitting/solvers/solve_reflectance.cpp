@@ -207,7 +207,7 @@ void solve_texel_two_step(TexelTask& task) {
     with_records(task.dataset, task.request, task.out.times, write, [&](const fs::path& folder) {
         const auto source = open_texel_records(folder, key, task.out.atlas->texel_count(), task.views);
         task.out.samples = source->sample_count();
-        settle_cache(BlockFile::file(folder), task.request, task.out);
+        note_page_cache(BlockFile::file(folder), task.request, task.out);
         task.out.record_bytes_read = fs::file_size(BlockFile::file(folder));
         solve_source(*source, task, [&](const TexelProblem& problem, const auto& progress) {
             return task.request.levenberg_marquardt()

@@ -44,7 +44,7 @@ void solve_from(const fs::path& folder, const std::string& key, FitTask& task) {
     FitOutcome& out = task.out;
     const DiskRecords records(folder, key);
     records.require(task.rings.vertex_count(), task.views);
-    settle_cache(BlockFile::file(folder), task.request, out);
+    note_page_cache(BlockFile::file(folder), task.request, out);
     Stopwatch clock;
     Progress progress("vertices", records.vertex_count());
     TwoStepResult result = solve_two_step(task.dataset, task.atlas, task.rings, records, task.options,
@@ -68,7 +68,7 @@ std::string record_key(const Dataset& dataset, const FitRequest& request, const 
         request.surface == SurfaceLookup::linear ? "interpolated" : "distributor " + request.text("distributor"));
 }
 
-void settle_cache(const fs::path& records, const FitRequest& request, FitRun& run) {
+void note_page_cache(const fs::path& records, const FitRequest& request, FitRun& run) {
     const Stopwatch outside;
     if (request.cold) drop_from_cache(records);
     run.record_cached_share = cached_share(records);
@@ -80,7 +80,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
     const bool keep = !request.records.empty();
     const fs::path scratch = request.scratch.empty() ? fs::temp_directory_path() : request.scratch;
     const fs::path folder = keep ? fs::path(request.records) : scratch / "radiafit-records";
-    if (keep && stands(folder)) {
+    if (keep && path_exists(folder)) {
         read(folder);
         return log_info(fmt::format("records of an earlier run: {}", folder.string()));
     }
@@ -93,7 +93,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
     AtomicFolder records(folder, AtomicFolder::Existing::replace);  // removed at the end, unless it is to stay
     write(records.path());
     times.distribution = clock.wall_s();
-    if (!keep || stands(folder)) return read(records.path());  // another run was faster
+    if (!keep || path_exists(folder)) return read(records.path());  // another run was faster
     records.commit();
     read(folder);
 }

@@ -117,7 +117,7 @@ void with_records(const Dataset& dataset, const FitRequest& request, FitTimes& t
 std::string record_key(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views,
                        const std::string& sides, const std::string& kind);
 /// Drops records from the page cache if so requested, and notes how much of them is there.
-void settle_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
+void note_page_cache(const std::filesystem::path& records, const FitRequest& request, FitRun& run);
 
 /// The context that a request names; `run` takes down what it is.
 std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);

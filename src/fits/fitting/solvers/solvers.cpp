@@ -65,7 +65,8 @@ void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatisti
             // the engine's error is E / S-bar plus the penalties; problems.exr wants E itself
             const double data = std::max(0.0, outcomes[i].error - penalty[c]);
             const double ring_texels = double(layout.surface_texels(v));
-            fit.error[i] = float(task.options.mends.normalized ? data * statistics.samples[v] / ring_texels : data);
+            fit.error[i] =
+                float(task.options.corrections.normalized ? data * statistics.samples[v] / ring_texels : data);
         }
     });
 }

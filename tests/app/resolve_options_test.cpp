@@ -1,4 +1,4 @@
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ Settled settled(const Dataset& dataset, const FitSetting& options = {}) {
         flags.insert(find_fit_option(name).first_flag());
     }
     const auto given = [&](const char* flag) { return flags.contains(flag); };
-    out.line = settle(given, dataset, out.request);
+    out.line = resolve_options(given, dataset, out.request);
     return out;
 }
 

@@ -14,12 +14,13 @@ double views_per_texel(const Dataset& dataset);
 
 /// A request with these options, the model among them, and what its family chooses by the dataset where they leave it
 /// open. Throws UserError.
-FitRequest settled_request(const FitSetting& setting, const Dataset& dataset);
+FitRequest resolved_request(const FitSetting& setting, const Dataset& dataset);
 
-/// Chooses the model where none is given (Family::choose), then has its family choose the rest (Family::settle), and
-/// checks the request. given: whether the user gave an option, such as "--terms". Throws UserError.
+/// Chooses the model where none is given (Family::choose), then has its family choose the rest
+/// (Family::resolve_options), and checks the request. given: whether the user gave an option, such as "--terms". Throws
+/// UserError.
 ///
 /// Returns what was chosen and why, for people; empty where options that are given left no choice.
-std::string settle(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request);
+std::string resolve_options(const std::function<bool(const char*)>& given, const Dataset& dataset, FitRequest& request);
 
 }  // namespace radiafit::fits

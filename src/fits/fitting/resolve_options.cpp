@@ -1,4 +1,4 @@
-#include "fitting/settle.h"
+#include "fitting/resolve_options.h"
 
 #include <fmt/format.h>
 
@@ -95,14 +95,14 @@ double views_per_texel(const Dataset& dataset) {
     return seen.empty() ? 0 : median(std::move(seen));
 }
 
-FitRequest settled_request(const FitSetting& setting, const Dataset& dataset) {
+FitRequest resolved_request(const FitSetting& setting, const Dataset& dataset) {
     FitRequest request;
     for (const auto& [option, value] : setting) request.set(option, value);
-    family_of(request).settle(given_by(setting), dataset, request);
+    family_of(request).resolve_options(given_by(setting), dataset, request);
     return request;
 }
 
-std::string settle(const Given& given, const Dataset& dataset, FitRequest& request) {
+std::string resolve_options(const Given& given, const Dataset& dataset, FitRequest& request) {
     std::string line;
     if (auto chosen = given("--model") ? std::nullopt : chosen_model(given, dataset, request)) {
         std::erase_if(chosen->setting,
@@ -112,7 +112,7 @@ std::string settle(const Given& given, const Dataset& dataset, FitRequest& reque
             line = fmt::format("chosen by the data: {} ({}); --model and tune choose otherwise",
                                command_line_of(chosen->setting), chosen->why());
     }
-    family_of(request).settle(given, dataset, request);
+    family_of(request).resolve_options(given, dataset, request);
     request.check();
     return line;
 }
