@@ -24,7 +24,7 @@ OUTPUT ?= build/report
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build python test check clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
+.PHONY: build python test check odr clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
     format format-check archive clean
 .NOTPARALLEL:
 
@@ -59,12 +59,20 @@ test:
 check:
 	$(call configure,check,-DBUILD_TESTING=ON)
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
+	@python3 -B tests/check_headers.py $(BUILD)
+	@$(MAKE) --no-print-directory odr
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
 	@$(MAKE) --no-print-directory radiafit-bench
 	@python3 -B tests/bench_alone_test.py build/bench/bin/radiafit-bench . "$$(command -v c++)"
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
+
+# That no name is defined twice, differently, in what becomes one program: link-time optimization sees all of its sources.
+odr:
+	@scripts/install-packages.sh build
+	@cmake --preset odr --log-level=WARNING
+	@cmake --build build/odr --parallel $(JOBS) --target radiafit radiafit-bench report
 
 # That clang warns of nothing, and clang-tidy finds nothing.
 clang:
