@@ -58,7 +58,8 @@ status=0
 for target in $RUN; do
     started=\$(date +%s)
     if (cd /radiafit && make \$target PROFILE=$profile JOBS=$jobs PACKAGES=$PACKAGES </dev/null); then
-        echo "bare root: make \$target passed in \$((\$(date +%s) - started)) s"
+        times >/times  # what shells print has the commands they ran in the second line: user, system
+        echo "bare root: make \$target passed in \$((\$(date +%s) - started)) s; processor time so far: \$(tail -n 1 /times)"
     else
         status=\$?
         echo "bare root: make \$target failed with status \$status"
