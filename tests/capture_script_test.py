@@ -92,7 +92,7 @@ class CaptureScript(ProgramTest):
 
     def test_photographs_to_a_page(self):
         out = self.root / "whole run"
-        done = self.captured("--seconds", "5", "photographs of a star", out)
+        done = self.captured("--seconds", "2", "photographs of a star", out)
         for number, step in enumerate(STEPS, 1):
             self.assertIn(f"[{number}/{len(STEPS)}] ", done.stderr)
             name, seconds, processor = (out / step / "seconds").read_text().split()
@@ -112,10 +112,10 @@ class CaptureScript(ProgramTest):
         self.assertTrue(all(0.02 < s < 0.98 for s in share), share)
 
         # The same again does nothing; another option begins behind what it does not change.
-        again = self.captured("--seconds", "5", "photographs of a star", out)
+        again = self.captured("--seconds", "2", "photographs of a star", out)
         self.assertEqual(again.stderr.count("done before"), len(STEPS))
         self.assertEqual(again.stdout, done.stdout)
-        until = self.captured("--seconds", "4", "--until", "tune", "photographs of a star", out)
+        until = self.captured("--seconds", "1", "--until", "tune", "photographs of a star", out)
         self.assertEqual(until.stderr.count("done before"), STEPS.index("tune"))
 
         # The user's own mesh in place of depths, and masks.
@@ -123,7 +123,7 @@ class CaptureScript(ProgramTest):
         masked.mkdir()
         for mask in masks:
             shutil.copy(mask, masked / mask.name)
-        mine = ("--seconds", "4", "--masks", masked, "--mesh", "truth/mesh.ply", "--until", "dataset", "photographs of a star")
+        mine = ("--seconds", "1", "--masks", masked, "--mesh", "truth/mesh.ply", "--until", "dataset", "photographs of a star")
         given = self.captured(*mine, self.root / "given")
         self.assertIn("mesh and masks agree on", given.stderr)
         self.assertFalse((self.root / "given/depths").exists())
@@ -136,7 +136,7 @@ exec {self.program} "$@"
 """)
         small.chmod(0o755)
         out = self.root / "large page"
-        self.captured("--seconds", "5", "photographs of a star", out, RADIAFIT=str(small))
+        self.captured("--seconds", "2", "photographs of a star", out, RADIAFIT=str(small))
         least = re.findall(r"the page would have ([0-9]+)[.0-9]* MB", (out / "page/log").read_text())
         self.assertEqual(len(least), 1)
         self.assertLess((out / "page/index.html").stat().st_size, (int(least[0]) + 1.1) * 1e6)  # whichever model a search came to
@@ -154,7 +154,7 @@ exec {self.program} "$@"
 
     def test_goes_on_where_it_was_stopped(self):
         out = self.root / "stopped"
-        command = [self.script, "--seconds", "4", "--until", "mesh", "photographs of a star", out]
+        command = [self.script, "--seconds", "1", "--until", "mesh", "photographs of a star", out]
         first = subprocess.Popen(command, cwd=self.root, env={**os.environ, **self.environment, "FAKE_COLMAP_WAITS": "exhaustive_matcher"},
                                  stderr=subprocess.PIPE, text=True)  # fmt: skip
         for _ in range(600):
@@ -165,7 +165,7 @@ exec {self.program} "$@"
         first.send_signal(signal.SIGTERM)
         self.assertEqual(first.wait(60), 130)
         self.assertIn("the same command goes on from here", first.communicate()[1])
-        done = self.captured("--seconds", "4", "--until", "mesh", "photographs of a star", out)
+        done = self.captured("--seconds", "1", "--until", "mesh", "photographs of a star", out)
         self.assertEqual(done.stderr.count("done before"), 1)
         self.assertTrue((out / "mesh/mesh.ply").exists())
 

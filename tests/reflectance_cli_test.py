@@ -208,7 +208,7 @@ class Reflectance(ProgramTest):
     def test_tune_takes_a_robust_loss_where_images_are_spoilt(self):
         for name, noise, robust in (("whole", (), False), ("spoilt", (3, 6, 11, 19), True)):
             dataset = self.flat_sample(name, count=24, noise=noise)
-            tried = json.loads(self.good("tune", dataset, "--seconds", "5", "--json").stdout)["tried"]
+            tried = json.loads(self.good("tune", dataset, "--seconds", "2", "--json").stdout)["tried"]
             self.assertTrue(any("--loss huber" in t["options"] for t in tried))
             self.assertEqual("--loss" in tried[0]["options"], robust, tried[0])
 
