@@ -6,13 +6,11 @@ Arguments: the program.
 import csv
 import json
 import math
-import pathlib
 import random
 import re
 import resource
 import shutil
 import struct
-import tempfile
 import unittest
 
 from cli_fixture import ProgramTest, read_png, take_arguments, write_capture, write_png
@@ -26,19 +24,11 @@ def strict_json(text):
 
 
 class CommandLine(ProgramTest):
-    made = None  # `star` and its `fit`, made once for all classes
-
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        if not CommandLine.made:
-            CommandLine.made = pathlib.Path(tempfile.mkdtemp(prefix="radiafit-cli-"))
-            unittest.addModuleCleanup(shutil.rmtree, CommandLine.made)
-            cls.dataset("star")
-            cls.good("fit", "star", "--model", "lfm", "-o", "fit")
-            shutil.copytree(cls.root, CommandLine.made, dirs_exist_ok=True)
-        else:
-            shutil.copytree(CommandLine.made, cls.root, dirs_exist_ok=True)
+        cls.dataset("star")
+        cls.good("fit", "star", "--model", "lfm", "-o", "fit")
 
     def judge(self, fit, split="test"):
         result = self.good("judge", fit, "--json", "--split", split)
