@@ -1,7 +1,7 @@
-#pragma once
+#include "optim/methods.h"  // first, as it includes this file at its end
+#ifndef RADIAFIT_OPTIM_ADAM_H
+#define RADIAFIT_OPTIM_ADAM_H
 #include <cmath>
-
-#include "optim/methods.h"
 
 namespace radiafit {
 
@@ -34,3 +34,4 @@ private:
 };
 
 }  // namespace radiafit
+#endif

@@ -1,6 +1,6 @@
-#pragma once
-#include "optim/methods.h"
-
+#include "optim/methods.h"  // first, as it includes this file at its end
+#ifndef RADIAFIT_OPTIM_CONJUGATE_GRADIENTS_H
+#define RADIAFIT_OPTIM_CONJUGATE_GRADIENTS_H
 namespace radiafit {
 
 /// Steepest descent and conjugate gradients with an explicit d'Hd (Section 3). Descent measures its step once, and
@@ -41,3 +41,4 @@ private:
 };
 
 }  // namespace radiafit
+#endif

@@ -1,6 +1,6 @@
-#pragma once
-#include "optim/methods.h"
-
+#include "optim/methods.h"  // first, as it includes this file at its end
+#ifndef RADIAFIT_OPTIM_LBFGS_H
+#define RADIAFIT_OPTIM_LBFGS_H
 namespace radiafit {
 
 /// Limited-memory BFGS (Nocedal and Wright, Numerical Optimization, Algorithm 7.4), for each problem by itself, with
@@ -61,3 +61,4 @@ private:
 };
 
 }  // namespace radiafit
+#endif
