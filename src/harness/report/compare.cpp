@@ -82,18 +82,20 @@ private:
 
     void compare_row(const RowKey& key) {
         const KeyedRows &a = before_.front(), &b = after_.front();
-        if (const std::string other = other_work(b, key); !other.empty()) {
+        const std::span<const size_t> rows_a = a.rows(key), rows_b = b.rows(key);
+        if (const std::string other = other_work(rows_a[0], b, rows_b[0]); !other.empty()) {
             add({.file = name_, .column = "", .row = shown(key), .verdict = Verdict::unclear, .reason = other});
             return;
         }
-        for (const std::string& column : a.table().header()) {
-            const ColumnRule& rule = *rules_.rule(column);
+        for (size_t i = 0; i < a.table().header().size(); ++i) {
+            const std::string& column = a.table().header()[i];
+            const ColumnRule& rule = a.rule(i);
             if (!b.has(column)) continue;
             if (rule.kind == ColumnKind::time)
                 compare_times(key, column, rule);
             else if (is_accuracy(rule))
-                for (size_t i = 0; i < std::min(a.rows(key).size(), b.rows(key).size()); ++i)
-                    compare_figures(key, column, rule, a.rows(key)[i], b.rows(key)[i]);
+                for (size_t row = 0; row < std::min(rows_a.size(), rows_b.size()); ++row)
+                    compare_figures(key, column, rule, rows_a[row], rows_b[row]);
         }
     }
 
@@ -110,13 +112,13 @@ private:
         }
     }
 
-    /// How another run's row is of more or less than that of the newest run before; empty if it isn't.
-    std::string other_work(const KeyedRows& other, const RowKey& key) const {
+    /// How another run's row is of more or less than one of the newest run before; empty if it isn't.
+    std::string other_work(size_t row, const KeyedRows& other, size_t other_row) const {
         const KeyedRows& a = before_.front();
-        for (const std::string& column : a.table().header()) {
-            if (rules_.rule(column)->kind != ColumnKind::work || !other.has(column)) continue;
-            const std::string &ours = a.table().text(a.rows(key)[0], column),
-                              &theirs = other.table().text(other.rows(key)[0], column);
+        for (size_t i = 0; i < a.table().header().size(); ++i) {
+            const std::string& column = a.table().header()[i];
+            if (a.rule(i).kind != ColumnKind::work || !other.has(column)) continue;
+            const std::string &ours = a.table().text(row, column), &theirs = other.table().text(other_row, column);
             if (ours != theirs) return fmt::format("of other {}", column);
         }
         return "";
@@ -143,7 +145,8 @@ private:
         Cell cell{.file = name_, .column = column, .row = shown(key), .rule = &rule};
         const bool by_runs = std::min(before_.size(), after_.size()) >= fewest_values;
         const auto timings_of = [&](const Runs& runs) {
-            return by_runs ? medians_of(runs, key, column) : timings(*runs.front(), key, column);
+            return by_runs ? medians_of(runs, key, column)
+                           : timings(*runs.front(), runs.front()->rows(key), column);
         };
         const std::vector<double> a = timings_of(before_runs_), b = timings_of(after_runs_);
         cell.before = fmt::format("{:.6g}", median(a));
@@ -163,18 +166,21 @@ private:
     }
 
     /// The repetitions in one run's rows.
-    static std::vector<double> timings(const KeyedRows& run, const RowKey& key, const std::string& column) {
+    static std::vector<double> timings(const KeyedRows& run, std::span<const size_t> rows, const std::string& column) {
         std::vector<double> repetitions;
-        for (const size_t row : run.rows(key)) repetitions.push_back(run.table().number(row, column));
+        for (const size_t row : rows) repetitions.push_back(run.table().number(row, column));
         return repetitions;
     }
 
     /// One for each of the runs that has the row.
     std::vector<double> medians_of(const Runs& runs, const RowKey& key, const std::string& column) const {
         std::vector<double> medians;
-        for (const KeyedRows* run : runs)
-            if (!run->rows(key).empty() && run->has(column) && other_work(*run, key).empty())
-                medians.push_back(median(timings(*run, key, column)));
+        const size_t row = before_.front().rows(key)[0];
+        for (const KeyedRows* run : runs) {
+            const std::span<const size_t> rows = run->rows(key);
+            if (!rows.empty() && run->has(column) && other_work(row, *run, rows[0]).empty())
+                medians.push_back(median(timings(*run, rows, column)));
+        }
         return medians;
     }
 

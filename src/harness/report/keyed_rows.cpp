@@ -30,6 +30,7 @@ KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const RowFil
         if (!seen.insert(column).second)
             throw UserError(fmt::format("{}: column '{}' stands twice; remake the file", file_.string(), column));
         repeated = repeated || rule->kind == ColumnKind::repetition;
+        column_rules_.push_back(rule);
     }
     for (const Columns& group : rules.columns())  // in one order, whatever the file's is
         if (group.type.rule.kind == ColumnKind::key || group.type.rule.kind == ColumnKind::device)

@@ -27,6 +27,8 @@ public:
     const CsvTable& table() const { return table_; }
     const std::vector<RowKey>& order() const { return order_; }  ///< keys, in the order of their first rows in the file
     bool has(const std::string& column) const;
+    /// Of a column, by its place in the header.
+    const ColumnRule& rule(size_t column) const { return *column_rules_[column]; }
     /// Rows with this key; none if there are none.
     std::span<const size_t> rows(const RowKey& key) const;
     /// Throws UserError unless rows have the same keys as the other's.
@@ -37,6 +39,7 @@ private:
 
     std::filesystem::path file_;
     CsvTable table_;
+    std::vector<const ColumnRule*> column_rules_;
     std::vector<std::pair<std::string, const ColumnRule*>> keys_;
     std::map<RowKey, std::vector<size_t>> rows_;
     std::vector<RowKey> order_;
