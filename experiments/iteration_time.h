@@ -107,13 +107,13 @@ inline void read_whole(const std::filesystem::path& path) {
 template <class E>
 IterationTime time_iteration(E& engine, const std::filesystem::path& images, ImageSource source) {
     const auto half = [&](const auto& body) {
-        const FragmentTimes before = engine.times();
+        const SweepTimes before = engine.times();
         PassClock<E> passes(engine);
         const Stopwatch clock;
         body(passes);
         engine.summary();  // waits
         const double seconds = clock.wall_s();
-        const FragmentTimes after = engine.times();
+        const SweepTimes after = engine.times();
         const double sweep = after.sweep_s - before.sweep_s;
         return HalfTime{seconds, sweep, after.stream_s - before.stream_s + after.upload_s - before.upload_s,
                         passes.seconds() - sweep};

@@ -21,9 +21,9 @@ def flags_of(build):
     """The compiler, its flags and include folders, of all sources of src/ together."""
     compiler, folders, flags = None, [], ["-std=c++20"]
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        if not pathlib.Path(entry["file"]).is_relative_to(ROOT / "src"):
-            continue
         words = shlex.split(entry["command"])
+        if not words[words.index("-o") + 1].startswith("src/"):
+            continue
         compiler = next(word for word in words if re.search(r"(\+\+|clang)[-\d.]*$", word))
         for i, word in enumerate(words):
             found = [word] if word.startswith(("-I", "-D", "-march=")) else words[i : i + 2] if word == "-isystem" else []

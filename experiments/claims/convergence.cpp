@@ -7,13 +7,13 @@
 
 #include "base/error.h"
 #include "base/statistics.h"
+#include "rounds.h"
 #include "rules.h"
 
 namespace radiafit::harness {
 namespace {
 
 const std::string datasets[] = {"star", "bust"};
-constexpr const char* optimizers[] = {"cg", "sd"};
 
 /// Iterations to the tolerance, solver by solver, of all problems of a dataset at one lambda; below 0: not within the
 /// cap.
@@ -207,7 +207,7 @@ Judgement idle_before_arrival(const FinishedRun& run) {
     const CsvTable t = run.table("problems.csv");
     std::map<std::string, std::map<double, Setting>> rules[2];  // of CG, of SD
     for (size_t i = 0; i < t.row_count(); ++i) {
-        Setting& s = rules[t.text(i, "optimizer") == optimizers[1]][t.text(i, "rule")][t.number(i, "levels")];
+        Setting& s = rules[is_descent(t.text(i, "optimizer"))][t.text(i, "rule")][t.number(i, "levels")];
         s.stopped.push_back(t.number(i, "stopped_at"));
         s.arrived.push_back(t.number(i, "arrived_at"));
         s.final.push_back(t.number(i, "error_over_best"));

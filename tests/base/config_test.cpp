@@ -47,7 +47,7 @@ struct Options {
     }
 };
 
-class ConfigTest : public testing::Test {
+class ConfigTest : public ::testing::Test {
 protected:
     std::string write(const std::string& text) {
         write_file(path_, text);

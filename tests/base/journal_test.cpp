@@ -32,7 +32,7 @@ size_t found(const fs::path& file, const std::string& key = "key") {
     return count;
 }
 
-class JournalTest : public testing::Test {
+class JournalTest : public ::testing::Test {
 protected:
     void SetUp() override {
         Journal journal(file, "key", at_once);

@@ -15,7 +15,7 @@ namespace {
     EXPECT_EQ(option_name("view-side"), "--side");
     EXPECT_EQ(option_name("surface-side"), "--surface-side");
     EXPECT_EQ(at_command_line("`radiafit devices`", "list_devices()"), "`program --list`");
-    std::exit(testing::Test::HasFailure() ? 1 : 0);
+    std::exit(::testing::Test::HasFailure() ? 1 : 0);
 }
 
 // In a process of its own, which starts anew: nothing takes the flags back from a program that asked for them.

@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Others, ComputeIterations,
                          case_name);
 
 /// A scene that engines share, of noise. Lists are made by OpenGL, so that engines that stream find the same samples.
-struct Scene {
+struct ComputeScene {
     NoiseDataset noise{awkward_mesh(1)};
     const Dataset& dataset = noise.dataset;
     TriangleAtlas atlas{dataset.mesh, 8};
@@ -105,7 +105,7 @@ struct Scene {
     }
 };
 
-std::vector<float> run(ContextKind kind, const Scene& scene, const Way& way, const SampleList& list) {
+std::vector<float> run(ContextKind kind, const ComputeScene& scene, const Way& way, const SampleList& list) {
     const auto context = make_context(kind);
     const auto engine = scene.engine(way, list);
     engine->reset(lfm_start(engine->layout(), engine->count().mean, 3));
@@ -118,7 +118,7 @@ std::vector<float> run(ContextKind kind, const Scene& scene, const Way& way, con
 
 class ComputeBits : public ::testing::TestWithParam<Way> {};
 TEST_P(ComputeBits, AreTheSameTwiceAndInEveryContext) {
-    const Scene scene;
+    const ComputeScene scene;
     const SampleList list = [&] {
         const auto context = make_context(ContextKind::egl);
         return scene.list();
@@ -159,7 +159,7 @@ class FixedPoint : public ::testing::TestWithParam<Way> {};
 /// Images the other way round, and samples of a group in any order.
 TEST_P(FixedPoint, IsTheSameBitsInAnyOrder) {
     SharedContext::use();
-    const Scene scene;
+    const ComputeScene scene;
     std::vector<uint32_t> backwards = all_views();
     std::ranges::reverse(backwards);
     SampleList list = scene.list(), other = scene.list(backwards);
@@ -184,7 +184,7 @@ TEST_P(FixedPoint, IsTheSameBitsInAnyOrder) {
 /// Constant maps make every term as large as its bound allows; and magnitudes far from 1.
 TEST_P(FixedPoint, DoesNotOverflow) {
     SharedContext::use();
-    const Scene scene;
+    const ComputeScene scene;
     const SampleList list = scene.list();
     LfmOptions options;
     options.terms = 2;
@@ -207,7 +207,7 @@ TEST_P(FixedPoint, DoesNotOverflow) {
 /// Where a term may be no float, no sum is taken for one.
 TEST_P(FixedPoint, KnowsNoSumsOfWhatIsNotFinite) {
     SharedContext::use();
-    const Scene scene;
+    const ComputeScene scene;
     const auto engine = scene.engine(GetParam(), scene.list());
     const ProblemStatistics statistics = engine->count();
     for (const float huge : {1e15f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
@@ -226,7 +226,7 @@ class FloatScatter : public ::testing::TestWithParam<Way> {};
 /// Repeated sums differ, by rounding alone: told, and at most a tenth of what tests allow of any engine.
 TEST_P(FloatScatter, SpreadsLittle) {
     SharedContext::use();
-    const Scene scene;
+    const ComputeScene scene;
     const SampleList list = scene.list();
     const LfmOptions options{.lambda_surface = 0, .lambda_view = 0, .mu = 0};
     const auto engine = scene.engine(GetParam(), list, options);
@@ -257,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, FloatScatter, ::testing::Values(ways[2], ways[3],
 /// Whatever sums come about by, fits end alike.
 TEST(Compute, FitsEndAlikeInEveryWay) {
     SharedContext::use();
-    const Scene scene;
+    const ComputeScene scene;
     const SampleList list = scene.list();
     std::vector<double> errors;
     for (const Way& way : ways) {
@@ -274,7 +274,7 @@ TEST(Compute, FitsEndAlikeInEveryWay) {
 /// What is planned is no less than what the device holds, and not much more; the host's part is in the plan, too.
 TEST(Compute, TakesWhatIsPlanned) {
     SharedContext::use();
-    const Scene scene;
+    const ComputeScene scene;
     const SampleList list = scene.list();
     for (const int terms : {1, 3})
         for (const Way& way : ways) {

@@ -117,7 +117,7 @@ TEST_P(TexelComputeAgreement, WithTheReference) {
     FAIL() << c.model;
 }
 
-std::vector<Case> cases() {
+std::vector<Case> texel_cases() {
     std::vector<Case> list;
     for (const TexelModel* model : texel_models())
         for (const bool grid : {false, true})
@@ -136,19 +136,19 @@ std::vector<Case> cases() {
     list.push_back({.name = "eight_bits", .scene = {.encoding = Encoding::u8_linear, .views = 8}});
     return list;
 }
-INSTANTIATE_TEST_SUITE_P(Cases, TexelComputeAgreement, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Cases, TexelComputeAgreement, ::testing::ValuesIn(texel_cases()),
                          [](const auto& info) { return info.param.name; });
 
-struct Fitted {
+struct FittedTexels {
     std::vector<float> parameters;
     Trace trace;
 };
-Fitted run(ContextKind kind, const TexelDataset& data, const TexelOptions& options, const OptimizerOptions& optimizer,
-           const std::vector<float>& start) {
+FittedTexels run(ContextKind kind, const TexelDataset& data, const TexelOptions& options,
+                 const OptimizerOptions& optimizer, const std::vector<float>& start) {
     const auto context = make_context(kind);
     const auto source = gather(data);
     TexelComputeEngine engine(data.dataset, *data.atlas, data.views, options, *source);
-    Fitted out{start, {}};
+    FittedTexels out{start, {}};
     engine.count();
     out.trace = optimize_terms(engine, optimizer, 1, false, out.parameters);
     return out;
@@ -175,7 +175,7 @@ TEST(TexelCompute, FitsAsTheCpuDoes) {
             optimizer.rule = rule;
             optimizer.iterations = 5;
             const std::vector<float> start = start_of(data, options);
-            const Fitted a = run(ContextKind::egl, data, options, optimizer, start);
+            const FittedTexels a = run(ContextKind::egl, data, options, optimizer, start);
             Trace b;
             {
                 SharedContext::use();

@@ -12,8 +12,8 @@ namespace radiafit {
 using namespace harness;
 namespace {
 
-struct Scene : testing::SampledScene {
-    explicit Scene(const LfmOptions& o, uint64_t seed = 1)
+struct EngineScene : testing::SampledScene {
+    explicit EngineScene(const LfmOptions& o, uint64_t seed = 1)
         : SampledScene(o, testing::sheet_dataset(testing::troubled_mesh(4, 23, seed), 12, 64, seed),
                        [&](const TriangleAtlas& tiles, const Dataset&) {
                            return testing::random_samples(tiles, 12, 0.7f, seed);
@@ -47,7 +47,7 @@ LfmOptions plain(int terms = 1, ViewLookup lookup = ViewLookup::bilinear) {
 
 template <class real>
 void against_oracle(const LfmOptions& options, double tolerance) {
-    Scene scene(options);
+    EngineScene scene(options);
     LfmProblem<real> problem(scene.dataset, scene.atlas, scene.rings, scene.samples, options);
     const auto statistics = problem.count();
     const LfmLayout& layout = problem.layout();
@@ -102,7 +102,7 @@ TEST(CpuEngine, DoubleMatchesOracle) {
     against_oracle<double>(plain(1, ViewLookup::nearest), 1e-12);
 }
 TEST(CpuEngine, MapsOfTheirOwnSidesMatchTheOracle) {
-    const Mesh mesh = testing::troubled_mesh(4, 23, 1);  // Scene's
+    const Mesh mesh = testing::troubled_mesh(4, 23, 1);  // EngineScene's
     for (int terms : {1, 3}) {
         against_oracle<float>(testing::with_own_sides(plain(terms), mesh), 1e-5);
         against_oracle<double>(testing::with_own_sides(plain(terms), mesh), 1e-12);
@@ -129,7 +129,7 @@ TEST(CpuEngine, WeightsMatchTheOracle) {
 /// A tenth of the samples is nonsense: a robust fit is near the one without them, a fit of squares is not.
 TEST(CpuEngine, RobustLossesLeaveOutliersAside) {
     const LfmOptions options = plain(1);
-    Scene scene(options);
+    EngineScene scene(options);
     for (Sample& s : scene.samples.samples)
         for (uint16_t& x : s.rgb) x = 20000;
     SampleList clean = scene.samples;
@@ -163,7 +163,7 @@ TEST(CpuEngine, FiniteDifferencesInDouble) {
             options.mode = mode;
             options.lambda_surface = 0.3f, options.lambda_view = 0.2f, options.mu = 0.7f;
             options.lower = 0, options.upper = 1;
-            Scene scene(options);
+            EngineScene scene(options);
             LfmProblem<double> problem(scene.dataset, scene.atlas, scene.rings, scene.samples, options);
             problem.count();
             const LfmLayout& layout = problem.layout();
@@ -286,7 +286,7 @@ TEST(CpuEngine, RecoversAnExactlyRepresentableLightField) {
 TEST(CpuEngine, SameBitsForAnyThreadCountAndTwice) {
     LfmOptions options = plain(2);
     options.lambda_surface = options.lambda_view = 1e-3f;
-    Scene scene(options);
+    EngineScene scene(options);
     std::vector<std::vector<float>> results;
     for (int threads : {1, 2, 2}) {
         set_thread_count(threads);
@@ -304,7 +304,7 @@ TEST(CpuEngine, SameBitsForAnyThreadCountAndTwice) {
 }
 
 TEST(CpuEngine, ProblemsWithoutSamplesAreNamedAndStay) {
-    Scene scene(plain());
+    EngineScene scene(plain());
     LfmProblem<float> problem(scene.dataset, scene.atlas, scene.rings, scene.samples, scene.options);
     StreamEngine<float> engine(problem);
     const auto statistics = engine.count();
@@ -323,7 +323,7 @@ TEST(CpuEngine, ProblemsWithoutSamplesAreNamedAndStay) {
 TEST(CpuEngine, RulesAgreeOnTheMinimum) {
     LfmOptions options = plain();
     options.lambda_surface = options.lambda_view = 1e-2f;
-    Scene scene(options);
+    EngineScene scene(options);
     LfmProblem<double> problem(scene.dataset, scene.atlas, scene.rings, scene.samples, options);
     StreamEngine<double> engine(problem);
     const auto start = lfm_start(problem.layout(), engine.count().mean, 1);

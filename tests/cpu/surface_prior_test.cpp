@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "dataset/texel_shading.h"
+#include "gauss.h"
 #include "model/texel_texts.h"
 #include "samples/picked_texels.h"
 #include "texel_scene.h"
@@ -16,12 +17,6 @@ namespace {
 using namespace testing;
 
 constexpr int width = 48, height = 32;
-
-double gauss(Rng& rng) {
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += double(rng.uniform());
-    return sum;
-}
 
 /// A flat grid under distant lamps, seen from above and aside.
 Dataset lamps(size_t images, uint64_t seed) {

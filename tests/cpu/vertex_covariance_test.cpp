@@ -9,6 +9,7 @@
 
 #include "cpu/lfm_engine.h"
 #include "cpu/ring_samples.h"
+#include "gauss.h"
 #include "model/covariance.h"
 #include "model/penalty.h"
 #include "optim/optimizer.h"
@@ -25,11 +26,6 @@ MatrixXd random_matrix(Rng& rng, Index rows, Index columns) {
     for (Index i = 0; i < rows; ++i)
         for (Index j = 0; j < columns; ++j) out(i, j) = double(rng.uniform(-1, 1));
     return out;
-}
-double gauss(Rng& rng) {
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += double(rng.uniform());
-    return sum;
 }
 
 /// As one matrix, and the arrow's part of one.
@@ -116,13 +112,13 @@ TEST(ArrowInverse, CountsDirectionsWithoutCurvature) {
 }
 
 /// One vertex with a ring of seven, all of whose texels every image shows.
-struct Scene : SampledScene {
+struct ErrorBarScene : SampledScene {
     static constexpr uint32_t hub = 9;  ///< of troubled_mesh(2, ...)
     uint32_t vertex;
     LfmLayout layout;
     std::vector<float> truth;  ///< of the vertex; zeros of the others
 
-    explicit Scene(const LfmOptions& o, int images = 40, float share = 1, uint32_t of = hub)
+    explicit ErrorBarScene(const LfmOptions& o, int images = 40, float share = 1, uint32_t of = hub)
         : SampledScene(o, sheet_dataset(troubled_mesh(2, 7, 1), images, 8, 2),
                        [&](const TriangleAtlas& atlas, const Dataset&) {
                            return share < 1 ? random_samples(atlas, size_t(images), share, 3)
@@ -245,7 +241,8 @@ LfmOptions small(int terms, float lambda) {
 }
 
 /// The covariance by its definition, with matrices of all unknowns: derivatives and curvatures are differences.
-MatrixXd dense_covariance(const Scene& scene, SampleList list, const Scene::Loaded& at, size_t c, double& noise) {
+MatrixXd dense_covariance(const ErrorBarScene& scene, SampleList list, const ErrorBarScene::Loaded& at, size_t c,
+                          double& noise) {
     const VectorXd x = scene.channel(scene.truth, c);
     const Index n = x.size();
     MatrixXd normal = MatrixXd::Zero(n, n), noisy = normal, known(n, n);
@@ -288,8 +285,8 @@ MatrixXd dense_covariance(const Scene& scene, SampleList list, const Scene::Load
 TEST(VertexErrorBars, AreTheDenseCovarianceWithinTheArrow) {
     for (const int terms : {1, 2}) {
         SCOPED_TRACE(terms);
-        const Scene scene(small(terms, 1e-2f), 12, 0.8f);
-        const Scene::Loaded at = scene.load(scene.samples, scene.truth);
+        const ErrorBarScene scene(small(terms, 1e-2f), 12, 0.8f);
+        const ErrorBarScene::Loaded at = scene.load(scene.samples, scene.truth);
         for (size_t c = 0; c < 3; ++c) {
             double noise = 0;
             const MatrixXd expected = dense_covariance(scene, scene.samples, at, c, noise);
@@ -305,10 +302,10 @@ TEST(VertexErrorBars, AreTheDenseCovarianceWithinTheArrow) {
 }
 
 TEST(VertexErrorBars, OfAllVerticesAreThoseOfEach) {
-    const Scene scene(small(2, 1e-2f), 12, 0.8f);
+    const ErrorBarScene scene(small(2, 1e-2f), 12, 0.8f);
     const AllVertexErrorBars all(scene.dataset, scene.atlas, scene.rings, scene.samples, scene.options, scene.truth,
                                  {});
-    const Scene::Loaded at = scene.load(scene.samples, scene.truth);
+    const ErrorBarScene::Loaded at = scene.load(scene.samples, scene.truth);
     const size_t unreferenced = scene.dataset.mesh.vertex_count() - 1;
     EXPECT_EQ(all.noise[3 * unreferenced], 0);
     for (size_t c = 0; c < 3; ++c) {
@@ -320,7 +317,7 @@ TEST(VertexErrorBars, OfAllVerticesAreThoseOfEach) {
 }
 
 /// Standard deviation of what a vertex adds to a texel's colour, [3].
-VectorXd value_deviation(const Scene& scene, uint32_t triangle, uint32_t local, const Vec3d& eye) {
+VectorXd value_deviation(const ErrorBarScene& scene, uint32_t triangle, uint32_t local, const Vec3d& eye) {
     size_t texel = local;
     for (const Corner& corner : scene.rings.ring(scene.vertex)) {
         if (corner.triangle == triangle) break;
@@ -330,7 +327,7 @@ VectorXd value_deviation(const Scene& scene, uint32_t triangle, uint32_t local, 
                                            scene.dataset.mesh.positions[scene.vertex], eye, 3, ViewLookup::bilinear);
     VectorXd view = VectorXd::Zero(9);
     for (int q = 0; q < 4; ++q) view[f.texel + (q & 1) + (q & 2 ? 3 : 0)] += double(f.weight[q]);
-    const Scene::Loaded at = scene.load(scene.samples, scene.truth);
+    const ErrorBarScene::Loaded at = scene.load(scene.samples, scene.truth);
     VectorXd out(3);
     for (size_t c = 0; c < 3; ++c) {
         double noise = 0;
@@ -348,13 +345,13 @@ VectorXd value_deviation(const Scene& scene, uint32_t triangle, uint32_t local, 
 }
 
 TEST(VertexErrorBars, OfAColourAreTheSumOfItsVertices) {
-    const Scene hub(small(2, 1e-2f), 12, 0.8f);
-    const uint32_t triangle = hub.rings.ring(Scene::hub)[2].triangle, local = 1;
+    const ErrorBarScene hub(small(2, 1e-2f), 12, 0.8f);
+    const uint32_t triangle = hub.rings.ring(ErrorBarScene::hub)[2].triangle, local = 1;
     const Vec3d eye = hub.dataset.views[3].camera.center();
     std::vector<float> parameters(hub.layout.size());
     VectorXd expected = VectorXd::Zero(3);
     for (const uint32_t vertex : hub.dataset.mesh.triangles[triangle]) {
-        const Scene scene(small(2, 1e-2f), 12, 0.8f, vertex);
+        const ErrorBarScene scene(small(2, 1e-2f), 12, 0.8f, vertex);
         for (size_t i = 0; i < parameters.size(); ++i) parameters[i] += scene.truth[i];
         expected += value_deviation(scene, triangle, local, eye);
     }
@@ -364,7 +361,7 @@ TEST(VertexErrorBars, OfAColourAreTheSumOfItsVertices) {
 }
 
 /// The fit in the gauge of the truth: h' = h M, g' = g M^-T, so that h' - h_0 is orthogonal to all h_0 X.
-VectorXd aligned(const Scene& scene, const VectorXd& x, const VectorXd& truth) {
+VectorXd aligned(const ErrorBarScene& scene, const VectorXd& x, const VectorXd& truth) {
     const MatrixXd h = scene.view_map(x), h0 = scene.view_map(truth);
     const MatrixXd mix = (h0.transpose() * h).inverse() * (h0.transpose() * h0);
     const MatrixXd back = mix.inverse().transpose();
@@ -380,13 +377,13 @@ TEST(VertexErrorBars, ScatterOfManyFitsIsAsFarAsTheySay) {
     constexpr double noise = 0.01;
     for (const int terms : {1, 2}) {
         SCOPED_TRACE(terms);
-        const Scene scene(small(terms, 1e-7f));  // hardly anything but the samples counts
+        const ErrorBarScene scene(small(terms, 1e-7f));  // hardly anything but the samples counts
         VectorXd squares = VectorXd::Zero(Index(scene.unknowns())), predicted = squares;
         size_t within = 0, all = 0;
         for (int draw = 0; draw < draws; ++draw) {
             const SampleList list = scene.noisy(noise, uint64_t(100 + draw));
             std::vector<float> p = scene.truth;
-            Scene::Loaded at = scene.load(list, p);
+            ErrorBarScene::Loaded at = scene.load(list, p);
             LaneEngine<VertexProblem> engine(at.problem);
             engine.count();
             optimize_terms(engine, {.rule = methods[0].modern, .iterations = 200}, terms, false,
@@ -413,12 +410,12 @@ TEST(VertexErrorBars, ScatterOfManyFitsIsAsFarAsTheySay) {
 
 TEST(VertexErrorBars, WhatNoSampleShowsIsNotTold) {
     // without smoothness, texels and view texels that no image shows are anything
-    Scene scene(small(1, 0), 12);
+    ErrorBarScene scene(small(1, 0), 12);
     const Corner unseen = scene.rings.ring(scene.vertex)[1];
     SampleList list = scene.noisy(0.01, 5);
     for (uint32_t g = list.tile_groups[unseen.triangle]; g < list.tile_groups[unseen.triangle + 1]; ++g)
         for (uint64_t s = list.groups[g].first; s < list.groups[g + 1].first; ++s) list.samples[s].local = 0;
-    const Scene::Loaded at = scene.load(list, scene.truth);
+    const ErrorBarScene::Loaded at = scene.load(list, scene.truth);
     const ProblemErrorBars bars = problem_error_bars(at.problem, at.x, 0);
     EXPECT_EQ(bars.deficient, 2);  // of a tile of three texels
     EXPECT_TRUE(std::isfinite(bars.deviation[3]));
@@ -426,7 +423,7 @@ TEST(VertexErrorBars, WhatNoSampleShowsIsNotTold) {
     EXPECT_TRUE(std::isinf(bars.deviation[5]));
     // with it, they follow their neighbours
     scene.options = small(1, 1e-2f);
-    const Scene::Loaded smooth = scene.load(list, scene.truth);
+    const ErrorBarScene::Loaded smooth = scene.load(list, scene.truth);
     const ProblemErrorBars follow = problem_error_bars(smooth.problem, smooth.x, 0);
     EXPECT_EQ(follow.deficient, 0);
     EXPECT_TRUE(std::isfinite(follow.deviation[4]));

@@ -33,7 +33,7 @@ struct EncodingCase {
     Gain gain;  ///< of some views
 };
 
-class EncodingTest : public DatasetTest, public testing::WithParamInterface<EncodingCase> {};
+class EncodingTest : public DatasetTest, public ::testing::WithParamInterface<EncodingCase> {};
 
 TEST_P(EncodingTest, RoundTrip) {
     const auto [encoding, space, source, gain] = GetParam();
@@ -143,7 +143,7 @@ std::vector<EncodingCase> all_cases() {
     return cases;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EncodingTest, testing::ValuesIn(all_cases()), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(All, EncodingTest, ::testing::ValuesIn(all_cases()), [](const auto& info) {
     const EncodingCase& c = info.param;
     std::string name = to_string(c.encoding) + (c.space == TargetSpace::linear ? "_linear" : "_stored") +
                        (c.source == StreamSource::disk ? "_disk" : "_memory") +

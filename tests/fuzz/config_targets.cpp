@@ -10,7 +10,7 @@ void take(Config& config, const char* key) {
     config.read(key, value);
 }
 
-void read(const fs::path& folder) {
+void read_config(const fs::path& folder) {
     for (const char* profile : {"", "smoke"}) {
         Config config(folder / "experiment.toml", profile, {"count=3", "names=[\"a\", \"b\"]"});
         take<bool>(config, "on");
@@ -50,7 +50,7 @@ std::vector<Target> config_targets() {
              [=](const fs::path&) {
                  return std::vector<std::string>{finite, seed + "[profile.smoke]\non = false\n"};
              },
-             read},
+             read_config},
             {"config_override", "override", overrides, read_override}};
 }
 

@@ -55,7 +55,7 @@ void write_relief(const fs::path& folder) {
 }
 
 /// As a fit reads it: everything once, in both spaces.
-void read(const fs::path& folder) {
+void read_dataset(const fs::path& folder) {
     const Dataset dataset = open_dataset(folder / "set");
     for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear}) {
         ImageStream stream(dataset, StreamSource::disk, space);
@@ -81,7 +81,7 @@ Target dataset_target(const char* name, const char* file, const std::function<vo
         if (path == json) seeds.push_back(bytes_of(folder / json));
         return seeds;
     };
-    return {name, path, seeds, read};
+    return {name, path, seeds, read_dataset};
 }
 
 ReflectanceTruth small_truth() {

@@ -17,7 +17,7 @@ using Seeds = std::vector<std::string>;
 constexpr int width = 7, height = 5;
 
 /// Every way in which a capture reads a picture. Refused if all of them refuse.
-void read(const fs::path& file) {
+void read_image_file(const fs::path& file) {
     std::optional<UserError> refusal;
     int taken = 0;
     for (const auto& way :
@@ -114,7 +114,7 @@ void vouch(const fs::path& file) {
 }
 
 Target target(const char* name, const char* file, Seeds (*seeds)(const fs::path&)) {
-    return {name, file, seeds, [=](const fs::path& folder) { read(folder / file); }};
+    return {name, file, seeds, [=](const fs::path& folder) { read_image_file(folder / file); }};
 }
 
 }  // namespace
@@ -122,7 +122,7 @@ Target target(const char* name, const char* file, Seeds (*seeds)(const fs::path&
 std::vector<Target> image_targets() {
     const auto vouched = [](const fs::path& folder) {
         vouch(folder / "image.png");
-        read(folder / "image.png");
+        read_image_file(folder / "image.png");
     };
     return {{"png", "image.png", png_seeds, vouched},
             target("jpeg", "image.jpg", jpeg_seeds),

@@ -32,7 +32,7 @@ std::vector<std::string> seeds(const fs::path& folder) {
     return {bytes_of(folder / name)};
 }
 
-void read(const fs::path& folder) {
+void read_journal(const fs::path& folder) {
     Journal journal(folder / name, Journal::key_of(folder / name), 0);
     finish(journal, 0.25f);
 }
@@ -51,13 +51,13 @@ void read_vouched(const fs::path& folder) {
         at += 32 + size;
     }
     put_bytes(folder / name, bytes);
-    read(folder);
+    read_journal(folder);
 }
 
 }  // namespace
 
 std::vector<Target> journal_targets() {
-    return {{"journal", name, seeds, read}, {"journal_blocks", name, seeds, read_vouched}};
+    return {{"journal", name, seeds, read_journal}, {"journal_blocks", name, seeds, read_vouched}};
 }
 
 }  // namespace radiafit::fuzz

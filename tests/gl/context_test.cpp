@@ -35,7 +35,7 @@ std::string user_error(const ContextOptions& options) {
     return "";
 }
 
-class EveryContext : public testing::TestWithParam<ContextKind> {};
+class EveryContext : public ::testing::TestWithParam<ContextKind> {};
 
 TEST_P(EveryContext, OffersCore45AndSaysWhatItIs) {
     const auto context = make(GetParam());
@@ -101,8 +101,8 @@ TEST_P(EveryContext, TexturesKeepWhatTheyAreGivenAndCountTheirBytes) {
     EXPECT_EQ(context->peak_bytes(), 3 * 2 * 16 + 5 * 4 * 3 * 4);
 }
 
-std::string name_of(const testing::TestParamInfo<ContextKind>& info) { return to_string(info.param); }
-INSTANTIATE_TEST_SUITE_P(Kinds, EveryContext, testing::Values(ContextKind::egl, ContextKind::osmesa), name_of);
+std::string name_of(const ::testing::TestParamInfo<ContextKind>& info) { return to_string(info.param); }
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryContext, ::testing::Values(ContextKind::egl, ContextKind::osmesa), name_of);
 
 TEST(Context, BothKindsLiveSideBySide) {
     const auto egl = make(ContextKind::egl);

@@ -26,7 +26,7 @@ PageMap random_map(float most, bool root) {
     return map;
 }
 
-class CodedMaps : public testing::TestWithParam<bool> {};
+class CodedMaps : public ::testing::TestWithParam<bool> {};
 
 TEST_P(CodedMaps, ComeBackToHalfAStepAndZerosToZero) {
     for (const float most : {0.1f, 3.0f, 800.0f})
@@ -54,7 +54,7 @@ TEST_P(CodedMaps, OfFewStepsHaveOneImage) {
     EXPECT_FALSE(code_map(random_map(1, GetParam()), {0.001f, 0.001f, 0.001f}).high.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(AsTheyAreAndAsRoots, CodedMaps, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(AsTheyAreAndAsRoots, CodedMaps, ::testing::Bool());
 
 std::string text_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);

@@ -11,7 +11,7 @@ namespace radiafit::testing {
 using namespace fits;
 namespace {
 
-Vec3f random_direction(Rng& rng) {
+Vec3f drawn_direction(Rng& rng) {
     return Vec3f(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.3f, 1)).normalized();
 }
 
@@ -30,7 +30,7 @@ SeenColours drawn(const DirectionProcess& p, int n, Rng& rng) {
     SeenColours out;
     Eigen::MatrixXd k(n, n);
     for (int i = 0; i < n; ++i) {
-        out.directions.push_back(random_direction(rng));
+        out.directions.push_back(drawn_direction(rng));
         out.weights.push_back(rng.uniform(0.3f, 1));
     }
     for (int i = 0; i < n; ++i)

@@ -77,10 +77,10 @@ bool usable(const Fit::Outcome& o) {
     return std::isfinite(o.error) && o.error >= 0 && std::abs(std::max(-o.parameters[6], o.parameters[7]) - 1) < 1e-6f;
 }
 
-struct Scene {
+struct TexelFitScene {
     std::vector<Parameters> truth;
     std::vector<LafortuneTexel> texels;
-    Scene(size_t count, double n_low, double n_high, double noise, uint64_t seed, size_t samples = 230) {
+    TexelFitScene(size_t count, double n_low, double n_high, double noise, uint64_t seed, size_t samples = 230) {
         Rng rng(seed);
         for (size_t i = 0; i < count; ++i) {
             truth.push_back(random_lobe(rng, n_low, n_high));
@@ -197,7 +197,7 @@ TEST(TexelFit, AnyNumberOfStartsIsSummed) {
 }
 
 TEST(TexelFit, StartsWhereTheBestOfAllStartsIs) {
-    const Scene scene(64, 3, 150, 0.01, 2);
+    const TexelFitScene scene(64, 3, 150, 0.01, 2);
     for (size_t i = 0; i < scene.texels.size(); ++i) {
         Fit::Batch batch;
         for (const LafortuneSample& s : scene.texels[i]) batch.push(3, s);
@@ -222,7 +222,7 @@ TEST(TexelFit, StartsWhereTheBestOfAllStartsIs) {
 
 TEST(TexelFit, RecoversWhatNoiseFreeSamplesWereMadeOf) {
     for (const auto& range : {moderate, sharp}) {
-        const Scene scene(320, range[0], range[1], 0, 3);
+        const TexelFitScene scene(320, range[0], range[1], 0, 3);
         const auto outcomes = scene.fit();
         std::vector<double> errors;
         for (size_t i = 0; i < outcomes.size(); ++i) {
@@ -236,7 +236,7 @@ TEST(TexelFit, RecoversWhatNoiseFreeSamplesWereMadeOf) {
 }
 
 void expect_as_good_as_ceres(const double (&range)[2], double noise, uint64_t seed, double share) {
-    const Scene scene(320, range[0], range[1], noise, seed);
+    const TexelFitScene scene(320, range[0], range[1], noise, seed);
     const auto outcomes = scene.fit();
     int good = 0, converged = 0;
     for (size_t i = 0; i < outcomes.size(); ++i) {
@@ -256,7 +256,7 @@ TEST(TexelFit, IsAsGoodAsCeresOnSharpLobes) { expect_as_good_as_ceres(sharp, 0.0
 TEST(TexelFit, IsAsGoodAsCeresWithoutNoise) { expect_as_good_as_ceres(moderate, 0, 6, 0.99); }
 
 TEST(TexelFit, TellsItsErrorAndNoSmallStepLowersIt) {
-    const Scene scene(64, 3, 60, 0.01, 7);
+    const TexelFitScene scene(64, 3, 60, 0.01, 7);
     const auto outcomes = scene.fit();
     Rng rng(7);
     for (size_t i = 0; i < outcomes.size(); ++i) {
@@ -274,7 +274,7 @@ TEST(TexelFit, TellsItsErrorAndNoSmallStepLowersIt) {
 }
 
 TEST(TexelFit, ATexelsResultIsItsOwn) {
-    const Scene scene(24, 3, 150, 0.01, 8, 100);
+    const TexelFitScene scene(24, 3, 150, 0.01, 8, 100);
     Rng rng(8);
     std::vector<Fit::Outcome> alone;
     for (const LafortuneTexel& texel : scene.texels) {
@@ -308,7 +308,7 @@ TEST(TexelFit, ATexelsResultIsItsOwn) {
 }
 
 TEST(TexelFit, WeightsCountAsSamplesDo) {
-    const Scene scene(8, 3, 30, 0.01, 9);
+    const TexelFitScene scene(8, 3, 30, 0.01, 9);
     Fit::Batch weighted, repeated, gaps;
     Rng rng(9);
     for (int lane = 0; lane < 8; ++lane)
@@ -391,7 +391,7 @@ TEST(TexelFit, ExtremeTexelsStayWithinBounds) {
 }
 
 TEST(TexelFit, GoesOnFromGivenParameters) {
-    const Scene scene(8, 3, 30, 0.01, 12);
+    const TexelFitScene scene(8, 3, 30, 0.01, 12);
     Fit::Batch batch;
     for (int lane = 0; lane < 8; ++lane)
         for (const LafortuneSample& s : scene.texels[size_t(lane)]) batch.push(lane, s);
@@ -476,7 +476,7 @@ TEST(BoundedStep, IsTheOptimumWithinBounds) {
 }
 
 TEST(CeresTexel, ItsTwoLinearSolversAgree) {
-    const Scene scene(32, 3, 30, 0.005, 15);
+    const TexelFitScene scene(32, 3, 30, 0.005, 15);
     for (size_t i = 0; i < scene.texels.size(); ++i) {
         Parameters start = scene.truth[i];
         start[8] = std::log(10.0);
@@ -530,7 +530,7 @@ TEST(CeresTexel, AWeightOfTwoIsTheSampleTwice) {
 // TinySolver and hand-made variable projection solve the same problem, so on nearly every texel they end at the same
 // error; the latter in fewer iterations.
 TEST(CeresTexel, ItsRivalsEndWhereItDoes) {
-    const Scene scene(64, 3, 30, 0.005, 15);
+    const TexelFitScene scene(64, 3, 30, 0.005, 15);
     using Method = CeresTexelOptions::Method;
     double iterations[3] = {};
     for (const Method method : {Method::projected, Method::tiny}) {

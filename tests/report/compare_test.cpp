@@ -19,20 +19,20 @@ using namespace harness;
 namespace {
 
 namespace fs = std::filesystem;
-using Table = std::vector<std::vector<std::string>>;  ///< the header first
+using Rows = std::vector<std::vector<std::string>>;  ///< the header first
 
-const Table errors = {{"dataset", "method", "terms", "train_psnr_db", "train_ape", "iterations", "seconds", "renderer"},
-                      {"star", "cpu-low", "1", "27.6355", "5.5399", "15", "1.593", "cpu, 2 threads"},
-                      {"star", "cpu-low", "2", "28.1014", "5.1023", "15", "2.011", "cpu, 2 threads"},
-                      {"star", "mean", "1", "21.4017", "12.4115", "", "0.155", "cpu, 2 threads"}};
+const Rows errors = {{"dataset", "method", "terms", "train_psnr_db", "train_ape", "iterations", "seconds", "renderer"},
+                     {"star", "cpu-low", "1", "27.6355", "5.5399", "15", "1.593", "cpu, 2 threads"},
+                     {"star", "cpu-low", "2", "28.1014", "5.1023", "15", "2.011", "cpu, 2 threads"},
+                     {"star", "mean", "1", "21.4017", "12.4115", "", "0.155", "cpu, 2 threads"}};
 
-Table with(Table table, size_t row, const std::string& column, const std::string& text) {
+Rows with(Rows table, size_t row, const std::string& column, const std::string& text) {
     table[row][size_t(std::ranges::find(table[0], column) - table[0].begin())] = text;
     return table;
 }
 
 /// Runs on two sides, "a" and "b", of a temporary folder.
-class Runs : public testing::Test {
+class Runs : public ::testing::Test {
 protected:
     struct Settings {
         std::string experiment = "fig9_error", file = "errors.csv", device = "cpu", revision = "abc", config = "{}";
@@ -40,7 +40,7 @@ protected:
     Settings settings;
 
     /// One run, later than those before it.
-    fs::path add(const std::string& side, const Table& table, const Settings& s) {
+    fs::path add(const std::string& side, const Rows& table, const Settings& s) {
         const std::string utc = fmt::format("2024-01-01T00:00:{:02}Z", ++runs_);
         const fs::path run = root() / side / s.experiment / s.device / fmt::format("{}-{}", utc, s.revision);
         fs::create_directories(run);
@@ -53,7 +53,7 @@ protected:
         writer.commit();
         return run;
     }
-    fs::path add(const std::string& side, const Table& table) { return add(side, table, settings); }
+    fs::path add(const std::string& side, const Rows& table) { return add(side, table, settings); }
 
     fs::path root() const { return folder_.path(); }
     Pairing pair(const std::string& only = "") {
@@ -69,7 +69,7 @@ protected:
         return all;
     }
     /// The one finding where only `after` is `changed`.
-    Cell finding(const Table& before, const Table& after) {
+    Cell finding(const Rows& before, const Rows& after) {
         fs::remove_all(root() / "a");
         fs::remove_all(root() / "b");
         add("a", before);
@@ -122,9 +122,9 @@ TEST_F(Runs, TolerancesAreOfTheColumn) {
 
 TEST_F(Runs, IterationsMayBeOneMoreOrLessButNotNever) {
     settings.experiment = "stopping", settings.file = "rules.csv";
-    const Table rules = {{"rule", "levels", "optimizer", "median_reached"},
-                         {"residual", "0", "cg", "40"},
-                         {"residual", "0", "sd", "-1"}};
+    const Rows rules = {{"rule", "levels", "optimizer", "median_reached"},
+                        {"residual", "0", "cg", "40"},
+                        {"residual", "0", "sd", "-1"}};
     add("a", rules);
     add("b", with(rules, 1, "median_reached", "41"));
     EXPECT_TRUE(findings().empty());
@@ -133,13 +133,13 @@ TEST_F(Runs, IterationsMayBeOneMoreOrLessButNotNever) {
 }
 
 TEST_F(Runs, RowsColumnsAndFilesOfOneRunOnly) {
-    Table fewer = errors;
+    Rows fewer = errors;
     fewer.erase(fewer.begin() + 2);
     EXPECT_EQ(finding(errors, fewer).verdict, Verdict::missing);
     EXPECT_EQ(finding(fewer, errors).verdict, Verdict::added);
     EXPECT_EQ(finding(fewer, errors).row, "star, cpu-low, 2");
 
-    Table narrower = errors;
+    Rows narrower = errors;
     for (auto& row : narrower) row.erase(row.begin() + 4);
     EXPECT_EQ(finding(errors, narrower).verdict, Verdict::missing);
     EXPECT_EQ(finding(errors, narrower).column, "train_ape");
@@ -147,7 +147,7 @@ TEST_F(Runs, RowsColumnsAndFilesOfOneRunOnly) {
 }
 
 TEST_F(Runs, RowsMayStandInAnyOrder) {
-    Table turned = errors;
+    Rows turned = errors;
     std::reverse(turned.begin() + 1, turned.end());
     for (auto& row : turned) std::swap(row[0], row[4]);
     add("a", errors);
@@ -156,8 +156,8 @@ TEST_F(Runs, RowsMayStandInAnyOrder) {
 }
 
 /// Five timings of one thing.
-Table timings(std::vector<double> seconds) {
-    Table table = {{"problem", "passes", "source", "repetition", "line_s"}};
+Rows timings(std::vector<double> seconds) {
+    Rows table = {{"problem", "passes", "source", "repetition", "line_s"}};
     for (size_t i = 0; i < seconds.size(); ++i)
         table.push_back({"Lafortune", "paper", "disk", std::to_string(i), fmt::format("{:.6g}", seconds[i])});
     return table;
@@ -165,8 +165,8 @@ Table timings(std::vector<double> seconds) {
 
 TEST_F(Runs, RepetitionsTellATime) {
     settings.experiment = "streaming", settings.file = "iterations.csv";
-    const Table before = timings({1.000, 1.004, 0.998, 1.002, 1.001});
-    const auto against = [&](const Table& again, const Table& after) {  // two runs of the old program, one of the new
+    const Rows before = timings({1.000, 1.004, 0.998, 1.002, 1.001});
+    const auto against = [&](const Rows& again, const Rows& after) {  // two runs of the old program, one of the new
         fs::remove_all(root());
         settings.revision = "old";
         add("a", before);
@@ -175,7 +175,7 @@ TEST_F(Runs, RepetitionsTellATime) {
         add("b", after);
         return cells().at(0);
     };
-    const Table slower = timings({1.050, 1.052, 1.049, 1.055, 1.047});
+    const Rows slower = timings({1.050, 1.052, 1.049, 1.055, 1.047});
     const Cell c = against(before, slower);
     EXPECT_EQ(c.verdict, Verdict::slower);
     EXPECT_NEAR(c.amount, 1.049, 1e-3);
@@ -268,7 +268,7 @@ TEST_F(Runs, TimesOfAnotherDeviceOrConfigAreUnclearAccuracyIsNot) {
 
 TEST_F(Runs, WhatIsOfOtherWorkIsNotCompared) {
     settings = {.experiment = "solvers", .file = "solvers.csv"};
-    const Table solvers = {
+    const Rows solvers = {
         {"solver", "setting", "vertices", "reached_share"}, {"als", "", "18", "1"}, {"varpro", "", "60", "1"}};
     add("a", solvers);
     add("b", with(with(solvers, 1, "vertices", "17"), 1, "reached_share", "0.5"));
@@ -280,7 +280,7 @@ TEST_F(Runs, WhatIsOfOtherWorkIsNotCompared) {
 
 TEST_F(Runs, ASlowMachinesFewerProblemsAreNotMissing) {
     settings = {.experiment = "solvers", .file = "problems.csv"};
-    Table problems = {
+    Rows problems = {
         {"solver", "setting", "vertex", "channel", "error"}, {"als", "", "4", "r", "1"}, {"als", "", "5", "r", "1"}};
     add("a", problems);
     problems.pop_back();
@@ -290,8 +290,7 @@ TEST_F(Runs, ASlowMachinesFewerProblemsAreNotMissing) {
 
 TEST_F(Runs, DevicesRowsAreMatchedByTheirKind) {
     settings = {.experiment = "fig10_utilization", .file = "peaks.csv"};
-    const Table peaks = {
-        {"device", "peak", "per_second"}, {"llvmpipe", "bytes", "1"}, {"cpu, 2 threads", "bytes", "2"}};
+    const Rows peaks = {{"device", "peak", "per_second"}, {"llvmpipe", "bytes", "1"}, {"cpu, 2 threads", "bytes", "2"}};
     add("a", peaks);
     add("b", with(with(peaks, 1, "device", "NVIDIA"), 2, "device", "cpu, 64 threads"));
     EXPECT_TRUE(findings(true).empty());

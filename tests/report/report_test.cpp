@@ -252,7 +252,7 @@ TEST(ResultFolder, AnUnwritableRootIsNamed) {
               std::string::npos);
 }
 
-class Figures : public testing::Test {
+class Figures : public ::testing::Test {
 protected:
     void SetUp() override {
         if (std::system("gnuplot --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is absent";

@@ -27,7 +27,7 @@ namespace radiafit {
 namespace {
 namespace fs = std::filesystem;
 
-class OrnamentTest : public testing::Test {
+class OrnamentTest : public ::testing::Test {
 protected:
     OrnamentTest() { set_quiet(true); }
     ~OrnamentTest() override { set_thread_count(0); }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/rng.h"
+#include "gauss.h"
 #include "model/texel_local.h"
 #include "model/texel_texts.h"
 
@@ -51,9 +52,7 @@ inline LafortuneTexel sample_texel(Rng& rng, const LafortuneModel::Parameters& p
         const auto value = LafortuneModel::value(p, terms);
         for (size_t k = 0; k < 3; ++k) s.term[k] = float(terms.x[k]);
         for (size_t c = 0; c < 3; ++c) {
-            double gauss = -6;
-            for (int i = 0; i < 12; ++i) gauss += double(rng.uniform());
-            s.target[c] = float(value[c] + noise * gauss);
+            s.target[c] = float(value[c] + noise * gauss(rng));
         }
     }
     return out;

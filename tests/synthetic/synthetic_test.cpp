@@ -62,7 +62,7 @@ std::string bytes_of(const fs::path& folder) {
     return all.str();
 }
 
-class SyntheticTest : public testing::TestWithParam<const char*> {
+class SyntheticTest : public ::testing::TestWithParam<const char*> {
 protected:
     SyntheticTest() : root_(fs::temp_directory_path() / ("radiafit-synthetic-" + std::to_string(getpid()))) {
         set_quiet(true);
@@ -281,7 +281,7 @@ TEST_P(SyntheticTest, TheSeedAloneDecidesTheBytes) {
     EXPECT_LT(same, before.size() * 8 / 10) << "another seed is another dataset";  // half of it is background
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, SyntheticTest, testing::Values("star", "bust"),
+INSTANTIATE_TEST_SUITE_P(Shapes, SyntheticTest, ::testing::Values("star", "bust"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(Synthetic, AnOutputThatCannotBeWrittenIsSaidBeforeTheWork) {

@@ -29,15 +29,6 @@ std::string as_given(const std::string& override_text) {
     return fmt::format("{} {}", at_command_line("--set", "override"), override_text);
 }
 
-/// One key as given somewhere: `where` is "FILE:LINE", or as_given() with the value's text in `override_text`.
-struct Entry {
-    std::string key;
-    const toml::node* node;
-    std::string where;
-    std::optional<std::string> override_text;
-    bool applies;  // false: it is in another profile, and is only checked
-};
-
 std::string text_of(const auto& value) { return json_text(nlohmann::json(value), -1, NotUtf8::replace); }
 
 std::string_view type_name(const toml::node& node) {
@@ -122,11 +113,11 @@ void refuse_strange_characters(const std::filesystem::path& path, const std::str
 
 /// Says where the value came from if the rule does not hold for it.
 template <class T>
-void judge(const Entry& entry, const T& value, const std::function<void(const T&)>& rule) {
+void judge(const std::string& where, const T& value, const std::function<void(const T&)>& rule) {
     try {
         rule(value);
     } catch (const UserError& e) {
-        throw UserError(fmt::format("{}: {}", entry.where, e.what()));
+        throw UserError(fmt::format("{}: {}", where, e.what()));
     }
 }
 
@@ -183,6 +174,15 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 }
 
 struct Config::Sources {
+    /// One key as given somewhere: `where` is "FILE:LINE", or as_given() with the value's text in `override_text`.
+    struct Entry {
+        std::string key;
+        const toml::node* node;
+        std::string where;
+        std::optional<std::string> override_text;
+        bool applies;  // false: it is in another profile, and is only checked
+    };
+
     toml::table file;
     std::vector<toml::table> overrides;
     std::vector<Entry> entries;  // later ones override earlier ones
@@ -247,7 +247,7 @@ Config::Config(std::filesystem::path path, std::string profile, const std::vecto
     : path_(std::move(path)), profile_(std::move(profile)), sources_(std::make_unique<Sources>()) {
     sources_->file = parse_file(path_);
     sources_->add_table(sources_->file, path_, true);
-    const auto is_profile = [](const Entry& entry) { return entry.key == "profile"; };
+    const auto is_profile = [](const Sources::Entry& entry) { return entry.key == "profile"; };
     std::erase_if(sources_->entries, is_profile);
     if (const toml::node* profiles = sources_->file.get("profile"))
         sources_->add_profiles(*profiles, path_, profile_);
@@ -256,7 +256,7 @@ Config::Config(std::filesystem::path path, std::string profile, const std::vecto
             fmt::format("{}: no profile '{}'; add a table [profile.{}]", path_.string(), profile_, profile_));
     for (const std::string& text : overrides) sources_->add_override(text);
     size_t next = 0;  // the tables no longer move, so their nodes can be pointed at
-    for (Entry& entry : sources_->entries)
+    for (Sources::Entry& entry : sources_->entries)
         if (!entry.node) entry.node = sources_->overrides[next++].get("value");
 }
 
@@ -264,7 +264,7 @@ Config::~Config() = default;
 
 template <class T>
 void Config::read_any(std::string_view key, T& value, const std::function<void(const T&)>& rule) {
-    for (const Entry& entry : sources_->entries) {
+    for (const Sources::Entry& entry : sources_->entries) {
         if (entry.key != key) continue;
         T given{};
         if (!convert(*entry.node, given)) {
@@ -277,7 +277,7 @@ void Config::read_any(std::string_view key, T& value, const std::function<void(c
                 throw UserError(fmt::format("{}: '{}' must be {}, not {}", entry.where, key, expected(value),
                                             type_name(*entry.node)));
         }
-        if (rule) judge(entry, given, rule);
+        if (rule) judge(entry.where, given, rule);
         if (entry.applies) value = std::move(given);
     }
     auto& resolved = sources_->resolved;
@@ -319,7 +319,7 @@ void Config::read(std::string_view key, std::vector<std::string>& value, const N
 void Config::finish() const {
     std::vector<std::string> known;
     for (const auto& [key, value] : sources_->resolved) known.push_back(key);
-    for (const Entry& entry : sources_->entries) {
+    for (const Sources::Entry& entry : sources_->entries) {
         if (std::ranges::find(known, entry.key) != known.end()) continue;
         const std::string suggestion = nearest(entry.key, known);
         throw UserError(fmt::format("{}: unknown key '{}'{}", entry.where, entry.key,
@@ -329,7 +329,7 @@ void Config::finish() const {
 
 void Config::reject(std::string_view key, std::string_view message) const {
     std::string where = path_.string();
-    for (const Entry& entry : sources_->entries)
+    for (const Sources::Entry& entry : sources_->entries)
         if (entry.applies && entry.key == key) where = entry.where;
     throw UserError(fmt::format("{}: '{}' {}", where, key, message));
 }

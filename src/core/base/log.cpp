@@ -36,7 +36,7 @@ bool on_terminal() {
 /// Not if NO_COLOR is set, whatever it says (no-color.org).
 bool in_colour() { return on_terminal() && environment("NO_COLOR").empty(); }
 
-constexpr const char *red = "\x1b[1;31m", *yellow = "\x1b[33m", *plain = "\x1b[0m";
+constexpr const char *red = "\x1b[1;31m", *yellow = "\x1b[33m", *uncoloured = "\x1b[0m";
 
 int terminal_columns() {
     winsize size{};
@@ -46,7 +46,7 @@ int terminal_columns() {
 /// Lines may stay lines in a message of ours; an error is one line.
 void write_line(std::string_view prefix, std::string_view message, bool one_line, const char* colour = nullptr) {
     std::string begin(prefix);
-    if (colour && in_colour()) begin = fmt::format("{}{}{}", colour, prefix, plain);
+    if (colour && in_colour()) begin = fmt::format("{}{}{}", colour, prefix, uncoloured);
     std::scoped_lock lock(output_mutex);
     write_to_stderr(fmt::format("{}{}{}\n", bar_on_screen ? "\r\x1b[K" : "", begin, printable(message, !one_line)));
     bar_on_screen = false;

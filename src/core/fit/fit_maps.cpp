@@ -42,7 +42,7 @@ void for_each_view_texel(const LfmLayout& layout, int term, int width, Body body
         }
 }
 
-constexpr float whole = 16777217.0f;  // counts up to 2^24 are exact in float32
+constexpr float count_limit = 16777217.0f;  // counts up to 2^24 are exact in float32
 
 /// `owner`: "vertex 7", what the value belongs to.
 uint32_t whole_number(const std::filesystem::path& path, float value, float limit, const char* what, const char* owner,
@@ -193,8 +193,8 @@ void take_problem_image(const std::filesystem::path& path, size_t vertices, Ligh
     for (size_t q = 0; q < 3 * vertices; ++q) {
         const float* pixel = image.values.data() + q / 3 * 3 * quantities + q % 3;
         fit.status[q] = Status(whole_number(path, pixel[0], float(Status::count), "status", "vertex", q / 3));
-        fit.iterations[q] = whole_number(path, pixel[3], whole, "iterations", "vertex", q / 3);
-        fit.samples[q] = whole_number(path, pixel[6], whole, "samples", "vertex", q / 3);
+        fit.iterations[q] = whole_number(path, pixel[3], count_limit, "iterations", "vertex", q / 3);
+        fit.samples[q] = whole_number(path, pixel[6], count_limit, "samples", "vertex", q / 3);
         fit.error[q] = pixel[9];
     }
 }
@@ -250,8 +250,8 @@ void take_problem_image(const std::filesystem::path& path, const Atlas& atlas, F
     for_each_texel(atlas, [&](size_t pixel, size_t t) {
         const float* values = &image.values[pixel * quantities];
         fit.status[t] = Status(whole_number(path, values[0], float(Status::count), "status", "texel", t));
-        fit.iterations[t] = whole_number(path, values[1], whole, "iterations", "texel", t);
-        fit.samples[t] = whole_number(path, values[2], whole, "samples", "texel", t);
+        fit.iterations[t] = whole_number(path, values[1], count_limit, "iterations", "texel", t);
+        fit.samples[t] = whole_number(path, values[2], count_limit, "samples", "texel", t);
         fit.error[t] = values[3];
     });
 }

@@ -9,20 +9,6 @@ namespace radiafit {
 
 namespace {
 
-struct Box {
-    Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity());
-    Vec3f high = Vec3f::Constant(-std::numeric_limits<float>::infinity());
-    void add(const Box& b) {
-        low = low.cwiseMin(b.low);
-        high = high.cwiseMax(b.high);
-    }
-    float half_area() const {
-        const Vec3f d = high - low;
-        return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
-    }
-    Vec3f middle() const { return 0.5f * (low + high); }
-};
-
 constexpr uint32_t leaf_size = 4;
 constexpr int bins = 12;
 // From this depth on nodes are halved, 32 levels at most, so that the stack never overflows.
@@ -34,13 +20,27 @@ constexpr int stack_size = deepest_binned + 40;
 /// Builds the hierarchy top-down by the binned surface area heuristic (Wald 2007, "On fast construction of SAH-based
 /// bounding volume hierarchies").
 struct RayCaster::Builder {
-    std::vector<Box> boxes;
+    struct Bounds {
+        Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity());
+        Vec3f high = Vec3f::Constant(-std::numeric_limits<float>::infinity());
+        void add(const Bounds& b) {
+            low = low.cwiseMin(b.low);
+            high = high.cwiseMax(b.high);
+        }
+        float half_area() const {
+            const Vec3f d = high - low;
+            return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+        }
+        Vec3f middle() const { return 0.5f * (low + high); }
+    };
+
+    std::vector<Bounds> boxes;
     std::vector<uint32_t> order;
     std::vector<Node>& nodes;
 
     void build(uint32_t begin, uint32_t end, int depth) {
         const size_t self = nodes.size();
-        Box box;
+        Bounds box;
         for (uint32_t k = begin; k < end; ++k) box.add(boxes[order[k]]);
         nodes.push_back({box.low, box.high, begin, end - begin});
         if (end - begin <= leaf_size) return;
@@ -53,7 +53,7 @@ struct RayCaster::Builder {
     }
 
     uint32_t split(uint32_t begin, uint32_t end, int depth) {
-        Box centers;
+        Bounds centers;
         for (uint32_t k = begin; k < end; ++k) {
             const Vec3f c = boxes[order[k]].middle();
             centers.add({c, c});
@@ -66,7 +66,7 @@ struct RayCaster::Builder {
             const auto bin = [&](uint32_t t) {
                 return std::min(bins - 1, static_cast<int>((boxes[t].middle()[axis] - centers.low[axis]) * scale));
             };
-            Box box[bins];
+            Bounds box[bins];
             uint32_t count[bins] = {};
             for (uint32_t k = begin; k < end; ++k) {
                 box[bin(order[k])].add(boxes[order[k]]);
@@ -84,16 +84,16 @@ struct RayCaster::Builder {
     }
 
     /// The bin after which to split: the least sum of area times triangles.
-    static int cheapest(const Box* box, const uint32_t* count) {
+    static int cheapest(const Bounds* box, const uint32_t* count) {
         float right_cost[bins] = {};
-        Box right;
+        Bounds right;
         uint32_t right_count = 0;
         for (int b = bins - 1; b > 0; --b) {
             right.add(box[b]);
             right_count += count[b];
             right_cost[b] = right.half_area() * float(right_count);
         }
-        Box left;
+        Bounds left;
         uint32_t left_count = 0;
         int best = 0;
         float best_cost = std::numeric_limits<float>::infinity();
@@ -113,7 +113,7 @@ RayCaster::RayCaster(const Mesh& mesh) {
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         if (is_degenerate(mesh, t)) continue;
         const auto& [i0, i1, i2] = mesh.triangles[t];
-        Box box;
+        Builder::Bounds box;
         for (const uint32_t v : mesh.triangles[t]) box.add({mesh.positions[v], mesh.positions[v]});
         builder.boxes.push_back(box);
         const Vec3d p0 = mesh.positions[i0].cast<double>();

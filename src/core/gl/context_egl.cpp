@@ -65,7 +65,7 @@ private:
     }
 };
 
-void* resolve(const char* name) { return reinterpret_cast<void*>(Egl::get()->get_proc_address(name)); }
+void* resolve_by_egl(const char* name) { return reinterpret_cast<void*>(Egl::get()->get_proc_address(name)); }
 
 bool has_extension(const char* list, const char* name) {
     for (const char* at = list ? std::strstr(list, name) : nullptr; at; at = std::strstr(at + 1, name)) {
@@ -133,7 +133,7 @@ public:
         } else {
             open_any(*egl, devices);
         }
-        finish_creation(resolve, "EGL");
+        finish_creation(resolve_by_egl, "EGL");
     }
     ~EglContext() override {
         leave();

@@ -37,7 +37,7 @@ struct OsMesa {
     }
 };
 
-void* resolve(const char* name) { return reinterpret_cast<void*>(OsMesa::get()->get_proc_address(name)); }
+void* resolve_by_osmesa(const char* name) { return reinterpret_cast<void*>(OsMesa::get()->get_proc_address(name)); }
 
 class OsMesaContext final : public Context {
 public:
@@ -71,7 +71,7 @@ public:
         if (!context_)
             throw UserError(fmt::format("OSMesa gives no OpenGL 4.5 core context: update Mesa, or use {} egl",
                                         option_name("context")));
-        finish_creation(resolve, "OSMesa");
+        finish_creation(resolve_by_osmesa, "OSMesa");
     }
     ~OsMesaContext() override {
         leave();

@@ -9,7 +9,7 @@
 namespace radiafit::fits {
 namespace {
 
-constexpr const char* formulas = R"json({
+constexpr const char* light_field_formulas = R"json({
     "look_up": "h[v,i,k] = sum over j = 0..3 of view_weights[v,i,j] view[v, view_texel[v,i] + (0, 1, m, m + 1)[j], k]",
     "place": "a[s,c] = triangle_maps[t,c] + texel[s], with sample s in a group of triangle t and image i",
     "residual": "r[s,c] = sum over k of surface[a,k] h[v,i,k] - barycentric[a] radiance[s], v = triangle_vertices[t,c]",
@@ -201,7 +201,7 @@ void export_light_field_problems(const Dataset& dataset, const FitRequest& asked
                                                  {"upper", o.upper},
                                                  {"printed_bounds", o.mode == Mode::paper}}
                               .dump());
-    out.tell("formulas", formulas);
+    out.tell("formulas", light_field_formulas);
     write_maps(ground, out);
     {
         const SampleList samples = distribute(dataset, ground.atlas, request, training).list;

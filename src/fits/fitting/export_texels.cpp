@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* formulas = R"json({
+constexpr const char* texel_formulas = R"json({
     "samples": "texel t has the samples first[t] <= s < first[t + 1], n[t] of them",
     "model": "value(p; u, v): red, green, blue of a texel with parameters p under light from u seen from v: text is its GLSL, where coefficient k of channel c is parameter 3 k + c and the shape comes behind the coefficients",
     "residual": "r[s] = value(p[t]; u[s], v[s]) - target[s], three channels",
@@ -94,7 +94,7 @@ void describe_objective(const TexelOptions& o, ProblemFolder& out) {
     }
     out.tell("objective",
              Json{{"mu", o.mu}, {"lower", lower}, {"upper", upper}, {"printed_bounds", o.mode == Mode::paper}}.dump());
-    out.tell("formulas", formulas);
+    out.tell("formulas", texel_formulas);
     out.tell("text", json_string(text_of(*o.model)));
 }
 

@@ -23,11 +23,11 @@ std::vector<T> without_padding(const std::vector<T>& values) {
     return out;
 }
 
-struct OnCpu {
+struct LightFieldOnCpu {
     LfmProblem<float> problem;
     StreamEngine<float> engine;
     template <class... Args>
-    explicit OnCpu(Args&&... args) : problem(std::forward<Args>(args)...), engine(problem) {}
+    explicit LightFieldOnCpu(Args&&... args) : problem(std::forward<Args>(args)...), engine(problem) {}
 };
 
 class LightFieldScene final : public BenchScene {
@@ -229,7 +229,7 @@ std::unique_ptr<TimedDevice> LightFieldScene::contestant(Device device) {
     if (!needs_opengl(device)) {
         EngineHooks hooks{.load = least(kept(sizeof(Sample), 1))};
         if (device == Device::cpu) hooks.distribute = [this] { distribute(); };
-        return started(std::make_unique<OnCpu>(dataset_, atlas_, rings_, list_, options_), hooks);
+        return started(std::make_unique<LightFieldOnCpu>(dataset_, atlas_, rings_, list_, options_), hooks);
     }
     if (device == Device::compute) {
         constexpr double least_bytes = 4, orders = 2;  // by texel, and by triangle and image

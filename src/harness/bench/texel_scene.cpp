@@ -51,10 +51,10 @@ struct Batches {
     }
 };
 
-struct OnCpu {
+struct TexelsOnCpu {
     Texels problem;
     LaneEngine<Texels> engine;
-    OnCpu(const Batches& all, const TexelOptions& options)
+    TexelsOnCpu(const Batches& all, const TexelOptions& options)
         : problem(all.batches, all.texel_of.size(), options), engine(problem) {}
 };
 
@@ -170,7 +170,7 @@ ExactSums TexelScene::exact_sums() {
 }
 
 DeviceSums TexelScene::cpu_sums() const {
-    OnCpu on(*batches_, options_);
+    TexelsOnCpu on(*batches_, options_);
     Texels& problem = on.problem;
     const size_t texels = problem.problem_count(), length = problem.begin(problem.block_count());
     const std::vector<uint32_t> samples = problem.count().samples;
@@ -235,7 +235,7 @@ std::unique_ptr<TimedDevice> TexelScene::contestant(Device device) {
     if (!needs_opengl(device)) {
         EngineHooks hooks{.load = least(double(sizeof(Texels::Batch::Row)) / Pack::size, per_texel)};
         if (device == Device::cpu) hooks.distribute = [this] { distribute(); };
-        return started(std::make_unique<OnCpu>(*batches_, options_), batches_->sorted(start_, per_texel), hooks);
+        return started(std::make_unique<TexelsOnCpu>(*batches_, options_), batches_->sorted(start_, per_texel), hooks);
     }
     if (device == Device::compute) {
         constexpr double sample_bytes = 8, numbers = 12;  // 16 bits a channel and the image; three maps of four numbers

@@ -145,8 +145,7 @@ private:
         Cell cell{.file = name_, .column = column, .row = shown(key), .rule = &rule};
         const bool by_runs = std::min(before_.size(), after_.size()) >= fewest_values;
         const auto timings_of = [&](const Runs& runs) {
-            return by_runs ? medians_of(runs, key, column)
-                           : timings(*runs.front(), runs.front()->rows(key), column);
+            return by_runs ? medians_of(runs, key, column) : timings(*runs.front(), runs.front()->rows(key), column);
         };
         const std::vector<double> a = timings_of(before_runs_), b = timings_of(after_runs_);
         cell.before = fmt::format("{:.6g}", median(a));

@@ -18,7 +18,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-constexpr const char* record_name = "run.json";
 constexpr int levels = 3;  // EXPERIMENT/DEVICE/RUN
 
 /// What a field of run.json says. Throws UserError for one that is missing, or of another type.
@@ -51,13 +50,13 @@ std::optional<RunRecord> standard_run(const fs::path& folder, const std::string&
 }
 
 void collect(const fs::path& folder, int below, std::vector<RunRecord>& runs) {
-    if (path_exists(folder / record_name)) {
+    if (path_exists(folder / run_record_name)) {
         runs.push_back(read_run(folder));
         return;
     }
     if (holds_rows(folder))
         throw UserError(
-            fmt::format("{}: rows without their {}; run the experiment again", folder.string(), record_name));
+            fmt::format("{}: rows without their {}; run the experiment again", folder.string(), run_record_name));
     if (below == 0) return;
     for (const fs::path& inner : folders_in(folder)) collect(inner, below - 1, runs);
 }
@@ -69,7 +68,7 @@ std::string RunRecord::device() const {
 }
 
 RunRecord read_run(const fs::path& folder) {
-    const fs::path file = folder / record_name;
+    const fs::path file = folder / run_record_name;
     const std::string text = read_file(file, "record of a run");
     const json object = parse_json<json>(text, 64);
     if (!object.is_object())
@@ -106,11 +105,11 @@ std::vector<RunRecord> find_runs(const fs::path& folder) {
     if (!folder_exists(folder)) throw UserError(fmt::format("{}: no such folder; check the path", folder.string()));
     std::vector<RunRecord> runs;
     collect(folder, levels, runs);
-    if (!path_exists(folder / record_name)) std::erase_if(runs, [](const RunRecord& run) { return !run.standard; });
+    if (!path_exists(folder / run_record_name)) std::erase_if(runs, [](const RunRecord& run) { return !run.standard; });
     if (runs.empty())
         throw UserError(fmt::format(
             "{}: no run in it or up to three folders down; name a folder with a {}, or one that holds such folders",
-            folder.string(), record_name));
+            folder.string(), run_record_name));
     std::ranges::sort(runs, std::ranges::greater(),
                       [](const RunRecord& run) { return std::pair(run.utc, run.folder); });
     return runs;

@@ -8,6 +8,8 @@
 
 namespace radiafit::harness {
 
+inline constexpr const char* run_record_name = "run.json";
+
 /// One folder that an experiment left, by its run.json.
 struct RunRecord {
     std::filesystem::path folder;

@@ -17,8 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr const char* record_name = "run.json";
-
 Json description(const std::string& bytes) {
     const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
     return {{"bytes", bytes.size()}, {"crc32", fmt::format("{:08x}", crc)}};
@@ -60,7 +58,7 @@ std::vector<std::string> run_files(const fs::path& folder) {
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
         std::string name = entry.path().filename().string();
-        if (!entry.is_regular_file() || name == record_name) continue;
+        if (!entry.is_regular_file() || name == run_record_name) continue;
         if (name.ends_with(".gz")) name.resize(name.size() - 3);
         names.push_back(std::move(name));
     }

@@ -41,8 +41,6 @@ constexpr std::array<Model, 12> camera_models = {{{"SIMPLE_PINHOLE", 1, 0},
                                                   {"THIN_PRISM_FISHEYE"},
                                                   {"RAD_TAN_THIN_PRISM_FISHEYE"}}};
 
-constexpr uint64_t largest_side = largest_calibrated_side;
-
 /// What an image refers to: intrinsics without a pose.
 using Intrinsics = std::map<uint32_t, Camera>;
 
@@ -68,8 +66,8 @@ void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, cons
         throw UserError(fmt::format("{}: camera {} {}: write the model again", where, id, problem));
     };
     if (id > UINT32_MAX) fail("has an id beyond 32 bits");
-    if (width < 1 || height < 1 || width > largest_side || height > largest_side)
-        fail(fmt::format("has size {} x {}, outside [1, {}]", width, height, largest_side));
+    if (width < 1 || height < 1 || width > largest_calibrated_side || height > largest_calibrated_side)
+        fail(fmt::format("has size {} x {}, outside [1, {}]", width, height, largest_calibrated_side));
     for (const double p : parameters)
         if (!std::isfinite(p)) fail("has a parameter that is not finite (NaN or infinity)");
     const auto distortion = parameters.last(model.coefficients);

@@ -9,17 +9,17 @@ namespace radiafit::tools {
 namespace {
 
 /// Which old pixels one new pixel covers along one axis, and by how much.
-struct Coverage {
+struct Overlap {
     int first;
     std::vector<float> weights;  ///< sum 1
 };
 
-std::vector<Coverage> cover(int old_size, int size) {
-    std::vector<Coverage> result(static_cast<size_t>(size));
+std::vector<Overlap> cover(int old_size, int size) {
+    std::vector<Overlap> result(static_cast<size_t>(size));
     const double step = double(old_size) / size;
     for (int i = 0; i < size; ++i) {
         const double begin = i * step, end = (i + 1) * step;
-        Coverage& c = result[size_t(i)];
+        Overlap& c = result[size_t(i)];
         c.first = static_cast<int>(begin);
         const int last = std::min(static_cast<int>(std::ceil(end - 1e-9)), old_size);
         for (int p = c.first; p < last; ++p)
@@ -32,7 +32,7 @@ std::vector<Coverage> cover(int old_size, int size) {
 template <class Value, class Store>
 void average(int old_width, int old_height, int width, int height, size_t channels, const Value& value,
              const Store& store) {
-    const std::vector<Coverage> columns = cover(old_width, width), rows = cover(old_height, height);
+    const std::vector<Overlap> columns = cover(old_width, width), rows = cover(old_height, height);
     const size_t old_row = size_t(old_width) * channels;
     std::vector<float> sums(old_row);
     for (size_t y = 0; y < size_t(height); ++y) {

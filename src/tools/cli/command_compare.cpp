@@ -77,12 +77,12 @@ void print_json(const std::vector<Comparison>& all_of_them, const Pairing& pairi
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-struct Options {
+struct CompareOptions {
     std::string before, after, only;
     bool all = false, json = false;
 };
 
-int run_compare(const Options& o) {
+int run_compare(const CompareOptions& o) {
     Pairing pairing = pair_runs(find_runs(o.before), find_runs(o.after), o.only);
     if (pairing.pairs.empty())
         throw UserError(
@@ -111,7 +111,7 @@ int run_compare(const Options& o) {
 }  // namespace
 
 void add_compare(CommandLine& program, int& status) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<CompareOptions>();
     CommandLine& command =
         program.add_command("compare", "two runs of an experiment, or two folders of runs: what differs");
     command.add_text("before", o->before, "folder of a run, or of several").required();

@@ -23,14 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExportOptions {
     std::string fit, dataset, output;
     bool without_maps = false;
     std::optional<int> view;
     int quality = 100;
 };
 
-void add_fit_and_output(CommandLine& command, Options& o, const char* output) {
+void add_fit_and_output(CommandLine& command, ExportOptions& o, const char* output) {
     command.add_text("fit", o.fit, "folder of the fit").required();
     command.add_text("--dataset", o.dataset, "where the dataset is now, if it moved");
     command.add_text("-o,--output", o.output, output).required();
@@ -75,7 +75,7 @@ constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg"
 constexpr const char* map_files[] = {"base_colour.png", "base_colour.exr", "roughness.png",
                                      "roughness.exr",   "normals.png",     "normals.exr"};
 
-void export_gltf(const Options& o) {
+void export_gltf(const ExportOptions& o) {
     check_glb_target(o.output);
     const OutputLock lock(o.output);
     auto fit = open_fit(o.fit, o.dataset);
@@ -87,7 +87,7 @@ void export_gltf(const Options& o) {
     log_info(fmt::format("{}: {:.1f} MB", o.output, double(bytes.size()) / 1e6));
 }
 
-void export_rti(const Options& o) {
+void export_rti(const ExportOptions& o) {
     check_folder_target(o.output, "an RTI export", rti_files);
     const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
@@ -112,7 +112,7 @@ ExrImage exr_of(const TextureImage& texture, const std::vector<std::string>& cha
     return {texture.width, texture.height, channels, texture.values, {}};
 }
 
-void export_maps(const Options& o) {
+void export_maps(const ExportOptions& o) {
     check_folder_target(o.output, "exported maps", map_files);
     const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
@@ -141,7 +141,7 @@ void export_maps(const Options& o) {
 }  // namespace
 
 void add_export_files(CommandLine& exporter) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<ExportOptions>();
     CommandLine& gltf = exporter.add_command("gltf", "the surface with base colour and roughness, as glTF 2.0 (GLB)");
     gltf.add_flag("--without-maps", o->without_maps, "leave out the fit's own maps, which `extras` holds otherwise");
     add_fit_and_output(gltf, *o, "file, which ends in .glb");

@@ -17,7 +17,7 @@
 namespace radiafit::tools {
 namespace {
 
-struct Options {
+struct PublishCommand {
     std::string fit, output, dataset;
     bool single_file = false;
     PublishOptions page;
@@ -31,7 +31,7 @@ std::string text_of(const PublishOutcome& o) {
         kept, o.photographs, o.split == Split::test ? "held-out" : "training", o.shown_psnr, o.psnr);
 }
 
-void publish_fit(const Options& o) {
+void publish_fit(const PublishCommand& o) {
     if (o.output.empty()) throw UserError("--output is empty; name a folder, or a file for --single-file");
     check_page_target(o.output, o.single_file);
     const OutputLock lock(o.output);
@@ -64,7 +64,7 @@ void publish_fit(const Options& o) {
 }  // namespace
 
 void add_publish(CommandLine& program) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<PublishCommand>();
     CommandLine& command =
         program.add_command("publish", "a page for browsers: the fit from any direction, beside its photographs");
     command.add_text("fit", o->fit, "folder of the fit").required();

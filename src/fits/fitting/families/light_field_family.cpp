@@ -23,7 +23,7 @@ FinishedFit fit_light_field(const Dataset& dataset, const FitRequest& request) {
 
 /// What does well on captures and synthetic objects alike, beyond the paper's: few photographs show a vertex, and view
 /// maps want to be smoother than surface maps.
-void resolve_options(const Given& given, const Dataset&, FitRequest& request) {
+void resolve_light_field_options(const Given& given, const Dataset&, FitRequest& request) {
     if (request.texels_per_pixel > 0 && given("--surface-side"))
         throw UserError("--texels-per-pixel chooses surface maps' sides; leave out --surface-side");
     if (request.mode == Mode::paper || !facts_of(request).objective) return;
@@ -34,7 +34,7 @@ void resolve_options(const Given& given, const Dataset&, FitRequest& request) {
         request.model.loss.weights = SampleWeights::facing;
 }
 
-std::optional<Chosen> choose(const Given&, const Dataset& dataset) {
+std::optional<Chosen> choose_light_field(const Given&, const Dataset& dataset) {
     if (dataset.light_moves()) return {};
     return Chosen{{{"model", lfm_name}}, nullptr};
 }
@@ -81,8 +81,8 @@ const Family light_field_maps = {
     .kind = ModelKind::light_field,
     .facts = [](const Solver& solver) { return solver.facts; },
     .streamed = [](const FitRequest& request) -> std::optional<TargetSpace> { return request.space; },
-    .choose = choose,
-    .resolve_options = resolve_options,
+    .choose = choose_light_field,
+    .resolve_options = resolve_light_field_options,
     .candidates = candidates,
     .plan = plan_light_field,
     .fit = fit_light_field,

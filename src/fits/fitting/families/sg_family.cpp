@@ -11,7 +11,7 @@
 namespace radiafit::fits {
 namespace {
 
-SgOptions options_of(const FitRequest& request) {
+SgOptions sg_options_of(const FitRequest& request) {
     SgOptions options = request.own<SgOptions>();
     options.noise = request.own<ByViewOptions>().noise;
     options.iterations = request.iterations;
@@ -23,18 +23,18 @@ struct SgModel {
     static constexpr const char* name = sg_name;
     static constexpr auto read = read_sg;
     static constexpr const char* have = "spherical Gaussians have";
-    static size_t numbers(const FitRequest& request) { return size_t(sg_parameters(options_of(request).lobes)); }
+    static size_t numbers(const FitRequest& request) { return size_t(sg_parameters(sg_options_of(request).lobes)); }
 
     static std::vector<bool> looked_at(const TriangleAtlas&, const FitRequest&) { return {}; }
     static void begin(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList&, const FitRequest& request,
                       Fit& fit, FinishedFit& out) {
-        fit.lobes = options_of(request).lobes;
+        fit.lobes = sg_options_of(request).lobes;
         fit.up = mean_up(dataset);
         out.note = fmt::format("{} texels, ", atlas.used_texels());
     }
     static void solve(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                       const FitRequest& request, Fit& fit, FitRun&) {
-        SgSolution solution = solve_sg(dataset, atlas, samples, fit.up, options_of(request), request.journal.get());
+        SgSolution solution = solve_sg(dataset, atlas, samples, fit.up, sg_options_of(request), request.journal.get());
         fit.parameters = std::move(solution.parameters);
         fit.samples = std::move(solution.samples);
         fit.error = std::move(solution.error);

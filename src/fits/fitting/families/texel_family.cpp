@@ -17,7 +17,7 @@ FinishedFit fit_reflectance(const Dataset& dataset, const FitRequest& request) {
 }
 
 /// Levenberg-Marquardt where it can, and a side for the texels: that of the mesh's normals.
-void resolve_options(const Given& given, const Dataset& dataset, FitRequest& request) {
+void resolve_texel_options(const Given& given, const Dataset& dataset, FitRequest& request) {
     if (facts_of(request).has_normal_equations() && !given("--optimizer") && !request.model.loss.robust())
         request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !given("--iterations")) request.iterations = TexelFitOptions().iterations;
@@ -57,7 +57,7 @@ const Family texel_local_models = {
         return std::nullopt;
     },
     .choose = choose_texel_model,
-    .resolve_options = resolve_options,
+    .resolve_options = resolve_texel_options,
     .candidates = texel_candidates,
     .plan = plan_texels,
     .fit = fit_reflectance,

@@ -12,7 +12,7 @@
 namespace radiafit::fits {
 namespace {
 
-ViewBasisOptions options_of(const FitRequest& request) {
+ViewBasisOptions view_basis_options_of(const FitRequest& request) {
     ViewBasisOptions options = request.own<ViewBasisOptions>();
     options.noise = request.own<ByViewOptions>().noise;
     return options;
@@ -23,15 +23,15 @@ struct ViewBasisModel {
     static constexpr const char* name = view_basis_name;
     static constexpr auto read = read_view_basis;
     static constexpr const char* have = "a view basis has";
-    static size_t numbers(const FitRequest& request) { return 3 * size_t(options_of(request).rank); }
+    static size_t numbers(const FitRequest& request) { return 3 * size_t(view_basis_options_of(request).rank); }
 
     static std::vector<bool> looked_at(const TriangleAtlas& atlas, const FitRequest& request) {
-        return learned_from(atlas, options_of(request));
+        return learned_from(atlas, view_basis_options_of(request));
     }
     static void begin(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                       const FitRequest& request, Fit& fit, FinishedFit& out) {
         const Stopwatch clock;
-        fit.basis = learn_view_basis(dataset, atlas, samples, options_of(request), request.journal.get());
+        fit.basis = learn_view_basis(dataset, atlas, samples, view_basis_options_of(request), request.journal.get());
         out.times_json = nlohmann::json{{"learning_s", clock.wall_s()}}.dump();
         out.note = fmt::format("basis learned in {:.1f} s, ", clock.wall_s());
     }
@@ -67,15 +67,17 @@ struct ViewBasisModel {
     static void complete(const TriangleAtlas&, Fit&) {}
 
     static PlanRow common(const FitRequest& request) {
-        const ViewBasisOptions o = options_of(request);
+        const ViewBasisOptions o = view_basis_options_of(request);
         const uint64_t numbers = uint64_t(o.blocks) * view_terms * uint64_t(o.rank + 3);
         return {"basis, about", fmt::format("{} blocks x {} floats", o.blocks, view_terms * (o.rank + 3)), numbers,
                 numbers * sizeof(float)};
     }
-    static uint64_t most_looked_at(const FitRequest& request) { return most_learned_from(options_of(request)); }
+    static uint64_t most_looked_at(const FitRequest& request) {
+        return most_learned_from(view_basis_options_of(request));
+    }
     static std::vector<PlanRow> working(const TriangleAtlas& atlas, const FitRequest& request) {
         std::vector<PlanRow> rows{{"learning", fmt::format("places of {} texels, sums", most_looked_at(request)),
-                                   most_looked_at(request), learning_bytes(atlas, options_of(request)),
+                                   most_looked_at(request), learning_bytes(atlas, view_basis_options_of(request)),
                                    PlanRow::while_learning}};
         if (request.on_engine(EngineKind::compute))
             rows.push_back({"tiles for the device", "some at a time, there and here", 1, bytes_on_device(),

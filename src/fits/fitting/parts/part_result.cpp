@@ -17,13 +17,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* format = "radiafit-part";
-constexpr int version = 2;
+constexpr const char* part_format = "radiafit-part";
+constexpr int part_version = 2;
 
 // The file: bytes of the description, the description as JSON, filled up with blanks to a multiple of eight, the arrays
 // one after another, and the checksum of all that.
 
-[[noreturn]] void throw_damaged(const fs::path& file) {
+[[noreturn]] void throw_damaged_part(const fs::path& file) {
     throw UserError(file.string() + ": damaged; delete it, and the fit's command makes it anew");
 }
 
@@ -48,13 +48,13 @@ class Reader {
 public:
     explicit Reader(const fs::path& file) : name_(file), file_(file), left_(file_.size()) {}
     void read(void* to, uint64_t bytes) {
-        if (bytes > left_) throw_damaged(name_);
+        if (bytes > left_) throw_damaged_part(name_);
         file_.read(to, at_, bytes);
         at_ += bytes;
         left_ -= bytes;
     }
     void check_left(uint64_t count, size_t size) const {
-        if (count > left_ / size) throw_damaged(name_);
+        if (count > left_ / size) throw_damaged_part(name_);
     }
     uint64_t left() const { return left_; }
 
@@ -77,14 +77,14 @@ Head read_head(Reader& in, const fs::path& file) {
     std::string text(size, ' ');
     in.read(text.data(), size);
     Json description = parse_json<Json>(text);
-    if (!description.is_object()) throw_damaged(file);
+    if (!description.is_object()) throw_damaged_part(file);
     return {std::move(description), hash_bytes(text.data(), size, hash_bytes(&size, sizeof size))};
 }
 
 }  // namespace
 
 void write_part_result(const fs::path& file, const std::string& key, const PartResult& result) {
-    Json description = {{"format", format}, {"version", version}, {"key", key}};
+    Json description = {{"format", part_format}, {"version", part_version}, {"key", key}};
     for_arrays(result, [&](const char* name, const auto& values) { description[name] = values.size(); });
     description["terms"] = result.terms;
     description["view_side"] = result.view_side;
@@ -110,7 +110,7 @@ void write_part_result(const fs::path& file, const std::string& key, const PartR
 std::string part_key(const fs::path& file) {
     Reader in(file);
     const Json key = read_head(in, file).description.value("key", Json());
-    if (!key.is_string()) throw_damaged(file);
+    if (!key.is_string()) throw_damaged_part(file);
     return key;
 }
 
@@ -119,7 +119,8 @@ PartResult read_part_result(const fs::path& file, const std::string& key) {
     auto [description, hash] = read_head(in, file);
     PartResult result;
     try {
-        if (description.at("format") != format || description.at("version") != version) throw_damaged(file);
+        if (description.at("format") != part_format || description.at("version") != part_version)
+            throw_damaged_part(file);
         for_arrays(result, [&](const char* name, auto& values) {
             const auto count = description.at(name).get<uint64_t>();
             in.check_left(count, sizeof values[0]);
@@ -132,7 +133,7 @@ PartResult read_part_result(const fs::path& file, const std::string& key) {
         result.own_json = description.at("own_json");
         result.run_json = json_text(description.at("run"));
     } catch (const Json::exception&) {
-        throw_damaged(file);
+        throw_damaged_part(file);
     }
     uint64_t checksum = 0;
     in.read(&checksum, sizeof checksum);
@@ -140,7 +141,7 @@ PartResult read_part_result(const fs::path& file, const std::string& key) {
     const bool agree = result.iterations.size() == problems && result.samples.size() == problems &&
                        result.error.size() == problems && std::ranges::is_sorted(result.units) &&
                        std::ranges::all_of(result.status, [](Status s) { return s < Status::count; });
-    if (in.left() > 0 || checksum != hash || !agree) throw_damaged(file);
+    if (in.left() > 0 || checksum != hash || !agree) throw_damaged_part(file);
     if (description.at("key") != key)
         throw UserError(file.string() + ": of another dataset or of other options; choose another folder");
     return result;

@@ -29,8 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* format = "radiafit-shard";
-constexpr int version = 1;
+constexpr const char* shard_format = "radiafit-shard";
+constexpr int shard_version = 1;
 
 std::string digest_of(std::span<const uint32_t> units) {
     return fmt::format("{:016x}", hash_bytes(units.data(), units.size_bytes()));
@@ -41,7 +41,7 @@ std::string name_of(const Shard& shard) {
     return fmt::format("shard {} of {}", shard.index, shard.count);
 }
 
-[[noreturn]] void throw_damaged(const fs::path& file) {
+[[noreturn]] void throw_damaged_shard(const fs::path& file) {
     throw UserError(file.string() + ": damaged; delete it, and the shard's command makes it anew");
 }
 
@@ -51,8 +51,8 @@ std::optional<Json> read_note(const fs::path& folder) {
     if (!path_exists(file)) return {};
     const std::string text = read_file(file, "shard's description");
     const Json json = parse_json<Json>(text);
-    if (!json.is_object() || json.value("format", Json()) != format) throw_damaged(file);
-    if (json.value("version", Json()) != version)
+    if (!json.is_object() || json.value("format", Json()) != shard_format) throw_damaged_shard(file);
+    if (json.value("version", Json()) != shard_version)
         throw UserError(file.string() + ": a shard of another version; make it anew");
     return json;
 }
@@ -232,8 +232,8 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
     announce_needs(name_of(shard), needs, folder, force);
     fs::create_directories(folder);
     const std::vector<std::string> files = solve_parts(*whole, parts, key, folder);
-    const Json note = {{"format", format},
-                       {"version", version},
+    const Json note = {{"format", shard_format},
+                       {"version", shard_version},
                        {"shard", {shard.index, shard.count}},
                        {"dataset", fs::relative(dataset.folder, fs::absolute(folder)).string()},
                        {"files", files},
@@ -260,7 +260,7 @@ ShardNote read_shard(const fs::path& folder) {
         note.files = json->at("files").get<std::vector<std::string>>();
         note.request = request_from(parse_json<Json>(note.key).at("options"));
     } catch (const Json::exception&) {
-        throw_damaged(folder / shard_json_name);
+        throw_damaged_shard(folder / shard_json_name);
     }
     return note;
 }
