@@ -192,7 +192,7 @@ TEST_P(TexelFragmentAgreement, WithTheReference) {
     FAIL() << c.model;
 }
 
-std::vector<Case> cases() {
+std::vector<Case> texel_cases() {
     std::vector<Case> list;
     for (const Passes passes : {Passes::paper, Passes::combined}) {
         const std::string prefix = to_string(passes);
@@ -267,7 +267,7 @@ std::vector<Case> cases() {
     }
     return list;
 }
-INSTANTIATE_TEST_SUITE_P(Cases, TexelFragmentAgreement, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Cases, TexelFragmentAgreement, ::testing::ValuesIn(texel_cases()),
                          [](const auto& info) { return info.param.name; });
 
 struct Fitted {
@@ -386,6 +386,10 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                      {std::tuple{Storage::fp32, Sums::fp32, false}, std::tuple{Storage::fp16, Sums::fp16, false},
                       std::tuple{Storage::fp32, Sums::fp32, true}})
                     for (const int images_per_pass : {0, 2}) {
+                        // Models differ in their number of parameters alone: one of them in every way is enough.
+                        if (model->name != std::string_view("lafortune") &&
+                            (storage == Storage::fp16 || images_per_pass))
+                            continue;
                         TexelOptions options;
                         options.model = model;
                         const FragmentOptions fragment{.passes = passes,
