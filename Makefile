@@ -50,7 +50,7 @@ python:
 test:
 	$(call configure,test-programs,-DBUILD_TESTING=ON $(with_python))
 	@scripts/install-packages.sh test -- $(compile)
-	@ctest --preset $(PRESET) --test-dir $(BUILD) --parallel $(JOBS)
+	@ctest --test-dir $(BUILD) --output-on-failure --no-tests=error --parallel $(JOBS)
 	@scripts/slowest.py $(BUILD)
 	@echo "all tests passed; log: $(BUILD)/Testing/Temporary/LastTest.log"
 

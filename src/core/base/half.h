@@ -11,9 +11,6 @@
 /// keeps the upper ten bits of its payload.
 namespace radiafit {
 
-/// Largest finite half.
-constexpr float half_max = 65504.0f;
-
 /// half_from_float: round to nearest, ties to even; |x| ≥ 65520 becomes infinite.
 /// half_from_float_truncated: round towards zero, as rendering into a half target does: finite values stop at ±65504.
 /// float_from_half: exact.
@@ -29,9 +26,5 @@ inline uint16_t half_from_float_truncated(float x) {
     return std::abs(float_from_half(nearest)) > std::abs(x) ? uint16_t(nearest - 1) : nearest;
 }
 #endif
-
-/// x after a round trip through half.
-inline float rounded_to_half(float x) { return float_from_half(half_from_float(x)); }
-inline float truncated_to_half(float x) { return float_from_half(half_from_float_truncated(x)); }
 
 }  // namespace radiafit

@@ -3,7 +3,6 @@
 
 /// Short names for the few fixed-size types that geometry is written in.
 namespace radiafit {
-using Vec2f = Eigen::Vector2f;
 using Vec3f = Eigen::Vector3f;
 using Vec2d = Eigen::Vector2d;
 using Vec3d = Eigen::Vector3d;

@@ -10,11 +10,6 @@
 
 namespace radiafit {
 
-/// Where the time of the sweeps over images went, since construction.
-struct FragmentTimes : SweepTimes {
-    PassCounters counters;  ///< of all passes
-};
-
 /// The paper's engine for light field maps (Section 5): images stream through the device one by one (or batch by
 /// batch), are distributed anew in every sweep, and everything that N or M counts lives in textures. Fulfils Engine.
 /// The context must be current wherever it is used, and when it is destroyed.
@@ -41,7 +36,7 @@ public:
     }
     Line read_line() const override;
 
-    FragmentTimes times() const { return {images_.times(), run_.counters}; }
+    SweepTimes times() const { return images_.times(); }
     PassRunner& passes() { return run_; }  ///< to tally them
 
 private:

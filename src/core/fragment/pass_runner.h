@@ -8,12 +8,9 @@
 
 namespace radiafit {
 
-/// What passes cost, counted as they are issued; later figures multiply by measured rates.
+/// Counted as passes are issued; later figures multiply by measured rates.
 struct PassCounters {
-    uint64_t draws = 0;
-    uint64_t framebuffer_switches = 0;
-    uint64_t program_switches = 0;
-    uint64_t cleared_texels = 0;
+    uint64_t draws = 0, framebuffer_switches = 0;
 };
 
 /// What the draws of one program amount to: its declared cost times what was measured.
@@ -37,7 +34,6 @@ public:
 
     void clear(const Framebuffer& target) {
         target.clear();
-        counters.cleared_texels += uint64_t(target.width()) * target.height();
         if (tallying_) cleared_bytes_ += uint64_t(target.texel_bytes()) * target.width() * target.height();
     }
     /// Every texel of the target. entries: turns of the program's loop in all fragments together, if it has one.
@@ -105,7 +101,6 @@ private:
         target_ = &target;
         program_ = &program;
         ++counters.framebuffer_switches;
-        ++counters.program_switches;
     }
     template <class Draw>
     void draw(uint64_t entries, const Draw& issue) {

@@ -41,7 +41,7 @@ public:
                 std::initializer_list<float> constants);
     Line read_line() const override;
 
-    FragmentTimes times() const { return {images_.times(), run_->counters}; }
+    SweepTimes times() const { return images_.times(); }
     PassRunner& passes() { return *run_; }  ///< to tally them
 
 private:

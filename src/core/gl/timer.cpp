@@ -17,7 +17,6 @@ void GlStopwatch::start() {
         gl().QueryCounter(queries_[0], GL_TIMESTAMP);
     else
         gl().Finish();
-    cpu_start_ = cpu_time_s();
     wall_start_ = wall_time_s();
 }
 
@@ -32,7 +31,6 @@ void GlStopwatch::stop() {
         gl().Finish();
         seconds_ += wall_time_s() - wall_start_;
     }
-    cpu_seconds_ += cpu_time_s() - cpu_start_;
 }
 
 }  // namespace radiafit

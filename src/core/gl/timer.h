@@ -4,7 +4,7 @@
 namespace radiafit {
 
 /// Seconds that a sequence of GL commands took on the device: timestamp queries on a GPU; on a software rasterizer,
-/// whose timestamps mean little, wall and CPU clock between two glFinish.
+/// whose timestamps mean little, the wall clock between two glFinish.
 class GlStopwatch {
 public:
     GlStopwatch();
@@ -12,14 +12,13 @@ public:
     GlStopwatch(const GlStopwatch&) = delete;
     GlStopwatch& operator=(const GlStopwatch&) = delete;
     void start();
-    void stop();  ///< adds to seconds() and cpu_seconds(); waits for the device
+    void stop();  ///< adds to seconds(); waits for the device
     double seconds() const { return seconds_; }
-    double cpu_seconds() const { return cpu_seconds_; }  ///< process CPU time
-    void reset() { seconds_ = cpu_seconds_ = 0; }
+    void reset() { seconds_ = 0; }
 
 private:
     GLuint queries_[2] = {0, 0};
-    double wall_start_ = 0, cpu_start_ = 0, seconds_ = 0, cpu_seconds_ = 0;
+    double wall_start_ = 0, seconds_ = 0;
 };
 
 }  // namespace radiafit

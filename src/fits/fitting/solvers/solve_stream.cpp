@@ -84,7 +84,7 @@ void with_compute_engine(FitTask& task) {
     if (samples)
         out.times.optimization = clock.wall_s();
     else
-        take_sweeps({engine->times(), {}}, clock.wall_s(), task.dataset, out);
+        take_sweeps(engine->times(), clock.wall_s(), task.dataset, out);
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run) {
     return context;
 }
 
-void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run) {
+void take_sweeps(const SweepTimes& times, double seconds, const Dataset& dataset, FitRun& run) {
     run.times.streaming = times.stream_s + times.upload_s;
     run.times.optimization = seconds - run.times.streaming;
     run.images_cached_share = cached_share(dataset.folder / dataset_images_name);

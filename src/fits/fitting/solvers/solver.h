@@ -12,7 +12,7 @@
 
 namespace radiafit {
 class TexelSolvers;
-struct FragmentTimes;
+struct SweepTimes;
 struct TexelFitOptions;
 struct TexelProblem;
 struct VertexShape;
@@ -122,7 +122,7 @@ void note_page_cache(const std::filesystem::path& records, const FitRequest& req
 /// The context that a request names; `run` takes down what it is.
 std::unique_ptr<Context> open_context(const FitRequest& request, FitRun& run);
 /// Takes into `run` what an engine reports of its sweeps over images that stream. seconds: of all its work.
-void take_sweeps(const FragmentTimes& times, double seconds, const Dataset& dataset, FitRun& run);
+void take_sweeps(const SweepTimes& times, double seconds, const Dataset& dataset, FitRun& run);
 
 /// For those that return problems' outcomes: E itself from E_t, and all that fit.json says of problems.
 void fill_outcomes(FitTask& task, const LfmLayout& layout, const ProblemStatistics& statistics,
