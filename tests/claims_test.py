@@ -25,7 +25,7 @@ class Report(ClaimsTest):
     def test_nothing_run(self):
         rows, judged = self.judge()
         self.assertEqual({row["verdict"] for row in rows}, {"not run"})
-        self.assertEqual(set(judged), {f"C{i}" for i in range(1, 24)})
+        self.assertEqual(set(judged), {f"C{i + 1}" for i in range(len(judged))})
         self.assertIn("make experiments PROFILE=paper ONLY=fig7_convergence", judged["C1"]["reason"])
 
     def test_the_newest_run_of_each_device_and_the_reference(self):
@@ -92,8 +92,8 @@ class Report(ClaimsTest):
             return [" ".join(line.split()) for line in text.splitlines() if re.match(r"\| C\d+ ", line)]
 
         reported, shown = lines_of(report), lines_of((self.checkout / "docs/claims.md").read_text())
-        self.assertEqual(len({line.split()[1] for line in shown}), 23)
-        self.assertEqual(len(shown), 23, "docs/claims.md has one line for each claim, of one machine")
+        claims = dict.fromkeys(line.split()[1] for line in reported)
+        self.assertEqual([line.split()[1] for line in shown], list(claims), "docs/claims.md has one line for each claim")
         for line in shown:
             self.assertTrue(line in reported, f"the line of docs/claims.md is not the reference's: {line}")
         told = subprocess.run([sys.executable, "-B", self.checkout / "tests/recompute_claims.py", self.root / "judged/claims.json",

@@ -88,13 +88,12 @@ class Parts(PartsTest):
             (*FIT, "--engine", "compute"),
             (*FIT, "--engine", "compute", "--accumulate", "scatter-fixed"),
             (*FIT, "--engine", "compute", "--samples", "redistributed"),
-            (*FIT, "--engine", "compute", "--samples", "redistributed", "--accumulate", "scatter-fixed"),
-            ("--iterations", "2", "--engine", "fragment", "--passes", "paper"),
+            ("--terms", "2", "--iterations", "2", "--engine", "fragment", "--passes", "paper"),
         ):
             # Each shard's size has llvmpipe compile shaders of its own.
             self.merged_like_whole("star", *options, shards=2 if "--engine" in options else 3)
         # images are summed in batches, and a part leaves some images out
-        self.merged_like_whole("star", "--iterations", "2", "--engine", "fragment", exact=False, shards=2)
+        self.merged_like_whole("star", "--terms", "2", "--iterations", "2", "--engine", "fragment", exact=False, shards=2)
 
     def test_every_solver_of_texel_local_models(self):
         for options in (
