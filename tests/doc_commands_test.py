@@ -66,6 +66,8 @@ class DocCommands(ProgramTest):
     def shell(self, command):
         done = subprocess.run(["bash", "-ec", command], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
                               capture_output=True, text=True)  # fmt: skip
+        if command.startswith("radiafit publish ") and "built without the viewer" in done.stderr:
+            return  # viewer_test.py is skipped there, too
         self.assertEqual(done.returncode, 0, f"{command}\n{done.stderr}")
 
     def star(self):
