@@ -55,6 +55,8 @@ class CaptureScript(ProgramTest):
 
     def captured(self, *arguments, **more):
         result = self.capture(*arguments, **more)
+        if "built without the viewer" in result.stderr:
+            self.skipTest("no viewer: the last step's page")
         self.assertEqual(result.returncode, 0, result.stderr)
         return result
 

@@ -18,7 +18,7 @@ UNITS = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
 SOLVERS = [
     ("--solver als --surface-side 40 --view-side 40 --terms 4 --iterations 1", 2),
     ("--solver varpro --surface-side 40 --view-side 16 --terms 4 --iterations 1", 3),
-    ("--solver ceres --ceres dense-normal-cholesky --surface-side 12 --view-side 12 --terms 3 --iterations 1", 3),
+    ("--solver ceres --ceres dense-normal-cholesky --surface-side 14 --view-side 14 --terms 3 --iterations 1", 3),
     ("--solver ceres --ceres dense-qr --surface-side 10 --view-side 10 --terms 4 --iterations 1", 3),
     ("--solver ceres --ceres dense-schur --surface-side 16 --view-side 20 --terms 3 --iterations 1", 4),
     ("--solver ceres --ceres dense-schur-maps --surface-side 16 --view-side 14 --terms 3 --iterations 1", 3),
