@@ -29,12 +29,20 @@ def take_arguments(count):
     return taken
 
 
+DIGESTS = {}  # of files as they were, by what every write to one changes
+
+
+def digest(path):
+    status = path.stat()
+    version = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns)
+    if version not in DIGESTS:
+        DIGESTS[version] = hashlib.sha1(path.read_bytes()).hexdigest()
+    return DIGESTS[version]
+
+
 def snapshot(folder):
     """Every file below `folder` with a digest of its bytes, every folder with None."""
-    return {
-        str(path.relative_to(folder)): hashlib.sha1(path.read_bytes()).hexdigest() if path.is_file() else None
-        for path in folder.rglob("*")
-    }
+    return {str(path.relative_to(folder)): digest(path) if path.is_file() else None for path in folder.rglob("*")}
 
 
 def complaints(stderr):

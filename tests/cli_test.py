@@ -240,11 +240,12 @@ class Outliers(CommandLine):
 
 class Tune(CommandLine):
     def test_tells_a_fit_that_runs(self):
+        quick = ("--seconds", "1", "--model", "lfm", "--terms", "1")
         result = self.good("tune", "star", "--seconds", "1")
         command = result.stdout.splitlines()[-1].split()
         self.assertEqual(command[:3], ["radiafit", "fit", "star"])
         self.good(*command[1:])
-        tried = strict_json(self.good("tune", "star", "--seconds", "1", "--json").stdout)["tried"]
+        tried = strict_json(self.good("tune", "star", *quick, "--json").stdout)["tried"]
         self.assertEqual([t["psnr"] for t in tried], sorted((t["psnr"] for t in tried), reverse=True))
         # What it tells is what a fit without the same views is worth on them.
         every = re.search(r"one in (\d+) training views", result.stdout)[1]
@@ -280,14 +281,15 @@ class Import(CommandLine):
     def test_images_that_show_something_else_are_named(self):
         write_capture(self.root / "star", self.root / "spoilt")
         colmap = ["--model", "spoilt/sparse", "--images", "spoilt/images", "--mesh", "spoilt/mesh.ply", "--holdout", "every:8"]
+        quick = ("--seconds", "1", "--model", "lfm", "--terms", "1")
         self.assertNotIn("look at", self.good("import", "colmap", *colmap, "-o", "clean").stderr)
-        self.assertNotIn("look at", self.good("tune", "clean", "--seconds", "1").stderr)
+        self.assertNotIn("look at", self.good("tune", "clean", *quick).stderr)
         names = sorted(p.name for p in (self.root / "spoilt/images").iterdir())
         noise = [names[3], names[10], names[20]]  # every eighth, from the first on, is held out
         for name in noise:
             width, height, rgb = read_png(self.root / "spoilt/images" / name)
             write_png(self.root / "spoilt/images" / name, width, height, random.Random(name).randbytes(len(rgb)))
-        for command in (["import", "colmap", *colmap, "-o", "noisy"], ["tune", "noisy", "--seconds", "1"]):
+        for command in (["import", "colmap", *colmap, "-o", "noisy"], ["tune", "noisy", *quick]):
             said = re.search(r"warning: look at (.*): even", self.good(*command).stderr)
             self.assertEqual(said[1].split(", "), noise)
 
