@@ -14,8 +14,7 @@
 namespace radiafit::tools {
 namespace {
 
-constexpr double least_improvement =
-    0.2;                                 // by which another frame must fit better than the mesh as it is to be reported
+constexpr double least_better = 0.2;     // by which another frame must fit better than the mesh as it is to be reported
 constexpr double nearly_as_good = 0.05;  // within this of the best fit, the plainer frame is reported
 
 bool is_own(const OtherFrame& frame) { return frame.scale == 1 && frame.shift.isZero() && !frame.turned_over; }
@@ -149,7 +148,7 @@ Coverage measure_coverage(const Mesh& mesh, std::span<const Silhouette> views) {
 
 OtherFrame find_other_frame(const Mesh& mesh, std::span<const Silhouette> views) {
     OtherFrame own;
-    const double least = fit_of(mesh, views, own.coverage) + least_improvement;
+    const double least = fit_of(mesh, views, own.coverage) + least_better;
     std::vector<OtherFrame> frames = usual_mistakes(mesh, views);
     std::vector<double> fits;
     for (OtherFrame& frame : frames) fits.push_back(fit_of(moved(mesh, frame), views, frame.coverage));
