@@ -121,3 +121,12 @@ class Browser:
         """Width, height and RGB bytes; and the PNG itself."""
         png = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         return read_png(png), png
+
+    def picture(self, is_new=lambda shot: True, seconds=10):
+        """Width, height and RGB bytes of what is on the screen. What a page has drawn comes there some frames later, many on a
+        busy machine: so the first that is new, or the last of so many seconds."""
+        end = time.monotonic() + seconds
+        while True:
+            shot = self.screenshot()[0]
+            if is_new(shot) or time.monotonic() > end:
+                return shot
