@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compute/problem_buffers.h"
+#include "compute/buffer_engine.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "model/lfm.h"

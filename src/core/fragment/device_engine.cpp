@@ -39,27 +39,6 @@ Defines update_defines(Update which) {
             {"PRODUCTS", std::to_string(shape.products)}};
 }
 
-void set_turn(const Program& step, const Turn& turn) {
-    step.set_if_used("rule", turn.rule);
-    step.set_if_used("restart", turn.restart);
-    step.set_if_used("slot", turn.slot);
-    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
-}
-
-void set_update(const Program& update, std::initializer_list<int> numbers, std::initializer_list<float> constants,
-                int first_own) {
-    int indices[4] = {};
-    float values[4] = {};
-    std::ranges::transform(numbers, indices, [&](int n) {
-        return n >= number::first_product ? n - number::first_product
-               : n >= number::first_own   ? n - number::first_own + first_own
-                                          : n;
-    });
-    std::ranges::copy(constants, values);
-    update.set_if_used("number_indices", std::span<const int>(indices));
-    update.set_if_used("constants", std::span<const float>(values));
-}
-
 EngineSummary sum_of(std::span<const std::array<uint32_t, 4>> groups) {
     EngineSummary sum;
     for (const auto& [active, accepted, low, high] : groups) {

@@ -6,12 +6,11 @@
 #include <tuple>
 #include <vector>
 
-#include "gl/context.h"
-#include "gl/program.h"
+#include "gl/shader_text.h"
 #include "optim/engine.h"
 
-/// What all engines over OpenGL have in common, whether fragment programs draw into textures or compute shaders write
-/// to buffers, and whatever their problems are.
+/// What all engines on a graphics device have in common, whether fragment programs draw into textures or compute
+/// shaders write to buffers, and whatever their problems are. Nothing here calls OpenGL.
 namespace radiafit {
 
 /// Every problem's numbers (optim/verbs.h) on the device.
@@ -47,10 +46,28 @@ inline StepKey step_key(Step which, const Turn& turn) {
 /// What the programs of a step and of an update are compiled with.
 Defines step_defines(Step which, const Turn& turn);
 Defines update_defines(Update which);
-void set_turn(const Program& step, const Turn& turn);
+template <class Program>
+void set_turn(const Program& step, const Turn& turn) {
+    step.set_if_used("rule", turn.rule);
+    step.set_if_used("restart", turn.restart);
+    step.set_if_used("slot", turn.slot);
+    step.set_if_used("stop", turn.stop.residual, turn.stop.output_change);
+}
 /// numbers, constants: as update() of optim/engine.h has them. first_own: where the optimizer's numbers begin.
+template <class Program>
 void set_update(const Program& update, std::initializer_list<int> numbers, std::initializer_list<float> constants,
-                int first_own);
+                int first_own) {
+    int indices[4] = {};
+    float values[4] = {};
+    std::ranges::transform(numbers, indices, [&](int n) {
+        return n >= number::first_product ? n - number::first_product
+               : n >= number::first_own   ? n - number::first_own + first_own
+                                          : n;
+    });
+    std::ranges::copy(constants, values);
+    update.set_if_used("number_indices", std::span<const int>(indices));
+    update.set_if_used("constants", std::span<const float>(values));
+}
 /// The sum over groups of problems. A group: how many are active, how many accepted, and their error, a double in two
 /// words, the lower one first.
 EngineSummary sum_of(std::span<const std::array<uint32_t, 4>> groups);
@@ -58,7 +75,8 @@ EngineSummary sum_of(std::span<const std::array<uint32_t, 4>> groups);
 /// Vectors and numbers of an engine, and the verbs of optim/engine.h that only fill, clear and read them. A derived
 /// engine adds what knows samples, count() and the two passes over them, and what computes: dot(), step(), update().
 /// Its constructor sets numbers_, calls make_room({}) and ends with count_bytes().
-/// Vector: N floats on the device, with upload(values), download(values), clear(). Numbers: a DeviceNumbers.
+/// Vector: N floats on the device, with upload(values), download(values), clear(). Numbers: a DeviceNumbers, with
+/// device_bytes(), all that this process has allocated on its device.
 template <class Vector, class Numbers>
 class DeviceEngine {
 public:
@@ -77,7 +95,7 @@ public:
     }
     void fit_terms(int first, int last) { first_term_ = first, last_term_ = last; }
     void make_room(const Room& room) {
-        const int64_t before = Context::current().allocated_bytes();
+        const int64_t before = Numbers::device_bytes();
         const size_t wanted = size_t(room.vector_count());
         if (wanted != vectors_.size()) drop_targets();
         while (vectors_.size() > wanted) vectors_.pop_back();
@@ -85,7 +103,7 @@ public:
         for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
         make_products(room.product_count());
         numbers_->make_room(room);
-        bytes_ += uint64_t(Context::current().allocated_bytes() - before);
+        bytes_ += uint64_t(Numbers::device_bytes() - before);
     }
     EngineSummary summary() { return numbers_->summary(); }
     void outcomes(std::span<ProblemOutcome> out) const { numbers_->outcomes(out); }
@@ -121,9 +139,9 @@ public:
 
 protected:
     DeviceEngine() = default;
-    void count_bytes() { bytes_ = uint64_t(Context::current().allocated_bytes() - allocated_before_); }
+    void count_bytes() { bytes_ = uint64_t(Numbers::device_bytes() - allocated_before_); }
 
-    int64_t allocated_before_ = Context::current().allocated_bytes();
+    int64_t allocated_before_ = Numbers::device_bytes();
     std::unique_ptr<Numbers> numbers_;
     std::vector<Vector> vectors_;          ///< those of optim/verbs.h, then the optimizer's
     std::vector<uint32_t> sample_counts_;  ///< [problems], or of each three of a vertex; from count()

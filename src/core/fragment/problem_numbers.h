@@ -6,6 +6,7 @@
 
 #include "fragment/device_engine.h"
 #include "fragment/pass_runner.h"
+#include "gl/context.h"
 
 namespace radiafit {
 
@@ -25,6 +26,8 @@ public:
     /// optim/engine.h has them.
     void set_update(const Program& update, const Texture& products, std::initializer_list<int> numbers,
                     std::initializer_list<float> constants) const;
+
+    static int64_t device_bytes() { return Context::current().allocated_bytes(); }
 
     /// Waits for the device, but reads few texels back.
     EngineSummary summary();

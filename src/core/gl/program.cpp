@@ -3,75 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/error.h"
-#include "gl/embedded_shaders.h"
 
 namespace radiafit {
 namespace {
-
-std::string read_shader(const std::string& file) {
-    const char* folder = std::getenv("RADIAFIT_SHADERS");
-    if (!folder || !*folder) {
-        const auto& all = embedded_shaders();
-        const auto found = std::ranges::find(all, file, &EmbeddedText::file);
-        if (found == all.end()) throw UserError(fmt::format("{}: no such shader", file));
-        return std::string(found->text);
-    }
-    const std::string path = folder + ("/" + file);
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) throw UserError(fmt::format("{}: cannot be read; unset RADIAFIT_SHADERS, or complete it", path));
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
-}
-
-// "model/MODEL.glsl" with MODEL defined as lambert: "model/lambert.glsl".
-std::string included_file(const std::string& name, const Defines& defines) {
-    const std::filesystem::path path(name);
-    for (const auto& [macro, value] : defines)
-        if (path.stem() == macro) return (path.parent_path() / (value + path.extension().string())).string();
-    return name;
-}
-
-// Appends `file` line by line. A file is included once.
-void append(const std::string& file, const Defines& defines, ShaderText& out) {
-    const size_t index = out.files.size();
-    const bool stage = index == 0;
-    out.files.push_back(file);
-    std::istringstream stream(read_shader(file));
-    std::string line;
-    int number = 0;
-    if (!stage) out.text += fmt::format("#line 1 {}\n", index);
-    while (std::getline(stream, line)) {
-        ++number;
-        if (stage && number == 1) {
-            out.text += line + "\n";
-            for (const auto& [name, value] : defines) out.text += fmt::format("#define {} {}\n", name, value);
-            out.text += fmt::format("#line 2 {}\n", index);
-            continue;
-        }
-        const size_t begin = line.find_first_not_of(" \t");
-        if (begin != std::string::npos && line.compare(begin, 8, "#include") == 0) {
-            const size_t open = line.find('"'), close = line.rfind('"');
-            if (open == std::string::npos || close <= open)
-                throw UserError(fmt::format("{}:{}: #include needs a file in quotes", file, number));
-            const std::string name = included_file(line.substr(open + 1, close - open - 1), defines);
-            if (std::find(out.files.begin(), out.files.end(), name) == out.files.end()) append(name, defines, out);
-            out.text += fmt::format("#line {} {}\n", number + 1, index);
-            continue;
-        }
-        out.text += line + "\n";
-    }
-}
 
 // "2:17(5): error" (Mesa) and "2(17) : error" (NVIDIA) get the file's name in place of its number.
 std::string name_files(const std::string& log, const std::vector<std::string>& files) {
@@ -124,12 +64,6 @@ GLuint link(std::initializer_list<GLuint> shaders, const std::string& what) {
 }
 
 }  // namespace
-
-ShaderText expand_shader(const std::string& file, const Defines& defines) {
-    ShaderText result;
-    append(file, defines, result);
-    return result;
-}
 
 Program Program::draw(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines) {
     Program program;
