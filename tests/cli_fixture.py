@@ -7,6 +7,7 @@ import pathlib
 import random
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -14,6 +15,9 @@ import tempfile
 import unittest
 import zlib
 
+
+# Programs in the background of a shell ignore SIGINT, and so would all that they start: here it is taken, as in front.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # What many tests begin with: made once for all of them by the test `datasets` (shared_datasets.py) in the folder that
 # RADIAFIT_DATASETS names.

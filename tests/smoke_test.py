@@ -248,7 +248,7 @@ class Smoke(ProgramTest):
                     ("cg-modern-high", "chosen"), ("cg-low", "chosen"), ("cg-low-brief", "chosen"),
                     ("cg-low-fp16", "chosen")]  # fmt: skip
         two_terms = [("pca-refilled", ""), ("cg-high", "chosen"), ("cg-low", "chosen")]
-        shapes, seeds = ("star", "bust"), ("1", "2", "3")
+        shapes, seeds = ("star", "bust"), ("1", "2")
         self.assertEqual(set(rows), {(d, s, *m, 1) for d in shapes for s in seeds for m in one_term} |
                          {(d, "1", *m, 2) for d in shapes for m in two_terms})
         for (dataset, seed, method, weights, k), row in rows.items():
@@ -269,7 +269,7 @@ class Smoke(ProgramTest):
                 self.assertAlmostEqual(float(row["train_psnr_db"]), delta=0.5, second=
                                        float(rows[dataset, seed, "cg-low-brief", "chosen", 1]["train_psnr_db"]))
         # seeds make other objects
-        self.assertEqual(len({r["train_psnr_db"] for (*_, method, _, _), r in rows.items() if method == "mean"}), 6)
+        self.assertEqual(len({r["train_psnr_db"] for (*_, method, _, _), r in rows.items() if method == "mean"}), 4)
         for dataset in shapes:
             for method, column in (("cg-high", "lambda_view"), ("cg-low", "lambda_view"), ("pca-refilled", "refills")):
                 trials = [r for r in tables["choice"] if (r["dataset"], r["seed"], r["method"]) == (dataset, "1", method)]
@@ -463,7 +463,7 @@ class Smoke(ProgramTest):
         for part, size in (("samples", "images"), ("texels", "side")):
             for engine in of_part[part]:
                 lines = [rows[0] for key, rows in times.items() if key[:2] == (part, engine)]
-                self.assertEqual(len(lines), 5 if part == "samples" else 3)
+                self.assertEqual(len(lines), 3)
                 for smaller, larger in zip(lines, lines[1:]):
                     self.assertLess(int(smaller[size]), int(larger[size]))
                     self.assertLess(int(smaller["samples"]), int(larger["samples"]))
@@ -514,7 +514,7 @@ class Smoke(ProgramTest):
         self.config.write_text("surface_sid = 8\n" + text)
         self.refused(*arguments, says=[f"experiments/{self.name}.toml:1: unknown key 'surface_sid'", "did you mean"])
         self.config.write_text("surface_side = \n" + text)
-        self.refused(*arguments, says=[f"experiments/{self.name}.toml:1: ", "mend the line"])
+        self.refused(*arguments, says=[f"experiments/{self.name}.toml:1: ", "correct the line"])
         self.config.write_text(text)
         self.refused(*arguments, "--set", "nonsense=1", says=["--set nonsense=1: unknown key"])
         self.refused(*arguments[:3], "smok", says=[f"experiments/{self.name}.toml: no profile 'smok'", "choose one of: "])

@@ -298,7 +298,7 @@ Fitted run(ContextKind kind, const TexelDataset& data, const FragmentOptions& fr
 
 TEST(TexelFragment, BothFormsOfPassesFitAlike) {
     for (const bool grid : {false, true})
-        for (const Rule rule : all_rules()) {
+        for (const Rule rule : grid ? std::vector{Rule::cg_modern} : all_rules()) {  // no rule knows of grids
             const TexelDataset data({.grid = grid, .light = Light::Kind::near});
             const Fitted a = run(ContextKind::egl, data, {.passes = Passes::paper}, rule),
                          b = run(ContextKind::egl, data, {.passes = Passes::combined}, rule);

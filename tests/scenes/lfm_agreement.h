@@ -159,6 +159,15 @@ void agree_with_the_oracle(const Case& c, const Make& make) {
                 gradient.worst, diagonal.worst, sums.worst);
 }
 
+/// All rules for the plain cases and those of two terms. The others differ from them in what no rule knows of: they take
+/// conjugate gradients and one rule more, which their names' lengths choose, so that each rule meets several.
+inline std::vector<Rule> rules_of(const Case& c) {
+    std::vector<Rule> rules = all_rules();
+    if (c.name.ends_with("plain") || c.name.ends_with("two_terms")) return rules;
+    std::erase(rules, Rule::cg_modern);
+    return {Rule::cg_modern, rules[c.name.size() % rules.size()]};
+}
+
 /// Some iterations of every verb, penalties included, against the CPU engine in double.
 template <class Make>
 void agree_with_the_cpu_engine_over_iterations(const Case& c, const Make& make) {
@@ -170,7 +179,7 @@ void agree_with_the_cpu_engine_over_iterations(const Case& c, const Make& make) 
     GlDistributor distributor(atlas);
     const SampleList list =
         build_sample_list(dataset, atlas, all_views(), {&distributor}, TargetSpace::stored, nullptr);
-    for (Rule rule : all_rules()) {
+    for (const Rule rule : rules_of(c)) {
         LfmOptions options;
         options.terms = c.terms;
         options.surface_side = c.surface_side;
