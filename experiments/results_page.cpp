@@ -21,7 +21,7 @@ claims are made from these rows, and every value that they show can be recompute
 a dataset's. This page is printed by `build/release/experiments/results_page`, from what `experiments/rows` says of each column;
 two runs are compared by the same ([compare.md](compare.md)).
 
-These mean the same wherever they stand:
+These mean the same wherever they appear:
 
 - A problem is one colour channel of one vertex (of a light field map), or one texel (of a reflectance model).
 - E_t is a problem's objective, penalties included; its unit is the square of a pixel value, where white is 1.

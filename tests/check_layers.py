@@ -149,7 +149,7 @@ def check_words(root, path):
     if name in PROVENANCE:
         function = re.search(rf"^\S[^\n;]*\b{PROVENANCE[name]}\([^;{{]*{{$.*?^}}", text, re.M | re.S)
         if function is None:
-            return [f"{name}: has no function {PROVENANCE[name]}; mend PROVENANCE in tests/check_layers.py"]
+            return [f"{name}: has no function {PROVENANCE[name]}; correct PROVENANCE in tests/check_layers.py"]
         exempt = range(*function.span())
     errors = []
     for place, content, chosen in literals(text):

@@ -33,7 +33,7 @@ def main():
     known = set(names())
     for needed in ("lfm", "lafortune", "fragment", "cpu", "two-step", "tinysolver", "lbfgs", "sd", "dense-schur"):
         if needed not in known:
-            sys.exit(f"check_names.py no longer finds '{needed}' in its table; mend names()")
+            sys.exit(f"check_names.py no longer finds '{needed}' in its table; correct names()")
     bad = []
     for folder in ("src", "experiments"):
         for path in sorted((root / folder).rglob("*")):

@@ -47,7 +47,7 @@ class Node:
 
 
 class Reader(html.parser.HTMLParser):
-    """Refuses what a browser would have to mend."""
+    """Refuses what a browser would have to correct."""
 
     def __init__(self):
         super().__init__()

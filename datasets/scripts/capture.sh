@@ -14,7 +14,7 @@
 #   --until STEP     stop behind a step; steps: features matches cameras flat depths mesh masks dataset tune fit page
 # Each step makes a folder OUT/STEP, whole or not at all, with its log in it; called again, the script goes on behind the
 # last step that is done with the same options, and depths and fit where they were stopped. OUT/page/index.html is the
-# page, OUT/fit/fit the fit. Exit status: 0 done, 2 something to mend, as said.
+# page, OUT/fit/fit the fit. Exit status: 0 done, 2 something to correct, as said.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
@@ -315,21 +315,21 @@ if [ -z "$lights" ]; then
     step features "features of $count photographs" "$(stamp "$photos") $camera" features "give JPEG, PNG or TIFF photographs that COLMAP can read"
     step matches "matches between photographs" "" matches "free some memory, or give --threads 1"
     step cameras "cameras" "" cameras "no two photographs fit together: $overlap"
-    step flat "undistorted photographs" "$size $masks $([ -z "$masks" ] || stamp "$masks")" flat "mend what it says, or give --go-on"
+    step flat "undistorted photographs" "$size $masks $([ -z "$masks" ] || stamp "$masks")" flat "correct what it says, or give --go-on"
     if [ -z "$mesh" ]; then
-        step depths "depths" "" depths "mend what it says"
-        step mesh "mesh" "" make_mesh "mend what it says, give --go-on, or a mesh of your own in the frame of $out/flat/points.ply with --mesh"
+        step depths "depths" "" depths "correct what it says"
+        step mesh "mesh" "" make_mesh "correct what it says, give --go-on, or a mesh of your own in the frame of $out/flat/points.ply with --mesh"
     else
         step mesh "mesh" "$mesh $(stamp "$mesh")" make_mesh "bring the mesh into the frame of $out/flat/points.ply"
     fi
-    step masks "masks" "" make_masks "mend what it says"
-    step dataset "import" "" dataset "mend what it says"
+    step masks "masks" "" make_masks "correct what it says"
+    step dataset "import" "" dataset "correct what it says"
 else
-    step dataset "import" "$lights $(stamp "$photos") $size" lit_dataset "mend what it says"
+    step dataset "import" "$lights $(stamp "$photos") $size" lit_dataset "correct what it says"
 fi
-step tune "which model and options suit these photographs" "$seconds" tune "mend what it says"
-step fit "fit and judge" "" fit "mend what it says"
-step page "page" "" page "mend what it says"
+step tune "which model and options suit these photographs" "$seconds" tune "correct what it says"
+step fit "fit and judge" "" fit "correct what it says"
+step page "page" "" page "correct what it says"
 echo "the score, on photographs that were held out:" >&2
 cat "$out/fit/said"
 echo "the page: $out/page/index.html; the fit: $out/fit/fit; seconds by step, and processor seconds: $out/*/seconds" >&2

@@ -110,7 +110,7 @@ Html environment_part(std::span<const RunRecord> runs, const fs::path& checkout)
     part << element("h3", "The runs shown");
     return part << scroll_box(
                "the runs shown",
-               html_table("Everything else that a run was made with stands in its run.json (docs/formats.md).",
+               html_table("Everything else that a run was made with is in its run.json (docs/formats.md).",
                           {"experiment", "profile", "begun", "took", "environment", "renderer", "threads", "revision",
                            "command", "folder"},
                           rows, {}, {{"class", "sortable"}}));

@@ -257,7 +257,7 @@ def read_config(path, profile):
     try:
         config = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, tomllib.TOMLDecodeError) as error:
-        raise Refused(f"{path}: {error}; mend the file") from error
+        raise Refused(f"{path}: {error}; correct the file") from error
     known = set(tomllib.loads((HERE / "torch_peers.toml").read_text(encoding="utf-8")))
     changes = config.pop("profile", {}).get(profile, {})
     for key in (known - {"profile"}) ^ set(config) | set(changes) - known:

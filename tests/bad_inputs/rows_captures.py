@@ -47,7 +47,7 @@ for pattern, text, *words in (
 ):
     rows.append((colmap(), replace(cameras, pattern, text), 2, *words))
 for pattern, text, *words in (
-    (r"^1 \S+", "1 nan", f"{images}:1: QW is 'nan', which is not finite", "mend the line"),
+    (r"^1 \S+", "1 nan", f"{images}:1: QW is 'nan', which is not finite", "correct the line"),
     (r"^1 \S+", "1 one", f"{images}:1: QW is 'one', which is no number"),
     (r"^1 \S+ \S+ \S+ \S+", "1 0 0 0 0", f"{images}:1: image '0.png' has a zero quaternion"),
     (r"^1 \S+ \S+ \S+ \S+", "1 0 0 0", f"{images}:1: expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME"),
@@ -118,7 +118,7 @@ def calibrated(kind, model="photos", more=""):
 
 
 for damage, *words in (
-    (remove(transforms), "photos: neither transforms.json nor transforms_train.json stands here: check --model"),
+    (remove(transforms), "photos: neither transforms.json nor transforms_train.json is here: check --model"),
     (folder(transforms), f"{transforms}: cannot read this file of cameras: it is a folder"),
     (fifo(transforms), f"{transforms}: cannot read this file of cameras: it is a pipe"),
     (write(transforms, ""), f"{transforms}: truncated, or no JSON"),
@@ -211,7 +211,7 @@ for damage, *words in (
     (write(gains, ""), f"{gains}: no gain for image '0.png': add a line NAME GAIN for it"),
     (write(gains, "0.png 1\n1.png 1\n"), f"{gains}: no gain for image '2.png'"),
     (write(gains, "0.png\n"), f"{gains}:1: expected an image name and, in the last column, its linear gain"),
-    (replace(gains, "0.png 1", "0.png 0"), f"{gains}:1: the gain 0 is not from 1e-06 to 1e+06: mend the line"),
+    (replace(gains, "0.png 1", "0.png 0"), f"{gains}:1: the gain 0 is not from 1e-06 to 1e+06: correct the line"),
     (replace(gains, "0.png 1", "0.png -1"), f"{gains}:1: the gain -1 is not from 1e-06 to 1e+06"),
     (replace(gains, "0.png 1", "0.png 1e30"), f"{gains}:1: the gain 1e+30 is not from"),
     (replace(gains, "0.png 1", "0.png 1e-7"), f"{gains}:1: the gain 1e-07 is not from"),
@@ -311,7 +311,7 @@ for damage, *words in (
     (replace(lp, "0.png 0 0 1", "0.png 0 0 0"), f"{lp}:2: the light's vector (0, 0, 0) has length 0"),
     (cut(lp, -1), f"{lp}:5: the file ends within this line"),
     (cut(lp, -2), f"{lp}:5: the file ends within this line"),
-    (replace(lp, "1.png", "0.png"), f"{lp}:3: image '0.png' stands here a second time"),
+    (replace(lp, "1.png", "0.png"), f"{lp}:3: image '0.png' appears a second time"),
     (replace(lp, "1.png", "9.png"), "lit/images/9.png: no such image, but lit/dome.lp names it"),
     (cut(lp, 0.5), f"{lp}"),
     (cut(lp, 0.9), f"{lp}"),
@@ -335,7 +335,7 @@ for command, damage, *words in (
     (lights(more="--intensities lit/intensities.txt"), write("lit/intensities.txt", "1 1e-30 1\n"), "lit/intensities.txt:1: the light's intensity is 1e-30 in a channel"),
     (places, remove("lit/places.txt"), "lit/places.txt: no such list of lights"),
     (places, remove("lit/eyes.txt"), "lit/eyes.txt: no such list, one camera position per line"),
-    (lights(more="--names lit/names.txt"), replace("lit/names.txt", "1.png", "0.png"), "lit/names.txt:2: image '0.png' stands here a second time"),
+    (lights(more="--names lit/names.txt"), replace("lit/names.txt", "1.png", "0.png"), "lit/names.txt:2: image '0.png' appears a second time"),
     (lights(more="--names lit/names.txt"), replace("lit/names.txt", "1.png", "9.png"), "lit/images/9.png: no such image, but lit/names.txt names it"),
     (lights(more="--names lit/names.txt"), replace("lit/names.txt", "3.png\n", ""), "lit/lights.txt: 4 lights, but lit/names.txt names 3 images"),
     (lights(more="--names lit/names.txt"), write("lit/names.txt", ""), "no images here"),

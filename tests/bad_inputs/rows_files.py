@@ -13,7 +13,7 @@ for command in makers:
         (f"{command} -o photos/mesh.obj/new", None, 2, "photos/mesh.obj/new"),
         (f"{command} -o /proc/new", None, 2, "/proc/new"),
         (f"{command} -o {long}", None, 2, long),
-        (f"{command} -o photos/mesh.obj", None, 2, "photos/mesh.obj: a file stands there"),
+        (f"{command} -o photos/mesh.obj", None, 2, "photos/mesh.obj: a file is there"),
         (f"{command} -o photos", None, 2, "photos: ", "choose another name"),
         (f"{command} -o around/new", loop("around"), 2, "around"),
     ]

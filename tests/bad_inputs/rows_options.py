@@ -198,7 +198,7 @@ refuse("publish fit --fidelity {} -o new", "19 x 101", "fidelity = ", "choose a 
 refuse("publish fit --views {} -o new", "0 x 1001", "views = ", "choose a whole number from 1 to 1000")
 rows += [
     ("publish fit -o fit", None, 2, "fit: is no page of radiafit"),
-    ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: stands there and is no page"),
+    ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: is there, and is no page"),
     ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
     ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
     ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),
@@ -338,7 +338,7 @@ rows += [
     ("export rti flatfit -o fit", None, 2, "fit: holds ", "which is no part of an RTI export"),
     ("export rti tiny -o new", None, 2, "tiny/fit.json: no such file"),
     ("export maps fit -o fit", None, 2, "fit: holds ", "which is no part of exported maps"),
-    ("export maps fit -o photos/mesh.obj", None, 2, "photos/mesh.obj: a file stands there"),
+    ("export maps fit -o photos/mesh.obj", None, 2, "photos/mesh.obj: a file is there"),
     ("export maps nowhere -o new", None, 2, "nowhere: no such folder"),
     ("export gltf fit -o new.glb", None, 0, "new.glb: "),
     ("export gltf flatfit -o new.glb", None, 0, "new.glb: "),

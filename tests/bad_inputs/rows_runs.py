@@ -57,11 +57,11 @@ for size in (-1, -5, 0.4, 0.6, 0.9):
 rows += [
     (both, write(errors, ""), 2, f"{errors}: empty; remake it"),
     (both, write(errors, "\n"), 2, f"{errors}: "),
-    (both, append(errors, "star\n"), 2, f"{errors}:4: 1 fields under 5 names; mend or remake the file"),
+    (both, append(errors, "star\n"), 2, f"{errors}:4: 1 fields under 5 names; correct or remake the file"),
     (both, append(errors, '"star\n'), 2, f"{errors}:4: a quote is never closed"),
     (both, append(errors, "star,mean,1,20,0.2\n"), 2, f"{errors}: two rows of 'star, mean, 1'; remake the file"),
     (both, replace(errors, "seconds", "speed"), 2, f"{errors}: column 'speed' of fig9_error has no rule; say what it is in experiments/rows"),
-    (both, replace(errors, "seconds", "terms"), 2, f"{errors}: column 'terms' stands twice; remake the file"),
+    (both, replace(errors, "seconds", "terms"), 2, f"{errors}: column 'terms' appears twice; remake the file"),
     (both, replace(errors, "seconds", ""), 2, f"{errors}: column '' of fig9_error has no rule"),
     (both, replace(errors, "terms", "iterations"), 2, f"{errors}: no column 'terms', by which rows of runs/a/errors.csv are told apart", again),
     (both, replace(errors, "22.5", "bad"), 2, f"{errors}:3: 'bad' in column 'train_psnr_db' is no number"),

@@ -362,12 +362,12 @@ TEST_F(LightsTest, AnLpFileNamesItsImages) {
         write_bytes(options_.lights, text);
         return refused();
     };
-    expect_in("dome.LP: says 5 images, but lists 4: mend", with("5" + lines.substr(1)));
-    expect_in("dome.LP: says 3 images, but lists 4: mend", with("3" + lines.substr(1)));
+    expect_in("dome.LP: says 5 images, but lists 4: correct", with("5" + lines.substr(1)));
+    expect_in("dome.LP: says 3 images, but lists 4: correct", with("3" + lines.substr(1)));
     expect_in("dome.LP:1: the number of images is '05.png 1 2 3'", with("05.png 1 2 3\n"));
     expect_in("dome.LP:0: the file is empty", with(""));
     expect_in("dome.LP:3: the light's vector (0, -0, 0) has length 0", with("2\n05.png 0 0 1\n03.png 0 -0 0\n"));
-    expect_in("dome.LP:3: image '05.png' stands here a second time", with("2\n05.png 0 0 1\n05.png 0 1 1\n"));
+    expect_in("dome.LP:3: image '05.png' appears a second time", with("2\n05.png 0 0 1\n05.png 0 1 1\n"));
     expect_in("dome.LP:2: light direction is 'nan', which is not finite", with("1\n05.png 0 nan 1\n"));
     expect_in("dome.LP:2: an .lp file's line takes", with("1\n05.png 0 1\n"));
     expect_in("images/77.png: no such image, but", with("2\n01.png 0 0 1\n77.png 0 0 1\n"));

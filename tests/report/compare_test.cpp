@@ -350,7 +350,7 @@ TEST_F(Runs, WhatCannotBeReadOrMatchedIsNamed) {
     };
     EXPECT_EQ(refused("dataset,method,terms,speed\n"),
               ": column 'speed' of fig9_error has no rule; say what it is in experiments/rows");
-    EXPECT_EQ(refused("dataset,method,terms,terms\n"), ": column 'terms' stands twice; remake the file");
+    EXPECT_EQ(refused("dataset,method,terms,terms\n"), ": column 'terms' appears twice; remake the file");
     EXPECT_EQ(refused("dataset,method,terms\na,b,1\na,b,1\n"), ": two rows of 'a, b, 1'; remake the file");
     EXPECT_TRUE(refused("dataset,method\na,b\n").starts_with(": no column 'terms', by which rows of "));
     EXPECT_TRUE(

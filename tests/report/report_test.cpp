@@ -104,10 +104,10 @@ TEST(Csv, ABadFileIsNamedWithItsLine) {
         std::string message = message_of<UserError>([&] { (void)CsvTable(path).number(0, "b"); });
         return message.starts_with(path) ? message.substr(path.size()) : message;
     };
-    EXPECT_EQ(error("a,b\n1,x\n"), ":2: 'x' in column 'b' is no number; mend or remake the file");
-    EXPECT_EQ(error("a,b\n1,2 \n"), ":2: '2 ' in column 'b' is no number; mend or remake the file");
-    EXPECT_EQ(error("a,b\n\"x\ny\",2\n1\n"), ":4: 1 fields under 2 names; mend or remake the file");
-    EXPECT_EQ(error("a,b\n1,\"2\n"), ":2: a quote is never closed; mend or remake the file");
+    EXPECT_EQ(error("a,b\n1,x\n"), ":2: 'x' in column 'b' is no number; correct or remake the file");
+    EXPECT_EQ(error("a,b\n1,2 \n"), ":2: '2 ' in column 'b' is no number; correct or remake the file");
+    EXPECT_EQ(error("a,b\n\"x\ny\",2\n1\n"), ":4: 1 fields under 2 names; correct or remake the file");
+    EXPECT_EQ(error("a,b\n1,\"2\n"), ":2: a quote is never closed; correct or remake the file");
     EXPECT_EQ(error("a,b\n1,2"), ": no line break behind the last row, so it may have been cut; remake the file");
     EXPECT_EQ(error("a,c\n1,2\n"), ": no column 'b'; remake the file with this version");
     EXPECT_EQ(error(""), ": empty; remake it");

@@ -145,7 +145,7 @@ toml::table parse_file(const std::filesystem::path& path) {
     try {
         return toml::parse(text, path.string());
     } catch (const toml::parse_error& parse_error) {
-        throw UserError(fmt::format("{}:{}: {}; mend the line", path.string(), parse_error.source().begin.line,
+        throw UserError(fmt::format("{}:{}: {}; correct the line", path.string(), parse_error.source().begin.line,
                                     parse_error.description()));
     }
 }

@@ -66,29 +66,29 @@ void TextFile::fail(const std::string& problem) const { throw UserError(fmt::for
 double TextFile::to_double(std::string_view token, const char* what) const {
     double value = 0;
     if (parse(token, value) != std::errc())
-        fail(fmt::format("{} is '{}', which is no number: mend the line", what, token));
-    if (!std::isfinite(value)) fail(fmt::format("{} is '{}', which is not finite: mend the line", what, token));
+        fail(fmt::format("{} is '{}', which is no number: correct the line", what, token));
+    if (!std::isfinite(value)) fail(fmt::format("{} is '{}', which is not finite: correct the line", what, token));
     return value;
 }
 
 float TextFile::to_float(std::string_view token, const char* what) const {
     float value = 0;
     if (parse(token, value) != std::errc()) value = static_cast<float>(to_double(token, what));  // 1e-50, say, is 0
-    if (!std::isfinite(value)) fail(fmt::format("{} is '{}', which is not finite: mend the line", what, token));
+    if (!std::isfinite(value)) fail(fmt::format("{} is '{}', which is not finite: correct the line", what, token));
     return value;
 }
 
 uint64_t TextFile::to_unsigned(std::string_view token, const char* what) const {
     uint64_t value = 0;
     if (parse(token, value) != std::errc())
-        fail(fmt::format("{} is '{}', which is no whole number: mend the line", what, token));
+        fail(fmt::format("{} is '{}', which is no whole number: correct the line", what, token));
     return value;
 }
 
 int64_t TextFile::to_signed(std::string_view token, const char* what) const {
     int64_t value = 0;
     if (parse(token, value) != std::errc())
-        fail(fmt::format("{} is '{}', which is no whole number: mend the line", what, token));
+        fail(fmt::format("{} is '{}', which is no whole number: correct the line", what, token));
     return value;
 }
 

@@ -33,7 +33,7 @@ void check_replaceable(const fs::path& folder) {
     const fs::file_status status = fs::status(folder, error);
     if (!fs::exists(status)) return;
     if (!fs::is_directory(status))
-        throw UserError(fmt::format("{}: a file stands there; choose another name for the dataset", folder.string()));
+        throw UserError(fmt::format("{}: a file is there; choose another name for the dataset", folder.string()));
     bool has_json = false, has_files = false;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();

@@ -68,7 +68,7 @@ void check_fit_target(const fs::path& folder) {
     const auto refuse = [&](const std::string& why) {
         throw UserError(fmt::format("{}: {}; remove it or choose another name for the fit", folder.string(), why));
     };
-    if (!fs::is_directory(folder, error)) refuse("a file stands there");
+    if (!fs::is_directory(folder, error)) refuse("a file is there");
     const std::vector<std::string> present = names_in(folder);
     if (present.empty()) return;
     const fs::path json = folder / fit_json_name;

@@ -59,7 +59,7 @@ void check_size(const std::filesystem::path& path, int64_t width, int64_t height
                                     path.string(), width, height, (*size)[0], (*size)[1]));
     const uint64_t bytes = std::filesystem::file_size(path);
     if (width < 1 || height < 1 || uint64_t(width) * uint64_t(height) / most_pixels_per_byte > bytes)
-        throw UserError(fmt::format("{}: {} x {} pixels cannot stand in {} bytes; restore the file or write it again",
+        throw UserError(fmt::format("{}: {} x {} pixels cannot be in {} bytes; restore the file or write it again",
                                     path.string(), width, height, bytes));
 }
 

@@ -78,7 +78,7 @@ Done, and everything that was asked for is there.
 The machine failed, or \fBcompare\fR found a difference.
 .TP
 2
-The user can mend it: one line on standard error names the file or option, and the cure.
+The user can correct it: one line on standard error names the file or option, and the cure.
 .TP
 130, 143
 Stopped by SIGINT (Ctrl\-C) or SIGTERM, after the current step; a second signal ends the program at once.

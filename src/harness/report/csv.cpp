@@ -61,7 +61,8 @@ private:
             if (c == '\n') line_++;
             field += c;
         }
-        throw UserError(fmt::format("{}:{}: a quote is never closed; mend or remake the file", path_.string(), start));
+        throw UserError(
+            fmt::format("{}:{}: a quote is never closed; correct or remake the file", path_.string(), start));
     }
 
     const std::filesystem::path& path_;
@@ -108,7 +109,7 @@ CsvTable::CsvTable(std::filesystem::path path, std::string text) : path_(std::mo
         lines_.push_back(reader.line());
         rows_.push_back(reader.record());
         if (rows_.back().size() != header_.size())
-            throw UserError(fmt::format("{}:{}: {} fields under {} names; mend or remake the file", path_.string(),
+            throw UserError(fmt::format("{}:{}: {} fields under {} names; correct or remake the file", path_.string(),
                                         lines_.back(), rows_.back().size(), header_.size()));
     }
 }
@@ -127,8 +128,8 @@ double CsvTable::number(size_t row, std::string_view column) const {
     double value = 0;
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (error != std::errc{} || end != field.data() + field.size())
-        throw UserError(fmt::format("{}:{}: '{}' in column '{}' is no number; mend or remake the file", path_.string(),
-                                    lines_[row], field, column));
+        throw UserError(fmt::format("{}:{}: '{}' in column '{}' is no number; correct or remake the file",
+                                    path_.string(), lines_[row], field, column));
     return value;
 }
 

@@ -28,7 +28,7 @@ KeyedRows::KeyedRows(const RunRecord& run, const std::string& name, const RowFil
             throw UserError(fmt::format("{}: column '{}' of {} has no rule; say what it is in {}", file_.string(),
                                         column, run.experiment, rows_folder));
         if (!seen.insert(column).second)
-            throw UserError(fmt::format("{}: column '{}' stands twice; remake the file", file_.string(), column));
+            throw UserError(fmt::format("{}: column '{}' appears twice; remake the file", file_.string(), column));
         repeated = repeated || rule->kind == ColumnKind::repetition;
         column_rules_.push_back(rule);
     }

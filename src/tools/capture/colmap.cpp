@@ -116,11 +116,11 @@ Intrinsics read_cameras_text(const std::filesystem::path& file) {
     Intrinsics cameras;
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);
-        if (tokens.size() < 4) text.fail("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS...: mend the line");
+        if (tokens.size() < 4) text.fail("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS...: correct the line");
         const Model& model = find_model(text.where(), tokens[1]);
         const size_t count = parameter_count(model);
         if (tokens.size() != 4 + count)
-            text.fail(fmt::format("{} takes {} parameters, the line has {}: mend the line", model.name, count,
+            text.fail(fmt::format("{} takes {} parameters, the line has {}: correct the line", model.name, count,
                                   tokens.size() - 4));
         std::vector<double> parameters;
         for (size_t i = 4; i < tokens.size(); ++i) parameters.push_back(text.to_double(tokens[i], "a parameter"));
@@ -148,7 +148,7 @@ void read_images_text(Calibration& model, const Intrinsics& cameras) {
         if (const auto count = announced_images(text, line)) announced = count;
         if (line.empty() || line.starts_with('#')) continue;
         const auto tokens = split_tokens(line);
-        if (tokens.size() < 10) text.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME: mend the line");
+        if (tokens.size() < 10) text.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME: correct the line");
         const uint64_t id = text.to_unsigned(tokens[0], "IMAGE_ID");
         std::array<double, 7> pose;
         constexpr const char* names[7] = {"QW", "QX", "QY", "QZ", "TX", "TY", "TZ"};

@@ -54,7 +54,7 @@ std::vector<SparsePoint> read_text(const std::filesystem::path& file, const Imag
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);
         if (tokens.size() < 8 || tokens.size() % 2 != 0)
-            text.fail("expected POINT3D_ID X Y Z R G B ERROR, then pairs IMAGE_ID POINT2D_IDX: mend the line");
+            text.fail("expected POINT3D_ID X Y Z R G B ERROR, then pairs IMAGE_ID POINT2D_IDX: correct the line");
         SparsePoint point;
         for (size_t i = 0; i < 3; ++i) point.position[int(i)] = text.to_double(tokens[1 + i], "a coordinate");
         point.error = text.to_double(tokens[7], "ERROR");

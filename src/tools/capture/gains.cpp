@@ -127,7 +127,7 @@ std::vector<double> read_gains(const std::filesystem::path& file, const std::vec
         const double gain = text.to_double(tokens.back(), "the gain in the last column");
         if (!(gain >= least_gain && gain <= largest_gain))
             text.fail(
-                fmt::format("the gain {} is not from {:g} to {:g}: mend the line", gain, least_gain, largest_gain));
+                fmt::format("the gain {} is not from {:g} to {:g}: correct the line", gain, least_gain, largest_gain));
         if (!table.emplace(tokens.front(), gain).second)
             text.fail(fmt::format("image '{}' is given twice: remove one line", tokens.front()));
     }

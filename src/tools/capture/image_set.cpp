@@ -69,7 +69,7 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
     const ImageFile first = read_image(file, true);
     if (depth != 0 && first.bits != depth)
         throw UserError(
-            fmt::format("{}: has {} channels, but {} {} was declared: export the image again, or mend "
+            fmt::format("{}: has {} channels, but {} {} was declared: export the image again, or correct "
                         "the declaration",
                         file.string(), depth_name(first.bits), option_name("depth"), depth));
     const bool srgb = transfer == "srgb" || (transfer == "auto" && first.bits == 8);

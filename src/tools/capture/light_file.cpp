@@ -22,7 +22,7 @@ std::vector<std::string_view> split_numbers(std::string& line) {
 
 Vec3d to_vector(const TextFile& text, std::span<const std::string_view> tokens, const std::string& what) {
     if (tokens.size() != 3)
-        text.fail(fmt::format("a {} takes three numbers, here are {}: mend the line", what, tokens.size()));
+        text.fail(fmt::format("a {} takes three numbers, here are {}: correct the line", what, tokens.size()));
     Vec3d v;
     for (int i = 0; i < 3; ++i) v[i] = text.to_double(tokens[size_t(i)], what.c_str());
     return v;
@@ -30,7 +30,7 @@ Vec3d to_vector(const TextFile& text, std::span<const std::string_view> tokens, 
 
 void add_name(const TextFile& text, std::string name, std::vector<std::string>& names) {
     if (std::find(names.begin(), names.end(), name) != names.end())
-        text.fail(fmt::format("image '{}' stands here a second time: name every image once", name));
+        text.fail(fmt::format("image '{}' appears a second time: name every image once", name));
     names.push_back(std::move(name));
 }
 
@@ -42,7 +42,8 @@ LightFile read_lp(const fs::path& file) {
     LightFile lights;
     while (text.next_entry(line)) {
         const std::vector<std::string_view> tokens = split_tokens(line);
-        if (tokens.size() < 4) text.fail("an .lp file's line takes an image's name and three numbers: mend the line");
+        if (tokens.size() < 4)
+            text.fail("an .lp file's line takes an image's name and three numbers: correct the line");
         const auto vector = std::span(tokens).last(3);
         lights.vectors.push_back(to_vector(text, vector, "light direction"));
         check_light_vector(lights.vectors.back(), text.where());
@@ -50,8 +51,8 @@ LightFile read_lp(const fs::path& file) {
         add_name(text, std::string(line.begin(), name_end), lights.names);
     }
     if (lights.names.size() != count)
-        throw UserError(fmt::format("{}: says {} images, but lists {}: mend its first line, or the list", file.string(),
-                                    count, lights.names.size()));
+        throw UserError(fmt::format("{}: says {} images, but lists {}: correct its first line, or the list",
+                                    file.string(), count, lights.names.size()));
     return lights;
 }
 

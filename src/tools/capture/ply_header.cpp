@@ -47,7 +47,7 @@ PlyHeader::Format to_format(const TextFile& text, const Words& words) {
 template <class Named>
 void expect_new_name(const TextFile& text, const std::vector<Named>& list, std::string_view name) {
     if (std::any_of(list.begin(), list.end(), [&](const Named& n) { return n.name == name; }))
-        text.fail(fmt::format("'{}' stands here a second time: {}", name, cure));
+        text.fail(fmt::format("'{}' appears a second time: {}", name, cure));
 }
 
 void add_element(const TextFile& text, const Words& words, std::vector<PlyElement>& elements) {

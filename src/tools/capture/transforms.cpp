@@ -244,7 +244,7 @@ TransformsFiles find_transforms(const fs::path& model) {
         for (const char* name : {"transforms.json", "transforms_train.json"})
             if (files.main.empty() && path_exists(model / name)) files.main = model / name;
         if (files.main.empty())
-            throw UserError(fmt::format("{}: neither transforms.json nor transforms_train.json stands here: check {}",
+            throw UserError(fmt::format("{}: neither transforms.json nor transforms_train.json is here: check {}",
                                         model.string(), option_name("model")));
     }
     const fs::path test = files.main.parent_path() / "transforms_test.json";

@@ -51,8 +51,8 @@ void check_glb_target(const fs::path& file) {
     if (file.extension() != ".glb") throw UserError(fmt::format("{}: name a file that ends in .glb", file.string()));
     std::error_code error;
     if (fs::exists(fs::symlink_status(file, error)) && !is_our_glb(file))
-        throw UserError(fmt::format(
-            "{}: stands there and is no glTF file of radiafit; choose another name or remove it", file.string()));
+        throw UserError(fmt::format("{}: is there, and is no glTF file of radiafit; choose another name or remove it",
+                                    file.string()));
 }
 
 /// A folder with no other files than `names` is ours and is replaced. Throws UserError for anything else that is
@@ -63,7 +63,7 @@ void check_folder_target(const fs::path& folder, const char* what, std::span<con
         throw UserError(fmt::format("{}: {}; remove it or choose another name", folder.string(), why));
     };
     if (!fs::exists(fs::symlink_status(folder, error))) return;
-    if (!fs::is_directory(folder, error)) refuse("a file stands there");
+    if (!fs::is_directory(folder, error)) refuse("a file is there");
     for (const auto& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
         if (!entry.is_regular_file(error) || std::ranges::find(names, name) == names.end())

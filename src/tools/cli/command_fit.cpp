@@ -83,7 +83,7 @@ void warn_about_range(const Dataset& dataset, const FitRequest& request) {
     if (brightest && largest > uneven * smallest)
         log_warning(
             fmt::format("{}: image '{}' goes up to {:.3g}, image '{}' to {:.3g} only: images are streamed with 16 "
-                        "bits up to the largest value, so that one keeps less than 8; mend pixels or gains",
+                        "bits up to the largest value, so that one keeps less than 8; correct pixels or gains",
                         dataset.folder.string(), brightest->name, largest, darkest->name, smallest));
 }
 

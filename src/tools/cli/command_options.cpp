@@ -89,7 +89,7 @@ std::string cell(std::string text) {
 void print_options() {
     fmt::print(
         "# Options of `radiafit fit` and `radiafit plan`\n\nMade by `radiafit options`; a test compares. An option "
-        "that means nothing to the chosen fit is refused. The same names, with underscores, stand in fit.json and "
+        "that means nothing to the chosen fit is refused. The same names, with underscores, are used in fit.json and "
         "in experiments' configs.\n");
     const FitRequest defaults;
     std::string group;

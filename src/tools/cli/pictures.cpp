@@ -35,8 +35,8 @@ void check_ours(const fs::path& file) {
     std::error_code error;
     if (!fs::exists(fs::symlink_status(file, error)) || carries_mark(file)) return;
     if (file.extension() == ".png" && carries_mark(fs::path(file).replace_extension(".svg"))) return;
-    throw UserError(fmt::format(
-        "{}: stands there and is no picture of radiafit render; choose another name or remove it", file.string()));
+    throw UserError(fmt::format("{}: is there, and is no picture of radiafit render; choose another name or remove it",
+                                file.string()));
 }
 
 fs::path picture_stem(const std::string& output) {

@@ -110,10 +110,10 @@ void check_page_target(const fs::path& place, bool single_file) {
     std::error_code error;
     if (!fs::exists(fs::symlink_status(place, error))) return;
     if (single_file) {
-        if (!is_page(place)) refuse(place, "stands there and is no page of radiafit");
+        if (!is_page(place)) refuse(place, "is there, and is no page of radiafit");
         return;
     }
-    if (!fs::is_directory(place, error)) refuse(place, "a file stands there");
+    if (!fs::is_directory(place, error)) refuse(place, "a file is there");
     if (fs::is_empty(place, error)) return;
     if (!is_page(place / index_name)) refuse(place, "is no page of radiafit");
     for (const auto& entry : fs::recursive_directory_iterator(place, error)) {
