@@ -159,8 +159,8 @@ void agree_with_the_oracle(const Case& c, const Make& make) {
                 gradient.worst, diagonal.worst, sums.worst);
 }
 
-/// All rules for the plain cases and those of two terms. The others differ from them in what no rule knows of: they take
-/// conjugate gradients and one rule more, which their names' lengths choose, so that each rule meets several.
+/// All rules for the plain cases and those of two terms. The others differ from them in what no rule knows of: they
+/// take conjugate gradients and one rule more, which their names' lengths choose, so that each rule meets several.
 inline std::vector<Rule> rules_of(const Case& c) {
     std::vector<Rule> rules = all_rules();
     if (c.name.ends_with("plain") || c.name.ends_with("two_terms")) return rules;
