@@ -2,7 +2,7 @@
 """Every shader stage compiles under glslang (glslc), to SPIR-V for OpenGL (which demands locations: of uniforms any); those of
 published pages, "#version 300 es", as WebGL 2 takes them, for which there is no SPIR-V.
 
-#include "..." lines are expanded as src/core/gl/program.cpp does: relative to shaders/, each file once, #line kept, definitions
+#include "..." lines are expanded as src/core/gl/shader_text.cpp does: relative to shaders/, each file once, #line kept, definitions
 after the #version line, and where the name of a file is a definition's, that in its place. A stage is compiled
 
   - as it stands;

@@ -77,7 +77,7 @@ class Parts(PartsTest):
             (*FIT, "--solver", "two-step", "--record", "full"),
             (*FIT, "--distributor", "gl"),
             ("--solver", "als", "--iterations", "2"),
-            ("--solver", "varpro", "--iterations", "2"),
+            ("--solver", "varpro", "--iterations", "1"),
             ("--solver", "ceres", "--iterations", "2"),
             ("--solver", "pca", "--terms", "2", "--refills", "2"),
             ("--solver", "mean"),
@@ -121,10 +121,10 @@ class Parts(PartsTest):
 
     def test_colours_by_view_direction(self):
         for options in (
-            ("--model", "viewbasis", "--blocks", "10", "--surface-side", "6"),
+            ("--model", "viewbasis", "--blocks", "4", "--surface-side", "6"),
             ("--model", "viewbasis", "--rank", "4", "--blocks", "1", "--surface-side", "5", "--space", "linear"),
-            ("--model", "viewbasis", "--rank", "28", "--blocks", "8", "--surface-side", "4", "--validation", "4", "--noise", "2e-3"),
-            ("--model", "viewbasis", "--rank", "6", "--blocks", "10", "--surface-side", "6", "--engine", "compute"),
+            ("--model", "viewbasis", "--rank", "28", "--blocks", "3", "--surface-side", "4", "--validation", "4", "--noise", "2e-3"),
+            ("--model", "viewbasis", "--rank", "6", "--blocks", "4", "--surface-side", "5", "--engine", "compute"),
             ("--model", "sg", "--surface-side", "5"),
             ("--model", "sg", "--lobes", "2", "--iterations", "3", "--surface-side", "6", "--validation", "4"),
         ):

@@ -22,7 +22,7 @@ FITS = {
     "parts": ("star", "--terms", "2", "--iterations", "5", "--engine", "compute", "--memory", "149M"),
     "lafortune": ("ornament", "--model", "lafortune", "--iterations", "100"),
     "prior": ("ornament", "--model", "lafortune", "--prior", "surface", "--iterations", "100"),
-    "viewbasis": ("star", "--model", "viewbasis", "--rank", "4", "--surface-side", "6"),
+    "viewbasis": ("star", "--model", "viewbasis", "--rank", "4", "--blocks", "60", "--surface-side", "6"),
     "sg": ("star", "--model", "sg", "--surface-side", "8", "--iterations", "20"),
 }
 

@@ -75,7 +75,7 @@ class Terminal(ProgramTest):
             ("info", "star"),
             ("judge", "fit"),
             ("render", "fit", "-o", "quiet-view"),
-            ("tune", "star", "--seconds", "1"),
+            ("tune", "star", "--seconds", "1", "--model", "lfm", "--terms", "1"),
             ("export", "parameters", "fit", "-o", "quiet-parameters"),
         )
         for command in commands:
@@ -96,7 +96,7 @@ class Terminal(ProgramTest):
             ("info", "star"),
             ("info", "fit"),
             ("judge", "fit"),
-            ("tune", "star", "--seconds", "1"),
+            ("tune", "star", "--seconds", "1", "--model", "lfm", "--terms", "1"),
             ("devices",),
         ):
             with self.subTest(command):

@@ -70,19 +70,23 @@ std::vector<Case> few_cases() {
         if (c.name == "two_terms" || c.name == "odd_sides_16_bit" || c.name == "huber_facing") few.push_back(c);
     return few;
 }
-/// Every case with sums that are gathered or in fixed point. Ways that add floats differ from fixed point in three
-/// macros of compute/accumulate.glsl alone; the few cases use each of the sums that are added to.
+/// Every case with cached samples that are gathered, and with streamed ones in fixed point. The other two ways are made
+/// of the same parts. Ways that add floats differ from fixed point in three macros of compute/accumulate.glsl alone;
+/// the few cases use each of the sums that are added to.
 std::vector<std::tuple<Case, Way>> cases_of_ways() {
     std::vector<std::tuple<Case, Way>> all;
     for (const Way& way : ways) {
         const bool floats = way.accumulate == Accumulate::scatter_float || way.accumulate == Accumulate::scatter_swap;
-        for (const Case& c : floats ? few_cases() : cases()) all.emplace_back(c, way);
+        const bool every = way.accumulate == (way.streamed ? Accumulate::scatter_fixed : Accumulate::gather);
+        for (const Case& c : floats ? few_cases() : every ? cases() : structural_cases(cases()))
+            all.emplace_back(c, way);
     }
     return all;
 }
 INSTANTIATE_TEST_SUITE_P(Cases, ComputeAgreement, ::testing::ValuesIn(cases_of_ways()), case_name);
 INSTANTIATE_TEST_SUITE_P(Gathered, ComputeIterations,
-                         ::testing::Combine(::testing::ValuesIn(cases()), ::testing::Values(ways[0])), case_name);
+                         ::testing::Combine(::testing::ValuesIn(structural_cases(cases())), ::testing::Values(ways[0])),
+                         case_name);
 INSTANTIATE_TEST_SUITE_P(Others, ComputeIterations,
                          ::testing::Combine(::testing::ValuesIn(few_cases()),
                                             ::testing::ValuesIn(ways + 1, std::end(ways))),

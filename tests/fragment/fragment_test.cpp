@@ -22,7 +22,8 @@ TEST_P(FragmentAgreement, WithTheOracle) {
     });
 }
 
-TEST_P(FragmentAgreement, WithTheCpuEngineOverIterations) {
+using FragmentIterations = FragmentAgreement;
+TEST_P(FragmentIterations, WithTheCpuEngine) {
     const Case& c = GetParam();
     agree_with_the_cpu_engine_over_iterations(
         c, [&](const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings, const SampleList&,
@@ -69,8 +70,9 @@ std::vector<Case> cases() {
     list.push_back({.name = "combined_image_by_image", .passes = Passes::combined, .images_per_pass = 1});
     return list;
 }
-INSTANTIATE_TEST_SUITE_P(Cases, FragmentAgreement, ::testing::ValuesIn(cases()),
-                         [](const auto& info) { return info.param.name; });
+std::string case_name(const ::testing::TestParamInfo<Case>& info) { return info.param.name; }
+INSTANTIATE_TEST_SUITE_P(Cases, FragmentAgreement, ::testing::ValuesIn(cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(Cases, FragmentIterations, ::testing::ValuesIn(structural_cases(cases())), case_name);
 
 std::vector<float> run(ContextKind kind, Passes passes, Storage storage, const Dataset& dataset,
                        StreamSource source = StreamSource::memory, Sums sums = Sums::fp32, bool resident = false) {

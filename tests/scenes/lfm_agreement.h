@@ -159,6 +159,16 @@ void agree_with_the_oracle(const Case& c, const Make& make) {
                 gradient.worst, diagonal.worst, sums.worst);
 }
 
+/// Those that differ in more than the constants of a program.
+inline std::vector<Case> structural_cases(std::vector<Case> cases) {
+    std::erase_if(cases, [](const Case& c) {
+        const auto is = [&](const char* kind) { return c.name.ends_with(kind); };
+        return !is("plain") && !is("two_terms") && !is("16_bit") && !is("large_sides") && !is("huber_facing") &&
+               !is("small_sides_many_terms") && !is("image_by_image");
+    });
+    return cases;
+}
+
 /// All rules for the plain cases and those of two terms. The others differ from them in what no rule knows of: they
 /// take conjugate gradients and one rule more, which their names' lengths choose, so that each rule meets several.
 inline std::vector<Rule> rules_of(const Case& c) {
