@@ -17,7 +17,7 @@ PROBLEMS = ["star", "bust", "ornament"]
 STREAMED = ["compute, redistributing", "compute, redistributing, scattered"]  # of light field maps alone
 OPENGL = ["fragment, paper passes", "fragment, combined passes", "compute", *STREAMED]
 SUMS = ["error", "gradient", "diagonal", "gauss-newton", "d'Hd", "third", "fourth"]
-REPETITIONS = 3
+REPETITIONS = 2
 
 
 def pairs(devices):

@@ -97,7 +97,6 @@ class Install(unittest.TestCase):
     def test_an_incomplete_model_is_told_what_it_lacks(self):
         text = (source / "examples" / "own_model.glsl").read_text(encoding="utf-8")
         lacking = {
-            "": text,  # the example itself lacks nothing
             "real2 shape_bend(Shape, Shape, Terms)": text.replace("real2 shape_bend(", "real2 other("),
             "coefficient_names[BASIS_COUNT]": text.replace("coefficient_names", "other_names"),
             "TERM_COUNT, BASIS_COUNT and SHAPE_COUNT": text.replace("#define BASIS_COUNT 2", "const int basis_count_ = 2;"),
@@ -109,7 +108,7 @@ class Install(unittest.TestCase):
             (trial / "own_model.cpp").write_text(MODEL_ALONE, encoding="utf-8")
             (trial / "own_model.glsl").write_text(lacks, encoding="utf-8")
             said = run("c++", "-std=c++20", "-fsyntax-only", "-I", trial, "-isystem", include, "-isystem", include / "radiafit",
-                       "-isystem", "/usr/include/eigen3", trial / "own_model.cpp", good=lacks == text)
+                       "-isystem", "/usr/include/eigen3", trial / "own_model.cpp", good=False)
             self.assertIn(message, said)
 
 

@@ -16,12 +16,12 @@ SHADERS = 20e6  # what a driver in software may take for the shaders that one op
 UNITS = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
 # Solver and sizes at which one vertex takes much more than the program.
 SOLVERS = [
-    ("--solver als --surface-side 40 --view-side 40 --terms 4 --iterations 1", 2),
-    ("--solver varpro --surface-side 40 --view-side 16 --terms 4 --iterations 1", 3),
+    ("--solver als --surface-side 28 --view-side 28 --terms 4 --iterations 1", 2),
+    ("--solver varpro --surface-side 28 --view-side 12 --terms 4 --iterations 1", 3),
     ("--solver ceres --ceres dense-normal-cholesky --surface-side 14 --view-side 14 --terms 3 --iterations 1", 3),
     ("--solver ceres --ceres dense-qr --surface-side 10 --view-side 10 --terms 4 --iterations 1", 3),
     ("--solver ceres --ceres dense-schur --surface-side 16 --view-side 20 --terms 3 --iterations 1", 4),
-    ("--solver ceres --ceres dense-schur-maps --surface-side 16 --view-side 14 --terms 3 --iterations 1", 3),
+    ("--solver ceres --ceres dense-schur-maps --surface-side 14 --view-side 12 --terms 3 --iterations 1", 3),
     ("--solver ceres --ceres iterative-schur --surface-side 64 --view-side 2 --terms 4 --iterations 1", 4),
     ("--solver ceres --ceres cgnr --surface-side 64 --view-side 2 --terms 4 --iterations 1", 4),
     ("--solver pca --surface-side 32 --view-side 32 --terms 2", 4),

@@ -267,7 +267,7 @@ TEST(Compute, FitsEndAlikeInEveryWay) {
     for (const Way& way : ways) {
         const auto engine = scene.engine(way, list);
         engine->reset(lfm_start(engine->layout(), engine->count().mean, 3));
-        const Trace trace = optimize(*engine, OptimizerOptions{.iterations = 15});
+        const Trace trace = optimize(*engine, OptimizerOptions{.iterations = 6});
         errors.push_back(trace.rows.back().error);
         EXPECT_LT(errors.back(), 0.5 * trace.rows.front().error) << way;
         EXPECT_NEAR(errors.back(), errors.front(), 1e-3 * errors.front())  // rounding grows over conjugate steps

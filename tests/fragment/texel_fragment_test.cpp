@@ -463,7 +463,7 @@ TEST(TexelFragment, RecoversGoldAndGreenOfTheOrnament) {
     for (uint32_t i = 0; i < views.size(); ++i) views[i] = i;
     TexelFragmentEngine engine(dataset, atlas, views, options, {.passes = Passes::combined});
     OptimizerOptions optimizer;
-    optimizer.iterations = 40;
+    optimizer.iterations = 14;
     const Fitted fit = run(engine, optimizer);
     std::vector<double> errors;
     for (size_t texel = 0; texel < fit.outcomes.size(); ++texel) {

@@ -193,7 +193,7 @@ TEST(ViewBasis, IsSolvedOnTheDeviceAsOnTheCpu) {
         const Surface surface(images, share);
         for (const int rank : {1, 10, 28}) {
             const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples,
-                                                     {.rank = rank, .noise = 1e-3, .blocks = 5});
+                                                     {.rank = rank, .noise = 1e-3, .blocks = 5, .rounds = 2});
             const auto here = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis),
                        there = solve_on_device(surface.dataset, surface.atlas, surface.samples, basis);
             EXPECT_EQ(there.samples, here.samples);
