@@ -143,7 +143,9 @@ void render_problems(const RenderOptions& o, Fitted& fit) {
 void render_fit(const RenderOptions& o) {
     check_render_output(o);
     check_pixel_points(o.pixel_points);
-    const OutputLock lock(picture_stem(o.output));
+    std::optional<OutputLock> of_pictures, of_video;
+    if (!o.output.empty()) of_pictures.emplace(picture_stem(o.output));
+    if (!o.video.empty()) of_video.emplace(o.video);
     auto fit = open_fit(o.fit, o.dataset);
     if (!o.light.empty() && !takes_light(fit))
         throw UserError("--light: a light field map keeps the light it was photographed under");
