@@ -112,7 +112,16 @@ class Browser:
 
     def wait_for(self, expression, seconds=60):
         end = time.monotonic() + seconds
-        while not self.evaluate(expression):
+
+        def holds():
+            try:
+                return self.evaluate(expression)
+            except AssertionError as error:
+                if "navigated" not in str(error):
+                    raise
+                return False  # the page is just being loaded anew
+
+        while not holds():
             if time.monotonic() > end:
                 raise AssertionError(f"not in {seconds} s: {expression}; the browser said {self.errors}")
             time.sleep(0.03)

@@ -175,6 +175,29 @@ class Viewer(ProgramTest):
         self.browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
         self.assertIn("WebGL 2", self.browser.evaluate("document.getElementById('loading_text').textContent"))
 
+    def test_a_device_that_is_lost_and_comes_back(self):
+        self.open("plain_page/index.html", "", 320, 240)
+        self.browser.evaluate("""{
+            window.before = true;
+            window.lose = document.getElementById('picture').getContext('webgl2').getExtension('WEBGL_lose_context');
+            lose.loseContext(); }""")
+        self.browser.wait_for("document.getElementById('picture').dataset.state === 'failed'")
+        self.assertIn("device was lost", self.browser.evaluate("document.getElementById('loading_text').textContent"))
+        self.browser.evaluate("lose.restoreContext()")
+        self.browser.wait_for("!window.before && document.getElementById('picture')?.dataset.state === 'still'")
+
+    def test_more_layers_than_the_device_draws(self):
+        script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source="""
+            const get = WebGL2RenderingContext.prototype.getParameter;
+            WebGL2RenderingContext.prototype.getParameter = function (name) { return name === this.MAX_ARRAY_TEXTURE_LAYERS ? 1 : get.call(this, name); };
+            """)["identifier"]
+        self.good("fit", "star", "--model", "lfm", "--terms", "2", "-o", "two_terms")
+        self.good("publish", "two_terms", "--views", "1", "-o", "two_terms_page")
+        self.browser.open(f"file://{self.root}/two_terms_page/index.html")
+        self.browser.wait_for("document.getElementById('picture')?.dataset.state === 'failed'")
+        self.browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
+        self.assertIn("at most 1", self.browser.evaluate("document.getElementById('loading_text').textContent"))
+
     def test_what_stands_there(self):
         self.good("publish", "plain", "--views", "1", "-o", "again")
         self.good("publish", "plain", "--views", "1", "-o", "again")

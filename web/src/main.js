@@ -262,6 +262,13 @@ function main(renderer) {
     window.radiafit_viewer = { act, state, stage };
 }
 
+// What a device held is gone when it was reset, or taken away: the page begins anew as soon as there is one.
+canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault();
+    fail("The graphics device was lost. The page loads again as soon as it is back.");
+});
+canvas.addEventListener("webglcontextrestored", () => location.reload());
+
 async function start() {
     if (!document.createElement("canvas").getContext("webgl2"))
         return fail("This browser offers no WebGL 2, with which the page draws. Try a current Firefox, Chrome, Edge or Safari, with hardware acceleration switched on.");

@@ -26,6 +26,9 @@ export async function layers_texture(renderer, set, advance) {
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     if (Math.max(set.width, set.height) > most)
         throw new Error(`the maps have ${set.width} × ${set.height} texels; this device draws at most ${most} a side`);
+    const most_layers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
+    if (set.layers.length > most_layers)
+        throw new Error(`the maps have ${set.layers.length} layers; this device draws at most ${most_layers}`);
     const texture = exact(new THREE.DataArrayTexture(null, set.width, set.height, set.layers.length));
     texture.source.dataReady = false;  // three.js makes it, and the images come one after another
     renderer.initTexture(texture);
