@@ -98,11 +98,25 @@ TEST(Agreement, LeavesSitesOutThatHaveNoneOrOtherSamples) {
     }
     EXPECT_EQ(compare(sums, exact).disagreement(), "");
     EXPECT_EQ(compare(sums, exact).other_sites, 2u);
-    for (size_t site = 3; site <= 5; ++site) sums.samples[site] = 6;
-    EXPECT_TRUE(says(compare(sums, exact), "5 of 2999 vertices or texels took other samples"));
+    for (size_t site = 1; site < sites; site += 9) sums.samples[site] = 6;
+    EXPECT_TRUE(
+        says(compare(sums, exact), "of 2999 vertices or texels took other samples: too few are left to compare"));
     sums = rounded(exact);
     sums.samples[0] = 1;
     EXPECT_EQ(compare(sums, exact).other_sites, 1u);
+}
+
+// The rule counts samples: among many, one that falls to the other side of an edge says nothing of a device.
+TEST(Agreement, ADeviceThatTakesOtherSamplesIsMarkedAndNotRefused) {
+    ExactSums exact = some_sums();
+    for (size_t site = 1; site < sites; ++site) exact.samples[site] = 1000;
+    DeviceSums sums = rounded(exact);
+    for (size_t site = 1; site <= 15; ++site) sums.samples[site] += site % 2 ? 1 : -1;
+    EXPECT_EQ(compare(sums, exact).other_samples, 15u);
+    EXPECT_FALSE(compare(sums, exact).takes_others());
+    for (size_t site = 16; site <= 45; ++site) ++sums.samples[site];
+    EXPECT_TRUE(compare(sums, exact).takes_others());
+    EXPECT_EQ(compare(sums, exact).disagreement(), "");
 }
 
 TEST(Agreement, RefusesSumsOfOtherSites) {

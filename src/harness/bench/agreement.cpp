@@ -40,8 +40,10 @@ Agreement compare(const DeviceSums& sums, const ExactSums& exact) {
     for (size_t site = 0; site < exact.samples.size(); ++site) {
         if (exact.samples[site] == 0 && sums.samples[site] == 0) continue;  // an engine may leave it alone
         ++found.sites;
+        found.samples += exact.samples[site];
         if (exact.samples[site] != sums.samples[site]) {
             ++found.other_sites;
+            found.other_samples += uint64_t(std::abs(int64_t(exact.samples[site]) - int64_t(sums.samples[site])));
             continue;
         }
         for (size_t q = 0; q < quantity_names.size(); ++q) {
@@ -58,8 +60,9 @@ Agreement compare(const DeviceSums& sums, const ExactSums& exact) {
 
 std::string Agreement::disagreement() const {
     std::vector<std::string> parts;
-    if (other_share() > most_other_sites)
-        parts.push_back(fmt::format("{} of {} vertices or texels took other samples", other_sites, sites));
+    if (double(other_sites) > most_left_out * double(sites))
+        parts.push_back(fmt::format("{} of {} vertices or texels took other samples: too few are left to compare",
+                                    other_sites, sites));
     for (size_t q = 0; q < worst.size(); ++q)
         if (!(worst[q] <= tolerance))
             parts.push_back(fmt::format("{} off by {:.1e} of its terms' magnitudes", quantity_names[q], worst[q]));

@@ -27,15 +27,19 @@ struct ExactSums : SumsOf<ExactSum> {
 };
 
 /// Sites that took other samples than the list has are left out: a centre on the edge of two pixels may fall into
-/// either.
+/// either. A device that takes more other samples than a few rounds its rasterizer's coordinates otherwise, which makes
+/// it no less able to fit: it is timed, and marked.
 struct Agreement {
-    static constexpr double tolerance = 1e-5;          ///< of the sum of terms' magnitudes: some 80 roundings
-    static constexpr double most_other_sites = 0.001;  ///< of all with samples
+    static constexpr double tolerance = 1e-5;           ///< of the sum of terms' magnitudes: some 80 roundings
+    static constexpr double most_other_samples = 1e-5;  ///< of all
+    static constexpr double most_left_out = 0.1;        ///< of the sites with samples, or too little is compared
 
     std::array<double, quantity_names.size()> worst{};  ///< difference over magnitudes; infinite where one isn't finite
     uint64_t sites = 0, other_sites = 0;                ///< with samples; of these with other samples than the list
+    uint64_t samples = 0, other_samples = 0;            ///< of all sites in the list; more or fewer than there
 
-    double other_share() const { return sites ? double(other_sites) / double(sites) : 0; }
+    double other_share() const { return samples ? double(other_samples) / double(samples) : 0; }
+    bool takes_others() const { return other_share() > most_other_samples; }
     /// Where it does not agree, in words; empty where it does.
     std::string disagreement() const;
 };

@@ -31,18 +31,20 @@ inline const RowFileOf<Agreement> agreement{
     {{"problem", key(), as_before, &Agreement::problem},
      {"device", key(), "", &Agreement::device},
      {"quantity", key(),
-      "samples: vertices or texels that took other samples than the list that all share, which are left out; error, "
-      "gradient, diagonal (of the preconditioner), gauss-newton, d'Hd, third, fourth: sums over samples at a random "
+      "samples: those that vertices or texels took more or fewer than the list that all share, which leaves them out; "
+      "error, gradient, diagonal (of the preconditioner), gauss-newton, d'Hd, third, fourth: sums over samples at a "
+      "random "
       "point and along a random direction; fit: errors of three iterations; run: it does not, for want of memory or of "
       "something else",
       &Agreement::quantity},
      {"difference", shown("{:.2g}").in("share"),
-      "samples: of all vertices or texels; sums: the largest difference, of its terms' magnitudes; fit: the largest, "
+      "samples: of all in the list; sums: the largest difference, of its terms' magnitudes; fit: the largest, "
       "of "
       "the error",
       &Agreement::difference},
      {"tolerance", shown("{:.5g}").in("share"), "what it may be", &Agreement::tolerance},
-     {"agrees", exact(), "1, or 0: then the device is not timed on this problem", &Agreement::agrees}},
+     {"agrees", exact(), "1, or 0: then the device is not timed on this problem, unless it is samples alone",
+      &Agreement::agrees}},
     partial};
 
 struct Measurement {

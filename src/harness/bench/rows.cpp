@@ -31,7 +31,7 @@ void write_agreement(const BenchResults& results, const ResultFolder& folder) {
             rows.add({c.scene, name_of(c.device), "run", {}, {}, false});
             continue;
         }
-        row("samples", c.sums.other_share(), Agreement::most_other_sites);
+        row("samples", c.sums.other_share(), Agreement::most_other_samples);
         for (size_t q = 0; q < quantity_names.size(); ++q)
             row(quantity_names[q], c.sums.worst[q], Agreement::tolerance);
         row("fit", c.fit_difference, c.fit_tolerance);
@@ -130,8 +130,11 @@ std::string agreement_table(const std::vector<Checked>& checked) {
             continue;
         }
         const double worst = *std::ranges::max_element(c.sums.worst);
-        table.add({c.scene, name_of(c.device), fmt::format("{:.1e}", worst), fmt::format("{}", c.sums.other_sites),
-                   fmt::format("{:.1e}", c.fit_difference), c.disagreement().empty() ? "agrees" : "DISAGREES"});
+        table.add({c.scene, name_of(c.device), fmt::format("{:.1e}", worst), fmt::format("{}", c.sums.other_samples),
+                   fmt::format("{:.1e}", c.fit_difference),
+                   !c.disagreement().empty() ? "DISAGREES"
+                   : c.sums.takes_others()   ? "agrees, OTHER SAMPLES"
+                                             : "agrees"});
     }
     return table.text();
 }
