@@ -15,6 +15,8 @@ after the #version line, and where the name of a file is a definition's, that in
 
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, with
 LOBE_COUNT 1 and 2 where they ask for it, and any other .glsl file that no stage reaches is an error: it would be untested.
+Which samples a pass takes must not depend on which program it is in: positions are invariant, and what texels find their
+pixels by is precise, with sums written out, since a driver may order those of dot() as it likes (PRECISE).
 Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslc or glslangValidator."""
 import concurrent.futures
 import itertools
@@ -33,6 +35,12 @@ CONDITION = re.compile(r"^\s*#\s*(?:el)?if(n?def)?\b(.*)$", re.M)
 COMPARISON = re.compile(r"\b([A-Z][A-Z0-9_]*)\s*(==|>|>=)\s*(\d+)")
 DEFAULT = re.compile(r"^\s*#\s*ifndef\s+(\w+)\s*\n\s*#\s*define\s+\1\b", re.M)
 TOOLS = ("glslc", "glslangValidator")
+# By file, the names of what decides which samples are taken.
+PRECISE = {
+    "distribute/camera_row.glsl": ("sum",), "distribute/tiles.glsl": ("b", "first"), "distribute/cover_tile.glsl": ("at",),
+    "distribute/item.vert": ("clip",), "distribute/take.glsl": ("q", "at"), "combine/take_item.glsl": ("q", "at"),
+    "compute/taken.glsl": ("q", "at"), "distribute/camera.glsl": (), "combine/cameras.glsl": (),
+}  # fmt: skip
 
 
 class ShaderError(Exception):
@@ -219,10 +227,31 @@ def shared_texts(shaders, name):
     return [], texts
 
 
+def unstable(shaders, names):
+    """Positions that may differ from program to program, and sums whose order is the compiler's."""
+    errors = []
+    for name in names:
+        text = (shaders / name).read_text(encoding="utf-8")
+        if name.endswith(".vert") and not text.startswith(FOR_PAGES):
+            try:
+                whole = expand(shaders, name)[0]
+            except ShaderError:
+                continue  # told elsewhere
+            if "invariant gl_Position;" not in whole:
+                errors.append(f"shaders/{name}: gl_Position must be invariant")
+        text = re.sub("//.*", "", text)
+        for variable in PRECISE.get(name, ()):
+            if not re.search(rf"\bprecise \w+ {variable} =", text):
+                errors.append(f"shaders/{name}: {variable} must be precise")
+        if name in PRECISE and re.search(r"\bdot\(", text):
+            errors.append(f"shaders/{name}: write the sum out, in place of dot()")
+    return errors
+
+
 def check(root):
     shaders = pathlib.Path(root) / "shaders"
     names = sorted(path.relative_to(shaders).as_posix() for path in shaders.rglob("*") if path.is_file())
-    errors, texts = [], []
+    errors, texts = unstable(shaders, names), []
 
     def add(found):
         errors.extend(found[0])

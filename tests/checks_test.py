@@ -218,6 +218,20 @@ class Shaders(Tree):
         self.write("shaders/a/thing.frag", STAGE + '\n#include "a/bad.glsl"\nvoid main() { colour = bda(); }\n')
         self.assertTrue(self.errors()[0].startswith("shaders/a/thing.frag:5: 'bda'"), self.errors())
 
+    def test_positions_and_places_of_samples_are_the_same_in_every_program(self):
+        stage = "#version 450 core\n{}void main() {{ gl_Position = vec4(0.0); }}\n"
+        self.write("shaders/a/thing.vert", stage.format(""))
+        self.assertEqual(self.errors(), ["shaders/a/thing.vert: gl_Position must be invariant"])
+        self.write("shaders/a/thing.vert", stage.format("invariant gl_Position;\n"))
+        self.assertEqual(self.errors(), [])
+        row = "float camera_row(vec4 row, vec3 p) {{ {}float sum = {} + row.w; return sum; }}\n"
+        self.write("shaders/a/thing.frag", STAGE + '#include "distribute/camera_row.glsl"\nvoid main() { colour = vec4(camera_row(vec4(1.0), vec3(1.0))); }\n')
+        self.write("shaders/distribute/camera_row.glsl", row.format("", "dot(row.xyz, p)"))
+        self.assertEqual(self.errors(), ["shaders/distribute/camera_row.glsl: sum must be precise",
+                                         "shaders/distribute/camera_row.glsl: write the sum out, in place of dot()"])
+        self.write("shaders/distribute/camera_row.glsl", row.format("precise ", "row.x * p.x + row.y * p.y + row.z * p.z"))
+        self.assertEqual(self.errors(), [])
+
     def test_a_uniform_needs_no_location(self):
         self.write("shaders/a/thing.frag", STAGE + "uniform float x;\nvoid main() { colour = vec4(x); }\n")
         self.assertEqual(self.errors(), [])

@@ -10,8 +10,8 @@ uniform samplerBuffer direction;  // ALONG: d
 uniform float most_target;
 layout(std430) writeonly buffer Scales { vec4 scale[]; };
 
-// The magnitude of x; infinite for what isn't a number.
-vec3 size_of(vec3 x) { return mix(abs(x), vec3(uintBitsToFloat(0x7f800000u)), isnan(x)); }
+// The magnitude of x; infinite for what isn't a number. By its bits: compilers may presume that there is no such thing.
+vec3 size_of(vec3 x) { return uintBitsToFloat(min(floatBitsToUint(x) & 0x7fffffffu, uvec3(0x7f800000u))); }
 // Largest elements of a vector: of surface maps, and of the view map.
 void bounds_of(samplerBuffer vector, Vertex v, out vec3 surface, out vec3 view) {
     surface = view = vec3(0.0);

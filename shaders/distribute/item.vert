@@ -8,6 +8,8 @@ layout(location = 1) in vec3 position1;
 layout(location = 2) in vec3 position2;
 layout(location = 3) in uint tile;
 
+// In all variants of the program, or the list of samples that one makes is not that of another.
+invariant gl_Position;
 layout(location = 0) out vec2 barycentric;   // weights of the triangle's 2nd and 3rd vertex
 layout(location = 1) flat out ivec3 frame;
 
@@ -23,6 +25,6 @@ void main() {
     if (tile == 0xffffffffu) frame = ivec3(0);
 #endif
     // Depth is 1/w in reverse, 1e-6 / w: a float keeps its relative precision at any distance.
-    vec4 clip = vec4(2.0 * q.xy / image_size - q.z, 1.0e-6, q.z);
+    precise vec4 clip = vec4(2.0 * q.xy / image_size - q.z, 1.0e-6, q.z);
     gl_Position = in_front(q0, q1, q2) ? clip : vec4(0.0, 0.0, 2.0, 1.0);
 }

@@ -24,9 +24,11 @@ ivec3 tile_at(ivec2 place) {
     return even ? ivec3(inside, tile) : ivec3(ivec2(SIDE - 1, SIDE) - inside, tile + 1);
 }
 
-// Barycentric weights at a cell's centre; a diagonal cell's own centroid.
+// Barycentric weights at a cell's centre; a diagonal cell's own centroid. Precise, for all passes find a texel's pixel by
+// them.
 vec3 cell_barycentric(ivec2 cell) {
     float centre = cell.x + cell.y == SIDE - 1 ? 1.0 / 3.0 : 0.5;
-    vec2 b = (vec2(cell) + centre) / float(SIDE);
-    return vec3(1.0 - b.x - b.y, b);
+    precise vec2 b = (vec2(cell) + centre) / float(SIDE);
+    precise float first = 1.0 - b.x - b.y;
+    return vec3(first, b);
 }

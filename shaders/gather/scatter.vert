@@ -6,6 +6,7 @@ uniform sampler2D ring_sums;
 uniform sampler2DArray footprints;  // layers: weights, first texel
 uniform vec2 layout_size;  // texels
 const int columns = COLUMNS;
+invariant gl_Position;
 layout(location = 0) flat out vec4 weights;
 layout(location = 1) flat out ivec4 place;  // of the footprint's first texel, and of the problem
 void main() {

@@ -41,10 +41,10 @@ Defines update_defines(Update which) {
 
 EngineSummary sum_of(std::span<const std::array<uint32_t, 4>> groups) {
     EngineSummary sum;
-    for (const auto& [active, accepted, low, high] : groups) {
+    for (const auto& [active, accepted, upper, lower] : groups) {
         sum.active += active;
         sum.accepted += accepted;
-        sum.error += std::bit_cast<double>(uint64_t(high) << 32 | low);
+        sum.error += double(std::bit_cast<float>(upper)) + double(std::bit_cast<float>(lower));
     }
     return sum;
 }

@@ -68,8 +68,8 @@ void set_update(const Program& update, std::initializer_list<int> numbers, std::
     update.set_if_used("number_indices", std::span<const int>(indices));
     update.set_if_used("constants", std::span<const float>(values));
 }
-/// The sum over groups of problems. A group: how many are active, how many accepted, and their error, a double in two
-/// words, the lower one first.
+/// The sum over groups of problems. A group: how many are active, how many accepted, and their error as the bits of two
+/// floats to be added.
 EngineSummary sum_of(std::span<const std::array<uint32_t, 4>> groups);
 
 /// Vectors and numbers of an engine, and the verbs of optim/engine.h that only fill, clear and read them. A derived
