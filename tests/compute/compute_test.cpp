@@ -1,6 +1,7 @@
 // The compute engine against its oracles: the naive one in double, and the CPU engine.
 #include "compute/compute_engine.h"
 #include "compute/compute_plan.h"
+#include "failing_gl.h"
 #include "lfm_agreement.h"
 #include "samples/raster_distributor.h"
 
@@ -91,6 +92,35 @@ INSTANTIATE_TEST_SUITE_P(Others, ComputeIterations,
                          ::testing::Combine(::testing::ValuesIn(few_cases()),
                                             ::testing::ValuesIn(ways + 1, std::end(ways))),
                          case_name);
+
+/// Work groups of every size, with all that depends on it: sums in groups and rows of samples.
+class GroupSize : public ::testing::TestWithParam<int> {
+protected:
+    void SetUp() override { ::setenv("RADIAFIT_GROUP_SIZE", std::to_string(GetParam()).c_str(), 1); }
+    void TearDown() override { ::unsetenv("RADIAFIT_GROUP_SIZE"); }
+};
+TEST_P(GroupSize, AgreesWithTheOracle) {
+    for (const Way& way : {ways[0], ways[5]})
+        for (const Case& c : cases())
+            if (c.name == "two_terms" || c.name == "odd_sides_16_bit") agree_with_the_oracle(c, engine_maker(way));
+}
+INSTANTIATE_TEST_SUITE_P(Of, GroupSize, ::testing::Values(32, 64, 128), ::testing::PrintToStringParamName());
+
+TEST(GroupSizes, AreAskedForAndFitTheDevice) {
+    const Context& context = SharedContext::use();
+    const auto size = [&](const char* asked, size_t each) {
+        ::setenv("RADIAFIT_GROUP_SIZE", asked, 1);
+        const size_t found = context.group_size(64, each);
+        ::unsetenv("RADIAFIT_GROUP_SIZE");
+        return found;
+    };
+    EXPECT_EQ(size("128", 16), 128u);
+    EXPECT_EQ(size("128", size_t(context.limits().shared_bytes) / 100), 64u);
+    EXPECT_EQ(size("32", size_t(context.limits().shared_bytes) / 20), 8u);
+    EXPECT_EQ(context.group_size(64, 16), context.software() ? 8u : 64u);
+    EXPECT_THROW(size("16", 16), UserError);
+    ::unsetenv("RADIAFIT_GROUP_SIZE");
+}
 
 /// A scene that engines share, of noise. Lists are made by OpenGL, so that engines that stream find the same samples.
 struct ComputeScene {
@@ -273,6 +303,20 @@ TEST(Compute, FitsEndAlikeInEveryWay) {
         EXPECT_NEAR(errors.back(), errors.front(), 1e-3 * errors.front())  // rounding grows over conjugate steps
             << way;
     }
+}
+
+TEST(Compute, EveryAllocationThatFailsIsTold) {
+    SharedContext::use();
+    const ComputeScene scene;
+    const SampleList list = scene.list();
+    for (const Way& way : {ways[0], ways[5]})
+        EXPECT_GT(fail_each_allocation([&] {
+                      const auto engine = scene.engine(way, list);
+                      engine->reset(lfm_start(engine->layout(), engine->count().mean, 3));
+                      optimize(*engine, {.iterations = 1});
+                  }),
+                  20)
+            << way;
 }
 
 /// What is planned is no less than what the device holds, and not much more; the host's part is in the plan, too.

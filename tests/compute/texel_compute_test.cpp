@@ -4,6 +4,7 @@
 
 #include "compute/texel_compute_engine.h"
 #include "cpu/texel_solver.h"
+#include "failing_gl.h"
 #include "optim/optimizer.h"
 #include "samples/grid_distributor.h"
 #include "shared_context.h"
@@ -203,6 +204,22 @@ TEST(TexelCompute, SameBitsTwiceAndInEveryContext) {
     if (make_context(ContextKind::egl)->software()) {
         EXPECT_EQ(first, run(ContextKind::osmesa, data, options, optimizer, start).parameters);
     }
+}
+
+TEST(TexelCompute, EveryAllocationThatFailsIsTold) {
+    const TexelDataset data({.grid = true});
+    TexelOptions options;
+    options.model = find_texel_model("lafortune");
+    const std::vector<float> start = start_of(data, options);
+    SharedContext::use();
+    const auto source = gather(data);
+    EXPECT_GT(fail_each_allocation([&] {
+                  TexelComputeEngine engine(data.dataset, *data.atlas, data.views, options, *source);
+                  engine.count();
+                  std::vector<float> parameters = start;
+                  optimize_terms(engine, {.iterations = 1}, 1, false, parameters);
+              }),
+              10);
 }
 
 }  // namespace

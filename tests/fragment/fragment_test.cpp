@@ -1,6 +1,7 @@
 // The fragment engine against its oracles, and what is its own.
 #include <gtest/gtest.h>
 
+#include "failing_gl.h"
 #include "fragment/fragment_plan.h"
 #include "fragment/view_order.h"
 #include "gl/held_bytes.h"
@@ -290,6 +291,22 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
                     EXPECT_EQ(planned, engine.bytes()) << to_string(passes) << " " << int(storage) << " sums "
                                                        << int(sums) << (resident ? " resident" : "");
                 }
+}
+
+TEST(Fragment, EveryAllocationThatFailsIsTold) {
+    const NoiseDataset noise(awkward_mesh(0));
+    const TriangleAtlas atlas(noise.dataset.mesh, 4);
+    const VertexRings rings(noise.dataset.mesh);
+    SharedContext::use();
+    for (const Passes passes : {Passes::paper, Passes::combined})
+        EXPECT_GT(fail_each_allocation([&] {
+                      FragmentEngine engine(noise.dataset, atlas, rings, all_views(),
+                                            {.surface_side = 4, .view_side = 4},
+                                            {.passes = passes, .keep_on_device = true});
+                      engine.reset(lfm_start(engine.layout(), engine.count().mean, 3));
+                      optimize(engine, {.iterations = 1});
+                  }),
+                  20);
 }
 
 TEST(Fragment, CountsItsBytesAndReturnsThem) {

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "dataset/truth.h"
+#include "failing_gl.h"
 #include "fragment/texel_engine.h"
 #include "fragment/texel_plan.h"
 #include "model/small_solve.h"
@@ -412,6 +413,20 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                     }
     }
     EXPECT_EQ(context->allocated_bytes(), 0);
+}
+
+TEST(TexelFragment, EveryAllocationThatFailsIsTold) {
+    const TexelDataset data({.grid = true});
+    SharedContext::use();
+    TexelOptions options;
+    options.model = find_texel_model("lafortune");
+    for (const Passes passes : {Passes::paper, Passes::combined})
+        EXPECT_GT(fail_each_allocation([&] {
+                      TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options,
+                                                 {.passes = passes, .keep_on_device = true});
+                      run(engine, {.iterations = 1});
+                  }),
+                  15);
 }
 
 // tests/check_costs.py holds the declarations to the shaders; this, the passes over linear images to the declarations.

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "failing_gl.h"
 #include "fragment/peaks.h"
 #include "gl/driver_advice.h"
 #include "gl/program.h"
@@ -220,6 +221,113 @@ TEST(Program, SaysWhatItIsToldAmissWhileDebugging) {
         program.bind("source", source);
         EXPECT_EQ(said([&] { program.use(); }), "");
     }
+}
+
+// What a compiler leaves out at an array's end must not reach the texture that comes after it.
+TEST(Program, PassesOverTheEndOfAnArrayThatIsNotInUse) {
+    const TemporaryFolder folder;
+    for (const char* name : {"whole.vert", "two_of_three.frag"}) {
+        std::ofstream file(folder.path() / name);
+        if (std::string(name) == "whole.vert")
+            file << expand_shader("common/whole.vert").text;
+        else
+            file
+                << "#version 450 core\nuniform sampler2D sources[3];\nuniform sampler2D z_last;\n"
+                   "layout(location = 0) out vec4 result;\nvoid main() { ivec2 at = ivec2(0); result = vec4("
+                   "texelFetch(sources[0], at, 0).x, texelFetch(sources[1], at, 0).x, texelFetch(z_last, at, 0).x, 0); "
+                   "}\n";
+    }
+    for (const ContextKind kind : {ContextKind::egl, ContextKind::osmesa}) {
+        const auto context = make(kind);
+        ::setenv("RADIAFIT_SHADERS", folder.path().c_str(), 1);
+        const Program program = Program::draw("whole.vert", "two_of_three.frag");
+        ::unsetenv("RADIAFIT_SHADERS");
+        std::vector<Texture> textures;
+        for (const float value : {1.0f, 2.0f, 3.0f, 4.0f}) {
+            textures.emplace_back(GL_R32F, 1, 1);
+            textures.back().upload(GL_RED, GL_FLOAT, &value);
+        }
+        program.bind("z_last", textures[3]);
+        for (size_t i = 0; i < 3; ++i) program.bind("sources", textures[i], i);
+        const Texture result(GL_RGBA32F, 1, 1);
+        const Framebuffer target({{&result}});
+        const VertexArray empty;
+        target.bind();
+        program.use();
+        empty.bind();
+        gl().DrawArrays(GL_TRIANGLES, 0, 3);
+        std::array<float, 4> drawn{};
+        result.download(GL_RGBA, GL_FLOAT, drawn.data(), sizeof drawn);
+        EXPECT_EQ(drawn, (std::array<float, 4>{1, 2, 4, 0})) << to_string(kind);
+    }
+}
+
+TEST(Renderers, InSoftwareAreKnownByTheirNames) {
+    for (const char* name :
+         {"llvmpipe (LLVM 15.0.6, 256 bits)", "virgl (LLVMPIPE (LLVM 15.0.6, 256 bits))",
+          "zink Vulkan 1.3(llvmpipe (LLVM 15.0.6, 256 bits) (MESA_LLVMPIPE))", "Microsoft Basic Render Driver",
+          "D3D12 (Microsoft Basic Render Driver)", "Google SwiftShader", "softpipe", "SWR (LLVM 11.0.0, 256 bits)"})
+        EXPECT_TRUE(is_software_renderer(name)) << name;
+    for (const char* name : {"NVIDIA H100 PCIe/PCIe/SSE2", "AMD Radeon RX 7900 XTX (radeonsi, navi31, LLVM 15.0.6)",
+                             "Mesa Intel(R) Arc(tm) A770 Graphics (DG2)", "virgl (NVIDIA GeForce RTX 3060/PCIe/SSE2)"})
+        EXPECT_FALSE(is_software_renderer(name)) << name;
+}
+
+TEST_P(EveryContext, AllocationsThatFailAreToldWithBytesAndACure) {
+    for (const bool debug : {false, true}) {
+        const auto context = make(GetParam(), debug);
+        const std::vector<float> values(100, 1.0f);
+        EXPECT_EQ(fail_each_allocation([&] {
+                      const Texture plane(GL_RGBA32F, 64, 32), array(GL_R8UI, 16, 16, 3);
+                      const Buffer buffer(values);
+                      const Texture fetched = Texture::of_buffer(GL_RGBA32F, buffer);
+                  }),
+                  3);
+        EXPECT_EQ(fail_each_allocation([] { Buffer::to_map(1000); }), 1);
+    }
+}
+
+TEST_P(EveryContext, ADeviceThatWasResetGivesNoResults) {
+    const auto context = make(GetParam());
+    const Buffer buffer(std::vector<float>(4, 1.0f));
+    const Texture texture(GL_RGBA32F, 2, 2);
+    std::vector<float> read(16);
+    const auto told = [&](const auto& body) -> std::string {
+        try {
+            body();
+        } catch (const SystemError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    auto& reset = FailingAllocation::table().GetGraphicsResetStatus.pointer;
+    const auto saved = std::exchange(reset, []() -> GLenum { return GL_GUILTY_CONTEXT_RESET; });
+    const std::string buffers = told([&] { buffer.read(0, 16, read.data()); });
+    const std::string textures = told([&] { texture.download(GL_RGBA, GL_FLOAT, read.data(), 64); });
+    reset = saved;
+    EXPECT_NE(buffers.find("the device was reset, for a command of this program took too long"), std::string::npos)
+        << buffers;
+    EXPECT_EQ(textures, buffers);
+    EXPECT_EQ(told([&] { buffer.read(0, 16, read.data()); }), "");
+}
+
+TEST_P(EveryContext, RunningOutOfMemoryWhileDrawingIsTold) {
+    const auto context = make(GetParam());
+    const Buffer buffer(std::vector<float>(4, 1.0f));
+    float read[4];
+    auto& get_error = FailingAllocation::table().GetError.pointer;
+    static GLenum pending;
+    pending = GL_OUT_OF_MEMORY;
+    const auto saved = std::exchange(get_error, []() -> GLenum { return std::exchange(pending, GLenum(GL_NO_ERROR)); });
+    EXPECT_THROW(buffer.read(0, 16, read), UserError);
+    EXPECT_NO_THROW(buffer.read(0, 16, read));
+    get_error = saved;
+}
+
+TEST_P(EveryContext, ArraysBeyondTheLayersOfTheDeviceAreAUsersError) {
+    const auto context = make(GetParam());
+    EXPECT_THROW(Texture(GL_R8UI, 1, 1, context->limits().texture_layers + 1), UserError);
+    EXPECT_LE(context->limits().texture_size, 1 << 14) << "beyond what 14 bits hold";
 }
 
 // That the kernels did their work measure_gl_peaks() checks itself, and throws.

@@ -34,10 +34,10 @@ public:
     /// Numbers of a problem: those of optim/verbs.h, then room for as many as an optimizer may have.
     static constexpr size_t number_count = number::first_own + 8;
 
-    /// given: the text in shaders/compute that says what passes before a step leave of a problem.
-    ProblemBuffers(size_t problems, const std::string& given);
-    /// Invocations of a work group of every pass: 32, which no chip runs as less than one step; of a rasterizer in
-    /// software 8, the floats of one of its vectors, which at a barrier waits for nothing.
+    /// given: the text in shaders/compute that says what passes before a step leave of a problem. shared_bytes_each: of
+    /// the shared memory of a work group, for each of its invocations, in the pass that takes most.
+    ProblemBuffers(size_t problems, const std::string& given, size_t shared_bytes_each);
+    /// Invocations of a work group of every pass (Context::group_size): 32, which no chip runs as less than one step.
     size_t lanes() const { return lanes_; }
     /// What passes leave: the blocks "Problems" and "Products" of that text, so large.
     void make_given(size_t bytes) { given_ = storage_buffer("sums of problems", bytes); }
@@ -107,6 +107,7 @@ protected:
         size_t given_bytes = 0;              ///< what passes leave of all problems
         size_t vec4s = 0;                    ///< of a vector
         size_t product_bytes = 0;            ///< of a dot product of all problems
+        size_t shared_bytes_each = 16;       ///< as ProblemBuffers has it
         const TexelShape* texels = nullptr;  ///< null for light field maps
     };
     /// Makes vectors and numbers; to be called before anything else.

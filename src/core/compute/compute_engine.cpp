@@ -17,7 +17,9 @@ ComputeEngine::ComputeEngine(const TriangleAtlas& atlas, const VertexRings& ring
                        .problem_count = 3 * layout_.problem_count(),
                        .given_bytes = layout_.problem_count() * of_vertex::count * 16,
                        .vec4s = layout_.size() / 4,
-                       .product_bytes = layout_.problem_count() * 16}),
+                       .product_bytes = layout_.problem_count() * 16,
+                       // Of passes over a tile's pixels: what tile_pixels.glsl shares, and tables.glsl.
+                       .shared_bytes_each = 16 * (1 + size_t(std::max(3 * options.terms + 3, 12)))}),
                  vectors_} {}
 
 ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "fragment/image_passes.h"
+#include "gl/context.h"
 
 namespace radiafit {
 
@@ -33,8 +34,11 @@ void set_camera_centre(const Program& program, const Camera& camera) {
 
 namespace {
 
-// Beyond this many terms the view maps' values don't fit into varyings, and fragments fetch them.
-constexpr int most_varying_terms = 8;
+// Terms whose view maps' values, and slopes, fit into the varyings of gather/map.vert; of more, fragments fetch them.
+int most_varying_terms() {
+    constexpr int terms = 8, locations = 14 + terms;
+    return Context::current().limits().varying_components >= 4 * locations ? terms : 0;
+}
 
 class PaperPasses final : public ImagePasses {
 public:
@@ -88,7 +92,7 @@ PaperPasses::PaperPasses(const PassResources& resources)
         slope_targets_.push_back(Framebuffer({{&view_slopes_, term}}));
     }
     const Defines shape = w_.shape.defines(w_.storage);
-    const Defines all{{"VALUES", std::to_string(terms <= most_varying_terms ? terms : 0)}}, one{{"VALUES", "1"}};
+    const Defines all{{"VALUES", std::to_string(terms <= most_varying_terms() ? terms : 0)}}, one{{"VALUES", "1"}};
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
     footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest);
     look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);

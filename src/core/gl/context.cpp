@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "base/error.h"
 #include "base/wording.h"
@@ -45,8 +47,12 @@ void APIENTRY collect_message(GLenum source, GLenum type, GLuint, GLenum, GLsize
 }  // namespace
 
 bool is_software_renderer(const std::string& renderer) {
-    for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "SwiftShader"})
-        if (renderer.find(name) != std::string::npos) return true;
+    // virgl names in brackets what draws on the other side; WARP calls itself by the first of Microsoft's names.
+    std::string name = renderer;
+    for (char& c : name) c = char(std::tolower(static_cast<unsigned char>(c)));
+    for (const char* software : {"llvmpipe", "lavapipe", "softpipe", "swrast", "swr (", "swiftshader",
+                                 "microsoft basic render driver", "warp"})
+        if (name.find(software) != std::string::npos) return true;
     return false;
 }
 
@@ -126,16 +132,28 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
     software_ = is_software_renderer(renderer_);
 
     functions_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limits_.texture_size);
+    limits_.texture_size =
+        std::min(limits_.texture_size, 1 << 14);  // passes pack a texel's place in 14 bits a coordinate
+    functions_.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &limits_.texture_layers);
     functions_.GetIntegerv(GL_MAX_DRAW_BUFFERS, &limits_.draw_buffers);
     functions_.GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &limits_.texture_units);
     functions_.GetIntegerv(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS, &limits_.fragment_ssbos);
     functions_.GetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &limits_.compute_ssbos);
+    // Every block has a binding of its own, and bindings may be fewer.
+    int bindings = 0;
+    functions_.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
+    limits_.fragment_ssbos = std::min(limits_.fragment_ssbos, bindings);
+    limits_.compute_ssbos = std::min(limits_.compute_ssbos, bindings);
     functions_.GetIntegerv(GL_MAX_VARYING_COMPONENTS, &limits_.varying_components);
     GLint64 value = 0;
     functions_.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &value);
     limits_.ssbo_bytes = value;
     functions_.GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &value);
     limits_.texture_buffer_texels = value;
+
+    int shared = 0;
+    functions_.GetIntegerv(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, &shared);
+    limits_.shared_bytes = shared;
 
     functions_.PixelStorei(GL_PACK_ALIGNMENT, 1);
     functions_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -147,6 +165,20 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
     }
 }
 
+size_t Context::group_size(size_t usual, size_t shared_bytes_each, size_t shared_bytes) const {
+    constexpr size_t sizes[] = {128, 64, 32, 8};
+    size_t wanted = software_ ? 8 : usual;
+    if (const char* asked = std::getenv("RADIAFIT_GROUP_SIZE"); asked && *asked) {
+        const auto found = std::ranges::find(sizes, asked, [](size_t size) { return std::to_string(size); });
+        if (found == std::end(sizes))
+            throw UserError(fmt::format("RADIAFIT_GROUP_SIZE={}: choose 8, 32, 64 or 128", asked));
+        wanted = *found;
+    }
+    for (const size_t size : sizes)
+        if (size <= wanted && int64_t(size * shared_bytes_each + shared_bytes) <= limits_.shared_bytes) return size;
+    return sizes[3];
+}
+
 bool Context::has_extension(std::string_view name) const {
     GLint count = 0;
     functions_.GetIntegerv(GL_NUM_EXTENSIONS, &count);
@@ -155,9 +187,65 @@ bool Context::has_extension(std::string_view name) const {
     return false;
 }
 
-void Context::count_allocation(int64_t bytes) {
+// Errors stay until they are asked for, one of each kind. Running out of memory comes before any other: what was made
+// without memory gives further errors.
+GLenum Context::take_error() {
+    GLenum found = GL_NO_ERROR;
+    for (int kind = 0; kind < 16; ++kind) {
+        const GLenum error = functions_.GetError.pointer();
+        if (error == GL_NO_ERROR) break;
+        if (found != GL_OUT_OF_MEMORY) found = error;
+        if (error == GL_CONTEXT_LOST) break;  // it says so for ever
+    }
+    debug_message_.clear();
+    return found;
+}
+
+void Context::refuse_for_memory(const std::string& what) {
+    std::string place;
+    if (const std::optional<int64_t> free = free_device_bytes())
+        place = fmt::format(" of which {} MB are free", *free / 1000000);
+    throw UserError(fmt::format(
+        "{}: the device has no room for {}; {} MB of its memory are held by this program{}: choose a smaller "
+        "fit, another {}, or cut it by {}",
+        renderer_, what, allocated_bytes_ / 1000000, place, option_name("engine"), option_name("memory")));
+}
+
+void Context::allocate(const std::string& what, int64_t bytes, const std::function<void()>& make) {
+    check_device();
+    const bool checked = std::exchange(detail::check_gl_calls, false);
+    make();
+    detail::check_gl_calls = checked;
+    if (const GLenum error = take_error(); error == GL_OUT_OF_MEMORY)
+        refuse_for_memory(fmt::format("{}, {} MB", what, bytes / 1000000 + 1));
+    else if (error != GL_NO_ERROR)
+        throw SystemError(fmt::format("{} refuses {} (error 0x{:04x})", renderer_, what, error));
     allocated_bytes_ += bytes;
     peak_bytes_ = std::max(peak_bytes_, allocated_bytes_);
+}
+
+void Context::count_release(int64_t bytes) { allocated_bytes_ -= bytes; }
+
+void Context::check_device() {
+    const GLenum reset = functions_.GetGraphicsResetStatus.pointer(), error = take_error();
+    if (reset != GL_NO_ERROR || error == GL_CONTEXT_LOST)
+        throw SystemError(fmt::format(
+            "{}: the device was reset{}, and what it held is lost; run the command again", renderer_,
+            reset == GL_GUILTY_CONTEXT_RESET ? ", for a command of this program took too long or went wrong" : ""));
+    if (error == GL_OUT_OF_MEMORY) refuse_for_memory("what it drew last");
+}
+
+std::optional<int64_t> Context::free_device_bytes() const {
+    constexpr GLenum nvidia_available_kb = 0x9049,
+                     ati_texture_free_kb = 0x87FC;  // of GL_NVX_gpu_memory_info, GL_ATI_meminfo
+    GLint kb[4] = {};
+    if (has_extension("GL_NVX_gpu_memory_info"))
+        functions_.GetIntegerv(nvidia_available_kb, kb);
+    else if (has_extension("GL_ATI_meminfo"))
+        functions_.GetIntegerv(ati_texture_free_kb, kb);
+    else
+        return {};
+    return int64_t(kb[0]) * 1024;
 }
 
 const GlFunctions& gl() { return Context::current().functions(); }

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,8 +13,8 @@
 namespace radiafit {
 
 struct ContextLimits {
-    int texture_size, draw_buffers, texture_units, fragment_ssbos, compute_ssbos, varying_components;
-    int64_t ssbo_bytes, texture_buffer_texels;
+    int texture_size, texture_layers, draw_buffers, texture_units, fragment_ssbos, compute_ssbos, varying_components;
+    int64_t ssbo_bytes, texture_buffer_texels, shared_bytes;
 };
 
 /// One entry of `radiafit devices`.
@@ -45,14 +47,28 @@ public:
     const std::string& vendor() const { return vendor_; }
     const std::string& renderer() const { return renderer_; }
     const std::string& version() const { return version_; }
-    bool software() const { return software_; }  ///< shaders run on the CPU: clocks differ (timer.h)
+    bool software() const { return software_; }  ///< shaders run on the CPU
     const ContextLimits& limits() const { return limits_; }
     bool has_extension(std::string_view name) const;  ///< such as "GL_NV_shader_atomic_float"
+    /// Invocations of a work group of compute shaders that does best with `usual` on a chip; in software 8, the floats
+    /// of one vector, which at a barrier waits for nothing. RADIAFIT_GROUP_SIZE, 8, 32, 64 or 128, stands for either.
+    /// Fewer where the group's shared memory, so many bytes for each invocation and so many besides, would not fit the
+    /// device's.
+    size_t group_size(size_t usual, size_t shared_bytes_each, size_t shared_bytes = 0) const;
 
     /// Bytes of the GL objects made by texture.h that are alive, and the most there ever were.
     int64_t allocated_bytes() const { return allocated_bytes_; }
     int64_t peak_bytes() const { return peak_bytes_; }
-    void count_allocation(int64_t bytes);
+    /// Makes OpenGL allocate, and counts the bytes. `make` is a call or two of functions(); `what`: of it, such as "a
+    /// texture of 64 x 64 texels". Throws UserError with the bytes, those held already, and a cure, where the device
+    /// has no room; SystemError where the driver refuses for another reason.
+    void allocate(const std::string& what, int64_t bytes, const std::function<void()>& make);
+    void count_release(int64_t bytes);
+    /// Throws SystemError where an earlier command went wrong unseen: the device was reset or removed (what it holds is
+    /// lost, then), or ran out of memory only as it drew. To be asked where results are read.
+    void check_device();
+    /// Bytes of the device's own memory that nobody uses now, where its driver tells.
+    std::optional<int64_t> free_device_bytes() const;
 
 protected:
     explicit Context(ContextOptions options) : options_(options) {}
@@ -65,6 +81,9 @@ protected:
 
 private:
     friend void detail::after_gl_call(const char*);
+    GLenum take_error();
+    [[noreturn]] void refuse_for_memory(const std::string& what);
+
     GlFunctions functions_;
     std::string vendor_, renderer_, version_, debug_message_;
     ContextLimits limits_{};

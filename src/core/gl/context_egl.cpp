@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstring>
+#include <vector>
 
 #include "base/error.h"
 #include "base/wording.h"
@@ -164,20 +165,21 @@ private:
         EGLConfig config = nullptr;
         EGLint count = 0;
         if (!egl.choose_config(display_, config_attributes, &config, 1, &count) || count == 0) config = nullptr;
-        // Any core context in the end; finish_creation() compares its version and can say what it is.
-        for (const std::array<EGLint, 2> version : {std::array<EGLint, 2>{4, 5}, std::array<EGLint, 2>{3, 2}}) {
-            const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                         version[0],
-                                         EGL_CONTEXT_MINOR_VERSION,
-                                         version[1],
-                                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                         EGL_CONTEXT_OPENGL_DEBUG,
-                                         options_.debug ? EGL_TRUE : EGL_FALSE,
-                                         EGL_NONE};
-            context_ = egl.create_context(display_, config, EGL_NO_CONTEXT, attributes);
-            if (context_ != EGL_NO_CONTEXT) return true;
-        }
+        // Any core context in the end; finish_creation() compares its version and can say what it is. One that tells of
+        // resets first (Context::check_device), which not every driver knows how to make.
+        for (const std::array<EGLint, 2> version : {std::array<EGLint, 2>{4, 5}, std::array<EGLint, 2>{3, 2}})
+            for (const bool tells_resets : {true, false}) {
+                std::vector<EGLint> attributes = {EGL_CONTEXT_MAJOR_VERSION,       version[0],
+                                                  EGL_CONTEXT_MINOR_VERSION,       version[1],
+                                                  EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+                if (tells_resets)
+                    attributes.insert(attributes.end(),
+                                      {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+                if (options_.debug) attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE});
+                attributes.push_back(EGL_NONE);
+                context_ = egl.create_context(display_, config, EGL_NO_CONTEXT, attributes.data());
+                if (context_ != EGL_NO_CONTEXT) return true;
+            }
         return false;
     }
 

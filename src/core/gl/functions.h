@@ -14,7 +14,7 @@ namespace radiafit {
 #define RADIAFIT_GL_FUNCTIONS(X) \
     /* state */ \
     X(BlendEquation) X(BlendFunc) X(ClipControl) X(DepthFunc) X(DepthMask) X(Disable) \
-    X(Enable) X(Enablei) X(Finish) X(FrontFace) X(GetError) X(GetIntegerv) X(GetInteger64v) \
+    X(Enable) X(Enablei) X(Finish) X(FrontFace) X(GetError) X(GetGraphicsResetStatus) X(GetIntegerv) X(GetInteger64v) \
     X(GetString) X(GetStringi) X(PixelStorei) X(Scissor) X(TextureBarrier) X(Viewport) \
     /* textures */ \
     X(BindTextureUnit) X(ClearTexImage) X(CreateTextures) X(DeleteTextures) \
@@ -42,7 +42,7 @@ namespace radiafit {
     X(DispatchCompute) X(MemoryBarrier) X(ShaderStorageBlockBinding) \
     /* queries, synchronization, debugging */ \
     X(BeginQuery) X(DebugMessageCallback) X(DeleteQueries) \
-    X(EndQuery) X(GenQueries) X(GetQueryObjectui64v) X(QueryCounter)
+    X(EndQuery) X(GenQueries) X(GetQueryObjectui64v)
 // clang-format on
 
 namespace detail {

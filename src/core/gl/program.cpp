@@ -100,6 +100,7 @@ void Program::find_inputs() {
         if (std::ranges::find(plain, GLenum(values[1])) == std::end(plain)) {
             input.unit = int(textures_.size());
             std::vector<int> units(static_cast<size_t>(values[2]));
+            input.count = units.size();
             textures_.resize(textures_.size() + units.size());
             std::iota(units.begin(), units.end(), input.unit);
             gl().ProgramUniform1iv(name_, input.location, values[2], units.data());
@@ -147,7 +148,8 @@ void Program::set(std::string_view uniform, std::span<const float> vec4s) const 
 }
 
 void Program::bind(std::string_view sampler, const Texture& texture, size_t index) const {
-    if (const Input* input = used(sampler)) textures_.at(size_t(input->unit) + index) = texture.name();
+    const Input* input = used(sampler);
+    if (input && index < input->count) textures_.at(size_t(input->unit) + index) = texture.name();
 }
 
 void Program::bind(std::string_view block, const Buffer& buffer) const {

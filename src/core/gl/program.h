@@ -39,7 +39,8 @@ public:
     void set(std::string_view uniform, float x, float y) const;
     void set(std::string_view uniform, std::span<const int> values) const;   ///< of an array
     void set(std::string_view uniform, std::span<const float> vec4s) const;  ///< a vec4, or several of an array
-    /// For a sampler, or one of an array of them. The texture may move, and must live at every draw to come.
+    /// For a sampler, or one of an array of them; one that the compiler has left out is passed over. The texture may
+    /// move, and must live at every draw to come.
     void bind(std::string_view sampler, const Texture& texture, size_t index = 0) const;
     /// For a storage block, "Name", or one of an array of them, "Name[2]". As textures.
     void bind(std::string_view block, const Buffer& buffer) const;
@@ -65,6 +66,7 @@ private:
     struct Input {
         std::string name;
         int location = 0, unit = -1;  ///< unit: of its first texture, or of its buffer; -1 for a uniform
+        size_t count = 1;             ///< of an array's elements in use: compilers leave out the last ones that aren't
         bool given = false;           ///< has been set or bound
     };
     void find_inputs();

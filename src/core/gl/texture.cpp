@@ -48,24 +48,31 @@ bool holds_integers(GLenum format) {
 
 }  // namespace
 
-Texture::Texture(GLenum format, int width, int height, int layers)
-    : format_(format), width_(width), height_(height), layers_(layers) {
-    const int limit = Context::current().limits().texture_size;
-    if (width > limit || height > limit)
+// Delegates: where the rest of it throws, the destructor runs.
+Texture::Texture(GLenum format, int width, int height, int layers) : Texture() {
+    Context& context = Context::current();
+    const ContextLimits& limits = context.limits();
+    if (width > limits.texture_size || height > limits.texture_size || layers > limits.texture_layers)
         throw UserError(
-            fmt::format("a texture of {} x {} texels is beyond this device's limit of {}: use a smaller {} or {}, "
+            fmt::format("a texture of {} x {} texels{} is beyond this device's limit of {}: use a smaller {} or {}, "
                         "or a smaller mesh",
-                        width, height, limit, option_name("surface-side"), option_name("view-side")));
+                        width, height, layers ? fmt::format(" in {} layers", layers) : "",
+                        layers > limits.texture_layers ? fmt::format("{} layers", limits.texture_layers)
+                                                       : std::to_string(limits.texture_size),
+                        option_name("surface-side"), option_name("view-side")));
+    format_ = format, width_ = width, height_ = height, layers_ = layers;
     gl().CreateTextures(layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &name_);
-    if (layers)
-        gl().TextureStorage3D(name_, 1, format, width, height, layers);
-    else
-        gl().TextureStorage2D(name_, 1, format, width, height);
+    const int64_t bytes = int64_t(bytes_per_texel(format)) * width * height * std::max(layers, 1);
+    context.allocate(fmt::format("a texture of {} x {} x {} texels", width, height, std::max(layers, 1)), bytes, [&] {
+        if (layers)
+            gl().TextureStorage3D(name_, 1, format, width, height, layers);
+        else
+            gl().TextureStorage2D(name_, 1, format, width, height);
+    });
+    bytes_ = bytes;
     for (GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
         gl().TextureParameteri(name_, filter, GL_NEAREST);
     for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) gl().TextureParameteri(name_, wrap, GL_CLAMP_TO_EDGE);
-    bytes_ = int64_t(bytes_per_texel(format)) * width * height * std::max(layers, 1);
-    Context::current().count_allocation(bytes_);
     if (format != GL_DEPTH_COMPONENT32F) clear();
 }
 
@@ -85,7 +92,7 @@ Texture Texture::of_buffer(GLenum format, const Buffer& buffer) {
 Texture::~Texture() {
     if (!name_) return;
     gl().DeleteTextures(1, &name_);
-    Context::current().count_allocation(-bytes_);
+    Context::current().count_release(bytes_);
 }
 
 void Texture::upload(GLenum format, GLenum type, const void* data, int layer) {
@@ -100,6 +107,7 @@ void Texture::upload_part(int width, int height, GLenum format, GLenum type, con
 }
 
 void Texture::download(GLenum format, GLenum type, void* data, size_t bytes, int layer) const {
+    Context::current().check_device();
     gl().GetTextureSubImage(name_, 0, 0, 0, layer, width_, height_, 1, format, type, static_cast<GLsizei>(bytes), data);
 }
 
@@ -163,19 +171,20 @@ Buffer::Buffer(size_t bytes, const void* data, bool dynamic)
 
 Buffer Buffer::to_map(size_t bytes) { return Buffer(bytes, nullptr, GLbitfield(GL_MAP_WRITE_BIT)); }
 
-Buffer::Buffer(size_t bytes, const void* data, GLbitfield access) : bytes_(bytes) {
+Buffer::Buffer(size_t bytes, const void* data, GLbitfield access) : Buffer() {
     gl().CreateBuffers(1, &name_);
     // GL has no empty buffers; a mesh without, say, rings still gets a name to bind.
     static const uint64_t nothing = 0;
-    gl().NamedBufferStorage(name_, static_cast<GLsizeiptr>(bytes ? bytes : sizeof nothing), bytes ? data : &nothing,
-                            access);
-    Context::current().count_allocation(static_cast<int64_t>(bytes_));
+    Context::current().allocate(fmt::format("a buffer of {} bytes", bytes), int64_t(bytes), [&] {
+        gl().NamedBufferStorage(name_, GLsizeiptr(bytes ? bytes : sizeof nothing), bytes ? data : &nothing, access);
+    });
+    bytes_ = bytes;
 }
 
 Buffer::~Buffer() {
     if (!name_) return;
     gl().DeleteBuffers(1, &name_);
-    Context::current().count_allocation(-static_cast<int64_t>(bytes_));
+    Context::current().count_release(int64_t(bytes_));
 }
 
 void Buffer::write(size_t offset, size_t bytes, const void* data) {
@@ -187,7 +196,10 @@ void Buffer::clear() { gl().ClearNamedBufferData(name_, GL_R32UI, GL_RED_INTEGER
 void* Buffer::map() {
     void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_),
                                            GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-    if (!bytes) throw SystemError(fmt::format("OpenGL cannot map a buffer of {} bytes", bytes_));
+    if (!bytes) {
+        Context::current().check_device();
+        throw SystemError(fmt::format("OpenGL cannot map a buffer of {} bytes", bytes_));
+    }
     return bytes;
 }
 
@@ -196,6 +208,7 @@ void Buffer::unmap() {
 }
 
 void Buffer::read(size_t offset, size_t bytes, void* data) const {
+    Context::current().check_device();
     gl().GetNamedBufferSubData(name_, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
 }
 

@@ -22,7 +22,9 @@ ViewBasisSolution solve_on_device(const Dataset& dataset, const TriangleAtlas& a
     ViewBasisSolution out(atlas.texel_count(), basis.rank);
     const TexelViewReader reader(dataset, atlas, samples, basis.up);
     const size_t z = 3 * size_t(basis.rank), numbers = z + 1;
-    const int lanes = Context::current().software() ? 8 : 64;
+    const size_t columns = size_t(basis.rank) + 3;  // as the shader has them
+    const size_t lanes =
+        Context::current().group_size(64, 4 * (columns + 1), 2 * columns * (columns + 1) + 12 * view_terms);
     const Program program = Program::compute("compute/view_basis.comp",
                                              {{"LANES", std::to_string(lanes)}, {"RANK", std::to_string(basis.rank)}});
     const Buffer functions(basis.numbers);
