@@ -1,5 +1,7 @@
 #include "compute/compute_engine.h"
 
+#include <algorithm>
+
 #include "model/lfm_start.h"
 
 namespace radiafit {

@@ -116,21 +116,16 @@ Work rate_of_loop(const std::string& shader, void (*prepare)(const Program&), do
     return {rate(work.operations), rate(work.reads), rate(work.read_bytes)};
 }
 
-// How many texels on a side, or in a row, two copies have: on a chip so many that its caches hold a small part of them,
-// as far as a quarter of its free memory goes. `least` texels of 16 bytes are 64 MB.
-int far_beyond_caches(int least, int most) {
+// Texels on a side of what is copied: 64 MB, and on a chip with 2 GB to spare 256 MB, of which its caches hold little.
+int side_beyond_caches() {
     const Context& context = Context::current();
-    int side = least;
-    const int64_t room = context.free_device_bytes().value_or(int64_t(4) << 30) / 4;
-    while (!context.software() && 2 * side <= std::min(most, context.limits().texture_size) &&
-           int64_t(2) * 16 * (2 * side) * (2 * side) <= room)
-        side *= 2;
-    return side;
+    const int64_t spare = int64_t(2) << 30;
+    return context.software() || context.free_device_bytes().value_or(spare) < spare ? 2048 : 4096;
 }
 
 // To and fro: into one target again and again, a tiling renderer would never leave its caches.
 double bytes_per_second(bool blend) {
-    const int side = far_beyond_caches(2048, 4096);
+    const int side = side_beyond_caches();
     const Texture textures[2] = {ones(side), ones(side)};
     const Framebuffer targets[2] = {Framebuffer({{&textures[0]}}), Framebuffer({{&textures[1]}})};
     const Program program = Program::draw("common/whole.vert", "peaks/copy.frag");
@@ -175,7 +170,7 @@ double compute_operations() {
 double compute_bytes() {
     const int64_t most =
         std::min(Context::current().limits().texture_buffer_texels, Context::current().limits().ssbo_bytes / 16);
-    size_t texels = size_t(far_beyond_caches(2048, 4096));
+    size_t texels = size_t(side_beyond_caches());
     texels = std::min(texels * texels, size_t(most));
     texels -= texels % lanes;
     const Buffer source(std::vector<float>(4 * texels, 1.0f)), results(std::vector<float>(4 * texels), true);

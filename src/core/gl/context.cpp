@@ -47,11 +47,11 @@ void APIENTRY collect_message(GLenum source, GLenum type, GLuint, GLenum, GLsize
 }  // namespace
 
 bool is_software_renderer(const std::string& renderer) {
-    // virgl names in brackets what draws on the other side; WARP calls itself by the first of Microsoft's names.
+    // Drivers that pass commands on (virgl, zink, D3D12) name in brackets what draws in the end.
     std::string name = renderer;
     for (char& c : name) c = char(std::tolower(static_cast<unsigned char>(c)));
-    for (const char* software : {"llvmpipe", "lavapipe", "softpipe", "swrast", "swr (", "swiftshader",
-                                 "microsoft basic render driver", "warp"})
+    for (const char* software :
+         {"llvmpipe", "lavapipe", "softpipe", "swrast", "swr (", "swiftshader", "microsoft basic render driver"})
         if (name.find(software) != std::string::npos) return true;
     return false;
 }
@@ -202,13 +202,12 @@ GLenum Context::take_error() {
 }
 
 void Context::refuse_for_memory(const std::string& what) {
-    std::string place;
-    if (const std::optional<int64_t> free = free_device_bytes())
-        place = fmt::format(" of which {} MB are free", *free / 1000000);
+    const std::optional<int64_t> free = free_device_bytes();
+    const std::string left = free ? fmt::format(", and {} MB are free", *free / 1000000) : "";
     throw UserError(fmt::format(
         "{}: the device has no room for {}; {} MB of its memory are held by this program{}: choose a smaller "
         "fit, another {}, or cut it by {}",
-        renderer_, what, allocated_bytes_ / 1000000, place, option_name("engine"), option_name("memory")));
+        renderer_, what, allocated_bytes_ / 1000000, left, option_name("engine"), option_name("memory")));
 }
 
 void Context::allocate(const std::string& what, int64_t bytes, const std::function<void()>& make) {
@@ -236,8 +235,8 @@ void Context::check_device() {
 }
 
 std::optional<int64_t> Context::free_device_bytes() const {
-    constexpr GLenum nvidia_available_kb = 0x9049,
-                     ati_texture_free_kb = 0x87FC;  // of GL_NVX_gpu_memory_info, GL_ATI_meminfo
+    // Of the two extensions below, in units of 1024 bytes.
+    constexpr GLenum nvidia_available_kb = 0x9049, ati_texture_free_kb = 0x87FC;
     GLint kb[4] = {};
     if (has_extension("GL_NVX_gpu_memory_info"))
         functions_.GetIntegerv(nvidia_available_kb, kb);
