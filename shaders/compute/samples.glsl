@@ -22,8 +22,6 @@ Column column_of(uint block, uint item, uint items) {
 }
 
 // Which of the tile's corners have a problem that runs.
-bool[3] running_corners() {
-    bool running[3];
-    for (int c = 0; c < 3; ++c) running[c] = is_active(of_tile(TILE_VERTEX + c));
-    return running;
+bvec3 running_corners() {
+    return bvec3(is_active(of_tile(TILE_VERTEX)), is_active(of_tile(TILE_VERTEX + 1)), is_active(of_tile(TILE_VERTEX + 2)));
 }

@@ -7,8 +7,8 @@ uniform samplerBuffer pair_slopes;  // [pair][term]: what cameras see of d's vie
 layout(std430) writeonly buffer TileSums { vec4 tile_sums[]; };  // [tile][corner][TILE_SUMS]
 void main() {
     if (group_index() >= uint(tile_count)) return;
-    bool running[3] = running_corners();
-    if (!running[0] && !running[1] && !running[2]) return;
+    bvec3 running = running_corners();
+    if (!any(running)) return;
     uint group_count = of_tile(TILE_GROUPS), first_group = of_tile(TILE_GROUP), weights_first = of_tile(TILE_WEIGHT);
     uint block = of_tile(TILE_GROUP_BLOCK);
     uint map[3] = uint[3](of_tile(TILE_MAP), of_tile(TILE_MAP + 1), of_tile(TILE_MAP + 2));

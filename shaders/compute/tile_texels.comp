@@ -9,8 +9,8 @@ layout(std430) writeonly buffer Fresh { vec4 fresh[]; };
 #endif
 void main() {
     if (group_index() >= uint(tile_count)) return;
-    bool running[3] = running_corners();
-    if (!running[0] && !running[1] && !running[2]) return;
+    bvec3 running = running_corners();
+    if (!any(running)) return;
     uint texel_count = of_tile(TILE_TEXELS), first_group = of_tile(TILE_GROUP), first_texel = of_tile(TILE_TEXEL);
     uint block = of_tile(TILE_TEXEL_BLOCK), weights_first = of_tile(TILE_WEIGHT);
     uint map[3] = uint[3](of_tile(TILE_MAP), of_tile(TILE_MAP + 1), of_tile(TILE_MAP + 2));

@@ -108,8 +108,17 @@ TEST_P(EncodingTest, RoundTrip) {
             const double target = reference_target(encoding, space, shapes[i].gain[k % 3], truth.stored[i][k]);
             ASSERT_NEAR(values[k], target, 2e-7 * (1 + std::abs(target)));  // rounded to float once
         }
-        // single pixels, backwards: the same bits, and the same mask
+        // row by row: the same bytes
         exact.load(i, whole);
+        const auto* bytes = as_bytes ? whole.rgba8.data() : reinterpret_cast<const uint8_t*>(whole.rgba16.data());
+        const size_t row_bytes = size_t(whole.width) * size_t(exact.bits() / 2);
+        int rows = 0;
+        exact.load_rows(i, [&](int y, const uint8_t* row) {
+            ASSERT_EQ(y, rows++);
+            ASSERT_EQ(0, std::memcmp(row, bytes + size_t(y) * row_bytes, row_bytes)) << "view " << i << " row " << y;
+        });
+        ASSERT_EQ(rows, whole.height);
+        // single pixels, backwards: the same bits, and the same mask
         exact.load_mask(i, mask);
         const auto count = uint32_t(values.size() / 3);
         std::vector<uint32_t> pixels;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +15,7 @@
 #include "failing_gl.h"
 #include "fragment/peaks.h"
 #include "gl/driver_advice.h"
+#include "gl/pixel_uploads.h"
 #include "gl/program.h"
 #include "gl/texture.h"
 #include "temporary_folder.h"
@@ -141,6 +144,26 @@ TEST(Context, ListsDevicesThatCanBeOpened) {
         options.kind = device.kind;
         options.device = device.device;
         EXPECT_NO_THROW(Context::create(options)) << device.description;
+    }
+}
+
+TEST(Context, ADriverThatCrashesIsToldByTheOthersToo) {
+    const auto devices = list_devices();
+    const auto answers = ask_each_device([](const DeviceInfo& device) -> std::string {
+        if (device.kind == ContextKind::egl) return "here";
+        std::signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would end it otherwise
+        std::raise(SIGSEGV);
+        return "never";
+    });
+    ASSERT_EQ(answers.size(), devices.size());
+    for (size_t i = 0; i < answers.size(); ++i) {
+        EXPECT_EQ(answers[i].device.kind, devices[i].kind);
+        EXPECT_EQ(answers[i].device.device, devices[i].device);
+        EXPECT_EQ(answers[i].device.software, devices[i].software);
+        EXPECT_EQ(answers[i].device.description, devices[i].description);
+        const bool egl = devices[i].kind == ContextKind::egl;
+        EXPECT_EQ(answers[i].text, egl ? "here" : "");
+        EXPECT_EQ(answers[i].failure.starts_with("crashes (Segmentation fault)"), !egl) << answers[i].failure;
     }
 }
 
@@ -283,7 +306,34 @@ TEST_P(EveryContext, AllocationsThatFailAreToldWithBytesAndACure) {
                       const Texture fetched = Texture::of_buffer(GL_RGBA32F, buffer);
                   }),
                   3);
-        EXPECT_EQ(fail_each_allocation([] { Buffer::to_map(1000); }), 1);
+        EXPECT_EQ(fail_each_allocation([] { PixelUploads(1000); }), 2);
+    }
+}
+
+TEST_P(EveryContext, PixelsOnTheirWayArriveAsTheyWereWritten) {
+    // Written again as soon as begin() allows it, while the device may still fetch: more turns than there are buffers.
+    const auto context = make(GetParam());
+    constexpr int side = 256, turns = 7;
+    constexpr size_t bytes = size_t(side) * side * 4;
+    PixelUploads uploads(bytes);
+    std::vector<Texture> textures;
+    std::vector<Buffer> buffers;
+    for (int turn = 0; turn < turns; ++turn) {
+        textures.emplace_back(GL_RGBA8UI, side, side);
+        buffers.emplace_back(bytes, nullptr);
+        std::fill_n(uploads.begin(), bytes, uint8_t(2 * turn + 1));
+        uploads.end(textures.back(), side, side / 2, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE);
+        std::fill_n(uploads.begin(), bytes, uint8_t(2 * turn + 2));
+        uploads.end(buffers.back());
+    }
+    std::vector<uint8_t> texels(bytes), words(bytes);
+    for (int turn = 0; turn < turns; ++turn) {
+        textures[size_t(turn)].download(GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, texels.data(), bytes);
+        buffers[size_t(turn)].read(0, bytes, words.data());
+        for (size_t i = 0; i < bytes; ++i) {
+            ASSERT_EQ(texels[i], i < bytes / 2 ? 2 * turn + 1 : 0) << turn << ", " << i;
+            ASSERT_EQ(words[i], 2 * turn + 2) << turn << ", " << i;
+        }
     }
 }
 

@@ -252,8 +252,9 @@ function main(renderer) {
         if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select")) return;
         keys[event.key.toLowerCase()]?.();
     });
-    window.addEventListener("hashchange", () => {
-        Object.assign(state, state_of(location.hash, page));
+    window.addEventListener("hashchange", (event) => {
+        // Not location.hash, which may be that of the state before again: show() remembers states some time later.
+        Object.assign(state, state_of(new URL(event.newURL).hash, page));
         changed(false);
     });
     new ResizeObserver(show).observe(canvas);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,6 +61,14 @@ void take_all(const Pipe& output, const Pipe& errors, Ended& ended) {
     }
 }
 
+void write_all(int file, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t count = write(file, text.data(), text.size());
+        if (count < 0 && errno != EINTR) return;
+        if (count > 0) text.remove_prefix(size_t(count));
+    }
+}
+
 int end_status(pid_t child) {
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
@@ -89,6 +98,26 @@ Ended run_program(std::vector<std::string> command) {
             fmt::format("posix_spawnp {} failed: {}", command[0], std::generic_category().message(failed)));
     output.close_writing();
     errors.close_writing();
+    take_all(output, errors, ended);
+    ended.status = end_status(child);
+    return ended;
+}
+
+Ended run_apart(const std::function<std::string()>& body, unsigned seconds) {
+    Pipe output, errors;
+    const pid_t child = fork();
+    if (child < 0) throw SystemError("fork failed: " + std::generic_category().message(errno));
+    if (child == 0) {
+        const rlimit no_core_file{0, 0};
+        setrlimit(RLIMIT_CORE, &no_core_file);
+        alarm(seconds);
+        dup2(errors.writing(), STDERR_FILENO);
+        write_all(output.writing(), body());
+        _exit(0);  // with none of the ends of this process's copy, such as unwritten output
+    }
+    output.close_writing();
+    errors.close_writing();
+    Ended ended;
     take_all(output, errors, ended);
     ended.status = end_status(child);
     return ended;

@@ -1,8 +1,9 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
-/// Other programs, such as gnuplot.
+/// Other processes: programs, such as gnuplot, and what may crash.
 namespace radiafit {
 
 /// What a program that has ended left behind.
@@ -14,6 +15,11 @@ struct Ended {
 /// Runs a program found on PATH, with its arguments behind it and nothing on its standard input, to its end. Throws
 /// SystemError where it cannot be started.
 Ended run_program(std::vector<std::string> command);
+
+/// Runs `body` in a child process, a copy of this one that ends with it: nothing that happens there, a crash included,
+/// happens here. What it returns is Ended::output; it must not throw, start threads, or take longer than so many
+/// seconds (then SIGALRM ends it). Throws SystemError where no process can be started.
+Ended run_apart(const std::function<std::string()>& body, unsigned seconds);
 
 /// Whether PATH has a program of this name.
 bool on_path(const std::string& program);

@@ -54,9 +54,10 @@ Buffer storage_buffer(const char* what, size_t bytes) {
     return buffer;
 }
 
-ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given, size_t shared_bytes_each)
+ProblemBuffers::ProblemBuffers(size_t problems, const std::string& given, size_t shared_bytes_each, size_t items)
     : DeviceNumbers(on_this_device(problems)),
-      lanes_(Context::current().group_size(32, shared_bytes_each)),
+      tried_groups_(group_size_is_open() ? group_trial(items) : std::vector<TriedGroup>()),
+      lanes_(Context::current().group_size(tried_groups_.empty() ? 32 : best_group(tried_groups_), shared_bytes_each)),
       given_text_(given),
       numbers_(storage_buffer("numbers of problems", problems * number_count * sizeof(float))),
       summaries_(storage_buffer("summaries", (problems + block - 1) / block * 16)),
@@ -174,7 +175,8 @@ void BufferVector::download(std::span<float> values) const {
 
 ProblemBuffers& BufferEngine::make(const Arrays& arrays) {
     arrays_ = arrays;
-    numbers_ = std::make_unique<ProblemBuffers>(arrays.problem_count, arrays.problems, arrays.shared_bytes_each);
+    numbers_ =
+        std::make_unique<ProblemBuffers>(arrays.problem_count, arrays.problems, arrays.shared_bytes_each, arrays.items);
     numbers_->make_given(arrays.given_bytes);
     make_room({});
     return *numbers_;

@@ -7,6 +7,7 @@
 #include "fragment/device_engine.h"
 #include "fragment/texel_arrays.h"
 #include "gl/context.h"
+#include "gl/group_trial.h"
 #include "gl/program.h"
 
 namespace radiafit {
@@ -35,10 +36,13 @@ public:
     static constexpr size_t number_count = number::first_own + 8;
 
     /// given: the text in shaders/compute that says what passes before a step leave of a problem. shared_bytes_each: of
-    /// the shared memory of a work group, for each of its invocations, in the pass that takes most.
-    ProblemBuffers(size_t problems, const std::string& given, size_t shared_bytes_each);
-    /// Invocations of a work group of every pass (Context::group_size): 32, which no chip runs as less than one step.
+    /// the shared memory of a work group, for each of its invocations, in the pass that takes most. items: of work that
+    /// a group shares in passes over samples, as its size is chosen by (group_trial.h).
+    ProblemBuffers(size_t problems, const std::string& given, size_t shared_bytes_each, size_t items);
+    /// Invocations of a work group of every pass (Context::group_size).
     size_t lanes() const { return lanes_; }
+    /// What they were chosen by; empty where they were not open.
+    const std::vector<TriedGroup>& tried_groups() const { return tried_groups_; }
     /// What passes leave: the blocks "Problems" and "Products" of that text, so large.
     void make_given(size_t bytes) { given_ = storage_buffer("sums of problems", bytes); }
     void make_products(int count, size_t bytes_each);
@@ -66,6 +70,7 @@ private:
     std::vector<float> read(std::initializer_list<int> numbers) const override;
     std::vector<float> read_all() const;  ///< [problems][number_count]
 
+    std::vector<TriedGroup> tried_groups_;
     size_t lanes_;
     std::string given_text_;
     int product_count_ = 0;
@@ -99,6 +104,9 @@ public:
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
 
+    size_t group_size() const { return numbers_->lanes(); }  ///< invocations of a work group of every pass
+    const std::vector<TriedGroup>& tried_groups() const { return numbers_->tried_groups(); }
+
 protected:
     /// In what the arrays of the two engines differ.
     struct Arrays {
@@ -108,6 +116,7 @@ protected:
         size_t vec4s = 0;                    ///< of a vector
         size_t product_bytes = 0;            ///< of a dot product of all problems
         size_t shared_bytes_each = 16;       ///< as ProblemBuffers has it
+        size_t items = 128;                  ///< likewise
         const TexelShape* texels = nullptr;  ///< null for light field maps
     };
     /// Makes vectors and numbers; to be called before anything else.

@@ -21,7 +21,8 @@ ComputeEngine::ComputeEngine(const TriangleAtlas& atlas, const VertexRings& ring
                        .vec4s = layout_.size() / 4,
                        .product_bytes = layout_.problem_count() * 16,
                        // Of passes over a tile's pixels: what tile_pixels.glsl shares, and tables.glsl.
-                       .shared_bytes_each = 16 * (1 + size_t(std::max(3 * options.terms + 3, 12)))}),
+                       .shared_bytes_each = 16 * (1 + size_t(std::max(3 * options.terms + 3, 12))),
+                       .items = atlas.texels_per_tile()}),
                  vectors_} {}
 
 ComputeEngine::ComputeEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,

@@ -90,7 +90,7 @@ std::vector<PlannedArray> plan_redistribution(const Dataset& dataset, const Tria
     const int bits = ImageStream(dataset, StreamSource::disk, stream.space).bits();
     const auto [width, height] = largest_image(dataset, views);
     const uint64_t pixels = uint64_t(width) * uint64_t(height);
-    plan.arrays.push_back(plan_images(dataset, views, 1, bits, stream.keep_on_device));
+    plan_images(plan.arrays, dataset, views, 1, bits, stream.keep_on_device);
     plan.add("item buffer and depth", fmt::format("{} x {}", width, height), pixels,
              pixels * (bits == 8 ? 8 + 4 : 16 + 4));
     plan.add("mesh", fmt::format("{} triangles, attributes and indices; frames of vertices", plan.tiles_), plan.tiles_,

@@ -92,6 +92,7 @@ struct ImageStream::State {
     std::shared_ptr<const std::vector<uint8_t>> kept;  ///< StreamSource::memory: the whole of images.bin, and a byte
     std::vector<uint8_t> buffer;                       ///< StreamSource::disk: one image, reused
     std::vector<uint8_t> mask_buffer;
+    std::vector<uint8_t> row;  ///< of targets
     std::shared_ptr<const std::vector<View>> views;
     std::shared_ptr<CheckedViews> checked;
     std::filesystem::path path;  ///< of images.bin
@@ -214,6 +215,30 @@ ImageStream ImageStream::another() const {
     return copy;
 }
 
+// The targets of `count` pixels, what the mask leaves out included.
+void ImageStream::widen(const View& view, const uint8_t* stored, size_t count, uint8_t* rgba) {
+    if (bits_ == 8) return widen8(stored, count, rgba);
+    State& s = *state_;
+    const auto factors = [&](double full) {
+        std::array<float, 3> out;
+        for (size_t c = 0; c < 3; ++c) out[c] = float(view.gain[c] / full / double(scale_));
+        return out;
+    };
+    if (s.encoding == Encoding::f16_linear) {
+        multiply<uint16_t>(
+            stored, count, factors(1), [](uint16_t h) { return float_from_half(h); }, rgba);
+    } else if (s.encoding == Encoding::f32_linear) {
+        multiply<float>(
+            stored, count, factors(1), [](float x) { return x; }, rgba);
+    } else if (s.encoding == Encoding::u16_linear) {
+        multiply<uint16_t>(
+            stored, count, factors(65535), [](uint16_t v) { return float(v); }, rgba);
+    } else {
+        s.make_tables(view.gain, double(scale_));
+        look_up(stored, count, s.tables, rgba);
+    }
+}
+
 void ImageStream::load(uint32_t index, TargetImage& image) {
     const double start_s = wall_time_s();
     State& s = *state_;
@@ -229,31 +254,32 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
     if (bits_ == 8) {
         image.rgba8.resize(4 * count);
         image.rgba16.clear();
-        widen8(pixels, count, image.rgba8.data());
+        widen(view, pixels, count, image.rgba8.data());
         if (mask) apply_mask<uint32_t, 24>(mask, width, height, image.rgba8.data());
     } else {
         image.rgba16.resize(4 * count);
         image.rgba8.clear();
         auto* rgba = reinterpret_cast<uint8_t*>(image.rgba16.data());
-        const auto factors = [&](double full) {
-            std::array<float, 3> out;
-            for (size_t c = 0; c < 3; ++c) out[c] = float(view.gain[c] / full / double(scale_));
-            return out;
-        };
-        if (s.encoding == Encoding::f16_linear) {
-            multiply<uint16_t>(
-                pixels, count, factors(1), [](uint16_t h) { return float_from_half(h); }, rgba);
-        } else if (s.encoding == Encoding::f32_linear) {
-            multiply<float>(
-                pixels, count, factors(1), [](float x) { return x; }, rgba);
-        } else if (s.encoding == Encoding::u16_linear) {
-            multiply<uint16_t>(
-                pixels, count, factors(65535), [](uint16_t v) { return float(v); }, rgba);
-        } else {
-            s.make_tables(view.gain, double(scale_));
-            look_up(pixels, count, s.tables, rgba);
-        }
+        widen(view, pixels, count, rgba);
         if (mask) apply_mask<uint64_t, 48>(mask, width, height, rgba);
+    }
+    seconds_ += wall_time_s() - start_s;
+}
+
+void ImageStream::load_rows(uint32_t index, const std::function<void(int y, const uint8_t* row)>& take) {
+    const double start_s = wall_time_s();
+    State& s = *state_;
+    const View& view = s.views->at(index);
+    const size_t width = size_t(view.camera.width), stored = 3 * width * bytes_per_channel(s.encoding);
+    const uint8_t *pixels = s.pixels_at(index, bytes_read_), *mask = s.mask_at(view, bytes_read_);
+    s.masked.reset();
+    s.row.resize(width * size_t(bits_ / 2));
+    for (int y = 0; y < view.camera.height; ++y) {
+        widen(view, pixels + size_t(y) * stored, width, s.row.data());
+        const uint8_t* in = mask ? mask + size_t(y) * ((width + 7) / 8) : nullptr;
+        if (in && bits_ == 8) apply_mask<uint32_t, 24>(in, width, 1, s.row.data());
+        if (in && bits_ == 16) apply_mask<uint64_t, 48>(in, width, 1, s.row.data());
+        take(y, s.row.data());
     }
     seconds_ += wall_time_s() - start_s;
 }

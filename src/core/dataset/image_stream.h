@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -59,6 +60,8 @@ public:
 
     /// Fills `image`, reusing its storage. Throws SystemError when the file cannot be read whole.
     void load(uint32_t view, TargetImage& image);
+    /// The same for who keeps pixels elsewhere: take(y, row) for each row in turn, [width][4] channels of bits().
+    void load_rows(uint32_t view, const std::function<void(int y, const uint8_t* row)>& take);
     /// The targets [height][width][3] as they are before load() rounds them to 16 bits; negative values and what the
     /// mask leaves out are kept. Throws SystemError when the file cannot be read whole.
     void load_values(uint32_t view, std::vector<float>& values);
@@ -77,6 +80,7 @@ public:
 private:
     struct State;
     explicit ImageStream(std::unique_ptr<State> state);
+    void widen(const View& view, const uint8_t* stored, size_t count, uint8_t* rgba);
     std::unique_ptr<State> state_;
     int bits_ = 8;
     float scale_ = 1;

@@ -43,18 +43,23 @@ void add_ring_levels(Plan& plan, const VertexRings& rings, uint64_t problems) {
 
 }  // namespace
 
-PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
-                         bool keep_on_device) {
+void plan_images(std::vector<PlannedArray>& plan, const Dataset& dataset, std::span<const uint32_t> views,
+                 uint64_t batch, int bits, bool keep_on_device) {
     const uint64_t each = bits == 8 ? 4 : half4;
     if (keep_on_device) {
         uint64_t pixels = 0;
         for (uint32_t view : views)
             pixels += uint64_t(dataset.views[view].camera.width) * dataset.views[view].camera.height;
-        return {"images", fmt::format("{}, of their own sizes", views.size()), pixels, pixels * each};
+        plan.push_back({"images", fmt::format("{}, of their own sizes", views.size()), pixels, pixels * each});
+        return;
     }
     const auto [width, height] = largest_image(dataset, views);
-    const uint64_t pixels = 2 * batch * uint64_t(width) * uint64_t(height);
-    return {"image slots", fmt::format("{} x {} x {}", 2 * batch, width, height), pixels, pixels * each};
+    const auto add = [&, width = width, height = height](const char* array, uint64_t images) {
+        const uint64_t pixels = images * uint64_t(width) * uint64_t(height);
+        plan.push_back({array, fmt::format("{} x {} x {}", images, width, height), pixels, pixels * each});
+    };
+    add("image slots", 2 * batch);
+    add("images on their way to the device", 2);
 }
 
 std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
@@ -115,7 +120,7 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("sums of view maps", "levels", view_sums, float4);
     add_ring_levels(plan, rings, problems);
 
-    plan.arrays.push_back(plan_images(dataset, views, batch, bits, fragment_options.keep_on_device));
+    plan_images(plan.arrays, dataset, views, batch, bits, fragment_options.keep_on_device);
     const uint64_t item = !combined ? 4 : bits == 8 ? 8 : 16;
     plan.add("item buffer", fmt::format("{} x {} x {}", batch, width, height), batch * pixels, item);
     plan.add("depth", fmt::format("{} x {}", width, height), pixels, 4);

@@ -17,9 +17,10 @@ struct PlannedArray {
     uint64_t count, bytes;  ///< count: texels, or bytes of buffers
 };
 
-/// The textures that images stream through, two batches of them; or, if kept on the device, one for each image.
-PlannedArray plan_images(const Dataset& dataset, std::span<const uint32_t> views, uint64_t batch, int bits,
-                         bool keep_on_device);
+/// What images stream through: textures for two batches of them, and the two buffers that the device fetches them from;
+/// or, if kept on the device, a texture for each image.
+void plan_images(std::vector<PlannedArray>& plan, const Dataset& dataset, std::span<const uint32_t> views,
+                 uint64_t batch, int bits, bool keep_on_device);
 
 /// What FragmentEngine would allocate, without a context: the sum is what its bytes() would say, but for combined
 /// passes on a device with fewer than 124 varying components.

@@ -1,6 +1,7 @@
 #pragma once
-#include "dataset/image_stream.h"
-#include "gl/texture.h"
+#include <vector>
+
+#include "gl/pixel_uploads.h"
 
 namespace radiafit {
 
@@ -11,11 +12,12 @@ class ImageStack {
 public:
     /// Throws UserError beyond the context's limits.
     ImageStack(int width, int height, int bits, int images);
-    /// Between begin() and end(), images in any order; what the others hold is undefined then.
-    void begin();
-    void put(int image, const TargetImage& pixels);
-    void end();
+    /// A row of an image to its places in `stack`, bytes() of all images: [width][4] channels. Rows come in order; what
+    /// images hold that get none is undefined.
+    void put_row(uint8_t* stack, int image, int y, const uint8_t* row);
+    void take(PixelUploads& uploads) { uploads.end(words_); }  ///< what put_row() wrote since begin()
     const Texture& texture() const { return texture_; }
+    size_t bytes() const { return words_.bytes(); }
 
     static constexpr int block_side = 4;
     static int blocks(int pixels) { return (pixels + block_side - 1) / block_side; }
@@ -25,10 +27,11 @@ public:
     }
 
 private:
-    int width_, height_, bits_, images_;
+    int width_, height_, images_;
+    size_t pixel_bytes_;
     Buffer words_;
     Texture texture_;
-    unsigned char* mapped_ = nullptr;  ///< between begin() and end()
+    std::vector<uint8_t> blocks_;  ///< of the rows at hand, that they are written in one piece
 };
 
 }  // namespace radiafit

@@ -1,6 +1,7 @@
 #include "fragment/image_sweep.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "fragment/view_order.h"
 
@@ -25,22 +26,25 @@ void ImageSweep::set_batch(int images) {
         make_stacks();
     else
         make_slots();
+    if (keep_on_device_) uploads_.reset();
     times_ = {};  // what came before sweeps is none of theirs
 }
 
 void ImageSweep::make_stacks() {
     const auto [width, height] = largest();
     const size_t batch = size_t(batch_), turns = (views_.size() + batch - 1) / batch;
-    for (size_t turn = 0; turn < (keep_on_device_ ? turns : std::min<size_t>(2, turns)); ++turn) {
+    for (size_t turn = 0; turn < (keep_on_device_ ? turns : 1); ++turn) {
         stacks_.emplace_back(width, height, bits(), batch_);
+        if (!uploads_) uploads_.emplace(stacks_.back().bytes());
         if (keep_on_device_) fill(stacks_.back(), turn * batch);
     }
 }
 
 void ImageSweep::make_slots() {
+    const auto [width, height] = largest();
+    uploads_.emplace(size_t(width) * size_t(height) * size_t(bits() / 2));
     if (batch_ > 1) views_ = batches_of_neighbours(*dataset_, views_, batch_);
     if (!keep_on_device_) {
-        const auto [width, height] = largest();
         for (int i = 0; i < 2 * batch_; ++i) slots_.emplace_back(width, height, bits());
         return;
     }
@@ -51,30 +55,36 @@ void ImageSweep::make_slots() {
     }
 }
 
-void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
-    stream_.load(view, image_);
+template <class Body>
+void ImageSweep::time_upload(const Body& body) {
     const double begin = wall_time_s();
-    slot.upload(image_);
+    body();
     times_.upload_s += wall_time_s() - begin;
 }
 
+void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
+    const Camera& camera = dataset_->views[view].camera;
+    const size_t row_bytes = size_t(camera.width) * size_t(bits() / 2);
+    uint8_t* to = nullptr;
+    time_upload([&] { to = uploads_->begin(); });
+    stream_.load_rows(view, [&](int, const uint8_t* row) {
+        std::memcpy(to, row, row_bytes);
+        to += row_bytes;
+    });
+    time_upload([&] { slot.take(*uploads_, camera.width, camera.height); });
+}
+
 void ImageSweep::fill(ImageStack& stack, size_t first) {
-    const auto timed = [&](const auto& body) {
-        const double begin = wall_time_s();
-        body();
-        times_.upload_s += wall_time_s() - begin;
-    };
-    timed([&] { stack.begin(); });
-    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
-        stream_.load(views_[first + i], image_);
-        timed([&] { stack.put(int(i), image_); });
-    }
-    timed([&] { stack.end(); });
+    uint8_t* to = nullptr;
+    time_upload([&] { to = uploads_->begin(); });
+    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i)
+        stream_.load_rows(views_[first + i], [&](int y, const uint8_t* row) { stack.put_row(to, int(i), y, row); });
+    time_upload([&] { stack.take(*uploads_); });
 }
 
 void ImageSweep::load(size_t first, size_t turn) {
     on_device_.clear();
-    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[keep_on_device_ ? turn : turn % stacks_.size()];
+    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[keep_on_device_ ? turn : 0];
     if (stack && !keep_on_device_) fill(*stack, first);
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
         const uint32_t view = views_[first + i];

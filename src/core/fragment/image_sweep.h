@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,8 @@ std::array<int, 2> largest_image(const Dataset& dataset, std::span<const uint32_
 
 /// Where the time of sweeps over images went.
 struct SweepTimes {
-    double stream_s = 0;     ///< wall: reading images
-    double upload_s = 0;     ///< wall: handing them to OpenGL
+    double stream_s = 0;     ///< wall: reading images into memory that the device fetches them from
+    double upload_s = 0;     ///< wall: handing them to OpenGL, and waiting for a place to read them into
     double sweep_s = 0;      ///< wall: whole sweeps over images, both of the above included
     double sweep_cpu_s = 0;  ///< process CPU time of the same
     uint64_t sweeps = 0, images = 0;
@@ -71,15 +72,17 @@ private:
     void make_slots();
     void fill(ImageStack& stack, size_t first);
     void fill(ImageSlot& slot, uint32_t view);
+    template <class Body>
+    void time_upload(const Body& body);
 
     const Dataset* dataset_;
     std::vector<uint32_t> views_;
     ImageStream stream_;
     bool keep_on_device_;
     int batch_ = 1;
-    std::vector<ImageSlot> slots_;    ///< two batches: one is filled while the other is read; or one for each view
-    std::vector<ImageStack> stacks_;  ///< two, to take turns as slots do; or as many as hold each view
-    TargetImage image_;
+    std::vector<ImageSlot> slots_;         ///< two batches: one is filled while the other is read; or one for each view
+    std::vector<ImageStack> stacks_;       ///< one, or as many as hold each view
+    std::optional<PixelUploads> uploads_;  ///< none once every view is on the device
     std::vector<ImageOnDevice> on_device_;
     SweepTimes times_;
 };

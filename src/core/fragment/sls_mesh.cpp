@@ -139,9 +139,12 @@ ImageSlot::ImageSlot(int max_width, int max_height, int bits)
     : texture_(bits == 8 ? GL_RGBA8UI : GL_RGBA16UI, max_width, max_height) {}
 
 void ImageSlot::upload(const TargetImage& image) {
-    texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER,
-                         image.bits == 8 ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT,
+    texture_.upload_part(image.width, image.height, GL_RGBA_INTEGER, type(),
                          image.bits == 8 ? static_cast<const void*>(image.rgba8.data()) : image.rgba16.data());
+}
+
+void ImageSlot::take(PixelUploads& uploads, int width, int height) {
+    uploads.end(texture_, width, height, GL_RGBA_INTEGER, type());
 }
 
 }  // namespace radiafit

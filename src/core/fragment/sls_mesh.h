@@ -4,6 +4,7 @@
 
 #include "geometry/atlas.h"
 #include "geometry/camera.h"
+#include "gl/pixel_uploads.h"
 #include "gl/program.h"
 #include "gl/texture.h"
 
@@ -90,9 +91,11 @@ class ImageSlot {
 public:
     ImageSlot(int max_width, int max_height, int bits);
     void upload(const struct TargetImage& image);
+    void take(PixelUploads& uploads, int width, int height);  ///< what was written since begin()
     const Texture& texture() const { return texture_; }
 
 private:
+    GLenum type() const { return texture_.format() == GL_RGBA8UI ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT; }
     Texture texture_;
 };
 

@@ -44,15 +44,17 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
             {"numbers of views", fmt::format("3 x {}", views.size()), 3 * views.size(), 3 * views.size() * float4});
     if (!triangles) {
         const uint64_t turns = (views.size() + uint64_t(images_per_pass) - 1) / uint64_t(images_per_pass),
-                       stacks = fragment_options.keep_on_device ? turns : std::min<uint64_t>(2, turns),
-                       bytes =
-                           ImageStack::bytes(shape.width(), shape.height(), bits) * uint64_t(images_per_pass) * stacks;
-        plan.push_back({"stacks of images",
-                        fmt::format("{} x {} x {} x {}", stacks, images_per_pass, shape.width(), shape.height()), bytes,
-                        bytes});
+                       each = ImageStack::bytes(shape.width(), shape.height(), bits) * uint64_t(images_per_pass);
+        const auto stacks = [&](const char* array, uint64_t count) {
+            plan.push_back({array,
+                            fmt::format("{} x {} x {} x {}", count, images_per_pass, shape.width(), shape.height()),
+                            count * each, count * each});
+        };
+        stacks("stacks of images", fragment_options.keep_on_device ? turns : 1);
+        if (!fragment_options.keep_on_device) stacks("images on their way to the device", 2);
         return plan;
     }
-    plan.push_back(plan_images(dataset, views, 1, bits, fragment_options.keep_on_device));
+    plan_images(plan, dataset, views, 1, bits, fragment_options.keep_on_device);
     if (combined) layers("pixels that texels take", images_per_pass, uint64_t(bits / 2));
     const auto [width, height] = largest_image(dataset, views);
     const uint64_t pixels = uint64_t(width) * uint64_t(height);

@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include "base/error.h"
+#include "base/program.h"
 #include "base/wording.h"
 
 namespace radiafit {
@@ -263,6 +267,42 @@ void after_gl_call(const char* name) {
 }
 
 }  // namespace detail
+
+namespace {
+
+std::string how_it_ended(const Ended& ended) {
+    if (ended.status == 0) return "";
+    if (ended.status == 128 + SIGALRM) return "does not answer";
+    const std::string why = ended.status > 128 ? strsignal(ended.status - 128) : fmt::format("status {}", ended.status);
+    return fmt::format("crashes ({}){}{}", why, ended.message.empty() ? "" : ": ", single_line(ended.message));
+}
+
+}  // namespace
+
+std::vector<DeviceAnswer> ask_each_device(const std::function<std::string(const DeviceInfo&)>& ask) {
+    constexpr unsigned patience_s = 60;
+    std::vector<DeviceAnswer> answers;
+    for (const ContextKind kind : {ContextKind::egl, ContextKind::osmesa}) {
+        const Ended listed = run_apart(
+            [&] {
+                std::vector<DeviceInfo> devices;
+                (kind == ContextKind::egl ? detail::list_egl_devices : detail::list_osmesa_devices)(devices);
+                std::string lines;
+                for (const DeviceInfo& d : devices)
+                    lines += fmt::format("{} {} {}\n", d.device, int(d.software), d.description);
+                return lines;
+            },
+            patience_s);
+        if (listed.status != 0) answers.push_back({{kind, -1, false, "which"}, "", how_it_ended(listed)});
+        std::istringstream lines(listed.output);
+        for (DeviceInfo d{.kind = kind};
+             lines >> d.device >> d.software && std::getline(lines >> std::ws, d.description);) {
+            const Ended ended = run_apart([&] { return ask(d); }, patience_s);
+            answers.push_back({d, ended.output, how_it_ended(ended)});
+        }
+    }
+    return answers;
+}
 
 std::vector<DeviceInfo> list_devices() {
     std::vector<DeviceInfo> devices;

@@ -20,9 +20,9 @@ struct ContextLimits {
 /// One entry of `radiafit devices`.
 struct DeviceInfo {
     ContextKind kind;
-    int device;  ///< for ContextOptions::device; -1 for OSMesa
-    bool software;
-    std::string description;  ///< EGL vendor or driver string, before any context is made
+    int device = -1;  ///< for ContextOptions::device; -1 for OSMesa
+    bool software = false;
+    std::string description = {};  ///< EGL vendor or driver string, before any context is made
 };
 
 /// Whether shaders run on the CPU, by GL_RENDERER.
@@ -93,6 +93,15 @@ private:
 
 /// Every device a context could be made on; never throws for a missing library, it just lists nothing.
 std::vector<DeviceInfo> list_devices();
+
+struct DeviceAnswer {
+    DeviceInfo device;
+    std::string text;     ///< what `ask` returned
+    std::string failure;  ///< how its process ended instead, such as "crashes (Segmentation fault)"; else empty
+};
+/// `ask` of each device, in a child process for each, where it may make a context: drivers may crash as they do. It
+/// must not throw. This process loads no driver.
+std::vector<DeviceAnswer> ask_each_device(const std::function<std::string(const DeviceInfo& device)>& ask);
 
 namespace detail {
 std::unique_ptr<Context> create_egl_context(const ContextOptions& options);

@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdlib>
+#include <optional>
+#include <string>
 
 #include "base/error.h"
 #include "base/wording.h"
@@ -39,6 +42,26 @@ struct OsMesa {
 
 void* resolve_by_osmesa(const char* name) { return reinterpret_cast<void*>(OsMesa::get()->get_proc_address(name)); }
 
+/// OSMesa draws in software alone, but reads GALLIUM_DRIVER, too, and crashes where that names another driver, such as
+/// zink for EGL: while one of these lives, it is a software one's or none.
+class SoftwareDriver {
+public:
+    SoftwareDriver() {
+        const char* driver = std::getenv("GALLIUM_DRIVER");
+        if (!driver || !*driver || is_software_renderer(driver)) return;
+        hidden_ = driver;
+        ::unsetenv("GALLIUM_DRIVER");
+    }
+    ~SoftwareDriver() {
+        if (hidden_) ::setenv("GALLIUM_DRIVER", hidden_->c_str(), 1);
+    }
+    SoftwareDriver(const SoftwareDriver&) = delete;
+    SoftwareDriver& operator=(const SoftwareDriver&) = delete;
+
+private:
+    std::optional<std::string> hidden_;
+};
+
 class OsMesaContext final : public Context {
 public:
     explicit OsMesaContext(const ContextOptions& options) : Context(options) {
@@ -50,6 +73,7 @@ public:
             throw UserError(fmt::format("{} is out of range: {} osmesa has one device, 0 (see {})",
                                         option_name("device"), option_name("context"),
                                         at_command_line("`radiafit devices`", "list_devices()")));
+        const SoftwareDriver while_it_is_made;
         // Any core context first; finish_creation() compares its version and can say what it is.
         for (const std::array<int, 2> version : {std::array{4, 5}, std::array{3, 2}}) {
             const int attributes[] = {OSMESA_FORMAT,

@@ -26,9 +26,9 @@ namespace radiafit {
     X(NamedFramebufferTexture) X(NamedFramebufferTextureLayer) \
     /* buffers and vertex arrays */ \
     X(BindVertexArray) \
-    X(BindBufferBase) X(ClearNamedBufferData) X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
-    X(EnableVertexArrayAttrib) X(GetNamedBufferParameteri64v) X(GetNamedBufferSubData) X(IsBuffer) \
-    X(MapNamedBufferRange) X(NamedBufferStorage) X(NamedBufferSubData) X(UnmapNamedBuffer) \
+    X(BindBuffer) X(BindBufferBase) X(ClearNamedBufferData) X(CopyNamedBufferSubData) X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
+    X(EnableVertexArrayAttrib) X(GetNamedBufferParameteri64v) X(InvalidateBufferData) X(GetNamedBufferSubData) X(IsBuffer) \
+    X(MapNamedBufferRange) X(NamedBufferStorage) X(NamedBufferSubData) \
     X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) X(VertexArrayAttribIFormat) \
     X(VertexArrayBindingDivisor) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) \
     /* programs */ \
@@ -41,8 +41,8 @@ namespace radiafit {
     /* compute */ \
     X(DispatchCompute) X(MemoryBarrier) X(ShaderStorageBlockBinding) \
     /* queries, synchronization, debugging */ \
-    X(BeginQuery) X(DebugMessageCallback) X(DeleteQueries) \
-    X(EndQuery) X(GenQueries) X(GetQueryObjectui64v)
+    X(BeginQuery) X(ClientWaitSync) X(DebugMessageCallback) X(DeleteQueries) X(DeleteSync) \
+    X(EndQuery) X(FenceSync) X(GenQueries) X(GetQueryObjectui64v)
 // clang-format on
 
 namespace detail {

@@ -169,7 +169,11 @@ void Framebuffer::clear() const {
 Buffer::Buffer(size_t bytes, const void* data, bool dynamic)
     : Buffer(bytes, data, GLbitfield(dynamic ? GL_DYNAMIC_STORAGE_BIT : 0)) {}
 
-Buffer Buffer::to_map(size_t bytes) { return Buffer(bytes, nullptr, GLbitfield(GL_MAP_WRITE_BIT)); }
+namespace {
+constexpr GLbitfield mapped_for_good = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+}
+
+Buffer Buffer::to_map(size_t bytes) { return Buffer(bytes, nullptr, mapped_for_good); }
 
 Buffer::Buffer(size_t bytes, const void* data, GLbitfield access) : Buffer() {
     gl().CreateBuffers(1, &name_);
@@ -194,17 +198,12 @@ void Buffer::write(size_t offset, size_t bytes, const void* data) {
 void Buffer::clear() { gl().ClearNamedBufferData(name_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr); }
 
 void* Buffer::map() {
-    void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_),
-                                           GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_), mapped_for_good);
     if (!bytes) {
         Context::current().check_device();
         throw SystemError(fmt::format("OpenGL cannot map a buffer of {} bytes", bytes_));
     }
     return bytes;
-}
-
-void Buffer::unmap() {
-    if (!gl().UnmapNamedBuffer(name_)) throw SystemError("OpenGL lost the contents of a mapped buffer");
 }
 
 void Buffer::read(size_t offset, size_t bytes, void* data) const {

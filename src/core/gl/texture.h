@@ -110,7 +110,7 @@ public:
     template <class T>
     explicit Buffer(const std::vector<T>& values, bool dynamic = false)
         : Buffer(values.size() * sizeof(T), values.data(), dynamic) {}
-    /// Contents undefined at first; allows map().
+    /// Contents undefined at first; for map().
     static Buffer to_map(size_t bytes);
     ~Buffer();
     Buffer(Buffer&& other) noexcept { swap(other); }
@@ -120,9 +120,9 @@ public:
     }
     void write(size_t offset, size_t bytes, const void* data);
     void clear();  ///< to all zero bits
-    /// For writing all that is used later, until unmap(); what it held is lost.
+    /// Once, for as long as the buffer lives: where it can be written at any time. What the device is to read it reads
+    /// by commands that follow; who writes there again waits until they are done.
     void* map();
-    void unmap();
     void read(size_t offset, size_t bytes, void* data) const;
     GLuint name() const { return name_; }
     size_t bytes() const { return bytes_; }

@@ -29,6 +29,7 @@ nlohmann::ordered_json describe_run(FitRecord& fit, const FitRun& run, const Fit
         {"unaccounted_s", t.total - t.distribution - t.streaming - t.optimization},
     };
     if (!run.accumulation.empty()) times["accumulation"] = run.accumulation;
+    if (run.group_size) times["group_size"] = run.group_size;
     if (facts_of(request).records)
         times["records"] = {
             {"bytes_written", run.records.bytes_written}, {"waiting_bytes_read", run.records.bytes_read},

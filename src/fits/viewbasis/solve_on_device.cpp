@@ -1,5 +1,8 @@
+#include <map>
+
 #include "base/parallel.h"
 #include "gl/context.h"
+#include "gl/group_trial.h"
 #include "gl/program.h"
 #include "viewbasis/solve_view_basis.h"
 
@@ -23,13 +26,21 @@ ViewBasisSolution solve_on_device(const Dataset& dataset, const TriangleAtlas& a
     const TexelViewReader reader(dataset, atlas, samples, basis.up);
     const size_t z = 3 * size_t(basis.rank), numbers = z + 1;
     const size_t columns = size_t(basis.rank) + 3;  // as the shader has them
-    const size_t lanes =
-        Context::current().group_size(64, 4 * (columns + 1), 2 * columns * (columns + 1) + 12 * view_terms);
-    const Program program = Program::compute("compute/view_basis.comp",
-                                             {{"LANES", std::to_string(lanes)}, {"RANK", std::to_string(basis.rank)}});
     const Buffer functions(basis.numbers);
-    program.bind("Basis", functions);
-    program.set("noise", basis.noise);
+    std::map<size_t, Program> programs;  // by invocations of a work group
+    const auto program_of = [&](size_t usual) -> Program& {
+        const size_t lanes =
+            Context::current().group_size(usual, 4 * (columns + 1), 2 * columns * (columns + 1) + 12 * view_terms);
+        Program& program = programs[lanes];
+        if (!program) {
+            program = Program::compute("compute/view_basis.comp",
+                                       {{"LANES", std::to_string(lanes)}, {"RANK", std::to_string(basis.rank)}});
+            program.bind("Basis", functions);
+            program.set("noise", basis.noise);
+        }
+        return program;
+    };
+    size_t usual = group_size_is_open() ? 0 : 64;  // 0: tried with the first texels
     std::vector<std::vector<std::vector<TexelView>>> tiles;
     for (uint32_t begin = 0, end = 0; begin < atlas.tile_count(); begin = end) {
         for (size_t floats = 0; end < atlas.tile_count() && floats < floats_at_once; ++end) {
@@ -52,11 +63,16 @@ ViewBasisSolution solve_on_device(const Dataset& dataset, const TriangleAtlas& a
         if (texels.empty()) continue;
         std::vector<float> solved(texels.size() * numbers);
         const Buffer of_texels(texels), of_samples(seen), solutions(solved);
-        program.bind("Texels", of_texels);
-        program.bind("Samples", of_samples);
-        program.bind("Solutions", solutions);
-        program.set("texel_count", int(texels.size()));
-        program.dispatch(texels.size());
+        const auto solve = [&](size_t invocations) {
+            const Program& program = program_of(invocations);
+            program.bind("Texels", of_texels);
+            program.bind("Samples", of_samples);
+            program.bind("Solutions", solutions);
+            program.set("texel_count", int(texels.size()));
+            program.dispatch(texels.size());
+        };
+        if (usual == 0) usual = best_group(try_groups(solve));
+        solve(usual);
         solutions.read(0, solved.size() * sizeof(float), solved.data());
         for (size_t i = 0; i < texels.size(); ++i) {
             std::copy_n(&solved[i * numbers], z, &out.parameters[texels[i].number * z]);

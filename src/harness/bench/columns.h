@@ -47,6 +47,23 @@ inline const RowFileOf<Agreement> agreement{
       &Agreement::agrees}},
     partial};
 
+struct Group {
+    std::string problem, device;
+    size_t invocations;
+    std::optional<double> seconds;
+    bool chosen;
+};
+inline const RowFileOf<Group> groups{"groups.csv",
+                                     "Sizes of the work groups of compute shaders.",
+                                     {{"problem device", key(), as_before, &Group::problem, &Group::device},
+                                      {"invocations", key(), "of a work group", &Group::invocations},
+                                      {"seconds", shown("{:.3g}").in("s"),
+                                       "of a pass like those over samples, by which a size is chosen: nothing where "
+                                       "the size is not open, as in software",
+                                       &Group::seconds},
+                                      {"chosen", shown(), "1, or 0", &Group::chosen}},
+                                     partial};
+
 struct Measurement {
     std::string problem, device, pass;
     size_t repetition;

@@ -5,6 +5,7 @@
 
 #include "bench/work.h"
 #include "fragment/fragment_engine.h"
+#include "gl/group_trial.h"
 #include "optim/optimizer.h"
 
 namespace radiafit::harness {
@@ -28,6 +29,10 @@ public:
     virtual double streaming_s() const { return 0; }
     /// The load of one run.
     virtual PassLoad load(Pass pass) = 0;
+
+    /// Of compute shaders: invocations of their work groups, and what they were chosen by; else 0 and none.
+    virtual size_t group_size() const { return 0; }
+    virtual std::vector<TriedGroup> tried_groups() const { return {}; }
 };
 
 /// What an EngineContestant cannot ask an engine.
@@ -102,6 +107,15 @@ public:
             prepare(pass, 1);
             return declared_load(engine().passes(), [&] { run(pass, 1); });
         }
+        return {};
+    }
+
+    size_t group_size() const override {
+        if constexpr (requires { owner_->engine.group_size(); }) return owner_->engine.group_size();
+        return 0;
+    }
+    std::vector<TriedGroup> tried_groups() const override {
+        if constexpr (requires { owner_->engine.tried_groups(); }) return owner_->engine.tried_groups();
         return {};
     }
 

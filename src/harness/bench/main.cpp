@@ -24,20 +24,22 @@ namespace {
 
 void list_all() {
     fmt::print("cpu: {} threads\n", thread_count());
-    for (const DeviceInfo& d : list_devices()) {
-        const bool egl = d.kind == ContextKind::egl;
-        const std::string name = egl ? fmt::format("--gpu {}", d.device) : "--platform osmesa";
-        std::string what;
+    const auto ask = [](const DeviceInfo& d) -> std::string {
         try {
             const auto context = Context::create({.kind = d.kind, .device = d.device});
-            what = fmt::format("{}, OpenGL {}", context->renderer(), context->version());
+            return fmt::format("{}, OpenGL {}", context->renderer(), context->version());
         } catch (const std::exception& e) {
-            what = e.what();
+            return e.what();
         }
-        fmt::print("{}: {} ({})\n", name, what, d.description);
+    };
+    bool found = false;
+    for (const auto& [device, text, failure] : ask_each_device(ask)) {
+        const std::string name =
+            device.kind == ContextKind::egl ? fmt::format("--gpu {}", device.device) : "--platform osmesa";
+        fmt::print("{}: {} ({})\n", name, failure.empty() ? text : failure, device.description);
+        found |= !device.software;
     }
     const ChipSigns signs = look_for_chip();
-    const bool found = std::ranges::any_of(list_devices(), [](const DeviceInfo& d) { return !d.software; });
     if (!found && !signs.advice.empty()) fmt::print("no graphics chip by OpenGL: {}\n", signs.advice);
 }
 

@@ -58,6 +58,20 @@ void write_peaks(const BenchResults& results, const ResultFolder& folder) {
     rows.commit();
 }
 
+void write_groups(const BenchResults& results, const ResultFolder& folder) {
+    CsvFile rows(folder.path(), rows::groups);
+    for (const Timed& t : results.timed) {
+        const size_t chosen = t.contestant->group_size();
+        if (chosen == 0) continue;
+        std::vector<TriedGroup> tried = t.contestant->tried_groups();
+        for (const auto& [invocations, seconds] : tried)
+            rows.add({t.scene, name_of(t.device), invocations, seconds, invocations == chosen});
+        if (std::ranges::find(tried, chosen, &TriedGroup::invocations) == tried.end())
+            rows.add({t.scene, name_of(t.device), chosen, {}, true});
+    }
+    rows.commit();
+}
+
 /// The rate of a pass as a share of the peak of the same round; median over the rounds.
 std::optional<double> share(const std::optional<double>& amount, const std::vector<double>& seconds, Device device,
                             double DevicePeaks::*rate, const std::vector<Peaks>& peaks) {
@@ -119,6 +133,7 @@ void write_rows(const BenchResults& results, const ResultFolder& folder) {
     write_agreement(results, folder);
     write_repetitions(results, folder);
     write_peaks(results, folder);
+    write_groups(results, folder);
     write_summary(results, folder);
 }
 

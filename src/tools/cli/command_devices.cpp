@@ -15,21 +15,14 @@ using Json = nlohmann::ordered_json;
 
 /// What a device's context says of it, or why it can't be made.
 Json describe(const DeviceInfo& device) {
-    const bool osmesa = device.kind == ContextKind::osmesa;
-    Json json = {{"name", osmesa ? "osmesa" : fmt::format("egl --device {}", device.device)}};
+    Json json;
     try {
-        ContextOptions options;
-        options.kind = device.kind;
-        options.device = device.device;
-        const auto context = Context::create(options);
+        const auto context = Context::create({.kind = device.kind, .device = device.device});
         const ContextLimits& l = context->limits();
-        json.update({{"renderer", context->renderer()},
-                     {"kind", device.software ? "software" : "GPU"},
-                     {"opengl", context->version()},
-                     {"texture_size", l.texture_size},
-                     {"draw_buffers", l.draw_buffers},
-                     {"texture_units", l.texture_units},
-                     {"storage_buffer_bytes", l.ssbo_bytes}});
+        json = {{"renderer", context->renderer()},     {"kind", context->software() ? "software" : "GPU"},
+                {"opengl", context->version()},        {"texture_size", l.texture_size},
+                {"draw_buffers", l.draw_buffers},      {"texture_units", l.texture_units},
+                {"storage_buffer_bytes", l.ssbo_bytes}};
     } catch (const std::exception& e) {
         json["error"] = e.what();
     }
@@ -56,9 +49,15 @@ void add_devices(CommandLine& program) {
     command.on_run([=] {
         Json all = Json::array();
         if (!*json) fmt::print("cpu: {} threads\n", thread_count());
-        for (const DeviceInfo& device : list_devices()) {
-            all.push_back(describe(device));
-            if (!*json) print(all.back());
+        for (const auto& [device, text, failure] :
+             ask_each_device([](const DeviceInfo& d) { return describe(d).dump(); })) {
+            const bool osmesa = device.kind == ContextKind::osmesa;
+            Json answer = {{"name", osmesa              ? "osmesa"
+                                    : device.device < 0 ? "egl"
+                                                        : fmt::format("egl --device {}", device.device)}};
+            answer.update(failure.empty() ? Json::parse(text) : Json{{"error", failure}});
+            if (!*json) print(answer);
+            all.push_back(std::move(answer));
         }
         if (*json) fmt::print("{}\n", Json{{"cpu_threads", thread_count()}, {"devices", all}}.dump(2));
     });

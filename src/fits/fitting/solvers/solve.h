@@ -34,6 +34,7 @@ struct FitRun {
     double images_cached_share = 0;     ///< of images.bin's pages, when they were done
     std::string accumulation;           ///< how the compute engine summed over samples, for people; else empty
     uint64_t engine_bytes = 0;          ///< device memory (or vectors) of the engine
+    size_t group_size = 0;              ///< invocations of the compute engine's work groups; else 0
     // Of the two-step solver.
     RecordStatistics records;
     uint64_t record_bytes_read = 0;

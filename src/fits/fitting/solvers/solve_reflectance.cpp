@@ -168,6 +168,7 @@ void solve_compute(TexelTask& task) {
         engine.reset(starts_of({source, loader, task.options}));
         optimize_engine(engine, task);
         take_fit(engine, statistics, task);
+        task.out.group_size = engine.group_size();
         task.out.times.optimization = clock.wall_s();
     });
 }

@@ -81,6 +81,7 @@ void with_compute_engine(FitTask& task) {
     out.accumulation = describe(engine->accumulate());
     run_engine(*engine, engine->layout(), task);
     out.engine_bytes = engine->bytes();
+    out.group_size = engine->group_size();
     if (samples)
         out.times.optimization = clock.wall_s();
     else

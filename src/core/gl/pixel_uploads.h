@@ -1,0 +1,40 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "gl/texture.h"
+
+namespace radiafit {
+
+/// Pixels on their way to the device: two buffers of memory that it reads by itself, mapped for good. While it fetches
+/// from one, the next pixels are written to the other, and nothing is copied between.
+class PixelUploads {
+public:
+    explicit PixelUploads(size_t bytes);  ///< of the most that goes at once
+    ~PixelUploads();
+    PixelUploads(const PixelUploads&) = delete;
+    PixelUploads& operator=(const PixelUploads&) = delete;
+
+    /// Where the next pixels are to be written, best from front to back; to read there may be slow. Waits until the
+    /// device has fetched what was there before.
+    uint8_t* begin();
+    /// What was written since begin(), rows of pixels without gaps, becomes the rectangle [0, width) x [0, height) of a
+    /// texture. `format` and `type` as for Texture::upload().
+    void end(Texture& to, int width, int height, GLenum format, GLenum type);
+    /// It becomes the whole of a buffer, which is no larger than these.
+    void end(Buffer& to);
+
+private:
+    struct Half {
+        Buffer buffer;
+        uint8_t* mapped = nullptr;
+        GLsync fetched = nullptr;  ///< null: nothing is on its way
+    };
+    void take_turns();
+
+    std::array<Half, 2> halves_;
+    size_t turn_ = 0;
+};
+
+}  // namespace radiafit

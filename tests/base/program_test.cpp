@@ -1,0 +1,50 @@
+// What runs in processes of its own.
+#include "base/program.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+
+namespace radiafit {
+namespace {
+
+TEST(RunApart, ReturnsWhatTheBodyDoesAndChangesNothingHere) {
+    int here = 1;
+    const std::string large(1 << 20, 'x');  // more than a pipe holds
+    const Ended ended = run_apart(
+        [&] {
+            here = 2;
+            return large;
+        },
+        60);
+    EXPECT_EQ(ended.status, 0);
+    EXPECT_EQ(ended.output, large);
+    EXPECT_EQ(here, 1);
+}
+
+TEST(RunApart, ACrashIsToldAndNoMore) {
+    const Ended crashed = run_apart(
+        []() -> std::string {
+            (void)!write(STDERR_FILENO, "the driver's last words\n", 24);
+            std::signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would end it otherwise
+            raise(SIGSEGV);
+            return "never";
+        },
+        60);
+    EXPECT_EQ(crashed.status, 128 + SIGSEGV);
+    EXPECT_EQ(crashed.output, "");
+    EXPECT_EQ(crashed.message, "the driver's last words\n");
+}
+
+TEST(RunApart, WhatDoesNotEndIsEnded) {
+    const Ended slow = run_apart(
+        []() -> std::string {
+            for (;;) pause();
+        },
+        1);
+    EXPECT_EQ(slow.status, 128 + SIGALRM);
+}
+
+}  // namespace
+}  // namespace radiafit
