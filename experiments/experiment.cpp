@@ -17,7 +17,10 @@
 #include "command_line/command_line.h"
 #include "dataset/checksums.h"
 #include "fitting/limits.h"
+#include "fragment/half_rounding.h"
 #include "gl/context.h"
+#include "report/csv_file.h"
+#include "report/half_rows.h"
 #include "show_rows.h"
 
 namespace radiafit::harness {
@@ -187,6 +190,13 @@ void note_gl(const Context& context, Record& record) {
     record.gl_vendor = context.vendor();
     record.gl_renderer = context.renderer();
     record.gl_version = context.version();
+}
+
+void write_halves(const ResultFolder& results, const ContextOptions& options) {
+    const auto context = Context::create(options);
+    CsvFile rows(results.path(), rows_of::halves);
+    for (const HalfRounding& h : measure_half_rounding()) rows.add({h.of, h.values, h.subnormals});
+    rows.commit();
 }
 
 FitOutcome solve_noting_errors(const Dataset& dataset, const FitRequest& request, const SharedSamples& samples,

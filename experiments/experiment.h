@@ -92,6 +92,9 @@ std::function<void(const std::string&)> valid_option(const std::string& name);
 void note_gl(const FitRun& run, Record& record);
 void note_gl(const Context& context, Record& record);
 
+/// halves.csv of the OpenGL that these options name.
+void write_halves(const ResultFolder& results, const ContextOptions& context);
+
 /// solve() on shared samples with its progress shown and its OpenGL, if any, noted in the record; errors
 /// [iterations + 1][problem] are E_t, those of the start first.
 FitOutcome solve_noting_errors(const Dataset& dataset, const FitRequest& request, const SharedSamples& samples,

@@ -304,6 +304,7 @@ void fig9(Experiment& experiment) {
     ResultFolder results = experiment.open_results(renderer);
     write_errors(results.path(), contest.rows());
     write_choice(results.path(), contest.trials());
+    write_halves(results, FitRequest().context);
     experiment.finish(results, fmt::format("{} scale, foreground pixels; {}; OpenGL: {}", experiment.profile(),
                                            experiment.cpu_device(), renderer));
 }

@@ -99,6 +99,7 @@ void precision(Experiment& experiment) {
     }
     curves.commit();
     finals.commit();
+    write_halves(results, o.request.context);
     log_info("what 16-bit floats cost\n" + table.text());
     experiment.finish(
         results, fmt::format("{} ({} scale), {} training images, {} passes; {}", dataset.name, experiment.profile(),

@@ -25,7 +25,7 @@ python="$experiments python3-dev pybind11-dev python3-numpy"
 # What compiles in `make test`, and what only runs there.
 test_programs="$build $python libgtest-dev libopenmpi-dev"
 clang="clang clang-tidy libbenchmark-dev"
-test="$test_programs git chromium clang-format glslang-tools glslc spirv-tools"
+test="$test_programs git chromium clang-format glslang-tools glslc spirv-tools mesa-vulkan-drivers"
 
 case $part in
 experiments) packages=$experiments ;;
@@ -35,7 +35,7 @@ test-programs) packages=$test_programs ;;
 test) packages=$test ;;
 faults) packages="$build strace" ;;
 clang) packages="$test_programs $clang" ;;
-check) packages="$test strace $clang" ;;
+check) packages="$test strace $clang vulkan-validationlayers" ;;
 fuzz) packages="$build libgtest-dev clang-16 libclang-rt-16-dev" ;;
 bench) packages="$experiments libbenchmark-dev" ;;
 peers) packages="$experiments python3-numpy python3-torch" ;;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "rules.h"
@@ -154,6 +155,16 @@ Judgement above_pca(const FinishedRun& run) {
     return j;
 }
 
+/// How the run's OpenGL rounds the 16-bit floats of its fits.
+std::string rounding_of(const FinishedRun& run) {
+    if (!run.has_table("halves.csv")) return "how its OpenGL rounds them was not measured then";
+    const CsvTable rows = run.table("halves.csv");
+    std::map<std::string, std::string> rounding;
+    for (size_t i = 0; i < rows.row_count(); ++i) rounding[rows.text(i, "of")] = rows.text(i, "values");
+    return fmt::format("its OpenGL rounds what it stores {}, and what it sums {}", rounding["storage"],
+                       rounding["blended sum"]);
+}
+
 Judgement half_as_good(const FinishedRun& run) {
     const OneTerm t(run);
     Judgement j{.renderer = t.text(low_fp16, "renderer")};
@@ -177,8 +188,8 @@ Judgement half_as_good(const FinishedRun& run) {
     }
     j.sentence = fmt::format(
         "Conjugate gradients by the paper's passes, parameters and sums in 16-bit floats, differ from the CPU's in 32 "
-        "bits by {} after {} iterations with one term, {}; means over {} objects of each shape.",
-        fmt::join(told, " and "), t.text(low_fp16, "iterations"), map_sizes(t, low_fp16), t.seeds());
+        "bits by {} after {} iterations with one term, {}; {}; means over {} objects of each shape.",
+        fmt::join(told, " and "), t.text(low_fp16, "iterations"), map_sizes(t, low_fp16), rounding_of(run), t.seeds());
     j.demand(
         t.all(low_fp16, "passes", "paper") && t.all(low_fp16, "mode", "paper") && t.all(low_brief, "mode", "paper"),
         "the paper's passes and conjugate gradients");

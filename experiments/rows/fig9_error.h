@@ -1,5 +1,6 @@
 #pragma once
 #include "report/experiments.h"
+#include "report/half_rows.h"
 
 namespace radiafit::harness::rows_of::fig9_error {
 using namespace columns;
@@ -58,7 +59,7 @@ inline const ExperimentEntry experiment{
     .about =
         "Figure 9: PSNR and average pixel error, on training and held-out views, of factorization (PCA) and nonlinear optimization at one high resolution, and of the CPU in 32-bit and OpenGL in "
         "16-bit floats at a low one, by number of terms; `--set capture=DATASET` adds a capture of your own.",
-    .files = {&errors, &choice},
+    .files = {&errors, &choice, &halves},
     .place = 40,
     .title = "Figure 9: error of four methods",
     .section = "6.4, Figure 9",

@@ -1,5 +1,6 @@
 #pragma once
 #include "report/experiments.h"
+#include "report/half_rows.h"
 
 namespace radiafit::harness::rows_of::precision {
 using namespace columns;
@@ -47,7 +48,7 @@ inline const RowFileOf<Final> finals{
 inline const ExperimentEntry experiment{
     .name = "precision",
     .about = "What 16-bit floats cost: storage and sums apart.",
-    .files = {&curves, &finals},
+    .files = {&curves, &finals, &halves},
     .place = 100,
     .title = "What 16-bit floats cost",
     .section = "6.3, 6.4",

@@ -20,7 +20,20 @@
 #define MAPS usampler2DArray
 #define STORED uvec2
 vec3 load(uvec4 texel) { return vec3(unpackHalf2x16(texel.x), unpackHalf2x16(texel.y).x); }
+#ifdef OWN_HALVES  // where packHalf2x16 rounds otherwise
+uint half_of(float x) {
+    uint bits = floatBitsToUint(x), sign = bits >> 16 & 0x8000u, size = bits & 0x7fffffffu;
+    if (size > 0x7f800000u) return sign | 0x7e00u;   // not a number
+    if (size >= 0x477ff000u) return sign | 0x7c00u;  // from 65520 on
+    // Subnormal: a sum beyond 0.5 is rounded to the same places.
+    precise float shifted = uintBitsToFloat(size) + 0.5;
+    if (size < 0x38800000u) return sign | (floatBitsToUint(shifted) - 0x3f000000u);
+    return sign | (size - 0x38000000u + 0x0fffu + (size >> 13 & 1u)) >> 13;
+}
+uvec2 store(vec3 x) { return uvec2(half_of(x.x) | half_of(x.y) << 16, half_of(x.z)); }
+#else
 uvec2 store(vec3 x) { return uvec2(packHalf2x16(x.xy), packHalf2x16(vec2(x.z, 0.0))); }
+#endif
 #else
 #define MAPS sampler2DArray
 #define STORED vec4

@@ -1,4 +1,7 @@
 #version 450 core
+// variants: STORAGE=1 OWN_HALVES=-,1
+// variants: STORAGE=0,2
+// variants: STORAGE=0,1,2 FROM_STORAGE=1
 // An array of floats into the storage of N-texel arrays, or with FROM_STORAGE back: what tests measure rounding by.
 #include "gather/maps.glsl"
 #ifdef FROM_STORAGE

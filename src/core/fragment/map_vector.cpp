@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fragment/half_rounding.h"
 #include "fragment/stored_layer.h"
 
 namespace radiafit {
@@ -29,9 +30,8 @@ Defines MapShape::defines(Storage storage) const {
                       {"VIEW_SIDE", std::to_string(grid.view_side)},
                       {"COLUMNS", std::to_string(grid.columns)},
                       {"SIDE", std::to_string(atlas->side())},
-                      {"RECTANGLES", std::to_string(atlas->rectangles_per_row())},
-                      {"STORAGE", std::to_string(int(storage))}};
-    return all + loss_defines(loss);
+                      {"RECTANGLES", std::to_string(atlas->rectangles_per_row())}};
+    return all + storage_defines(storage) + loss_defines(loss);
 }
 
 MapVector::MapVector(const MapShape& shape, Storage storage) : shape_(&shape), storage_(storage) {

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "fragment/half_rounding.h"
 #include "fragment/map_vector.h"
 #include "fragment/pass_runner.h"
 #include "geometry/atlas.h"
@@ -29,7 +30,7 @@ struct TexelShape {
     int diagonal_layers() const { return (model->basis + model->shape + 3) / 4; }
     /// MODEL, STORAGE, and of loss_defines()
     Defines defines(Storage storage) const {
-        return Defines{{"MODEL", model->name}, {"STORAGE", std::to_string(int(storage))}} + loss_defines(loss);
+        return Defines{{"MODEL", model->name}} + storage_defines(storage) + loss_defines(loss);
     }
     /// The layer and channel of parameter i. See shaders/reflect/parameters.glsl.
     static std::array<int, 2> map_of(int parameter) { return {parameter / 3, parameter % 3}; }

@@ -1,5 +1,6 @@
 #pragma once
 #include "report/experiments.h"
+#include "report/half_rows.h"
 
 /// `radiafit-bench` writes these rows, of the devices that were asked for and are there.
 namespace radiafit::harness::rows_of::bench {
@@ -137,7 +138,7 @@ inline const ExperimentEntry experiment{
         "What `radiafit-bench` leaves ([gpu.md](gpu.md)). A device is what runs the passes: the CPU with all "
         "threads or with one, OpenGL's fragment programs by the paper's or by combined passes, or its compute "
         "shaders, over samples that stay or over images.",
-    .files = {&scenes, &agreement, &measurements, &peaks, &summary},
+    .files = {&scenes, &agreement, &measurements, &peaks, &groups, &halves, &summary},
     .place = 160};
 
 }  // namespace radiafit::harness::rows_of::bench

@@ -168,6 +168,7 @@ int bench(const BenchOptions& options, const Record& started) {
     ResultFolder folder(options.output, experiment, folder_of(context.get(), record), record);
     std::vector<NamedScene> scenes = make_scenes(datasets.all(), context != nullptr);
     BenchResults results{.renderer = record.gl_renderer, .processor = fmt::format("cpu, {} threads", thread_count())};
+    if (context) results.halves = measure_half_rounding();
     for (const auto& [name, scene] : scenes) results.scenes.emplace_back(name, scene->facts());
     check_all(scenes, options.devices, results);
     fmt::print("{}\n", agreement_table(results.checked));

@@ -7,6 +7,7 @@
 #include "base/statistics.h"
 #include "bench/columns.h"
 #include "report/csv_file.h"
+#include "report/half_rows.h"
 #include "report/table.h"
 
 namespace radiafit::harness {
@@ -72,6 +73,12 @@ void write_groups(const BenchResults& results, const ResultFolder& folder) {
     rows.commit();
 }
 
+void write_halves(const BenchResults& results, const ResultFolder& folder) {
+    CsvFile rows(folder.path(), rows_of::halves);
+    for (const HalfRounding& h : results.halves) rows.add({h.of, h.values, h.subnormals});
+    rows.commit();
+}
+
 /// The rate of a pass as a share of the peak of the same round; median over the rounds.
 std::optional<double> share(const std::optional<double>& amount, const std::vector<double>& seconds, Device device,
                             double DevicePeaks::*rate, const std::vector<Peaks>& peaks) {
@@ -134,6 +141,7 @@ void write_rows(const BenchResults& results, const ResultFolder& folder) {
     write_repetitions(results, folder);
     write_peaks(results, folder);
     write_groups(results, folder);
+    write_halves(results, folder);
     write_summary(results, folder);
 }
 

@@ -6,6 +6,7 @@
 
 #include "bench/scene.h"
 #include "bench/timing.h"
+#include "fragment/half_rounding.h"
 #include "report/result_folder.h"
 
 /// What radiafit-bench writes and shows; columns.h says what every column is.
@@ -28,8 +29,9 @@ struct BenchResults {
     std::vector<Checked> checked = {};
     std::vector<Timed> timed = {};
     std::vector<Peaks> peaks = {};  ///< [repetition]
-    std::string renderer;           ///< of OpenGL's devices
-    std::string processor;          ///< of the devices without OpenGL
+    std::vector<HalfRounding> halves = {};
+    std::string renderer;   ///< of OpenGL's devices
+    std::string processor;  ///< of the devices without OpenGL
 };
 
 void write_rows(const BenchResults& results, const ResultFolder& folder);
