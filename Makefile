@@ -24,7 +24,7 @@ OUTPUT ?= build/report
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build python test check odr clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
+.PHONY: build python test check chip odr clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
     format format-check archive clean
 .NOTPARALLEL:
 
@@ -60,6 +60,7 @@ check:
 	$(call configure,check,-DBUILD_TESTING=ON)
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
 	@python3 -B tests/check_headers.py $(BUILD)
+	@$(MAKE) --no-print-directory chip
 	@$(MAKE) --no-print-directory odr
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults
@@ -67,6 +68,12 @@ check:
 	@python3 -B tests/bench_alone_test.py build/bench/bin/radiafit-bench . "$$(command -v c++)"
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
+
+# The OpenGL suite on llvmpipe under a graphics chip's name, and the second OpenGL below Vulkan's validation layers.
+chip:
+	$(call configure,check,-DBUILD_TESTING=ON)
+	@$(compile) --target test_programs
+	@ctest --test-dir $(BUILD) -C check --output-on-failure --no-tests=error --parallel $(JOBS) --tests-regex '^(chip|validated)_'
 
 # That no name is defined twice, differently, in what becomes one program: link-time optimization sees all of its sources.
 odr:
