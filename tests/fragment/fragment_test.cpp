@@ -285,7 +285,7 @@ TEST(Fragment, AllocatesWhatThePlanSays) {
                     uint64_t planned = 0;
                     for (const PlannedArray& row :
                          plan_fragment_engine(*dataset, atlas, rings, all_views(), options, fragment, room))
-                        planned += row.bytes;
+                        if (row.array != on_their_way || !context->software()) planned += row.bytes;
                     FragmentEngine engine(*dataset, atlas, rings, all_views(), options, fragment);
                     engine.make_room(room);
                     EXPECT_EQ(planned, engine.bytes()) << to_string(passes) << " " << int(storage) << " sums "

@@ -402,7 +402,7 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
                         uint64_t planned = 0;
                         for (const PlannedArray& row :
                              plan_texel_engine(data.dataset, *data.atlas, data.views, options, fragment, room))
-                            planned += row.bytes;
+                            if (row.array != on_their_way || !context->software()) planned += row.bytes;
                         TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options, fragment);
                         engine.make_room(room);
                         EXPECT_EQ(planned, engine.bytes()) << model->name << " " << to_string(passes);

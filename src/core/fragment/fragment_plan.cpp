@@ -59,7 +59,7 @@ void plan_images(std::vector<PlannedArray>& plan, const Dataset& dataset, std::s
         plan.push_back({array, fmt::format("{} x {} x {}", images, width, height), pixels, pixels * each});
     };
     add("image slots", 2 * batch);
-    add("images on their way to the device", 2);
+    add(on_their_way, 2);
 }
 
 std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,

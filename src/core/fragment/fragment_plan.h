@@ -17,6 +17,9 @@ struct PlannedArray {
     uint64_t count, bytes;  ///< count: texels, or bytes of buffers
 };
 
+/// The row of what is on its way to a chip; software has none of it.
+inline constexpr const char* on_their_way = "images on their way to the device";
+
 /// What images stream through: textures for two batches of them, and the two buffers that the device fetches them from;
 /// or, if kept on the device, a texture for each image.
 void plan_images(std::vector<PlannedArray>& plan, const Dataset& dataset, std::span<const uint32_t> views,

@@ -9,7 +9,7 @@ ImageStack::ImageStack(int width, int height, int bits, int images)
       height_(height),
       images_(images),
       pixel_bytes_(size_t(bits / 2)),
-      words_(size_t(images) * bytes(width, height, bits), nullptr),
+      words_(Buffer::to_fill(size_t(images) * bytes(width, height, bits))),
       texture_(Texture::of_buffer(bits == 8 ? GL_R32UI : GL_RG32UI, words_)),
       blocks_(size_t(blocks(width)) * block_side * block_side * pixel_bytes_) {}
 

@@ -15,7 +15,9 @@ public:
     /// A row of an image to its places in `stack`, bytes() of all images: [width][4] channels. Rows come in order; what
     /// images hold that get none is undefined.
     void put_row(uint8_t* stack, int image, int y, const uint8_t* row);
-    void take(PixelUploads& uploads) { uploads.end(words_); }  ///< what put_row() wrote since begin()
+    /// Around put_row(): where `stack` is.
+    uint8_t* begin(PixelUploads& uploads) { return uploads.begin(words_); }
+    void end(PixelUploads& uploads) { uploads.end(words_); }
     const Texture& texture() const { return texture_; }
     size_t bytes() const { return words_.bytes(); }
 

@@ -33,7 +33,7 @@ void ImageSweep::set_batch(int images) {
 void ImageSweep::make_stacks() {
     const auto [width, height] = largest();
     const size_t batch = size_t(batch_), turns = (views_.size() + batch - 1) / batch;
-    for (size_t turn = 0; turn < (keep_on_device_ ? turns : 1); ++turn) {
+    for (size_t turn = 0; turn < (keep_on_device_ ? turns : std::min<size_t>(2, turns)); ++turn) {
         stacks_.emplace_back(width, height, bits(), batch_);
         if (!uploads_) uploads_.emplace(stacks_.back().bytes());
         if (keep_on_device_) fill(stacks_.back(), turn * batch);
@@ -76,15 +76,15 @@ void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
 
 void ImageSweep::fill(ImageStack& stack, size_t first) {
     uint8_t* to = nullptr;
-    time_upload([&] { to = uploads_->begin(); });
+    time_upload([&] { to = stack.begin(*uploads_); });
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i)
         stream_.load_rows(views_[first + i], [&](int y, const uint8_t* row) { stack.put_row(to, int(i), y, row); });
-    time_upload([&] { stack.take(*uploads_); });
+    time_upload([&] { stack.end(*uploads_); });
 }
 
 void ImageSweep::load(size_t first, size_t turn) {
     on_device_.clear();
-    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[keep_on_device_ ? turn : 0];
+    ImageStack* stack = stacks_.empty() ? nullptr : &stacks_[keep_on_device_ ? turn : turn % stacks_.size()];
     if (stack && !keep_on_device_) fill(*stack, first);
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
         const uint32_t view = views_[first + i];

@@ -81,7 +81,7 @@ private:
     bool keep_on_device_;
     int batch_ = 1;
     std::vector<ImageSlot> slots_;         ///< two batches: one is filled while the other is read; or one for each view
-    std::vector<ImageStack> stacks_;       ///< one, or as many as hold each view
+    std::vector<ImageStack> stacks_;       ///< two, to take turns as slots do; or as many as hold each view
     std::optional<PixelUploads> uploads_;  ///< none once every view is on the device
     std::vector<ImageOnDevice> on_device_;
     SweepTimes times_;

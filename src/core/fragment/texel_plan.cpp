@@ -50,8 +50,8 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
                             fmt::format("{} x {} x {} x {}", count, images_per_pass, shape.width(), shape.height()),
                             count * each, count * each});
         };
-        stacks("stacks of images", fragment_options.keep_on_device ? turns : 1);
-        if (!fragment_options.keep_on_device) stacks("images on their way to the device", 2);
+        stacks("stacks of images", fragment_options.keep_on_device ? turns : std::min<uint64_t>(2, turns));
+        if (!fragment_options.keep_on_device) stacks(on_their_way, 2);
         return plan;
     }
     plan_images(plan, dataset, views, 1, bits, fragment_options.keep_on_device);

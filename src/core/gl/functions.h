@@ -28,7 +28,7 @@ namespace radiafit {
     X(BindVertexArray) \
     X(BindBuffer) X(BindBufferBase) X(ClearNamedBufferData) X(CopyNamedBufferSubData) X(CreateBuffers) X(CreateVertexArrays) X(DeleteBuffers) X(DeleteVertexArrays) \
     X(EnableVertexArrayAttrib) X(GetNamedBufferParameteri64v) X(InvalidateBufferData) X(GetNamedBufferSubData) X(IsBuffer) \
-    X(MapNamedBufferRange) X(NamedBufferStorage) X(NamedBufferSubData) \
+    X(MapNamedBufferRange) X(NamedBufferStorage) X(NamedBufferSubData) X(UnmapNamedBuffer) \
     X(VertexArrayAttribBinding) X(VertexArrayAttribFormat) X(VertexArrayAttribIFormat) \
     X(VertexArrayBindingDivisor) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) \
     /* programs */ \

@@ -5,10 +5,11 @@
 
 namespace radiafit {
 
-PixelUploads::PixelUploads(size_t bytes) {
+PixelUploads::PixelUploads(size_t bytes) : bytes_(bytes), software_(Context::current().software()) {
+    if (software_) return;
     for (Half& half : halves_) {
         half.buffer = Buffer::to_map(bytes);
-        half.mapped = static_cast<uint8_t*>(half.buffer.map());
+        half.mapped = half.buffer.map_for_good();
     }
 }
 
@@ -18,6 +19,10 @@ PixelUploads::~PixelUploads() {
 }
 
 uint8_t* PixelUploads::begin() {
+    if (software_) {
+        for_texture_.resize(bytes_);
+        return for_texture_.data();
+    }
     Half& half = halves_[turn_];
     if (half.fetched) {
         constexpr GLuint64 second = 1'000'000'000;
@@ -35,14 +40,18 @@ uint8_t* PixelUploads::begin() {
 }
 
 void PixelUploads::end(Texture& to, int width, int height, GLenum format, GLenum type) {
+    if (software_) return to.upload_part(width, height, format, type, for_texture_.data());
     gl().BindBuffer(GL_PIXEL_UNPACK_BUFFER, halves_[turn_].buffer.name());
     to.upload_part(width, height, format, type, nullptr);  // from the start of the buffer
     gl().BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     take_turns();
 }
 
+uint8_t* PixelUploads::begin(Buffer& to) { return software_ ? to.map() : begin(); }
+
 void PixelUploads::end(Buffer& to) {
-    // What it held is lost: no driver needs to wait until passes before have read it, and Mesa's zink (22.3) does not.
+    if (software_) return to.unmap();
+    // What it held is lost, so that no driver needs to wait until passes before have read it.
     gl().InvalidateBufferData(to.name());
     gl().CopyNamedBufferSubData(halves_[turn_].buffer.name(), to.name(), 0, 0, GLsizeiptr(to.bytes()));
     take_turns();

@@ -2,13 +2,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "gl/texture.h"
 
 namespace radiafit {
 
 /// Pixels on their way to the device: two buffers of memory that it reads by itself, mapped for good. While it fetches
-/// from one, the next pixels are written to the other, and nothing is copied between.
+/// from one, the next pixels are written to the other, and nothing is copied between. Software, whose textures lie in
+/// memory like any other, is handed them without.
 class PixelUploads {
 public:
     explicit PixelUploads(size_t bytes);  ///< of the most that goes at once
@@ -16,13 +18,14 @@ public:
     PixelUploads(const PixelUploads&) = delete;
     PixelUploads& operator=(const PixelUploads&) = delete;
 
-    /// Where the next pixels are to be written, best from front to back; to read there may be slow. Waits until the
-    /// device has fetched what was there before.
+    /// Where the next pixels for a texture are to be written, best from front to back; to read there may be slow. Waits
+    /// until the device has fetched what was there before.
     uint8_t* begin();
     /// What was written since begin(), rows of pixels without gaps, becomes the rectangle [0, width) x [0, height) of a
     /// texture. `format` and `type` as for Texture::upload().
     void end(Texture& to, int width, int height, GLenum format, GLenum type);
-    /// It becomes the whole of a buffer, which is no larger than these.
+    /// The same for the whole of a buffer made by Buffer::to_fill(); what it holds is lost.
+    uint8_t* begin(Buffer& to);
     void end(Buffer& to);
 
 private:
@@ -33,7 +36,10 @@ private:
     };
     void take_turns();
 
-    std::array<Half, 2> halves_;
+    size_t bytes_;
+    bool software_;
+    std::array<Half, 2> halves_;        ///< of chips
+    std::vector<uint8_t> for_texture_;  ///< of software
     size_t turn_ = 0;
 };
 

@@ -174,6 +174,7 @@ constexpr GLbitfield mapped_for_good = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT 
 }
 
 Buffer Buffer::to_map(size_t bytes) { return Buffer(bytes, nullptr, mapped_for_good); }
+Buffer Buffer::to_fill(size_t bytes) { return Buffer(bytes, nullptr, GLbitfield(GL_MAP_WRITE_BIT)); }
 
 Buffer::Buffer(size_t bytes, const void* data, GLbitfield access) : Buffer() {
     gl().CreateBuffers(1, &name_);
@@ -197,13 +198,20 @@ void Buffer::write(size_t offset, size_t bytes, const void* data) {
 
 void Buffer::clear() { gl().ClearNamedBufferData(name_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr); }
 
-void* Buffer::map() {
-    void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_), mapped_for_good);
+uint8_t* Buffer::map(GLbitfield access) {
+    void* bytes = gl().MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes_), access);
     if (!bytes) {
         Context::current().check_device();
         throw SystemError(fmt::format("OpenGL cannot map a buffer of {} bytes", bytes_));
     }
-    return bytes;
+    return static_cast<uint8_t*>(bytes);
+}
+
+uint8_t* Buffer::map() { return map(GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT); }
+uint8_t* Buffer::map_for_good() { return map(mapped_for_good); }
+
+void Buffer::unmap() {
+    if (!gl().UnmapNamedBuffer(name_)) throw SystemError("OpenGL lost the contents of a mapped buffer");
 }
 
 void Buffer::read(size_t offset, size_t bytes, void* data) const {

@@ -110,7 +110,9 @@ public:
     template <class T>
     explicit Buffer(const std::vector<T>& values, bool dynamic = false)
         : Buffer(values.size() * sizeof(T), values.data(), dynamic) {}
-    /// Contents undefined at first; for map().
+    /// Contents undefined at first; for map(), or for a copy of another one.
+    static Buffer to_fill(size_t bytes);
+    /// The same for map_for_good(): memory of the host, from which others are filled.
     static Buffer to_map(size_t bytes);
     ~Buffer();
     Buffer(Buffer&& other) noexcept { swap(other); }
@@ -120,15 +122,19 @@ public:
     }
     void write(size_t offset, size_t bytes, const void* data);
     void clear();  ///< to all zero bits
+    /// For writing all that is used later, until unmap(); what it held is lost.
+    uint8_t* map();
+    void unmap();
     /// Once, for as long as the buffer lives: where it can be written at any time. What the device is to read it reads
     /// by commands that follow; who writes there again waits until they are done.
-    void* map();
+    uint8_t* map_for_good();
     void read(size_t offset, size_t bytes, void* data) const;
     GLuint name() const { return name_; }
     size_t bytes() const { return bytes_; }
 
 private:
     Buffer(size_t bytes, const void* data, GLbitfield access);
+    uint8_t* map(GLbitfield access);
     void swap(Buffer& other) noexcept {
         std::swap(name_, other.name_);
         std::swap(bytes_, other.bytes_);
