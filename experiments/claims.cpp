@@ -91,5 +91,6 @@ void write_claims(Experiment& experiment) {
 }  // namespace radiafit::harness
 
 int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("claims", argc, argv, radiafit::harness::write_claims);
+    return radiafit::harness::run_experiment("claims", argc, argv, radiafit::harness::write_claims,
+                                             radiafit::harness::RunOption::results);
 }

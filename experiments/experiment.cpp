@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/read_file.h"
 #include "base/standard_streams.h"
+#include "base/time_limit.h"
 #include "base/wording.h"
 #include "command_line/command_line.h"
 #include "dataset/checksums.h"
@@ -50,27 +51,40 @@ fs::path find_checkout(const fs::path& config) {
 
 }  // namespace
 
-Experiment::Experiment(std::string name, int argc, const char* const* argv) : name_(std::move(name)) {
+Experiment::Experiment(std::string name, int argc, const char* const* argv, RunOption run_option)
+    : name_(std::move(name)) {
     CommandLine program(name_, "Runs one experiment and draws its figure.");
     std::string config = "experiments/" + name_ + ".toml", output, run;
     std::vector<std::string> overrides;
     int threads = 0;
+    double minutes = 0;
     program.add_text("--config", config, "any file; the checkout's own gives the standard run");
     program.add_word("--profile", profile_, "smoke, standard or paper");
     program.add_words("--set", overrides, "key=value, over the config file");
     program.add_text("--output", output, "folder for rows and figures, in place of the checkout's").hide_default();
     program.add_flag("--resume", resume_, "do nothing if this revision's run of the profile is there");
     program.add_number("--threads", threads, limits::threads, "0 is all cores");
-    program.add_text("--run", run, "only draw the figure of this earlier run, here or in the output folder")
+    program.add_number("--minutes", minutes, Range<double>{0, 1e5},
+                       "end rounds in time to be done in so many; 0: all of them");
+    program
+        .add_text("--run", run,
+                  run_option == RunOption::figure
+                      ? "only draw the figure of this earlier run, here or in the output folder"
+                      : "of the runs in this folder, or in an archive that radiafit-bench --all wrote")
         .hide_default();
     if (!program.parse(argc, argv)) {
         finish_standard_output();
         std::exit(0);
     }
     set_thread_count(threads);
+    if (minutes > 0) limit_time(minutes);
     root_ = find_checkout(config);
     output_ = output;
-    run_ = run;
+    if (run_option == RunOption::figure) run_ = run;
+    if (run_option == RunOption::results && !run.empty()) {
+        unpacked_ = std::make_unique<UnpackedResults>(run);
+        overrides.push_back("results = " + json_string(fs::absolute(unpacked_->folder()).string()));
+    }
     standard_ = overrides.empty() && output.empty() &&
                 fs::weakly_canonical(config) == fs::weakly_canonical(root_ / "experiments" / (name_ + ".toml"));
     if (!run_.empty()) return;
@@ -245,12 +259,12 @@ std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count
 }
 
 int run_experiment(const std::string& name, int argc, const char* const* argv,
-                   const std::function<void(Experiment&)>& body) {
+                   const std::function<void(Experiment&)>& body, RunOption run_option) {
     name_options_by_flag();
     prepare_standard_streams();
     catch_interrupts();
     try {
-        Experiment experiment(name, argc, argv);
+        Experiment experiment(name, argc, argv, run_option);
         if (!experiment.done()) body(experiment);
         return 0;
     } catch (const Interrupted& interrupted) {

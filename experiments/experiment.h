@@ -11,6 +11,7 @@
 #include "base/record.h"
 #include "eval/judge.h"
 #include "fitting/solvers/solve.h"
+#include "report/result_archive.h"
 #include "report/result_folder.h"
 #include "synthetic/synthetic.h"
 
@@ -24,12 +25,16 @@ namespace radiafit::harness {
 /// The paper's claims are judged on pictures as graphics hardware draws them: a pixel is what its centre sees.
 inline constexpr JudgeOptions at_pixel_centres{.pixel_points = 1};
 
+/// What --run is followed by: an earlier run, whose figure alone is to be drawn; or runs, to be judged in place of the
+/// checkout's.
+enum class RunOption { figure, results };
+
 class Experiment {
 public:
     /// NAME [--config FILE] [--profile smoke|standard|paper] [--set key=value ...] [--output FOLDER] [--resume]
-    /// [--threads N], or NAME --run FOLDER [--output FOLDER]. The checkout that datasets, results and figures lie in is
-    /// the config file's, or else the one that it is run in.
-    Experiment(std::string name, int argc, const char* const* argv);
+    /// [--threads N] [--minutes N], or NAME --run FOLDER [--output FOLDER]. The checkout that datasets, results and
+    /// figures lie in is the config file's, or else the one that it is run in.
+    Experiment(std::string name, int argc, const char* const* argv, RunOption run_option);
 
     /// Whether nothing is left to measure: an earlier run's figure was asked for, and is drawn now; or with --resume
     /// `results` hold a run of this revision, machine and profile.
@@ -78,6 +83,7 @@ private:
     std::string name_, profile_ = "standard";
     std::filesystem::path root_, output_, run_;
     bool standard_ = true, resume_ = false;
+    std::unique_ptr<UnpackedResults> unpacked_;
     std::unique_ptr<OutputLock> lock_;  ///< of its results: two runs at once would measure each other
     std::unique_ptr<Config> config_;
     Record record_;
@@ -117,6 +123,6 @@ std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count
 
 /// Runs body and turns exceptions into one line and an exit status (2: the user's mistake).
 int run_experiment(const std::string& name, int argc, const char* const* argv,
-                   const std::function<void(Experiment&)>& body);
+                   const std::function<void(Experiment&)>& body, RunOption run_option = RunOption::figure);
 
 }  // namespace radiafit::harness

@@ -12,6 +12,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "base/time_limit.h"
+#include "bench/bundle.h"
 #include "cpu/peaks.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
@@ -277,7 +279,7 @@ void fig10(Experiment& experiment) {
     for (const std::string& passes : o.passes)
         contests.push_back(lafortune(o.reflectance, o.request.set("passes", passes)));
     std::vector<Peaks> peaks;
-    for (int r = 0; r < o.repetitions; ++r) {
+    for (int r = 0; another_round(r, o.repetitions); ++r) {
         peaks.push_back({measure_gl_peaks(), measure_cpu_peaks()});
         for (Contest& c : contests) c.times.push_back(c.iterate());
         log_info(fmt::format("repetition {} of {}", r + 1, o.repetitions));
@@ -299,8 +301,9 @@ void fig10(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit::harness
 
-int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("fig10_utilization", argc, argv, radiafit::harness::fig10);
+int fig10_utilization(int argc, const char* const* argv) {
+    return run_experiment("fig10_utilization", argc, argv, fig10);
 }
+
+}  // namespace radiafit::harness

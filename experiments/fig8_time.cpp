@@ -15,6 +15,8 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "base/time_limit.h"
+#include "bench/bundle.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
 #include "fitting/limits.h"
@@ -396,7 +398,7 @@ void fig8(Experiment& experiment) {
     iterations.emplace_back("OpenGL (combined passes)", dataset, atlas, rings, o.request, "combined", 0);
 
     double opengl_seconds = 0;
-    for (int r = 0; r < o.repetitions; ++r) {
+    for (int r = 0; another_round(r, o.repetitions); ++r) {
         const bool enough = software && r > 0 && opengl_seconds >= o.software_seconds;
         for (Contestant& c : all) {
             if (c.opengl && enough) continue;
@@ -423,8 +425,7 @@ void fig8(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit::harness
 
-int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("fig8_time", argc, argv, radiafit::harness::fig8);
-}
+int fig8_time(int argc, const char* const* argv) { return run_experiment("fig8_time", argc, argv, fig8); }
+
+}  // namespace radiafit::harness

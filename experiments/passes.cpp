@@ -13,6 +13,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "base/time_limit.h"
+#include "bench/bundle.h"
 #include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
 #include "cpu/vertex_solver.h"
@@ -131,7 +133,7 @@ public:
     /// All by turns: what slows the machine for a while meets all of them.
     void run() {
         Progress progress("rounds", size_t(o_.rounds));
-        for (int round = 0; round < o_.rounds; ++round, progress.advance())
+        for (int round = 0; another_round(round, o_.rounds); ++round, progress.advance())
             for (Step& step : steps_) step.seconds.push_back(step.iterate());
     }
     const std::vector<Step>& steps() const { return steps_; }
@@ -193,7 +195,7 @@ void write_rows(const ResultFolder& results, const Ladder& ladder, const std::st
     log_info("from the paper's passes to cached samples\n" + table.text());
 }
 
-void passes(Experiment& experiment) {
+void measure(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
     const auto context = Context::create(o.request.context);
@@ -222,8 +224,7 @@ void passes(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit::harness
 
-int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("passes", argc, argv, radiafit::harness::passes);
-}
+int passes(int argc, const char* const* argv) { return run_experiment("passes", argc, argv, measure); }
+
+}  // namespace radiafit::harness

@@ -119,5 +119,6 @@ void write_report(Experiment& experiment) {
 }  // namespace radiafit::harness
 
 int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("report", argc, argv, radiafit::harness::write_report);
+    return radiafit::harness::run_experiment("report", argc, argv, radiafit::harness::write_report,
+                                             radiafit::harness::RunOption::results);
 }

@@ -12,6 +12,8 @@
 
 #include "base/log.h"
 #include "base/statistics.h"
+#include "base/time_limit.h"
+#include "bench/bundle.h"
 #include "compute/compute_engine.h"
 #include "cpu/lfm_engine.h"
 #include "experiment.h"
@@ -230,7 +232,7 @@ public:
     /// All by turns: what slows the machine for a while meets all of them.
     std::vector<Contestant> run() {
         Progress progress(contestants_.front().part + ", rounds", size_t(o_.rounds));
-        for (int round = 0; round < o_.rounds; ++round, progress.advance())
+        for (int round = 0; another_round(round, o_.rounds); ++round, progress.advance())
             for (Contestant& c : contestants_) {
                 const Taken taken = c.measure();
                 c.seconds.push_back(taken.seconds);
@@ -405,7 +407,7 @@ void add_ratios(const std::vector<Contestant>& times, Summary& summary) {
     summary.add("time with distribution over time without", cpu_engine, cpu);
 }
 
-void scaling(Experiment& experiment) {
+void measure(Experiment& experiment) {
     const Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
     o.check(experiment.config(), dataset);
@@ -430,8 +432,7 @@ void scaling(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit::harness
 
-int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("scaling", argc, argv, radiafit::harness::scaling);
-}
+int scaling(int argc, const char* const* argv) { return run_experiment("scaling", argc, argv, measure); }
+
+}  // namespace radiafit::harness

@@ -9,6 +9,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "base/time_limit.h"
+#include "bench/bundle.h"
 #include "dataset/dataset_json.h"
 #include "experiment.h"
 #include "fitting/limits.h"
@@ -69,7 +71,7 @@ Contest contest(const Dataset& dataset, const Options& o, const char* problem, c
         engines.push_back(std::move(engine));
     }
     const std::filesystem::path images = dataset.folder / dataset_images_name;
-    for (int repetition = 0; repetition < o.repetitions; ++repetition)
+    for (int repetition = 0; another_round(repetition, o.repetitions); ++repetition)
         for (int i = 0; i < source_count; ++i)
             c.times[i].push_back(time_iteration(*engines[size_t(i)], images, sources[i]));
     log_info(fmt::format("{}, {} passes: {} iterations from each source", problem, passes, o.repetitions));
@@ -114,7 +116,7 @@ void write_times(const ResultFolder& results, const std::vector<Contest>& contes
     log_info("time of an iteration by where its images come from\n" + table.text());
 }
 
-void streaming(Experiment& experiment) {
+void measure(Experiment& experiment) {
     Options o(experiment.config());
     const Dataset dataset = experiment.dataset(o.dataset);
     o.reflectance.open(experiment);
@@ -148,8 +150,7 @@ void streaming(Experiment& experiment) {
 }
 
 }  // namespace
-}  // namespace radiafit::harness
 
-int main(int argc, char** argv) {
-    return radiafit::harness::run_experiment("streaming", argc, argv, radiafit::harness::streaming);
-}
+int streaming(int argc, const char* const* argv) { return run_experiment("streaming", argc, argv, measure); }
+
+}  // namespace radiafit::harness

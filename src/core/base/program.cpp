@@ -103,6 +103,20 @@ Ended run_program(std::vector<std::string> command) {
     return ended;
 }
 
+int run_in_front(std::vector<std::string> command, const std::filesystem::path& folder, unsigned seconds) {
+    std::vector<char*> arguments;
+    for (std::string& argument : command) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    const pid_t child = fork();
+    if (child < 0) throw SystemError("fork failed: " + std::generic_category().message(errno));
+    if (child == 0) {
+        alarm(seconds);  // which the program keeps
+        if (chdir(folder.c_str()) == 0) execvp(arguments[0], arguments.data());
+        _exit(127);
+    }
+    return end_status(child);
+}
+
 Ended run_apart(const std::function<std::string()>& body, unsigned seconds) {
     Pipe output, errors;
     const pid_t child = fork();

@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,6 +16,10 @@ struct Ended {
 /// Runs a program found on PATH, with its arguments behind it and nothing on its standard input, to its end. Throws
 /// SystemError where it cannot be started.
 Ended run_program(std::vector<std::string> command);
+
+/// Runs a program in a folder as a shell does: what it writes is seen, Ctrl-C reaches it. After so many seconds SIGALRM
+/// ends it. The status as in Ended.
+int run_in_front(std::vector<std::string> command, const std::filesystem::path& folder, unsigned seconds);
 
 /// Runs `body` in a child process, a copy of this one that ends with it: nothing that happens there, a crash included,
 /// happens here. What it returns is Ended::output; it must not throw, start threads, or take longer than so many

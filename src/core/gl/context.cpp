@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/program.h"
+#include "base/range.h"
 #include "base/wording.h"
 
 namespace radiafit {
@@ -34,6 +35,16 @@ void choose_shader_cache() {
     const fs::path folder = base / "radiafit" / "shaders";
     fs::create_directories(folder, failed);
     if (!failed) ::setenv("MESA_SHADER_CACHE_DIR", folder.c_str(), 0);
+}
+
+// Where none is asked for: RADIAFIT_OPENGL=osmesa, or the number of one of EGL's devices.
+void choose_by_environment(ContextOptions& options) {
+    const char* asked = std::getenv("RADIAFIT_OPENGL");
+    if (!asked || !*asked || options.kind != ContextKind::egl || options.device >= 0) return;
+    if (asked == std::string_view("osmesa"))
+        options.kind = ContextKind::osmesa;
+    else
+        options.device = parse_number("RADIAFIT_OPENGL", asked, Range<int>{0, 1023, "or osmesa"});
 }
 
 std::string gl_string(const GlFunctions& functions, GLenum name) {
@@ -71,6 +82,7 @@ ContextKind context_kind_from(const std::string& name) {
 std::unique_ptr<Context> Context::create(const ContextOptions& options) {
     choose_shader_cache();
     ContextOptions resolved = options;
+    choose_by_environment(resolved);
     const char* debug = std::getenv("RADIAFIT_GL_DEBUG");
     if (debug && debug[0] == '1') resolved.debug = true;
     return resolved.kind == ContextKind::egl ? detail::create_egl_context(resolved)

@@ -6,11 +6,15 @@
 
 #include "base/error.h"
 #include "base/failure.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/record.h"
 #include "base/standard_streams.h"
+#include "base/time_limit.h"
 #include "base/wording.h"
+#include "bench/all.h"
+#include "bench/bundle.h"
 #include "bench/datasets.h"
 #include "bench/light_field_scene.h"
 #include "bench/options.h"
@@ -113,7 +117,7 @@ void check_all(std::vector<NamedScene>& scenes, const std::vector<Device>& devic
 void time_all(const BenchOptions& options, BenchResults& results) {
     log_info("warming up");
     for (Timed& timed : results.timed) warm_up(timed);
-    for (int r = 0; r < options.repetitions; ++r) {
+    for (int r = 0; another_round(r, options.repetitions); ++r) {
         results.peaks.push_back(measure_peaks(options.devices));
         measure_round(results.timed);
         log_info(fmt::format("repetition {} of {}", r + 1, options.repetitions));
@@ -182,9 +186,19 @@ int bench(const BenchOptions& options, const Record& started) {
     return results.timed.size() == results.checked.size() ? 0 : 1;
 }
 
+/// Where it is called as one of its experiments: --part NAME, and that one's own options.
+int run_part(int argc, const char* const* argv) {
+    for (const BundledExperiment& e : bundled_experiments())
+        if (std::string_view(argv[2]) == e.name) return e.main(argc - 2, argv + 2);
+    throw UserError(fmt::format("--part {}: there is no such experiment", argv[2]));
+}
+
 int run(int argc, const char* const* argv) {
+    if (argc > 2 && std::string_view(argv[1]) == "--part") return run_part(argc, argv);
     const auto options = parse_bench_options(argc, argv);
     if (!options) return 0;
+    if (options->all) return measure_all(*options, "/proc/self/exe");
+    if (options->minutes > 0) limit_time(options->minutes);
     if (!options->list) return bench(*options, make_record(argc, argv));
     list_all();
     finish_standard_output();
@@ -202,6 +216,8 @@ int main(int argc, char** argv) {
     prepare_standard_streams();
     try {
         return radiafit::harness::run(argc, argv);
+    } catch (const Interrupted& interrupted) {
+        end_interrupted("radiafit-bench", interrupted);
     } catch (const std::exception& e) {
         const Failure failure = describe(e);
         log_error("radiafit-bench", standard_output_failed() ? standard_output_failure() : failure.line);

@@ -61,7 +61,7 @@ std::vector<std::string> split(const std::vector<std::string>& texts) {
 std::optional<BenchOptions> parse_bench_options(int argc, const char* const* argv) {
     BenchOptions options;
     std::vector<std::string> devices;
-    std::string platform = "egl", repetitions = "9", gpu, threads = "0", output = options.output.string();
+    std::string platform = "egl", repetitions = "9", gpu, threads = "0", minutes, output = options.output.string();
     CommandLine program("radiafit-bench",
                         "Checks every device of this machine against sums in double, then times them and says what "
                         "share of the machine's measured peaks they reach.",
@@ -73,7 +73,11 @@ std::optional<BenchOptions> parse_bench_options(int argc, const char* const* arg
     program.add_word("--platform", platform, "egl, or osmesa: Mesa in software");
     program.add_word("--gpu", gpu, "EGL's device by its number in --list; unless told, a GPU where there is one");
     program.add_word("--threads", threads, "of the CPU; 0 is all cores");
-    program.add_word("-o,--output", output, "folder of results: rows go to bench/DEVICE/RUN in it");
+    program.add_word("-o,--output", output,
+                     "folder of results: rows go to bench/DEVICE/RUN in it; of --all a file, NAME.tar");
+    program.add_flag("--all", options.all,
+                     "the figures and claims about a chip's time, too, each in a process of its own, into one archive");
+    program.add_word("--minutes", minutes, "end rounds in time to be done in so many; of --all 10 unless told");
     program.add_flag("--list", options.list, "only tell the devices that there are");
     if (!program.parse(argc, argv)) return std::nullopt;
     devices = devices.empty() ? group_names() : split(devices);
@@ -81,12 +85,19 @@ std::optional<BenchOptions> parse_bench_options(int argc, const char* const* arg
     require_name("--platform", platform, platforms);
     for (const std::string& name : devices) require_name("--device", name, group_names());
     options.repetitions = parse_number("--repetitions", repetitions, Range<int>{1, 1'000'000});
-    set_thread_count(parse_number("--threads", threads, Range<int>{0, 1024, "0 is all cores"}));
+    options.threads = parse_number("--threads", threads, Range<int>{0, 1024, "0 is all cores"});
+    set_thread_count(options.threads);
+    options.minutes = program.given("--minutes") ? parse_number("--minutes", minutes, Range<double>{0.01, 1e5})
+                                                 : (options.all ? 10 : 0);
     options.context.kind = context_kind_from(platform);
     if (program.given("--gpu"))
         options.context.device = parse_number("--gpu", gpu, Range<int>{0, 1023, "--list tells which there are"});
     if (output.empty()) throw UserError("--output is empty: name a folder");
-    options.output = output;
+    options.output = options.all && !program.given("--output") ? "results.tar" : output;
+    if (options.all && options.output.extension() != ".tar")
+        throw UserError(fmt::format("--output {}: --all writes one archive; name a file that ends in .tar", output));
+    if (options.all && program.given("--device"))
+        throw UserError("--device means nothing with --all, which measures them all; leave it out");
     options.chosen_renderer = program.given("--platform") || program.given("--gpu");
     options.devices = devices_of(devices);
     if (options.chosen_renderer && std::ranges::none_of(options.devices, needs_opengl))

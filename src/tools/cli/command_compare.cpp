@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "cli/commands.h"
 #include "report/comparison.h"
+#include "report/result_archive.h"
 #include "report/table.h"
 
 namespace radiafit::tools {
@@ -83,7 +84,8 @@ struct CompareOptions {
 };
 
 int run_compare(const CompareOptions& o) {
-    Pairing pairing = pair_runs(find_runs(o.before), find_runs(o.after), o.only);
+    const UnpackedResults before(o.before), after(o.after);
+    Pairing pairing = pair_runs(find_runs(before.folder()), find_runs(after.folder()), o.only);
     if (pairing.pairs.empty())
         throw UserError(
             fmt::format("{} and {}: no experiment{} has runs in both; the first holds {}, the second {}", o.before,
@@ -114,7 +116,9 @@ void add_compare(CommandLine& program, int& status) {
     auto o = std::make_shared<CompareOptions>();
     CommandLine& command =
         program.add_command("compare", "two runs of an experiment, or two folders of runs: what differs");
-    command.add_text("before", o->before, "folder of a run, or of several").required();
+    command
+        .add_text("before", o->before, "folder of a run or of several, or an archive that radiafit-bench --all wrote")
+        .required();
     command.add_text("after", o->after, "likewise: what is held against it").required();
     command.add_word("--only", o->only, "experiments whose names contain this");
     command.add_flag("--all", o->all, "what is the same, too");

@@ -1,0 +1,12 @@
+#pragma once
+#include "bench/options.h"
+
+namespace radiafit::harness {
+
+/// All that a stranger's machine is asked for: agreement and timings of its devices, then the experiments of
+/// bundled_experiments(), each in a process of its own, in as many minutes as the options say. After each the archive
+/// has what there is; one that fails, or crashes with its driver, is told, and the others go on. `program`: this one.
+/// Exit status: 1 if any failed.
+int measure_all(const BenchOptions& options, const std::string& program);
+
+}  // namespace radiafit::harness
