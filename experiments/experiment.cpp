@@ -83,7 +83,7 @@ Experiment::Experiment(std::string name, int argc, const char* const* argv, RunO
     if (run_option == RunOption::figure) run_ = run;
     if (run_option == RunOption::results && !run.empty()) {
         unpacked_ = std::make_unique<UnpackedResults>(run);
-        overrides.push_back("results = " + json_string(fs::absolute(unpacked_->folder()).string()));
+        overrides.push_back("results=" + json_string(fs::absolute(unpacked_->folder()).string()));
     }
     standard_ = overrides.empty() && output.empty() &&
                 fs::weakly_canonical(config) == fs::weakly_canonical(root_ / "experiments" / (name_ + ".toml"));

@@ -6,8 +6,13 @@ Arguments: the program, radiafit, the checkout.
 import csv
 import json
 import math
+import os
 import shutil
+import signal
 import statistics
+import subprocess
+import tarfile
+import time
 import unittest
 
 from cli_fixture import ProgramTest, take_arguments
@@ -18,6 +23,16 @@ STREAMED = ["compute, redistributing", "compute, redistributing, scattered"]  # 
 OPENGL = ["fragment, paper passes", "fragment, combined passes", "compute", *STREAMED]
 SUMS = ["error", "gradient", "diagonal", "gauss-newton", "d'Hd", "third", "fourth"]
 REPETITIONS = 2
+
+
+def children_of(process):
+    """Its child processes, once there are some."""
+    while True:
+        with open(f"/proc/{process}/task/{process}/children", encoding="ascii") as file:
+            children = [int(child) for child in file.read().split()]
+        if children:
+            return children
+        time.sleep(0.01)
 
 
 def pairs(devices):
@@ -41,11 +56,40 @@ class Bench(ProgramTest):
         self.assertEqual(len(runs), 1)
         return runs[0].parent, json.loads(runs[0].read_text()), result
 
+    def run_all(self, crashes):
+        """--all into all.tar, where one part crashes as it begins. The run of `bench` in it, and what was said."""
+        scratch = self.root / "scratch"
+        scratch.mkdir(exist_ok=True)
+        with subprocess.Popen([self.program, "--all", "--scale", "smoke", "--repetitions", str(REPETITIONS), "--minutes", "5",
+                               "-o", "all.tar"], cwd=self.root, env={**os.environ, "TMPDIR": str(scratch)}, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True) as process:
+            said = []
+            for line in process.stderr:
+                said.append(line)
+                if line.endswith(f": {crashes}\n"):
+                    (child,) = children_of(process.pid)
+                    os.kill(child, signal.SIGSEGV)
+            shown = process.stdout.read()
+        self.assertEqual(process.returncode, 1, said)
+        self.assertEqual(list(scratch.iterdir()), [], "its datasets are gone")
+        with tarfile.open(self.root / "all.tar") as archive:
+            archive.extractall(self.root / "all", filter="data")
+        (run,) = (self.root / "all/results/bench").glob("*/*/run.json")
+        return run.parent, json.loads(run.read_text()), subprocess.CompletedProcess([], 1, shown, "".join(said))
+
     def cpu_devices(self, record):
         return ["cpu"] + (["cpu, 1 thread"] if record["threads"] > 1 else [])
 
     def test_every_device_agrees_and_is_timed(self):
-        run, record, result = self.run_bench("--repetitions", REPETITIONS, folder="results")
+        run, record, result = self.run_all(crashes="scaling")
+        self.assertRegex(result.stdout, r"(?m)^scaling +\d+ +crashed \(Segmentation fault\)$")
+        measured = ["fig8_time", "fig10_utilization", "streaming", "passes"]
+        for part in ["bench", *measured]:
+            self.assertRegex(result.stdout, rf"(?m)^{part} +\d+ +measured$")
+        self.assertEqual({path.parents[2].name for path in (self.root / "all/results").glob("*/*/*/run.json")},
+                         {"bench", *measured})
+        # The archive is read as it is.
+        self.assertIn("SAME", self.good("compare", "all.tar", "all/results", program=RADIAFIT).stdout)
         devices = self.cpu_devices(record) + OPENGL
         self.check_record(run, record, devices)
         self.check_agreement(run, devices)
@@ -179,6 +223,9 @@ class Bench(ProgramTest):
             (["--device", "cpu", "-o", ""], ["--output", "folder"]),
             (["--repetition", "3"], ["'--repetition'", "--repetitions"]),
             (["smoke"], ["'smoke'", "--help"]),
+            (["--all", "-o", "rows"], ["--output rows", ".tar"]),
+            (["--all", "--device", "cpu"], ["--device", "leave it out"]),
+            (["--minutes", "0"], ["--minutes = 0", "from 0.01"]),
         ]:
             with self.subTest(arguments=arguments):
                 self.refused(*arguments, says=says)

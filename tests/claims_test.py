@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import unittest
 import zlib
 
@@ -50,6 +51,16 @@ class Report(ClaimsTest):
         self.assertEqual([row["run"].split("/")[2] for row in rows], ["cpu", "other", "cpu"])
         self.assertEqual([row["renderer"] for row in rows], ["C, 2 threads", "GPU", "C, 2 threads"])
         self.assertIn("the standard profile is not of the paper's scale", rows[2]["reason"])
+        # The same out of an archive, for a checkout that has none of these runs.
+        with tarfile.open(self.root / "all.tar", "w") as archive:
+            archive.add(self.root / "results", "results")
+        (self.root / "results").rename(self.root / "away")
+        self.good("--config", "experiments/claims.toml", "--run", "all.tar", "--output", "judged")
+        judged = json.loads((self.root / "judged/claims.json").read_text())["claims"]
+        self.assertEqual([(row["profile"], row["verdict"]) for row in judged if row["id"] == "C17"],
+                         [(row["profile"], row["verdict"]) for row in rows])
+        shutil.rmtree(self.root / "judged")
+        (self.root / "away").rename(self.root / "results")
         # What came with the checkout is judged where the user ran nothing, and not otherwise.
         (self.root / "results/reference").mkdir()
         (self.root / "results/table1_datasets").rename(self.root / "results/reference/table1_datasets")

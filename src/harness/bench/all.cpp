@@ -14,7 +14,6 @@
 #include "base/log.h"
 #include "base/program.h"
 #include "base/read_file.h"
-#include "bench/bundle.h"
 #include "report/result_archive.h"
 #include "report/table.h"
 
@@ -27,7 +26,8 @@ struct Part {
     std::vector<std::string> command;
 };
 
-std::vector<Part> parts_of(const BenchOptions& o, const std::string& program, const fs::path& root) {
+std::vector<Part> parts_of(const BenchOptions& o, const std::string& program, const fs::path& root,
+                           std::span<const BundledExperiment> bundle) {
     std::vector<Part> parts = {{"bench",
                                 {program, "--scale", o.scale, "--repetitions", std::to_string(o.repetitions), "-o",
                                  (root / "results").string()}}};
@@ -38,7 +38,7 @@ std::vector<Part> parts_of(const BenchOptions& o, const std::string& program, co
     if (o.context.device >= 0)
         for (const std::string& word : {std::string("--gpu"), std::to_string(o.context.device)})
             parts[0].command.push_back(word);
-    for (const BundledExperiment& e : bundled_experiments())
+    for (const BundledExperiment& e : bundle)
         parts.push_back({e.name,
                          {program, "--part", e.name, "--config",
                           (root / "experiments" / (std::string(e.name) + ".toml")).string(), "--profile", o.scale}});
@@ -55,24 +55,24 @@ std::string how_it_ended(int status) {
 }
 
 /// What a checkout has for experiments.
-void make_checkout(const fs::path& root) {
+void make_checkout(const fs::path& root, std::span<const BundledExperiment> bundle) {
     for (const char* folder : {"experiments", "paper_figs", "results"}) fs::create_directories(root / folder);
-    for (const BundledExperiment& e : bundled_experiments())
+    for (const BundledExperiment& e : bundle)
         write_file(root / "experiments" / (std::string(e.name) + ".toml"), e.config);
 }
 
 }  // namespace
 
-int measure_all(const BenchOptions& o, const std::string& program) {
+int measure_all(const BenchOptions& o, const std::string& program, std::span<const BundledExperiment> bundle) {
     const UnfinishedFolder root(fs::temp_directory_path(), "radiafit-bench");
-    make_checkout(root.path());
+    make_checkout(root.path(), bundle);
     if (o.context.kind == ContextKind::osmesa)
         setenv("RADIAFIT_OPENGL", "osmesa", 1);
     else if (o.context.device >= 0)
         setenv("RADIAFIT_OPENGL", std::to_string(o.context.device).c_str(), 1);
     catch_interrupts();
     const double end = wall_time_s() + 60 * o.minutes;
-    const std::vector<Part> parts = parts_of(o, program, root.path());
+    const std::vector<Part> parts = parts_of(o, program, root.path(), bundle);
     Table table({"part", "seconds", ""});
     bool failed = false;
     for (size_t i = 0; i < parts.size(); ++i) {

@@ -197,7 +197,7 @@ int run(int argc, const char* const* argv) {
     if (argc > 2 && std::string_view(argv[1]) == "--part") return run_part(argc, argv);
     const auto options = parse_bench_options(argc, argv);
     if (!options) return 0;
-    if (options->all) return measure_all(*options, "/proc/self/exe");
+    if (options->all) return measure_all(*options, "/proc/self/exe", bundled_experiments());
     if (options->minutes > 0) limit_time(options->minutes);
     if (!options->list) return bench(*options, make_record(argc, argv));
     list_all();
