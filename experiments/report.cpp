@@ -18,6 +18,7 @@
 #include "page/exhibits_part.h"
 #include "page/pieces.h"
 #include "page/profile_part.h"
+#include "page/renderers_part.h"
 
 namespace radiafit::harness {
 namespace {
@@ -74,7 +75,7 @@ std::string page(Experiment& experiment, const RunFolders& folders, const fs::pa
     const std::string& profile = experiment.profile();
     const std::vector<ClaimFindings> claims = find_claims(folders, profile);
     const std::vector<RunRecord> runs = all_shown(folders, profile);
-    const std::vector<Section> sections = {
+    std::vector<Section> sections = {
         {"claims", "The claims", claims_summary(claims)},
         {"figures", "Figures and tables", exhibits_part(folders, profile, claims, scratch)},
         {"performance-profile", "Performance profile of the solvers",
@@ -83,6 +84,8 @@ std::string page(Experiment& experiment, const RunFolders& folders, const fs::pa
         {"comparison", "Against the reference", comparison_part(folders)},
         {"environment", "Machines, builds and runs", environment_part(runs, folders.checkout)},
     };
+    if (Html renderers = renderers_part(claims); !renderers.empty())
+        sections.insert(sections.begin() + 4, {"renderers", "What software renderers say", std::move(renderers)});
     Html main;
     for (const Section& section : sections)
         main << element("section", {{"id", section.id}, {"aria-labelledby", fmt::format("{}-title", section.id)}},

@@ -19,6 +19,7 @@
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "fragment/fragment_engine.h"
+#include "fragment/fragment_plan.h"
 #include "geometry/atlas.h"
 #include "geometry/vertex_rings.h"
 #include "gl/held_bytes.h"
@@ -96,7 +97,10 @@ int64_t resident_bytes() {
 Memory memory_of(const Dataset& dataset, const VertexRings& rings, const FitRequest& request) {
     const TriangleAtlas atlas(dataset.mesh, request.model.surface_side);
     Memory m{.passes = request.text("passes"), .storage = request.text("storage"), .side = request.model.surface_side};
-    m.planned = total_bytes(plan(dataset, request).memory);
+    std::vector<PlanRow> planned = plan(dataset, request).memory;
+    if (Context::current().software())
+        std::erase_if(planned, [](const PlanRow& row) { return row.array == on_their_way; });
+    m.planned = total_bytes(planned);
     m.paper_layout = total_bytes(paper_layout(dataset.mesh.triangle_count(), dataset.mesh.vertex_count(),
                                               request.model.surface_side, request.model.view_side));
     malloc_trim(0);  // what earlier engines left is given back first, or this one would take it unseen

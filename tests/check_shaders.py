@@ -16,7 +16,8 @@ after the #version line, and where the name of a file is a definition's, that in
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, with
 LOBE_COUNT 1 and 2 where they ask for it, and any other .glsl file that no stage reaches is an error: it would be untested.
 Which samples a pass takes must not depend on which program it is in: positions are invariant, and what texels find their
-pixels by is precise, with sums written out, since a driver may order those of dot() as it likes (PRECISE).
+pixels by is precise, with sums written out, since a driver may order those of dot() as it likes (PRECISE). What compilers of some
+drivers get wrong is not written (AVOIDED).
 Usage: check_shaders.py [ROOT]. Exit status 77 (skipped) without glslc or glslangValidator."""
 import concurrent.futures
 import itertools
@@ -41,6 +42,13 @@ PRECISE = {
     "distribute/item.vert": ("clip",), "distribute/take.glsl": ("q", "at"), "combine/take_item.glsl": ("q", "at"),
     "compute/taken.glsl": ("q", "at"), "distribute/camera.glsl": (), "combine/cameras.glsl": (),
 }  # fmt: skip
+
+
+# What compilers of some drivers drop, or cannot do: what to write instead.
+AVOIDED = {
+    r"\bis(nan|inf)\(": "some compilers take it for false; look at the bits",
+    r"\bbool(\[\d*\]| \w+\[)": "an array of truth values, of which Mesa's zink makes no Vulkan; write a bvec",
+}
 
 
 class ShaderError(Exception):
@@ -228,7 +236,7 @@ def shared_texts(shaders, name):
 
 
 def unstable(shaders, names):
-    """Positions that may differ from program to program, and sums whose order is the compiler's."""
+    """Positions that may differ from program to program, sums whose order is the compiler's, and what compilers get wrong."""
     errors = []
     for name in names:
         text = (shaders / name).read_text(encoding="utf-8")
@@ -240,6 +248,9 @@ def unstable(shaders, names):
             if "invariant gl_Position;" not in whole:
                 errors.append(f"shaders/{name}: gl_Position must be invariant")
         text = re.sub("//.*", "", text)
+        for pattern, instead in AVOIDED.items():
+            if (found := re.search(pattern, text)) and FOR_PAGES not in text:
+                errors.append(f"shaders/{name}: {found[0]}: {instead}")
         for variable in PRECISE.get(name, ()):
             if not re.search(rf"\bprecise \w+ {variable} =", text):
                 errors.append(f"shaders/{name}: {variable} must be precise")

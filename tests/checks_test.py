@@ -232,6 +232,12 @@ class Shaders(Tree):
         self.write("shaders/distribute/camera_row.glsl", row.format("precise ", "row.x * p.x + row.y * p.y + row.z * p.z"))
         self.assertEqual(self.errors(), [])
 
+    def test_what_compilers_get_wrong_is_not_written(self):
+        for line, name in (("bool some[3];", "bool some["), ("bool[3] some = bool[3](true, true, true);", "bool[3]"),
+                           ("bool b = isnan(1.0);", "isnan(")):
+            self.write("shaders/a/thing.frag", STAGE + f"void main() {{ {line} colour = vec4(1.0); }}\n")
+            self.assertTrue(self.errors()[0].startswith(f"shaders/a/thing.frag: {name}: "), self.errors())
+
     def test_a_uniform_needs_no_location(self):
         self.write("shaders/a/thing.frag", STAGE + "uniform float x;\nvoid main() { colour = vec4(x); }\n")
         self.assertEqual(self.errors(), [])

@@ -152,6 +152,27 @@ class ReportPage(ProgramTest):
         self.assertIn("the reference itself", page.one("section", id="comparison").text())
         self.assertTrue(list(page.one("article", id="passes").all("figure")))
 
+    def test_software_renderers_side_by_side(self):
+        page = read_page(self.report("--output", "one", path="one/report/index.html"))
+        self.assertEqual(list(page.all("section", id="renderers")), [], "there is one alone")
+        zink = "zink (llvmpipe (LLVM 15.0.6, 256 bits))"
+        run = self.keep_newest("streaming")
+        other = shutil.copytree(run, run.parents[1] / "zink" / run.name)
+        record = json.loads((other / "run.json").read_text())
+        record["gl"]["renderer"] = zink
+        del record["files"]
+        (other / "run.json").write_text(json.dumps(record))
+        rows = (other / "times.csv").read_text().replace("llvmpipe (LLVM 15.0.6, 256 bits)", zink)
+        (other / "times.csv").write_text(rows)
+        page = read_page(self.report("--output", "two", path="two/report/index.html"))
+        section = page.one("section", id="renderers")
+        self.assertIn("no verdict rests on them", section.text())
+        shown = next(table for table in section.all("table") if table.one("caption").text().startswith("C11: "))
+        self.assertTrue(shown.table())
+        for row in shown.table():
+            self.assertEqual(row["llvmpipe (LLVM 15.0.6, 256 bits)"], row[zink])
+            self.assertNotEqual(row[zink], "")
+
     def test_other_profiles_lie_apart(self):
         shutil.rmtree(self.root / "results")
         self.assertFalse((self.root / "results/report/index.html").exists())

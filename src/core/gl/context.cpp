@@ -144,6 +144,7 @@ void Context::finish_creation(void* (*resolve)(const char*), const std::string& 
     }
     vendor_ = gl_string(functions_, GL_VENDOR);
     renderer_ = gl_string(functions_, GL_RENDERER);
+    if (options_.kind == ContextKind::osmesa) renderer_ += ", OSMesa";  // which rows tell from EGL's
     version_ = gl_string(functions_, GL_VERSION);
     software_ = is_software_renderer(renderer_);
 
