@@ -136,7 +136,9 @@ ResultFolder Experiment::open_results(const std::string& device) const {
 }
 
 void Experiment::finish(ResultFolder& results, const std::string& caption) const {
-    const std::string dated = fmt::format("{}; {}", caption, utc_now().substr(0, 10));
+    const std::string dated = fmt::format(
+        "{}{}; {}", caption, rounds_left_out() ? "; fewer rounds, as time was up" : "", utc_now().substr(0, 10));
+    if (rounds_left_out()) results.record().more.emplace_back("rounds_left_out", "true");
     results.record().more.emplace_back("caption", json_string(dated));
     std::vector<fs::path> shown;
     if (standard_ || !output_.empty()) {
@@ -163,7 +165,8 @@ void Experiment::redraw(const fs::path& folder) const {
 bool Experiment::finished_before() const {
     if (record_.git_revision.ends_with("-dirty")) return false;  // which may be any program
     for (const RunRecord& run : newest_runs(results(), name_, profile_))
-        if (run.revision == record_.git_revision && run.cpu == record_.cpu && run.threads == record_.threads) {
+        if (run.revision == record_.git_revision && run.cpu == record_.cpu && run.threads == record_.threads &&
+            !run.rounds_left_out) {
             log_info(fmt::format("{} is there: {}", name_, run.folder.string()));
             return true;
         }

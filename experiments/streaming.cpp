@@ -125,6 +125,7 @@ void measure(Experiment& experiment) {
     const TriangleAtlas atlas(dataset.mesh, o.request.model.surface_side);
     const VertexRings rings(dataset.mesh);
     const std::vector<uint32_t> views = spread_views(dataset.split(false), o.images);
+    share_time(4);  // two problems, two kinds of passes
     std::vector<Contest> contests;
     for (const char* passes : {"paper", "combined"})
         contests.push_back(contest(dataset, o, "light field map", passes, [&](const FragmentOptions& options) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """radiafit-bench: rows that can be true, and what it refuses.
 
-Arguments: the program, radiafit, the checkout.
+Arguments: the program, radiafit, the checkout, the program as it travels.
 """
 import csv
 import json
@@ -17,7 +17,7 @@ import unittest
 
 from cli_fixture import ProgramTest, take_arguments
 
-RADIAFIT = CHECKOUT = None
+RADIAFIT = CHECKOUT = TRAVELS = None
 PROBLEMS = ["star", "bust", "ornament"]
 STREAMED = ["compute, redistributing", "compute, redistributing, scattered"]  # of light field maps alone
 OPENGL = ["fragment, paper passes", "fragment, combined passes", "compute", *STREAMED]
@@ -58,10 +58,9 @@ class Bench(ProgramTest):
 
     def run_all(self, crashes):
         """--all into all.tar, where one part crashes as it begins. The run of `bench` in it, and what was said."""
-        scratch = self.root / "scratch"
-        scratch.mkdir(exist_ok=True)
-        with subprocess.Popen([self.program, "--all", "--scale", "smoke", "--repetitions", str(REPETITIONS), "--minutes", "5",
-                               "-o", "all.tar"], cwd=self.root, env={**os.environ, "TMPDIR": str(scratch)}, stdout=subprocess.PIPE,
+        before = set(self.root.iterdir())
+        with subprocess.Popen([TRAVELS, "--all", "--scale", "smoke", "--repetitions", str(REPETITIONS), "--minutes", "5",
+                               "-o", "all.tar"], cwd=self.root, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True) as process:
             said = []
             for line in process.stderr:
@@ -71,7 +70,7 @@ class Bench(ProgramTest):
                     os.kill(child, signal.SIGSEGV)
             shown = process.stdout.read()
         self.assertEqual(process.returncode, 1, said)
-        self.assertEqual(list(scratch.iterdir()), [], "its datasets are gone")
+        self.assertEqual(set(self.root.iterdir()) - before, {self.root / "all.tar"}, "its datasets are gone")
         with tarfile.open(self.root / "all.tar") as archive:
             archive.extractall(self.root / "all", filter="data")
         (run,) = (self.root / "all/results/bench").glob("*/*/run.json")
@@ -238,5 +237,5 @@ class Bench(ProgramTest):
 
 
 if __name__ == "__main__":
-    Bench.program, RADIAFIT, CHECKOUT = take_arguments(3)
+    Bench.program, RADIAFIT, CHECKOUT, TRAVELS = take_arguments(4)
     unittest.main()

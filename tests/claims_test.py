@@ -57,8 +57,8 @@ class Report(ClaimsTest):
         (self.root / "results").rename(self.root / "away")
         self.good("--config", "experiments/claims.toml", "--run", "all.tar", "--output", "judged")
         judged = json.loads((self.root / "judged/claims.json").read_text())["claims"]
-        self.assertEqual([(row["profile"], row["verdict"]) for row in judged if row["id"] == "C17"],
-                         [(row["profile"], row["verdict"]) for row in rows])
+        self.assertEqual([(row["profile"], row["verdict"], row["run"]) for row in judged if row["id"] == "C17"],
+                         [(row["profile"], row["verdict"], row["run"]) for row in rows])
         shutil.rmtree(self.root / "judged")
         (self.root / "away").rename(self.root / "results")
         # What came with the checkout is judged where the user ran nothing, and not otherwise.

@@ -38,19 +38,24 @@ def environment():
 
 def renderer(radiafit, more):
     """What EGL's software renderer says that it is, with more of an environment."""
-    said = subprocess.run([radiafit, "devices", "--json"], env={**os.environ, **more}, capture_output=True, text=True, check=True)
+    plain = {name: value for name, value in os.environ.items() if name != "force_gl_renderer"}
+    said = subprocess.run([radiafit, "devices", "--json"], env={**plain, **more}, capture_output=True, text=True, check=True)
     return next(d for d in json.loads(said.stdout)["devices"] if d["name"].startswith("egl") and d.get("kind") == "software")["renderer"]
 
 
 def validated(command, more):
-    result = subprocess.run(command, env={**os.environ, **more, "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation"},
+    layer = "VK_LAYER_KHRONOS_validation"
+    result = subprocess.run(command, env={**os.environ, **more, "VK_INSTANCE_LAYERS": layer, "VK_LOADER_DEBUG": "layer"},
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
     said = collections.Counter(re.findall(r"Validation (?:Error|Warning): \[ (\S+) \]", result.stdout))
     for name, count in said.most_common():
         print(f"{count} times {name}{', known of Mesa' if name in KNOWN else ''}")
+    loaded = re.search(rf"(?i)insert instance layer \"?{layer}", result.stdout)
+    if not loaded:
+        print(f"{layer} was not loaded")
     if result.returncode or said.keys() - KNOWN:
         print(result.stdout)
-    return result.returncode or (1 if said.keys() - KNOWN else 0)
+    return result.returncode or (0 if loaded and not said.keys() - KNOWN else 1)
 
 
 def main():

@@ -27,7 +27,7 @@ ExrImage read_exr(const std::filesystem::path&, const std::vector<std::string>&,
 namespace fits {
 
 std::span<const CeresSetting> ceres_settings() {
-    static const CeresSetting one[] = {{CeresOptions().setting.c_str(), "", CeresMemory::vectors}};
+    static const CeresSetting one[] = {{"lbfgs", "the default", CeresMemory::vectors}};
     return one;
 }
 const CeresSetting& find_ceres_setting(const std::string&) { return ceres_settings().front(); }

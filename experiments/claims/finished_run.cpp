@@ -17,8 +17,17 @@ nlohmann::json config_value(const RunRecord& record, const char* key) {
 
 }  // namespace
 
-FinishedRun::FinishedRun(RunRecord record, const std::filesystem::path& checkout)
-    : record_(std::move(record)), name_(std::filesystem::relative(record_.folder, checkout).generic_string()) {}
+FinishedRun::FinishedRun(RunRecord record, const std::filesystem::path& checkout) : record_(std::move(record)) {
+    namespace fs = std::filesystem;
+    fs::path name = fs::relative(record_.folder, checkout);
+    if (*name.begin() == "..") {  // from elsewhere, such as an archive: RESULTS/EXPERIMENT/DEVICE/RUN
+        name.clear();
+        fs::path rest = record_.folder;
+        for (int level = 0; level < 4; ++level, rest = rest.parent_path()) name = rest.filename() / name;
+        name = name.parent_path();  // without the separator at its end
+    }
+    name_ = name.generic_string();
+}
 
 std::string FinishedRun::device() const {
     if (!record_.renderer.empty()) return record_.renderer;

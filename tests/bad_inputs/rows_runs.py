@@ -18,7 +18,7 @@ rows += [
     (f"{both} runs/b", None, 2, "'runs/b' is one argument too many"),
     ("compare '' runs/b", None, 2, "before = '': give a name"),
     ("compare runs/a nowhere", None, 2, "nowhere: no such folder; check the path"),
-    ("compare runs/a/errors.csv runs/b", None, 2, "runs/a/errors.csv: no such folder; check the path"),
+    ("compare runs/a/errors.csv runs/b", None, 2, "runs/a/errors.csv is no archive that radiafit-bench --all wrote; check the path"),
     ("compare runs/a photos", None, 2, "photos: no run in it or up to three folders down; name a folder with a run.json"),
     ("compare runs/a " + "n" * 300, None, 2, "n" * 300),
     ("compare runs/a around", loop("around"), 2, "around"),

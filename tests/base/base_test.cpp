@@ -112,6 +112,22 @@ TEST(Parallel, AnExceptionReachesTheCallerAndThePoolLivesOn) {
         UserError);
 }
 
+TEST(Parallel, OfSeveralExceptionsTheLowestIsTold) {
+    const Threads set(4);
+    for (int round = 0; round < 20; round++) {
+        std::string told;
+        try {
+            parallel_for(4, 1, [](size_t i, int) {
+                if (i < 3) std::this_thread::sleep_for(std::chrono::milliseconds(3 - i));
+                throw UserError(std::to_string(i));
+            });
+        } catch (const UserError& error) {
+            told = error.what();
+        }
+        ASSERT_EQ(told, "0");
+    }
+}
+
 TEST(Parallel, TwoCallersDontMix) {
     const Threads set(2);
     std::atomic<bool> right = true;

@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
+#include <stdexcept>
 
 namespace radiafit {
 namespace {
@@ -35,6 +37,22 @@ TEST(RunApart, ACrashIsToldAndNoMore) {
     EXPECT_EQ(crashed.status, 128 + SIGSEGV);
     EXPECT_EQ(crashed.output, "");
     EXPECT_EQ(crashed.message, "the driver's last words\n");
+}
+
+TEST(RunApart, WhatIsThrownStaysThere) {
+    const Ended thrown = run_apart([]() -> std::string { throw std::runtime_error("no text"); }, 60);
+    EXPECT_EQ(thrown.status, 1);
+    EXPECT_EQ(thrown.output, "");
+}
+
+TEST(RunInFront, HasItsStatusFolderAndTime) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path();
+    EXPECT_EQ(run_in_front({"sh", "-c", "exit 3"}, folder, 60), 3);
+    EXPECT_EQ(run_in_front({"sh", "-c", "test $(pwd -P) = " + std::filesystem::canonical(folder).string()}, folder, 60),
+              0);
+    EXPECT_EQ(run_in_front({"sh", "-c", "kill -SEGV $$"}, folder, 60), 128 + SIGSEGV);
+    EXPECT_EQ(run_in_front({"sleep", "60"}, folder, 1), 128 + SIGALRM);
+    EXPECT_EQ(run_in_front({"no-such-program"}, folder, 60), 127);
 }
 
 TEST(RunApart, WhatDoesNotEndIsEnded) {

@@ -34,17 +34,22 @@ struct Loop {
     std::atomic<size_t> next{0};
     std::mutex error_mutex;
     std::exception_ptr error;
+    size_t error_begin = 0;  ///< of the chunk that threw it
 
     void run(int worker) {
         const int outer_worker = current_worker;
         current_worker = worker;
+        size_t begin = 0;
         try {
-            for (size_t begin; throw_if_interrupted(), (begin = next.fetch_add(grain)) < count;)
+            while (throw_if_interrupted(), (begin = next.fetch_add(grain)) < count)
                 body(begin, count - begin < grain ? count : begin + grain, worker);
         } catch (...) {
             next = count;  // the others stop at their next chunk
             std::scoped_lock lock(error_mutex);
-            if (!error) error = std::current_exception();
+            if (!error || begin < error_begin) {
+                error = std::current_exception();
+                error_begin = begin;
+            }
         }
         current_worker = outer_worker;
     }
@@ -142,7 +147,12 @@ int thread_count() {
 
 void parallel_chunks(size_t count, size_t grain, const Chunk& body) {
     if (count == 0) return;
-    Loop loop{.body = body, .count = count, .grain = grain == 0 ? 1 : grain, .error_mutex = {}, .error = {}};
+    Loop loop{.body = body,
+              .count = count,
+              .grain = grain == 0 ? 1 : grain,
+              .error_mutex = {},
+              .error = {},
+              .error_begin = 0};
     if (current_worker >= 0) {
         loop.run(current_worker);
     } else {

@@ -12,8 +12,9 @@ int thread_count();
 int core_count();
 
 /// Calls body(i, worker) for every i in [0, count), in chunks of `grain` handed out dynamically.
-/// worker in [0, thread_count()) selects per-thread scratch space. The first exception is rethrown to the caller, and
-/// chunks not begun by then are skipped. A call from inside a body runs inline, under that body's worker index.
+/// worker in [0, thread_count()) selects per-thread scratch space. Of exceptions that of the lowest chunk
+/// is rethrown to the caller, and chunks not begun by then are skipped. A call from inside a body runs inline, under
+/// that body's worker index.
 void parallel_for(size_t count, size_t grain, const std::function<void(size_t i, int worker)>& body);
 
 /// The same over chunks: body(begin, end, worker) once per chunk, for loops whose body is too small for a call.

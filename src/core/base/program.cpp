@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -16,6 +18,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/interrupt.h"
 
 namespace radiafit {
 namespace {
@@ -69,11 +72,13 @@ void write_all(int file, std::string_view text) {
     }
 }
 
+int status_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
 int end_status(pid_t child) {
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return status_of(status);
 }
 
 }  // namespace
@@ -110,11 +115,22 @@ int run_in_front(std::vector<std::string> command, const std::filesystem::path& 
     const pid_t child = fork();
     if (child < 0) throw SystemError("fork failed: " + std::generic_category().message(errno));
     if (child == 0) {
-        alarm(seconds);  // which the program keeps
+        alarm(seconds);                    // which the program keeps, as it does
+        prctl(PR_SET_PDEATHSIG, SIGTERM);  // this: it ends with us
         if (chdir(folder.c_str()) == 0) execvp(arguments[0], arguments.data());
         _exit(127);
     }
-    return end_status(child);
+    for (bool passed_on = false;; usleep(50'000)) {
+        int status = 0;
+        if (waitpid(child, &status, WNOHANG) == child) return status_of(status);
+        if (passed_on) continue;
+        try {
+            throw_if_interrupted();
+        } catch (const Interrupted& interrupted) {
+            if (interrupted.signal == SIGTERM) kill(child, SIGTERM);  // Ctrl-C reaches it as it does us
+            passed_on = true;
+        }
+    }
 }
 
 Ended run_apart(const std::function<std::string()>& body, unsigned seconds) {
@@ -126,7 +142,11 @@ Ended run_apart(const std::function<std::string()>& body, unsigned seconds) {
         setrlimit(RLIMIT_CORE, &no_core_file);
         alarm(seconds);
         dup2(errors.writing(), STDERR_FILENO);
-        write_all(output.writing(), body());
+        try {
+            write_all(output.writing(), body());
+        } catch (...) {
+            _exit(1);
+        }
         _exit(0);  // with none of the ends of this process's copy, such as unwritten output
     }
     output.close_writing();

@@ -2,29 +2,40 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/clock.h"
 #include "base/log.h"
 
 namespace radiafit {
 namespace {
 
-double end_s = 0;       // of wall_time_s(); 0: no limit
-double loop_begin = 0;  // of the loop that runs
+double end_s = 0;  // of wall_time_s(); 0: no limit
+int loops_left = 1;
+double loop_begin = 0, loop_end = 0;  // of the loop that runs
+bool left_out = false;
 
 }  // namespace
 
 void limit_time(double minutes) { end_s = wall_time_s() + 60 * minutes; }
+
+void share_time(int loops) { loops_left = loops; }
 
 bool another_round(int done, int wanted) {
     if (done >= wanted) return false;
     const double now = wall_time_s();
     if (done == 0) {
         loop_begin = now;
+        loop_end = now + (end_s - now) / loops_left;
+        loops_left = std::max(1, loops_left - 1);
         return true;
     }
-    if (end_s == 0 || now + (now - loop_begin) / done <= end_s) return true;
+    if (end_s == 0 || now + (now - loop_begin) / done <= loop_end) return true;
     log_warning(fmt::format("{} of {} rounds, as the time is up: intervals are wider, or missing", done, wanted));
+    left_out = true;
     return false;
 }
+
+bool rounds_left_out() { return left_out; }
 
 }  // namespace radiafit

@@ -25,7 +25,8 @@ inline constexpr const char* on_their_way = "images on their way to the device";
 void plan_images(std::vector<PlannedArray>& plan, const Dataset& dataset, std::span<const uint32_t> views,
                  uint64_t batch, int bits, bool keep_on_device);
 
-/// What FragmentEngine would allocate, without a context: the sum is what its bytes() would say, but for combined
+/// What FragmentEngine would allocate, without a context: the sum is what its bytes() would say on a chip (in software
+/// less by the row on_their_way), but for combined
 /// passes on a device with fewer than 124 varying components.
 std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const TriangleAtlas& atlas,
                                                const VertexRings& rings, std::span<const uint32_t> views,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 
 #include "fragment/view_order.h"
 
@@ -31,18 +32,20 @@ void ImageSweep::set_batch(int images) {
 }
 
 void ImageSweep::make_stacks() {
+    const auto use = keep_on_device_ ? PixelUploads::Use::once : PixelUploads::Use::again_and_again;
     const auto [width, height] = largest();
     const size_t batch = size_t(batch_), turns = (views_.size() + batch - 1) / batch;
     for (size_t turn = 0; turn < (keep_on_device_ ? turns : std::min<size_t>(2, turns)); ++turn) {
         stacks_.emplace_back(width, height, bits(), batch_);
-        if (!uploads_) uploads_.emplace(stacks_.back().bytes());
+        if (!uploads_) uploads_.emplace(stacks_.back().bytes(), use);
         if (keep_on_device_) fill(stacks_.back(), turn * batch);
     }
 }
 
 void ImageSweep::make_slots() {
     const auto [width, height] = largest();
-    uploads_.emplace(size_t(width) * size_t(height) * size_t(bits() / 2));
+    uploads_.emplace(size_t(width) * size_t(height) * size_t(bits() / 2),
+                     keep_on_device_ ? PixelUploads::Use::once : PixelUploads::Use::again_and_again);
     if (batch_ > 1) views_ = batches_of_neighbours(*dataset_, views_, batch_);
     if (!keep_on_device_) {
         for (int i = 0; i < 2 * batch_; ++i) slots_.emplace_back(width, height, bits());
@@ -67,18 +70,21 @@ void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
     const size_t row_bytes = size_t(camera.width) * size_t(bits() / 2);
     uint8_t* to = nullptr;
     time_upload([&] { to = uploads_->begin(); });
-    stream_.load_rows(view, [&](int, const uint8_t* row) {
+    const auto take = [&](int, const uint8_t* row) {
         std::memcpy(to, row, row_bytes);
         to += row_bytes;
-    });
+    };
+    stream_.load_rows(view, std::cref(take));  // by reference: a copy would take memory in every sweep
     time_upload([&] { slot.take(*uploads_, camera.width, camera.height); });
 }
 
 void ImageSweep::fill(ImageStack& stack, size_t first) {
     uint8_t* to = nullptr;
     time_upload([&] { to = stack.begin(*uploads_); });
-    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i)
-        stream_.load_rows(views_[first + i], [&](int y, const uint8_t* row) { stack.put_row(to, int(i), y, row); });
+    for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
+        const auto put = [&](int y, const uint8_t* row) { stack.put_row(to, int(i), y, row); };
+        stream_.load_rows(views_[first + i], std::cref(put));
+    }
     time_upload([&] { stack.end(*uploads_); });
 }
 

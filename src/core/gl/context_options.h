@@ -8,7 +8,8 @@ enum class ContextKind { egl, osmesa };
 std::string to_string(ContextKind kind);
 ContextKind context_kind_from(const std::string& name);  ///< throws UserError that lists the names
 
-/// Where neither is asked for, RADIAFIT_OPENGL=osmesa, or the number of one of EGL's devices, says which.
+/// Where neither OSMesa nor a number is asked for, RADIAFIT_OPENGL=osmesa, or the number of one of EGL's devices, says
+/// which.
 struct ContextOptions {
     ContextKind kind = ContextKind::egl;
     int device = -1;  ///< EGL: index as list_devices() gives it; -1: a GPU if there is one, else software

@@ -5,8 +5,9 @@
 
 namespace radiafit {
 
-PixelUploads::PixelUploads(size_t bytes) : bytes_(bytes), software_(Context::current().software()) {
-    if (software_) return;
+PixelUploads::PixelUploads(size_t bytes, Use use)
+    : bytes_(bytes), straight_(use == Use::once || Context::current().software()) {
+    if (straight_) return;
     for (Half& half : halves_) {
         half.buffer = Buffer::to_map(bytes);
         half.mapped = half.buffer.map_for_good();
@@ -19,7 +20,7 @@ PixelUploads::~PixelUploads() {
 }
 
 uint8_t* PixelUploads::begin() {
-    if (software_) {
+    if (straight_) {
         for_texture_.resize(bytes_);
         return for_texture_.data();
     }
@@ -40,17 +41,25 @@ uint8_t* PixelUploads::begin() {
 }
 
 void PixelUploads::end(Texture& to, int width, int height, GLenum format, GLenum type) {
-    if (software_) return to.upload_part(width, height, format, type, for_texture_.data());
+    if (straight_) return to.upload_part(width, height, format, type, for_texture_.data());
     gl().BindBuffer(GL_PIXEL_UNPACK_BUFFER, halves_[turn_].buffer.name());
     to.upload_part(width, height, format, type, nullptr);  // from the start of the buffer
     gl().BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     take_turns();
 }
 
-uint8_t* PixelUploads::begin(Buffer& to) { return software_ ? to.map() : begin(); }
+uint8_t* PixelUploads::begin(Buffer& to) {
+    if (!straight_) return begin();
+    if (filled_) end(*filled_);  // an image could not be read
+    filled_ = &to;
+    return to.map();
+}
 
 void PixelUploads::end(Buffer& to) {
-    if (software_) return to.unmap();
+    if (straight_) {
+        filled_ = nullptr;
+        return to.unmap();
+    }
     // What it held is lost, so that no driver needs to wait until passes before have read it.
     gl().InvalidateBufferData(to.name());
     gl().CopyNamedBufferSubData(halves_[turn_].buffer.name(), to.name(), 0, 0, GLsizeiptr(to.bytes()));

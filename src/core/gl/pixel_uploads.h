@@ -10,10 +10,11 @@ namespace radiafit {
 
 /// Pixels on their way to the device: two buffers of memory that it reads by itself, mapped for good. While it fetches
 /// from one, the next pixels are written to the other, and nothing is copied between. Software, whose textures lie in
-/// memory like any other, is handed them without.
+/// memory like any other, is handed them without; so is what goes there once and stays.
 class PixelUploads {
 public:
-    explicit PixelUploads(size_t bytes);  ///< of the most that goes at once
+    enum class Use { again_and_again, once };
+    explicit PixelUploads(size_t bytes, Use use = Use::again_and_again);  ///< bytes: of the most that goes at once
     ~PixelUploads();
     PixelUploads(const PixelUploads&) = delete;
     PixelUploads& operator=(const PixelUploads&) = delete;
@@ -37,9 +38,10 @@ private:
     void take_turns();
 
     size_t bytes_;
-    bool software_;
-    std::array<Half, 2> halves_;        ///< of chips
-    std::vector<uint8_t> for_texture_;  ///< of software
+    bool straight_;  ///< without halves
+    std::array<Half, 2> halves_;
+    std::vector<uint8_t> for_texture_;  ///< where straight_
+    Buffer* filled_ = nullptr;          ///< between begin() and end(), where straight_
     size_t turn_ = 0;
 };
 

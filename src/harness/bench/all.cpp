@@ -64,8 +64,11 @@ void make_checkout(const fs::path& root, std::span<const BundledExperiment> bund
 }  // namespace
 
 int measure_all(const BenchOptions& o, const std::string& program, std::span<const BundledExperiment> bundle) {
-    const UnfinishedFolder root(fs::temp_directory_path(), "radiafit-bench");
+    // Beside the archive: on a disk, which the system's temporary folder need not be, and images are read from one.
+    const fs::path archive = fs::absolute(o.output);
+    const UnfinishedFolder root(archive.parent_path(), "radiafit-bench");
     make_checkout(root.path(), bundle);
+    write_result_archive(root.path() / "results", archive);  // what keeps it from being written shows before any work
     if (o.context.kind == ContextKind::osmesa)
         setenv("RADIAFIT_OPENGL", "osmesa", 1);
     else if (o.context.device >= 0)
@@ -84,7 +87,7 @@ int measure_all(const BenchOptions& o, const std::string& program, std::span<con
         const int status = run_in_front(command, root.path(), unsigned(4 * left + 60));
         table.add({parts[i].name, fmt::format("{:.0f}", wall_time_s() - start), how_it_ended(status)});
         failed |= status != 0;
-        write_result_archive(root.path() / "results", o.output);
+        write_result_archive(root.path() / "results", archive);
         try {
             throw_if_interrupted();
         } catch (Interrupted& interrupted) {

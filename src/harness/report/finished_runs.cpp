@@ -87,6 +87,7 @@ RunRecord read_run(const fs::path& folder) {
     run.threads = field<int>(object, "threads", file);
     if (object.contains("caption")) run.caption = field<std::string>(object, "caption", file);
     run.standard = object.value("standard", json(true)) != json(false);
+    run.rounds_left_out = object.value("rounds_left_out", json(false)) == json(true);
     const auto gl = object.find("gl");
     if (gl != object.end() && gl->is_object()) run.renderer = field<std::string>(*gl, "renderer", file);
     const auto take = [&](const char* name, std::map<std::string, std::string>& texts) {

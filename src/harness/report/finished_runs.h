@@ -18,6 +18,7 @@ struct RunRecord {
     std::string caption = {};   ///< of its figure; empty in older runs
     int cores = 0, threads = 0;
     bool standard = true;                            ///< by the checkout's config file, with nothing else set
+    bool rounds_left_out = false;                    ///< as its time was up
     std::map<std::string, std::string> config = {};  ///< resolved, values as JSON
     std::map<std::string, std::string> files = {};   ///< what row_files.h knows each by; empty: no list was made
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/program.h"
 #include "base/read_file.h"
 
@@ -13,7 +14,7 @@ namespace {
 constexpr const char* top = "results";
 
 void run_tar(std::vector<std::string> arguments, const std::string& failed) {
-    arguments.insert(arguments.begin(), "tar");
+    arguments.insert(arguments.begin(), {"tar", "--force-local"});  // "a:b.tar" is no file of another machine
     const Ended ended = run_program(std::move(arguments));
     if (ended.status == 127) throw SystemError("archives need the program tar: install it");
     if (ended.status != 0) throw UserError(fmt::format("{}: {}", failed, single_line(ended.message)));
@@ -28,6 +29,7 @@ void write_result_archive(const fs::path& folder, const fs::path& file) {
         {"--create", "--file", packed.string(), "--directory", folder.parent_path().string(), "--exclude=.radiafit-*",
          fmt::format("--transform=s,^{},{},", folder.filename().string(), top), folder.filename().string()},
         fmt::format("{} cannot be written", file.string()));
+    sync_to_disk(packed);
     std::error_code failed;
     fs::rename(packed, file, failed);
     if (failed) throw UserError(fmt::format("{} cannot be written: {}", file.string(), failed.message()));
@@ -35,9 +37,9 @@ void write_result_archive(const fs::path& folder, const fs::path& file) {
 
 UnpackedResults::UnpackedResults(const fs::path& place) : folder_(place) {
     if (!fs::is_regular_file(place)) return;
-    unpacked_ = std::make_unique<UnfinishedFolder>(fs::temp_directory_path(), "radiafit-results");
-    run_tar({"--extract", "--file", place.string(), "--directory", unpacked_->path().string(), "--no-same-owner",
-             "--no-same-permissions"},
+    unpacked_ = std::make_unique<UnfinishedFolder>(fs::absolute(fs::temp_directory_path()), "radiafit-results");
+    run_tar({"--extract", "--file", fs::absolute(place).string(), "--directory", unpacked_->path().string(),
+             "--no-same-owner", "--no-same-permissions"},
             fmt::format("{} is no archive that radiafit-bench --all wrote; check the path", place.string()));
     folder_ = unpacked_->path() / top;
     if (!folder_exists(folder_))
