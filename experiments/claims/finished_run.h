@@ -12,7 +12,9 @@ class FinishedRun {
 public:
     FinishedRun(RunRecord record, const std::filesystem::path& checkout);
 
-    const std::string& name() const { return name_; }  ///< its path from the checkout on, or of one elsewhere from its results on
+    const std::string& name() const {
+        return name_;
+    }  ///< its path from the checkout on, or of one elsewhere from its results on
     const std::string& cpu() const { return record_.cpu; }
     std::string device() const;  ///< the GL renderer, or the CPU and its threads
     /// A number of the resolved config. Throws UserError if there is none.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "gl/context.h"
 #include "page/html_table.h"
@@ -11,13 +12,26 @@
 namespace radiafit::harness {
 namespace {
 
-/// The first finding of each software renderer that measured anything, by its name.
-std::map<std::string, const Finding*> of_software(const std::vector<Finding>& findings) {
-    std::map<std::string, const Finding*> found;
-    for (const Finding& f : findings)
-        if (is_software_renderer(f.judgement.renderer) && !f.judgement.measures.empty())
-            found.emplace(f.judgement.renderer, &f);
-    return found;
+using ByRenderer = std::map<std::string, const Finding*>;
+
+/// "llvmpipe (LLVM 15.0.6, 256 bits), OSMesa" of a name that ends with the processor, as software's do.
+std::string opengl_of(const std::string& renderer) {
+    const std::string osmesa = ", OSMesa";
+    const size_t end = renderer.find("), ");
+    if (end == std::string::npos) return renderer;
+    return renderer.substr(0, end + 1) + (renderer.compare(end + 1, osmesa.size(), osmesa) == 0 ? osmesa : "");
+}
+
+/// The first finding of each software renderer that measured anything; none where all of them are one OpenGL.
+ByRenderer of_software(const std::vector<Finding>& findings) {
+    ByRenderer found;
+    std::set<std::string> opengl;
+    for (const Finding& f : findings) {
+        if (!is_software_renderer(f.judgement.renderer) || f.judgement.measures.empty()) continue;
+        found.emplace(f.judgement.renderer, &f);
+        opengl.insert(opengl_of(f.judgement.renderer));
+    }
+    return opengl.size() < 2 ? ByRenderer() : found;
 }
 
 std::string figure_of(const Finding& finding, const std::string& what) {
@@ -32,8 +46,8 @@ Html renderers_part(std::span<const ClaimFindings> claims) {
     Html part;
     for (const ClaimFindings& claim : claims) {
         auto found = of_software(claim.judged);
-        if (found.size() < 2) found = of_software(claim.smaller);
-        if (found.size() < 2) continue;
+        if (found.empty()) found = of_software(claim.smaller);
+        if (found.empty()) continue;
         std::vector<std::string> header = {"figure"};
         for (const auto& [renderer, finding] : found) header.push_back(renderer);
         const Finding& first = *found.begin()->second;
@@ -49,8 +63,8 @@ Html renderers_part(std::span<const ClaimFindings> claims) {
     }
     if (part.empty()) return part;
     Html whole = element("p",
-                         "The same rows by several OpenGLs in software, on one processor: how much of a figure is the "
-                         "driver's. None of them is a graphics chip, and no verdict rests on them.");
+                         "The same rows by several OpenGLs in software: how much of a figure is the driver's. None of "
+                         "them is a graphics chip, and no verdict rests on them.");
     return whole << part;
 }
 

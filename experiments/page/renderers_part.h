@@ -6,8 +6,8 @@
 
 namespace radiafit::harness {
 
-/// What several software renderers say of the same claims, side by side: another OpenGL on the same processor, and no
-/// graphics chip. Of one profile each, the paper's if there are two renderers of it. Empty where no claim has two.
+/// What several software renderers say of the same claims, side by side: other OpenGLs, and no graphics
+/// chip. Of one profile each, the paper's if there are two renderers of it. Empty where no claim has two.
 Html renderers_part(std::span<const ClaimFindings> claims);
 
 }  // namespace radiafit::harness
