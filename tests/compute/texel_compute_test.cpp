@@ -206,6 +206,24 @@ TEST(TexelCompute, SameBitsTwiceAndInEveryContext) {
     }
 }
 
+TEST(TexelCompute, GroupsOfEverySizeFitAlikeAndGiveTheSameBitsTwice) {
+    const TexelDataset data({.grid = true});
+    TexelOptions options;
+    options.model = find_texel_model("lafortune");
+    const std::vector<float> start = start_of(data, options);
+    const OptimizerOptions optimizer{.iterations = 2};
+    const auto fit = [&] { return run(ContextKind::egl, data, options, optimizer, start).parameters; };
+    const std::vector<float> usual = fit();
+    for (const char* size : {"8", "32", "64", "128"}) {
+        ::setenv("RADIAFIT_GROUP_SIZE", size, 1);
+        const std::vector<float> parameters = fit();
+        EXPECT_EQ(parameters, fit()) << size;
+        ::unsetenv("RADIAFIT_GROUP_SIZE");
+        for (size_t i = 0; i < usual.size(); ++i)  // a texel's sums are its own invocation's, whatever the group
+            ASSERT_NEAR(parameters[i], usual[i], 1e-5f * (1 + std::abs(usual[i]))) << size << ", " << i;
+    }
+}
+
 TEST(TexelCompute, EveryAllocationThatFailsIsTold) {
     const TexelDataset data({.grid = true});
     TexelOptions options;

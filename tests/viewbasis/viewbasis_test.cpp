@@ -2,12 +2,14 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <set>
 
 #include "base/parallel.h"
 #include "eval/pixel_areas.h"
+#include "failing_gl.h"
 #include "fit_scene.h"
 #include "geometry/ray_cast.h"
 #include "samples/interpolated_samples.h"
@@ -209,6 +211,34 @@ TEST(ViewBasis, IsSolvedOnTheDeviceAsOnTheCpu) {
                 ASSERT_NEAR(there.error[t], here.error[t], 1e-4 * double(here.error[t]) + 1e-7) << rank;
         }
     }
+}
+
+TEST(ViewBasis, GroupsOfEverySizeSolveAlikeAndGiveTheSameBitsTwice) {
+    SharedContext::use();
+    const Surface surface(20, 0.6f);
+    const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples,
+                                             {.rank = 10, .noise = 1e-3, .blocks = 5, .rounds = 2});
+    const auto here = solve_view_basis(surface.dataset, surface.atlas, surface.samples, basis);
+    double size = 0;
+    for (const float x : here.parameters) size = std::max(size, std::abs(double(x)));
+    for (const char* invocations : {"8", "32", "64", "128"}) {
+        ::setenv("RADIAFIT_GROUP_SIZE", invocations, 1);
+        const auto there = solve_on_device(surface.dataset, surface.atlas, surface.samples, basis),
+                   again = solve_on_device(surface.dataset, surface.atlas, surface.samples, basis);
+        ::unsetenv("RADIAFIT_GROUP_SIZE");
+        EXPECT_EQ(there.parameters, again.parameters) << invocations;
+        for (size_t i = 0; i < here.parameters.size(); ++i)
+            ASSERT_NEAR(there.parameters[i], here.parameters[i], 1e-4 * size) << invocations;
+    }
+}
+
+TEST(ViewBasis, EveryAllocationThatFailsIsTold) {
+    SharedContext::use();
+    const Surface surface(5, 0.4f);
+    const ViewBasis basis = learn_view_basis(surface.dataset, surface.atlas, surface.samples,
+                                             {.rank = 4, .noise = 1e-3, .blocks = 2, .rounds = 1});
+    EXPECT_GE(fail_each_allocation([&] { solve_on_device(surface.dataset, surface.atlas, surface.samples, basis); }),
+              4);
 }
 
 TEST(ViewBasis, IsTheSameByAnyNumberOfThreads) {
