@@ -22,8 +22,8 @@ Ended run_program(std::vector<std::string> command);
 int run_in_front(std::vector<std::string> command, const std::filesystem::path& folder, unsigned seconds);
 
 /// Runs `body` in a child process, a copy of this one that ends with it: nothing that happens there, a crash included,
-/// happens here. What it returns is Ended::output; it must not throw, start threads, or take longer than so many
-/// seconds (then SIGALRM ends it). Throws SystemError where no process can be started.
+/// happens here. What it returns is Ended::output; where it throws, Ended::status is 1. It must start no
+/// threads; after so many seconds SIGALRM ends it. Throws SystemError where no process can be started.
 Ended run_apart(const std::function<std::string()>& body, unsigned seconds);
 
 /// Whether PATH has a program of this name.

@@ -13,14 +13,32 @@ ImageStack::ImageStack(int width, int height, int bits, int images)
       texture_(Texture::of_buffer(bits == 8 ? GL_R32UI : GL_RG32UI, words_)),
       blocks_(size_t(blocks(width)) * block_side * block_side * pixel_bytes_) {}
 
+namespace {
+
+/// Pieces of a compile-time size, so that no copy is a call; each `from_next` and `to_next` bytes behind the last.
+template <size_t piece>
+void copy_pieces(const uint8_t* from, size_t from_next, uint8_t* to, size_t to_next, size_t count) {
+    for (size_t i = 0; i < count; ++i, from += from_next, to += to_next) std::memcpy(to, from, piece);
+}
+
+}  // namespace
+
 void ImageStack::put_row(uint8_t* stack, int image, int y, const uint8_t* from) {
     const size_t row = block_side * pixel_bytes_, block = block_side * row, to_next = size_t(images_) * block;
+    const size_t whole = size_t(width_ / block_side), rest = size_t(width_ % block_side) * pixel_bytes_;
     uint8_t* in_block = blocks_.data() + size_t(y % block_side) * row;
-    for (int x = 0; x < width_; x += block_side, in_block += block, from += row)
-        std::memcpy(in_block, from, size_t(std::min(block_side, width_ - x)) * pixel_bytes_);
+    if (pixel_bytes_ == 4)
+        copy_pieces<16>(from, row, in_block, block, whole);
+    else
+        copy_pieces<32>(from, row, in_block, block, whole);
+    if (rest) std::memcpy(in_block + whole * block, from + whole * row, rest);
     if (y % block_side != block_side - 1 && y != height_ - 1) return;
-    uint8_t* to = stack + size_t(y / block_side) * size_t(blocks(width_)) * to_next + size_t(image) * block;
-    for (size_t at = 0; at < blocks_.size(); at += block, to += to_next) std::memcpy(to, blocks_.data() + at, block);
+    const size_t count = blocks_.size() / block;
+    uint8_t* to = stack + size_t(y / block_side) * count * to_next + size_t(image) * block;
+    if (pixel_bytes_ == 4)
+        copy_pieces<64>(blocks_.data(), block, to, to_next, count);
+    else
+        copy_pieces<128>(blocks_.data(), block, to, to_next, count);
 }
 
 }  // namespace radiafit
