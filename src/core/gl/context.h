@@ -99,8 +99,8 @@ struct DeviceAnswer {
     std::string text;     ///< what `ask` returned
     std::string failure;  ///< how its process ended instead, such as "crashes (Segmentation fault)"; else empty
 };
-/// `ask` of each device, in a child process for each, where it may make a context: drivers may crash as they do. It
-/// must not throw. This process loads no driver.
+/// `ask` of each device, in a child process for each, where it may make a context: drivers may crash as they do. This
+/// process loads no driver.
 std::vector<DeviceAnswer> ask_each_device(const std::function<std::string(const DeviceInfo& device)>& ask);
 
 namespace detail {

@@ -64,17 +64,18 @@ const std::vector<TriedGroup>& group_trial(size_t items) {
     const Texture fetched = Texture::of_buffer(GL_R32UI, word_buffer),
                   values = Texture::of_buffer(GL_RGBA32F, value_buffer);
     std::map<size_t, Program> programs;
-    for (const size_t size : {32, 64, 128}) {
-        Program& program = programs[size] =
-            Program::compute("compute/group_trial.comp", {{"LANES", std::to_string(size)}});
-        program.bind("words", fetched);
-        program.bind("values", values);
-        program.bind("Sums", sums);
-        program.set("items", int(items));
-        program.set("samples_each", int(samples_each));
-        program.set("value_mask", int(value_count - 1));
-    }
-    return tried = try_groups([&](size_t size) { programs[size].dispatch(groups); });
+    return tried = try_groups([&](size_t size) {
+               Program& program = programs[size];
+               if (program) return program.dispatch(groups);
+               program = Program::compute("compute/group_trial.comp", {{"LANES", std::to_string(size)}});
+               program.bind("words", fetched);
+               program.bind("values", values);
+               program.bind("Sums", sums);
+               program.set("items", int(items));
+               program.set("samples_each", int(samples_each));
+               program.set("value_mask", int(value_count - 1));
+               program.dispatch(groups);
+           });
 }
 
 }  // namespace radiafit

@@ -20,8 +20,8 @@ size_t best_group(const std::vector<TriedGroup>& tried);
 /// Whether sizes are worth trying: not in software, nor where RADIAFIT_GROUP_SIZE says which.
 bool group_size_is_open();
 
-/// try_groups() with a pass like those over samples, whose groups have so many work items each: some 0.1 s for each
-/// device and count, once in the life of the program.
+/// try_groups() with a pass like those over samples, whose groups have so many work items each; for each device
+/// and count once in the life of the program.
 const std::vector<TriedGroup>& group_trial(size_t items);
 
 }  // namespace radiafit
