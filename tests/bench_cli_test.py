@@ -59,7 +59,7 @@ class Bench(ProgramTest):
     def run_all(self, crashes):
         """--all into all.tar, where one part crashes as it begins. The run of `bench` in it, and what was said."""
         before = set(self.root.iterdir())
-        with subprocess.Popen([TRAVELS, "--all", "--scale", "smoke", "--repetitions", str(REPETITIONS), "--minutes", "5",
+        with subprocess.Popen([TRAVELS, "--all", "--scale", "smoke", "--repetitions", str(REPETITIONS), "--minutes", "60",
                                "-o", "all.tar"], cwd=self.root, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True) as process:
             said = []

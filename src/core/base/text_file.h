@@ -9,20 +9,25 @@ namespace radiafit {
 /// Reads a text file line by line and knows where it is, so that every complaint can name file and line.
 class TextFile {
 public:
-    /// Throws UserError when the file cannot be read or holds zero bytes, as after a crash of the system that wrote it;
-    /// `what` names its role, such as "gain table".
+    /// Lines may end as any system ends them. A byte order mark is left out, and UTF-16 that begins with one becomes
+    /// UTF-8. Throws UserError when the file cannot be read, is UTF-16 without a mark or damaged UTF-16, or holds zero
+    /// bytes, as after a crash of the system that wrote it; `what` names its role, such as "gain table".
     TextFile(const std::filesystem::path& file, const std::string& what);
     /// A text already read, which begins after `lines_before` lines of the file.
     TextFile(std::filesystem::path file, std::string text, size_t lines_before);
 
     /// The next line, trimmed of blanks at both ends; false at the end of the file. Stays valid as long as this. A last
-    /// line that no line break ends may have been cut, a number to a shorter one, and is a UserError.
+    /// line without a line break, which is how many editors leave a file but also how a cut file ends, is taken with a
+    /// warning.
     bool next_line(std::string_view& line);
+    /// Whether a line break ends the line last read.
+    bool ended() const { return ended_; }
     /// The next line that is neither blank nor a comment (#).
     bool next_entry(std::string_view& line);
 
     size_t line_number() const { return number_; }
     std::string where() const;  ///< "file:line" of the line last read
+    /// Throws a UserError at the line last read, which says so where no line break ends that line.
     [[noreturn]] void fail(const std::string& problem) const;
 
     /// Whole-token conversions; `what` names the quantity. A value that is no number, not finite (double, float) or out
@@ -36,6 +41,7 @@ private:
     std::filesystem::path file_;
     std::string text_;
     size_t at_ = 0, number_ = 0;
+    bool ended_ = true;
 };
 
 /// Tokens of a line between blanks and tabs.

@@ -1,12 +1,17 @@
 #include "capture/calibration.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <map>
 
 #include "base/error.h"
+#include "base/read_file.h"
+#include "base/wording.h"
+#include "capture/image_finder.h"
 
 namespace radiafit::tools {
 
@@ -21,6 +26,48 @@ void sort_images(Calibration& calibration) {
         if (images[i].name == images[i - 1].name)
             throw UserError(fmt::format("{}: image '{}' is given twice: remove one", calibration.images_file.string(),
                                         images[i].name));
+}
+
+void locate_photographs(Calibration& calibration, const std::filesystem::path& images, bool skip_missing,
+                        std::vector<std::string>& notes) {
+    if (!folder_exists(images))
+        throw UserError(
+            fmt::format("{}: no such folder of photographs: check {}", images.string(), option_name("images")));
+    ImageFinder finder(images, calibration.images_file);
+    std::vector<std::string> missing;
+    std::map<std::filesystem::path, std::string> named;
+    for (CalibratedImage& image : calibration.images) {
+        const std::string name = image.name;
+        if (image.file.empty())
+            if (const auto found = finder.find(name)) {
+                image.file = images / *found;
+                image.name = found->generic_string();
+            }
+        if (image.file.empty()) {
+            missing.push_back(name);
+            continue;
+        }
+        check_readable(image.file, "image file");
+        if (const auto [other, is_new] = named.emplace(image.file.lexically_normal(), name); !is_new)
+            throw UserError(fmt::format("{}: '{}' and '{}' mean one photograph, {}: take one out, or give the other's",
+                                        calibration.images_file.string(), other->second, name, image.file.string()));
+    }
+    const size_t all = calibration.images.size();
+    if (missing.size() == all)
+        throw UserError(fmt::format("{}{}: check {}", finder.missing(missing[0]),
+                                    all == 1 ? "" : fmt::format(", nor is any other of its {} images there", all),
+                                    option_name("images")));
+    if (!missing.empty() && !skip_missing)
+        throw UserError(fmt::format("{} ({} of {} images are missing): check {}, or give {} to go on without",
+                                    finder.missing(missing[0]), missing.size(), all, option_name("images"),
+                                    option_name("skip-missing")));
+    if (!missing.empty()) {
+        std::erase_if(calibration.images, [](const CalibratedImage& image) { return image.file.empty(); });
+        notes.push_back(fmt::format("{} of the {} images of {} are not there and are left out: {}", missing.size(), all,
+                                    calibration.images_file.string(), fmt::join(missing, ", ")));
+    }
+    for (std::string& remark : finder.remarks()) calibration.remarks.push_back(std::move(remark));
+    sort_images(calibration);
 }
 
 void set_pose(Camera& camera, const Mat3d& axes, const Vec3d& centre, const std::string& where) {

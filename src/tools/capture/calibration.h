@@ -10,8 +10,9 @@ namespace radiafit::tools {
 
 struct CalibratedImage {
     std::string name;                 ///< relative to the folder of images; may hold a subfolder
-    Camera camera;                    ///< of the whole photograph
+    Camera camera;                    ///< of the whole photograph; of one that is not there, its size may be 0
     bool held_out = false;            ///< the calibration itself says so
+    std::filesystem::path file = {};  ///< the photograph; empty: not looked for yet, or not there
     std::filesystem::path mask = {};  ///< the calibration names this file; empty: none
     uint64_t id = 0;                  ///< COLMAP's IMAGE_ID, by which its points name it
 };
@@ -29,6 +30,13 @@ inline constexpr int largest_calibrated_side = 1 << 16;  ///< pixels; anything b
 
 /// Sorts the images by name. Throws UserError if there is none, or a name occurs twice.
 void sort_images(Calibration& calibration);
+
+/// Finds the photographs (capture/image_finder.h): sets their files, and for names those of the files in `images`, by
+/// which they are sorted then. Of those that are not there, `skip_missing` leaves out and says so in `notes`. Throws
+/// UserError for a photograph that is not there, or if none is; for two names of one photograph; for what cannot be
+/// read.
+void locate_photographs(Calibration& calibration, const std::filesystem::path& images, bool skip_missing,
+                        std::vector<std::string>& notes);
 
 /// A camera's pose from its axes in the world, the columns right, down and forward, and its centre. Axes that were
 /// rounded are made orthonormal. Throws UserError, prefixed by `where`, for axes that are not finite, or more than 1e-3

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -14,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "base/statistics.h"
 #include "base/text_file.h"
 #include "base/wording.h"
 #include "capture/colmap_binary.h"
@@ -84,9 +86,40 @@ void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, cons
     if (!cameras.emplace(static_cast<uint32_t>(id), camera).second) fail("is given twice");
 }
 
+/// The images of a model as they are read, and the lengths of their quaternions.
+struct Images {
+    struct Length {
+        double value;
+        std::string where, name;
+    };
+    Calibration& model;
+    const Intrinsics& cameras;
+    std::vector<Length> lengths = {};
+};
+
+/// COLMAP writes unit quaternions, others round them or leave all as they come. One that differs from the others was
+/// made of other numbers.
+void check_lengths(const Images& images) {
+    constexpr double rounding = 0.02;
+    if (images.lengths.empty()) return;
+    std::vector<double> values;
+    for (const Images::Length& length : images.lengths) values.push_back(length.value);
+    const double usual = median(std::move(values));
+    for (const Images::Length& length : images.lengths)
+        if (std::abs(length.value - usual) > rounding * usual)
+            throw UserError(fmt::format("{}: image '{}' has a quaternion QW QX QY QZ of length {:.4g}, the others of {:.4g}: "
+                                        "write its rotation again (are other numbers in its place?)",
+                                        length.where, length.name, length.value, usual));
+    if (std::abs(usual - 1) > rounding)
+        images.model.remarks.push_back(fmt::format("{}: the quaternions have length {:.4g}, not 1: they are normalized",
+                                                   images.model.images_file.string(), usual));
+}
+
 /// pose: qw, qx, qy, qz, tx, ty, tz, world to camera.
-void add_image(Calibration& model, const Intrinsics& cameras, const std::string& where, uint64_t id, std::string name,
-               uint64_t camera_id, const std::array<double, 7>& pose) {
+void add_image(Images& images, const std::string& where, uint64_t id, std::string name, uint64_t camera_id,
+               const std::array<double, 7>& pose) {
+    Calibration& model = images.model;
+    const Intrinsics& cameras = images.cameras;
     const auto fail = [&](const std::string& problem) {
         throw UserError(fmt::format("{}: image '{}' {}", where, name, problem));
     };
@@ -99,9 +132,9 @@ void add_image(Calibration& model, const Intrinsics& cameras, const std::string&
                          model.cameras_file.string()));
     Eigen::Quaterniond rotation(pose[0], pose[1], pose[2], pose[3]);
     if (!(rotation.norm() > 1e-12)) fail("has a zero quaternion: register it again or remove it");
-    // COLMAP writes unit quaternions, others round them or leave them as they come.
     if (rotation.norm() < 0.1 || !(rotation.norm() < 10))
         fail(fmt::format("has a quaternion of length {}, far from 1: write the model again", rotation.norm()));
+    images.lengths.push_back({rotation.norm(), where, name});
     CalibratedImage image{name, camera->second};
     image.id = id;
     image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
@@ -140,9 +173,24 @@ std::optional<uint64_t> announced_images(const TextFile& text, std::string_view 
     return text.to_unsigned(tokens[0].substr(0, tokens[0].find(',')), "the number of images");
 }
 
+bool is_number(std::string_view token, bool whole) {
+    if (token.starts_with('+') || token.starts_with('-')) token.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+    return error == std::errc() && end == token.data() + token.size() && (!whole || value == std::floor(value));
+}
+
+/// X Y POINT3D_ID...
+bool is_points_line(const std::vector<std::string_view>& tokens) {
+    if (tokens.size() % 3 != 0) return false;
+    for (size_t i = 0; i < tokens.size(); ++i)
+        if (!is_number(tokens[i], i % 3 == 2)) return false;
+    return true;
+}
+
 // Two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then its points X Y POINT3D_ID..., often empty.
-void read_images_text(Calibration& model, const Intrinsics& cameras) {
-    TextFile text(model.images_file, "list of images");
+void read_images_text(Images& images) {
+    TextFile text(images.model.images_file, "list of images");
     std::optional<uint64_t> announced;
     for (std::string_view line; text.next_line(line);) {
         if (const auto count = announced_images(text, line)) announced = count;
@@ -155,14 +203,17 @@ void read_images_text(Calibration& model, const Intrinsics& cameras) {
         for (size_t i = 0; i < 7; ++i) pose[i] = text.to_double(tokens[1 + i], names[i]);
         // A name may hold blanks: it is the rest of the line.
         std::string name(tokens[9].data(), line.data() + line.size());
-        add_image(model, cameras, text.where(), id, std::move(name), text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
+        add_image(images, text.where(), id, name, text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
         if (!text.next_line(line)) break;
-        if (split_tokens(line).size() % 3 != 0)
-            text.fail("expected the image's points X Y POINT3D_ID..., or an empty line, after each image line");
+        if (!is_points_line(split_tokens(line)))
+            text.fail(fmt::format("expected the points X Y POINT3D_ID... of image '{}', or an empty line: every image "
+                                  "takes two lines, so put an empty one behind each that has no points",
+                                  name));
     }
-    if (announced && *announced != model.images.size())
-        throw UserError(fmt::format("{}: says that it holds {} images, but there are {}: copy or write the model again",
-                                    model.images_file.string(), *announced, model.images.size()));
+    if (announced && *announced != images.model.images.size())
+        throw UserError(fmt::format("{}: says that it holds {} images, but there are {}: correct the comment with the "
+                                    "number of images, or copy or write the model again",
+                                    images.model.images_file.string(), *announced, images.model.images.size()));
 }
 
 Intrinsics read_cameras_binary(const std::filesystem::path& path) {
@@ -186,8 +237,8 @@ Intrinsics read_cameras_binary(const std::filesystem::path& path) {
     return cameras;
 }
 
-void read_images_binary(Calibration& model, const Intrinsics& cameras) {
-    ColmapBinary file(model.images_file);
+void read_images_binary(Images& images) {
+    ColmapBinary file(images.model.images_file);
     const auto count = file.get<uint64_t>();
     for (uint64_t i = 0; i < count; ++i) {
         file.set_entry(fmt::format("image {} of {}", i + 1, count));
@@ -197,32 +248,42 @@ void read_images_binary(Calibration& model, const Intrinsics& cameras) {
         const auto camera_id = file.get<uint32_t>();
         std::string name = file.get_string();
         file.skip(file.get<uint64_t>(), 24);  // points: x, y, POINT3D_ID
-        add_image(model, cameras, model.images_file.string(), id, std::move(name), camera_id, pose);
+        add_image(images, images.model.images_file.string(), id, std::move(name), camera_id, pose);
     }
     file.expect_end();
 }
 
 }  // namespace
 
-Calibration read_colmap(const std::filesystem::path& folder) {
-    const auto holds = [&](const char* name) { return path_exists(folder / name); };
+Calibration read_colmap(const std::filesystem::path& given) {
+    const auto holds = [](const std::filesystem::path& folder, const char* ending) {
+        return path_exists(folder / ("cameras" + std::string(ending))) &&
+               path_exists(folder / ("images" + std::string(ending)));
+    };
+    const auto ending_in = [&](const std::filesystem::path& folder) {
+        return std::string(holds(folder, ".bin") ? ".bin" : holds(folder, ".txt") ? ".txt" : "");
+    };
     Calibration model;
     model.origin = "COLMAP";
     model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
-    if (holds("cameras.bin") && holds("images.bin")) {
-        model.cameras_file = folder / "cameras.bin";
-        model.images_file = folder / "images.bin";
-        read_images_binary(model, read_cameras_binary(model.cameras_file));
-    } else if (holds("cameras.txt") && holds("images.txt")) {
-        model.cameras_file = folder / "cameras.txt";
-        model.images_file = folder / "images.txt";
-        read_images_text(model, read_cameras_text(model.cameras_file));
-    } else {
+    // The mapper writes a folder for each part that it can't join to the others: 0, and seldom 1, 2, ...
+    const bool one_inside = ending_in(given).empty() && ending_in(given / "1").empty() && !ending_in(given / "0").empty();
+    const std::filesystem::path folder = one_inside ? given / "0" : given;
+    if (one_inside)
+        model.remarks.push_back(fmt::format("{}: the model is taken from {}", given.string(), folder.string()));
+    const std::string ending = ending_in(folder);
+    if (ending.empty())
         throw UserError(
             fmt::format("{}: no COLMAP model here: {} takes the folder that holds cameras.bin and images.bin, or "
                         "cameras.txt and images.txt (COLMAP writes it as sparse or sparse/0)",
                         folder.string(), option_name("model")));
-    }
+    model.cameras_file = folder / ("cameras" + ending);
+    model.images_file = folder / ("images" + ending);
+    const Intrinsics cameras =
+        ending == ".bin" ? read_cameras_binary(model.cameras_file) : read_cameras_text(model.cameras_file);
+    Images images{model, cameras};
+    ending == ".bin" ? read_images_binary(images) : read_images_text(images);
+    check_lengths(images);
     sort_images(model);
     return model;
 }

@@ -17,6 +17,8 @@ std::string lower_case(std::string text) {
 
 std::string lower_ending(const std::filesystem::path& file) { return lower_case(file.extension().string()); }
 
+bool is_hidden(const std::filesystem::path& file) { return file.filename().string().starts_with('.'); }
+
 std::string dataset_name(const std::string& chosen, const std::filesystem::path& folder) {
     return chosen.empty() ? (folder / ".").lexically_normal().parent_path().filename().string() : chosen;
 }
@@ -28,7 +30,7 @@ std::vector<std::string> list_images(const std::filesystem::path& folder) {
     for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
         const std::filesystem::directory_entry& entry = *entries;
         std::error_code ignored;
-        if (entry.is_regular_file(ignored) && format_of_name(entry.path()))
+        if (entry.is_regular_file(ignored) && !is_hidden(entry.path()) && format_of_name(entry.path()))
             names.push_back(entry.path().filename().string());
     }
     if (error)

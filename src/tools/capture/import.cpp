@@ -221,6 +221,7 @@ std::string provenance(const char* format, const ImportOptions& options) {
     text += fmt::format(" --gains {}", options.gains);
     if (options.least_coverage) text += fmt::format(" --least-coverage {}", *options.least_coverage);
     if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
+    if (options.skip_missing) text += " --skip-missing";
     return text;
 }
 
@@ -246,8 +247,9 @@ std::vector<uint8_t> held_out_by_calibration(const Calibration& model) {
 }
 
 /// format: of the calibration, as the command line has it.
-ImportReport import_calibrated(const char* format, ImportOptions options, const Calibration& model,
-                               const fs::path& out) {
+ImportReport import_calibrated(const char* format, ImportOptions options, Calibration model, const fs::path& out) {
+    ImportReport report;
+    locate_photographs(model, options.images, options.skip_missing, report.notes);
     const bool own_split = std::any_of(model.images.begin(), model.images.end(),
                                        [](const CalibratedImage& image) { return image.held_out; });
     if (options.holdout.empty() && !own_split) options.holdout = "every:8";
@@ -261,8 +263,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, const 
     const std::vector<uint8_t> held_out =
         options.holdout.empty() ? held_out_by_calibration(model) : choose_held_out(names, directions, options.holdout);
     if (options.gains != "none" && !estimates_gains(options)) read_gains(options.gains, names);
-    ImportReport report;
-    report.notes = std::move(mesh.notes);
+    for (std::string& note : mesh.notes) report.notes.push_back(std::move(note));
     report.remarks = model.remarks;
     std::vector<Photograph> photographs = list_photographs(options, model, held_out, report);
     report.images = photographs.size();
@@ -328,7 +329,7 @@ ImportReport import_transforms(const ImportOptions& given, const fs::path& out) 
     Calibration model = read_transforms(files, options.images);
     if (test_aside)
         model.remarks.push_back(fmt::format("{} is not read: {} says what is held out", aside, option_name("holdout")));
-    return import_calibrated("transforms", options, model, out);
+    return import_calibrated("transforms", options, std::move(model), out);
 }
 
 ImportReport import_llff(const ImportOptions& given, const fs::path& out) {

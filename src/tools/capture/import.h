@@ -20,8 +20,9 @@ struct ImportOptions {
     /// Share of the masks' pixels that the mesh has to cover, without masks of all pixels; 0: any. Not given: 0.2 of
     /// the masks, or 0.01 of the pixels.
     std::optional<double> least_coverage;
-    std::string name;    ///< of the dataset; empty: the output folder's
-    bool force = false;  ///< go on where memory or disk will not suffice
+    bool skip_missing = false;  ///< go on without photographs that are calibrated and not there
+    std::string name;           ///< of the dataset; empty: the output folder's
+    bool force = false;         ///< go on where memory or disk will not suffice
 };
 
 struct ImportReport {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "base/error.h"
@@ -15,6 +16,7 @@
 #include "base/resources.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
+#include "capture/image_finder.h"
 #include "capture/image_scale.h"
 #include "capture/image_set.h"
 #include "capture/light_file.h"
@@ -64,20 +66,6 @@ void check_options(const LightImportOptions& o) {
             fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
 
-/// Light files often name images by where they once were, on another system, which may not distinguish letter cases.
-fs::path find_image(const fs::path& folder, const std::vector<std::string>& found, const std::string& name,
-                    const fs::path& list) {
-    const std::string base = name.substr(name.find_last_of("/\\") + 1);
-    for (const fs::path& file : {folder / name, folder / base})
-        if (path_exists(file)) return file;
-    const std::string lower = lower_case(base);
-    const auto alike = [&](const std::string& other) { return lower_case(other) == lower; };
-    const auto first = std::find_if(found.begin(), found.end(), alike);
-    if (first != found.end() && std::find_if(first + 1, found.end(), alike) == found.end()) return folder / *first;
-    throw UserError(fmt::format("{}: no such image, but {} names it: check {}, or take its line out",
-                                (folder / base).string(), list.string(), option_name("images")));
-}
-
 /// Entry i of a list that has one entry per image or one for all.
 const Vec3d& entry_for(const std::vector<Vec3d>& list, size_t i) { return list.size() == 1 ? list[0] : list[i]; }
 
@@ -100,6 +88,12 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
             fmt::format("{}: names its images itself: leave {} out", lights_file.string(), option_name("names")));
     const std::vector<std::string> found = list_images(o.images);
     std::vector<std::string> names = std::move(lights.names);
+    if (o.by_order) {
+        if (names.empty())
+            throw UserError(fmt::format("{}: names no images, which are taken by their order anyway: leave {} out",
+                                        lights_file.string(), option_name("by-order")));
+        names.clear();
+    }
     const bool listed = !names.empty() || !o.names.empty();
     if (!o.names.empty()) names = read_names(named_by = o.names);
     if (!listed) names = found;
@@ -120,12 +114,21 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
         expect_entries(o.intensities, "intensities", intensities.size(), names.size(), report);
     }
     std::vector<Source> sources(names.size());
+    ImageFinder finder(o.images, named_by);
     std::set<fs::path> files;
     std::vector<Vec3d> directions;  // from the surface's centre, where the world has its origin
     for (const Vec3d& v : lights.vectors) directions.push_back(v.normalized());
     const std::vector<uint8_t> held_out = choose_held_out(names, directions, o.holdout);
     for (size_t i = 0; i < names.size(); ++i) {
-        sources[i].file = find_image(o.images, found, names[i], named_by);
+        const std::optional<fs::path> file = finder.find(names[i]);
+        if (!file)
+            throw UserError(fmt::format("{}: check {}, {}", finder.missing(names[i]), option_name("images"),
+                                        found.size() == names.size() && o.names.empty()
+                                            ? fmt::format("or give {}, which takes its {} images in the order of their "
+                                                          "own names",
+                                                          option_name("by-order"), found.size())
+                                            : "or take its line out"));
+        sources[i].file = o.images / *file;
         if (!files.insert(sources[i].file.lexically_normal()).second)
             throw UserError(fmt::format("{}: '{}' means {}, as another line does: give images of different names",
                                         named_by.string(), names[i], sources[i].file.string()));
@@ -135,6 +138,11 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
         view.light = near ? Light{Light::Kind::near, lights.vectors[i], entry_for(intensities, i)}
                           : Light{Light::Kind::distant, lights.vectors[i].normalized(), entry_for(intensities, i)};
     }
+    for (std::string& remark : finder.remarks()) report.remarks.push_back(std::move(remark));
+    if (o.by_order)
+        report.remarks.push_back(fmt::format("{}: its lamps are those of the images in the order of their names, from "
+                                             "'{}' to '{}', whatever images it names",
+                                             lights_file.string(), names.front(), names.back()));
     return sources;
 }
 
@@ -360,6 +368,7 @@ std::string provenance(const LightImportOptions& o) {
     add("--lights", o.lights.string());
     add("--light-positions", o.light_positions.string());
     add("--names", o.names.string());
+    if (o.by_order) text += " --by-order";
     add("--intensities", o.intensities.string());
     add("--camera-positions", o.camera_positions.string());
     if (o.sample_width > 0) add("--sample-width", fmt::format("{}", o.sample_width));

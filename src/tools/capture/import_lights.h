@@ -14,6 +14,7 @@ struct LightImportOptions {
     std::filesystem::path lights;            ///< directions to distant lamps: .lp, or one per line
     std::filesystem::path light_positions;   ///< in its place: where near lamps are; needs sample_width
     std::filesystem::path names;             ///< images in the order of the lights; empty: those of the folder, sorted
+    bool by_order = false;                   ///< whatever names an .lp file has, as if it had none
     std::filesystem::path intensities;       ///< per image or one for all (see Light::intensity); empty: 1
     std::filesystem::path camera_positions;  ///< per image or one for all; empty: far away along +z. Needs sample_width
     std::filesystem::path mask;              ///< one for all images, white = object

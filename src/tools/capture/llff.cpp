@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
+#include "capture/light_file.h"
 #include "capture/npy_matrix.h"
 
 namespace radiafit::tools {
@@ -15,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t pose_columns = 5, row_length = 17;
+constexpr const char* view_list = "view_imgs.txt";  // LLFF's: which of the images COLMAP registered, in any order
 
 int side(double value, const char* what, const std::string& where) {
     if (!(value >= 1 && value <= largest_calibrated_side) || value != std::floor(value))
@@ -50,15 +53,26 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
     if (!folder_exists(images))
         throw UserError(
             fmt::format("{}: no such folder of photographs: check {}", images.string(), option_name("images")));
-    const std::vector<std::string> names = list_images(images);
-    if (names.size() != matrix.rows)
-        throw UserError(
-            fmt::format("{}: has {} rows, but {} holds {} images: leave there those that were calibrated, "
-                        "and nothing else",
-                        file.string(), matrix.rows, images.string(), names.size()));
     Calibration calibration;
     calibration.origin = file.filename().string();
     calibration.cameras_file = calibration.images_file = file;
+    std::vector<std::string> names = list_images(images);
+    if (names.size() != matrix.rows) {
+        const fs::path list = file.parent_path() / view_list;
+        if (!path_exists(list))
+            throw UserError(
+                fmt::format("{}: has {} rows, but {} holds {} images: leave there those that were calibrated, or name "
+                            "them in {}, one per line",
+                            file.string(), matrix.rows, images.string(), names.size(), list.string()));
+        names = read_names(list);
+        if (names.size() != matrix.rows)
+            throw UserError(fmt::format("{}: has {} rows, but {} names {} images: take both from one calibration",
+                                        file.string(), matrix.rows, list.string(), names.size()));
+        std::sort(names.begin(), names.end());
+        calibration.remarks.push_back(
+            fmt::format("{} names the {} images that were calibrated", list.string(), names.size()));
+        calibration.images_file = list;
+    }
     calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
                                         option_name("max-size"));
     for (size_t i = 0; i < names.size(); ++i)

@@ -4,17 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <set>
 
 #include "base/error.h"
 #include "capture/file_names.h"
+#include "capture/image_finder.h"
+#include "image/image_format.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;
 namespace {
 
-/// A mask's name without .png is `before` + the photograph's name, with or without its ending, + `behind`.
+/// A mask's name without its ending is `before` + the photograph's name, with or without its ending, + `behind`.
 struct Habit {
     const char* shown;
     const char* before;
@@ -28,22 +31,32 @@ struct Habit {
     fs::path folder_for(const fs::path& photograph) const {
         return in_subfolder ? photograph.parent_path() : fs::path();
     }
+    /// "NAME_mask.png, without subfolders"
+    std::string description(const fs::path& example) const {
+        return fmt::format("{}{}{}", shown, lower_ending(example), in_subfolder ? "" : ", without subfolders");
+    }
 };
 
 /// In the order in which they are preferred.
-constexpr std::array<Habit, 8> habits = {{{"NAME.png", "", false, "", true},
-                                          {"NAME.EXT.png", "", true, "", true},
-                                          {"NAME_mask.png", "", false, "_mask", true},
-                                          {"mask_NAME.png", "mask_", false, "", true},
-                                          {"NAME.png, without subfolders", "", false, "", false},
-                                          {"NAME.EXT.png, without subfolders", "", true, "", false},
-                                          {"NAME_mask.png, without subfolders", "", false, "_mask", false},
-                                          {"mask_NAME.png, without subfolders", "mask_", false, "", false}}};
+constexpr std::array<Habit, 12> habits = {{{"NAME", "", false, "", true},
+                                           {"NAME.EXT", "", true, "", true},
+                                           {"NAME_mask", "", false, "_mask", true},
+                                           {"NAME.mask", "", false, ".mask", true},
+                                           {"NAME.EXT.mask", "", true, ".mask", true},
+                                           {"mask_NAME", "mask_", false, "", true},
+                                           {"NAME", "", false, "", false},
+                                           {"NAME.EXT", "", true, "", false},
+                                           {"NAME_mask", "", false, "_mask", false},
+                                           {"NAME.mask", "", false, ".mask", false},
+                                           {"NAME.EXT.mask", "", true, ".mask", false},
+                                           {"mask_NAME", "mask_", false, "", false}}};
 
-/// The name with its ending in small letters.
-std::string with_lower_ending(const std::string& name) { return fs::path(name).stem().string() + lower_ending(name); }
+/// The name as names of photographs are looked up: its ending in small letters, all of it composed.
+std::string key_of(const std::string& name) {
+    return composed_name(fs::path(name).stem().string() + lower_ending(name));
+}
 
-/// The pictures of one folder by their names without .png, as with_lower_ending() has them.
+/// The pictures of one folder by their names without ending.
 using Pictures = std::multimap<std::string, fs::path>;
 
 Pictures list_pictures(const fs::path& folder) {
@@ -52,7 +65,8 @@ Pictures list_pictures(const fs::path& folder) {
     fs::directory_iterator entries(folder, error);
     for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
         const fs::path file = entries->path();
-        if (lower_ending(file) == ".png") pictures.emplace(with_lower_ending(file.stem().string()), file);
+        const ImageFormat* format = format_of_name(file);
+        if (format && format->photograph && !is_hidden(file)) pictures.emplace(key_of(file.stem().string()), file);
     }
     return pictures;  // of a folder that cannot be listed, none: its photographs are then named as those without masks
 }
@@ -84,12 +98,15 @@ private:
         auto listed = listed_.find(folder);
         if (listed == listed_.end()) listed = listed_.emplace(folder, list_pictures(folder)).first;
         std::vector<fs::path> files;
-        const auto [first, last] = listed->second.equal_range(with_lower_ending(habit.name_for(name)));
+        const auto [first, last] = listed->second.equal_range(key_of(habit.name_for(name)));
         for (auto it = first; it != last; ++it) {
             std::error_code ignored;  // of what is no file, reading says so
             if (!fs::equivalent(it->second, images_ / name, ignored)) files.push_back(it->second);
         }
         std::sort(files.begin(), files.end());
+        // Beside masks as PNG, pictures of other formats are drawings of them.
+        const auto is_png = [](const fs::path& file) { return lower_ending(file) == ".png"; };
+        if (std::any_of(files.begin(), files.end(), is_png)) std::erase_if(files, std::not_fn(is_png));
         return files;
     }
 
@@ -98,14 +115,15 @@ private:
     std::map<fs::path, Pictures> listed_;
 };
 
-std::string expected_name(const Habit& habit, const fs::path& photograph) {
-    return (habit.folder_for(photograph) / (habit.name_for(photograph) + ".png")).string();
+std::string expected_name(const Habit& habit, const fs::path& photograph, const std::string& ending = ".png") {
+    return (habit.folder_for(photograph) / (habit.name_for(photograph) + ending)).string();
 }
 
 [[noreturn]] void fail_none(const fs::path& masks, const std::string& name) {
-    throw UserError(fmt::format("{}: no mask for any image: expected, for image '{}', {}, {}, {} or {}", masks.string(),
-                                name, expected_name(habits[0], name), expected_name(habits[1], name),
-                                expected_name(habits[2], name), expected_name(habits[3], name)));
+    throw UserError(fmt::format(
+        "{}: no mask for any image: expected, for image '{}', {}, {}, {}, {} or {}, or such names of JPEG or TIFF files",
+        masks.string(), name, expected_name(habits[0], name), expected_name(habits[1], name),
+        expected_name(habits[2], name), expected_name(habits[3], name), expected_name(habits[5], name)));
 }
 
 /// Every photograph has one mask, and no two have the same.
@@ -132,7 +150,8 @@ void check(const fs::path& masks, const std::vector<std::string>& names, const M
     if (missing == 0) return;
     std::string text = fmt::format(
         "{}: no mask for image '{}' ({} of {} images have none): expected {}, as '{}' has {}", masks.string(),
-        names[first_missing], missing, names.size(), expected_name(*chosen.habit, names[first_missing]), names[example],
+        names[first_missing], missing, names.size(),
+        expected_name(*chosen.habit, names[first_missing], chosen.files[example][0].extension().string()), names[example],
         chosen.files[example][0].lexically_relative(masks).string());
     for (const Matches& other : all)
         if (const auto& files = other.files[first_missing]; !files.empty())
@@ -158,7 +177,7 @@ MaskNames match_masks(const fs::path& masks, const fs::path& images, const std::
 
     MaskNames result;
     for (const auto& files : chosen.files) result.files.push_back(files[0]);
-    result.remark = fmt::format("masks are named {}: '{}' has {}", chosen.habit->shown, names[0],
+    result.remark = fmt::format("masks are named {}: '{}' has {}", chosen.habit->description(result.files[0]), names[0],
                                 result.files[0].lexically_relative(masks).string());
     std::set<fs::path> seen = chosen.distinct;
     for (const Matches& other : all) {
@@ -167,7 +186,7 @@ MaskNames match_masks(const fs::path& masks, const fs::path& images, const std::
                      [&](const fs::path& file) { return seen.insert(file).second; });
         if (!aside.empty())
             result.notes.push_back(fmt::format("{}: {} masks that are named {} are left aside, such as {}",
-                                               masks.string(), aside.size(), other.habit->shown,
+                                               masks.string(), aside.size(), other.habit->description(aside[0]),
                                                aside[0].lexically_relative(masks).string()));
     }
     return result;

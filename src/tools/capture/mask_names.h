@@ -12,9 +12,10 @@ struct MaskNames {
     std::vector<std::string> notes;            ///< masks by other habits that were left aside, one line each
 };
 
-/// Of a photograph NAME.EXT the mask is NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, in the subfolder of
-/// `masks` that the photograph has in `images`, or in `masks` itself; endings in any letter case. The habit that most
-/// photographs' masks follow is taken for all, among equals the first. A photograph is never its own mask.
+/// Of a photograph NAME.EXT the mask is NAME.png, NAME.EXT.png, NAME_mask.png, NAME.mask.png, NAME.EXT.mask.png or
+/// mask_NAME.png, in the subfolder of `masks` that the photograph has in `images`, or in `masks` itself; endings in any
+/// letter case, other formats of photographs where there is no PNG. The habit that most photographs' masks follow is
+/// taken for all, among equals the first. A photograph is never its own mask.
 /// names: relative to `images`, one at least. Throws UserError that names the photographs whose masks are missing,
 /// are found twice, or would be another's, too.
 MaskNames match_masks(const std::filesystem::path& masks, const std::filesystem::path& images,

@@ -39,9 +39,6 @@ Camera scaled_camera(Camera camera, int max_size) {
 
 std::vector<Photograph> list_photographs(const ImportOptions& options, const Calibration& calibration,
                                          const std::vector<uint8_t>& held_out, ImportReport& report) {
-    if (!folder_exists(options.images))
-        throw UserError(
-            fmt::format("{}: no such folder of photographs: check {}", options.images.string(), option_name("images")));
     if (!options.masks.empty() && !folder_exists(options.masks))
         throw UserError(
             fmt::format("{}: no such folder of masks: check {}", options.masks.string(), option_name("masks")));
@@ -49,15 +46,11 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
     for (size_t i = 0; i < photographs.size(); ++i) {
         Photograph& photograph = photographs[i];
         photograph.name = calibration.images[i].name;
-        photograph.image = options.images / photograph.name;
+        photograph.image = calibration.images[i].file;
         photograph.calibrated = calibration.images[i].camera;
         photograph.camera = scaled_camera(photograph.calibrated, options.max_size);
         photograph.held_out = held_out[i] != 0;
         photograph.mask = calibration.images[i].mask;
-        if (!path_exists(photograph.image))
-            throw UserError(fmt::format("{}: no such image, but {} lists it: check {}", photograph.image.string(),
-                                        calibration.images_file.string(), option_name("images")));
-        check_readable(photograph.image, "image file");
         if (std::max(photograph.camera.width, photograph.camera.height) > largest_side)
             throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give {}", photograph.image.string(),
                                         photograph.camera.width, photograph.camera.height, largest_side,

@@ -39,8 +39,8 @@ struct LoadedPhotograph {
 /// The camera of the photograph scaled to a longest side of max_size pixels; 0: as it is.
 Camera scaled_camera(Camera camera, int max_size);
 
-/// The photographs of the calibration, with their masks, nothing surveyed yet. held_out: one per image. What a user
-/// should know of the masks' names goes to the report. Throws UserError for what is missing, unreadable, or larger
+/// The photographs of the calibration, which are located, with their masks, nothing surveyed yet. held_out: one per image. What a user
+/// should know of the masks' names goes to the report. Throws UserError for masks that are missing, and photographs larger
 /// than the rasterizer can draw.
 std::vector<Photograph> list_photographs(const ImportOptions& options, const Calibration& calibration,
                                          const std::vector<uint8_t>& held_out, ImportReport& report);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,8 +13,7 @@
 #include "base/json.h"
 #include "base/read_file.h"
 #include "base/wording.h"
-#include "capture/file_names.h"
-#include "image/image_format.h"
+#include "capture/image_finder.h"
 #include "image/image_header.h"
 
 namespace radiafit::tools {
@@ -87,17 +85,19 @@ int side(const Frame& frame, const char* key, double value) {
     return static_cast<int>(value);
 }
 
-/// The size that the frame says, or else the photograph's.
-void set_size(Camera& camera, const Frame& frame, const fs::path& photograph) {
+/// The size that the frame says, or else the photograph's, if that is there.
+bool set_size(Camera& camera, const Frame& frame, const fs::path& photograph) {
     const auto width = frame.optional_number("w"), height = frame.optional_number("h");
     if (width && height) {
         camera.width = side(frame, "w", *width);
         camera.height = side(frame, "h", *height);
-        return;
+        return true;
     }
+    if (photograph.empty()) return false;
     const ImageHeader header = read_image_header(photograph, read_file(photograph, "image file"));
     camera.width = static_cast<int>(header.width);
     camera.height = static_cast<int>(header.height);
+    return true;
 }
 
 /// In pixels, along a side of `pixels`: `value` itself, or found from the angle that the side spans.
@@ -138,54 +138,26 @@ void read_pose(Camera& camera, const Frame& frame, const Json& json) {
     set_pose(camera, axes, pose.topRightCorner<3, 1>(), frame.where());
 }
 
-/// The photograph of this path, whose ending may be left out; nothing if there is none.
-std::optional<fs::path> with_ending(const fs::path& images, const fs::path& path, const Frame& frame) {
-    if (path_exists(images / path) && !folder_exists(images / path)) return path;
-    std::optional<fs::path> found;
-    const auto try_ending = [&](const std::string& ending) {
-        const fs::path candidate = path.string() + ending;
-        if (!path_exists(images / candidate)) return;
-        if (found)
-            throw UserError(fmt::format("{}: may be {} or {}: write the ending into file_path", frame.where(),
-                                        (images / *found).string(), (images / candidate).string()));
-        found = candidate;
-    };
-    for (const ImageFormat& format : image_formats())
-        for (const std::string_view lower : format.endings) {
-            if (!format.photograph) continue;
-            std::string ending(lower);
-            try_ending(ending);
-            std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::toupper(c); });
-            try_ending(ending);
-        }
-    return found;
-}
-
-/// Relative to the folder of images.
-fs::path find_photograph(const fs::path& images, const std::string& file_path, const Frame& frame) {
-    const fs::path path = fs::path(file_path).lexically_normal();
-    if (!path.has_filename()) frame.fail("\"file_path\" names no file");
-    if (path.is_relative())
-        if (auto found = with_ending(images, path, frame)) return *found;
-    if (auto found = with_ending(images, path.filename(), frame)) return *found;
-    throw UserError(fmt::format("{}: no such image, but {} names it: check {}", (images / path).string(), frame.where(),
-                                option_name("images")));
-}
-
 /// nerfstudio's masks, by paths from the file's folder; empty: none.
-fs::path find_mask(const Json& json, const fs::path& file, const Frame& frame) {
+fs::path find_mask(const Json& json, ImageFinder& masks, const fs::path& folder, const Frame& frame) {
     const auto path = json.find("mask_path");
     if (path == json.end() || path->is_null()) return {};
     if (!path->is_string()) frame.fail("\"mask_path\" must be a text");
-    const fs::path mask = file.parent_path() / path->get<std::string>();
-    if (!path_exists(mask))
-        throw UserError(fmt::format("{}: no such mask, but {} names it: restore it, or give {}", mask.string(),
-                                    frame.where(), option_name("masks")));
-    return mask;
+    const auto mask = masks.find(path->get<std::string>());
+    if (!mask)
+        throw UserError(fmt::format("{}: no such mask, but {} names it: restore it, or give {}",
+                                    (folder / path->get<std::string>()).string(), frame.where(),
+                                    option_name("masks")));
+    return folder / *mask;
 }
 
-CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& file, size_t index,
-                           const fs::path& images) {
+/// What finds the files that frames name.
+struct Files {
+    fs::path images, folder;  ///< of photographs; of the file itself
+    ImageFinder photographs, masks;
+};
+
+CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& file, size_t index, Files& files) {
     const std::string where = fmt::format("{}: frames[{}]", file.string(), index);
     if (!json.is_object()) throw UserError(where + ": must be an object: write the file again");
     const auto path = json.find("file_path");
@@ -194,16 +166,21 @@ CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& 
     const Frame frame(json, whole, where);
     CalibratedImage image;
     check_projection(frame);
-    const fs::path photograph = find_photograph(images, path->get<std::string>(), frame);
-    image.name = photograph.generic_string();
-    image.mask = find_mask(json, file, frame);
-    set_size(image.camera, frame, images / photograph);
+    image.name = path->get<std::string>();
+    if (!fs::path(image.name).has_filename()) frame.fail("\"file_path\" names no file");
+    if (const auto photograph = files.photographs.find(image.name)) {
+        image.name = photograph->generic_string();
+        image.file = files.images / *photograph;
+        image.mask = find_mask(json, files.masks, files.folder, frame);
+    }
+    if (!set_size(image.camera, frame, image.file)) return image;
     set_lens(image.camera, frame);
     read_pose(image.camera, frame, json);
     return image;
 }
 
-std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& images) {
+std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& images,
+                                         std::vector<std::string>& remarks) {
     const std::string text = read_file(file, "file of cameras");
     if (nested_deeper(text, 100))
         throw UserError(
@@ -215,8 +192,12 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
     const auto frames = whole.is_object() ? whole.find("frames") : whole.end();
     if (frames == whole.end() || !frames->is_array())
         throw UserError(fmt::format("{}: has no list of \"frames\": give a NeRF's transforms.json", file.string()));
+    const fs::path folder = file.parent_path();
+    Files files{images, folder, {images, file}, {folder, file}};
     std::vector<CalibratedImage> result;
-    for (size_t i = 0; i < frames->size(); ++i) result.push_back(read_frame((*frames)[i], whole, file, i, images));
+    for (size_t i = 0; i < frames->size(); ++i) result.push_back(read_frame((*frames)[i], whole, file, i, files));
+    for (const ImageFinder* finder : {&files.photographs, &files.masks})
+        for (std::string& remark : finder->remarks()) remarks.push_back(std::move(remark));
     return result;
 }
 
@@ -258,13 +239,13 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
     calibration.cameras_file = calibration.images_file = files.main;
     calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
                                         option_name("max-size"));
-    calibration.images = read_frames(files.main, images);
+    calibration.images = read_frames(files.main, images, calibration.remarks);
     sort_images(calibration);
     if (files.test.empty()) return calibration;
 
     std::map<std::string, size_t> known;
     for (size_t i = 0; i < calibration.images.size(); ++i) known[calibration.images[i].name] = i;
-    std::vector<CalibratedImage> test = read_frames(files.test, images);
+    std::vector<CalibratedImage> test = read_frames(files.test, images, calibration.remarks);
     for (CalibratedImage& image : test) {
         image.held_out = true;
         const auto same = known.find(image.name);

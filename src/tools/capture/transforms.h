@@ -18,9 +18,9 @@ TransformsFiles find_transforms(const std::filesystem::path& model);
 /// up, z back, as OpenGL has them) to the world. The lens is fl_x, fl_y, or camera_angle_x, camera_angle_y in radians,
 /// cx, cy (default: the image's middle), w, h (default: the photograph's); a frame's values go before the file's.
 /// Images of files.test are held out, those that are in both files, too. images: the folder to which each file_path
-/// is relative. A file_path may lack its ending; one that leads nowhere is looked for by its last part. Throws
-/// UserError that names file and frame for anything missing, malformed, not finite, for lenses with distortion and
-/// other projections, and for photographs that are not there.
+/// is relative; how they are found: capture/image_finder.h. Of a photograph that is not there, CalibratedImage::file is
+/// empty, and so is its camera where the file does not say its size. Throws UserError that names file and frame for
+/// anything missing, malformed, not finite, and for lenses with distortion and other projections.
 Calibration read_transforms(const TransformsFiles& files, const std::filesystem::path& images);
 
 }  // namespace radiafit::tools

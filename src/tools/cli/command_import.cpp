@@ -63,6 +63,8 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)");
     import.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
                       "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
+    import.add_flag("--skip-missing", options->skip_missing,
+                      "go on without photographs that are calibrated but not there");
     import.add_text("--name", options->name, "of the dataset");
     import.add_text("-o,--output", *out, "folder of the packed dataset").required();
     add_force(import, options->force);
@@ -84,6 +86,8 @@ void add_lights(CommandLine& command) {
     lights.add_text("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
     lights.add_text("--light-positions", options->light_positions, "in their place: where near lamps stand");
     lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted");
+    lights.add_flag("--by-order", options->by_order,
+                    "take the folder's images, sorted by name, in the order of an .lp file's lines, whatever it names");
     lights.add_text("--intensities", options->intensities,
                     "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
                     "that faces the lamp, near lamps at distance 1; default: 1");

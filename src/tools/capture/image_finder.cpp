@@ -1,0 +1,148 @@
+#include "capture/image_finder.h"
+
+#include <fmt/format.h>
+#include <utf8proc.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "base/error.h"
+#include "base/read_file.h"
+#include "capture/file_names.h"
+#include "image/image_format.h"
+
+namespace radiafit::tools {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_photograph(const fs::path& file) {
+    const ImageFormat* format = format_of_name(file);
+    return format && format->photograph;
+}
+
+/// The name without an ending of photographs: "shot.01.jpeg" and "shot.01" are "shot.01".
+std::string without_ending(const std::string& name) {
+    return is_photograph(name) ? fs::path(name).stem().string() : name;
+}
+
+/// None of what is no UTF-8.
+std::optional<std::string> mapped(const std::string& name, utf8proc_option_t options) {
+    utf8proc_uint8_t* result = nullptr;
+    const utf8proc_ssize_t size = utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(name.data()),
+                                               static_cast<utf8proc_ssize_t>(name.size()), &result,
+                                               static_cast<utf8proc_option_t>(options | UTF8PROC_STABLE));
+    const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(result, std::free);
+    if (size < 0) return {};
+    return std::string(reinterpret_cast<const char*>(result), static_cast<size_t>(size));
+}
+
+fs::path joined(const std::vector<fs::path>& parts) {
+    fs::path path;
+    for (const fs::path& part : parts) path /= part;
+    return path;
+}
+
+}  // namespace
+
+std::string composed_name(const std::string& name) {
+    return mapped(name, UTF8PROC_COMPOSE).value_or(name);
+}
+
+std::string comparable_name(const std::string& name) {
+    const auto folded = mapped(name, static_cast<utf8proc_option_t>(UTF8PROC_COMPOSE | UTF8PROC_CASEFOLD));
+    return folded ? *folded : lower_case(name);
+}
+
+ImageFinder::ImageFinder(fs::path folder, fs::path list) : folder_(std::move(folder)), list_(std::move(list)) {}
+
+std::optional<fs::path> ImageFinder::find(const std::string& name) {
+    if (fs::path(name).is_relative())
+        if (auto file = exact(name)) return file;
+    std::string slashes = name;
+    std::ranges::replace(slashes, '\\', '/');
+    const fs::path whole = fs::path(slashes).lexically_normal();
+    const std::vector<fs::path> parts(whole.begin(), whole.end());
+    std::vector<Parts> tails;  // the path, then without its first folders
+    for (size_t first = 0; first < parts.size(); ++first)
+        if (parts[first].is_relative() && parts[first] != "..") tails.emplace_back(parts.begin() + ptrdiff_t(first), parts.end());
+    for (const Parts& tail : tails)
+        if (auto file = exact(joined(tail)))
+            return guessed(tail.size() == parts.size() ? "with backslashes" : "by other folders", name, *file);
+    for (const Parts& tail : tails)
+        if (auto file = alike(tail, false)) return guessed("in other letters", name, *file);
+    for (const Parts& tail : tails)
+        if (auto file = alike(tail, true)) return guessed("by another ending", name, *file);
+    return whole.is_absolute() ? exact(whole) : std::nullopt;
+}
+
+std::optional<fs::path> ImageFinder::exact(const fs::path& path) const {
+    const fs::path file = folder_ / path;
+    if (!path_exists(file) || folder_exists(file)) return {};
+    return path;
+}
+
+/// Goes down the folders of the path, each of which has to be the only one alike.
+std::optional<fs::path> ImageFinder::alike(const Parts& path, bool any_ending) {
+    fs::path found;
+    for (size_t i = 0; i < path.size(); ++i) {
+        const bool last = i + 1 == path.size(), stems = last && any_ending;
+        const auto key = [&](const std::string& name) { return comparable_name(stems ? without_ending(name) : name); };
+        const std::string wanted = key(path[i].string());
+        const Listing& listing = list(found);
+        const std::string* match = nullptr;
+        for (const std::string& name : last ? listing.files : listing.folders) {
+            if ((stems && !is_photograph(name)) || key(name) != wanted) continue;
+            if (match)
+                throw UserError(fmt::format("{}: '{}' may be {} or {}: take one away", list_.string(),
+                                            joined(path).string(), (folder_ / found / *match).string(),
+                                            (folder_ / found / name).string()));
+            match = &name;
+        }
+        if (!match) return {};
+        found /= *match;
+    }
+    return found;
+}
+
+const ImageFinder::Listing& ImageFinder::list(const fs::path& folder) {
+    const auto [entry, is_new] = listings_.try_emplace(folder);
+    Listing& listing = entry->second;
+    if (!is_new) return listing;
+    std::error_code error;  // of a folder that cannot be listed nothing is found
+    fs::directory_iterator entries(folder_ / folder, error);
+    for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+        const std::string name = entries->path().filename().string();
+        if (is_hidden(name)) continue;
+        std::error_code ignored;
+        (entries->is_directory(ignored) ? listing.folders : listing.files).push_back(name);
+    }
+    std::ranges::sort(listing.folders);
+    std::ranges::sort(listing.files);
+    return listing;
+}
+
+fs::path ImageFinder::guessed(const char* how, const std::string& name, fs::path file) {
+    Guess& guess = guesses_[how];
+    if (guess.count++ == 0) guess = {1, name, (folder_ / file).string()};
+    return file;
+}
+
+std::vector<std::string> ImageFinder::remarks() const {
+    std::vector<std::string> lines;
+    for (const auto& [how, guess] : guesses_)
+        lines.push_back(fmt::format("{} names {} photograph{} {}: '{}' is {}", list_.string(), guess.count,
+                                    guess.count == 1 ? "" : "s", how, guess.name, guess.file));
+    return lines;
+}
+
+std::string ImageFinder::missing(const std::string& name) const {
+    const fs::path path = folder_ / name;
+    const std::string looked = fs::path(name).is_absolute() || name.find('\\') != std::string::npos
+                                   ? fmt::format("'{}', in {}", name, folder_.string())
+                                   : path.string();
+    return fmt::format("{}: no such image, but {} names it", looked, list_.string());
+}
+
+}  // namespace radiafit::tools
