@@ -70,14 +70,16 @@ bool looks_like_utf16(std::string_view bytes) {
 
 /// UTF-8 without a byte order mark, its lines ended by line feeds.
 std::string plain_text(std::string text, const std::filesystem::path& file) {
-    if (text.starts_with("\xff\xfe")) text = from_utf16(text, 1, file);
-    else if (text.starts_with("\xfe\xff")) text = from_utf16(text, 0, file);
+    if (text.starts_with("\xff\xfe"))
+        text = from_utf16(text, 1, file);
+    else if (text.starts_with("\xfe\xff"))
+        text = from_utf16(text, 0, file);
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
     if (text.find('\0') != std::string::npos)
-        throw UserError(
-            looks_like_utf16(text)
-                ? fmt::format("{}: UTF-16 text without a byte order mark: save it as UTF-8", file.string())
-                : fmt::format("{}: holds zero bytes, so it is no text or a damaged one: write it again", file.string()));
+        throw UserError(looks_like_utf16(text)
+                            ? fmt::format("{}: UTF-16 text without a byte order mark: save it as UTF-8", file.string())
+                            : fmt::format("{}: holds zero bytes, so it is no text or a damaged one: write it again",
+                                          file.string()));
     if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
     return text;
 }
@@ -90,16 +92,21 @@ TextFile::TextFile(std::filesystem::path file, std::string text, size_t lines_be
     : file_(std::move(file)), text_(plain_text(std::move(text), file_)), number_(lines_before) {}
 
 bool TextFile::next_line(std::string_view& line) {
-    if (at_ == text_.size()) return false;
+    if (at_ == text_.size()) {
+        if (!ended_)
+            log_warning(
+                fmt::format("{}: no line break ends this last line: taken as whole; if the file was cut, write "
+                            "it again",
+                            where()));
+        ended_ = true;
+        return false;
+    }
     const size_t end = std::min(text_.find('\n', at_), text_.size());
-    ended_ = end < text_.size();
+    const bool broken = end < text_.size();
     line = trimmed(std::string_view(text_).substr(at_, end - at_));
-    at_ = end + (ended_ ? 1 : 0);
+    at_ = end + (broken ? 1 : 0);
     ++number_;
-    if (!ended_ && !line.empty() && line.front() != '#')
-        log_warning(fmt::format("{}: no line break ends this last line: taken as whole; if the file was cut, write it "
-                                "again",
-                                where()));
+    ended_ = broken || line.empty() || line.front() == '#';
     return true;
 }
 
@@ -112,9 +119,9 @@ bool TextFile::next_entry(std::string_view& line) {
 std::string TextFile::where() const { return fmt::format("{}:{}", file_.string(), number_); }
 
 void TextFile::fail(const std::string& problem) const {
-    throw UserError(ended_ ? fmt::format("{}: {}", where(), problem)
-                           : fmt::format("{}: the file ends within this line: copy or write it again ({})", where(),
-                                         problem));
+    throw UserError(
+        ended_ ? fmt::format("{}: {}", where(), problem)
+               : fmt::format("{}: the file ends within this line: copy or write it again ({})", where(), problem));
 }
 
 double TextFile::to_double(std::string_view token, const char* what) const {

@@ -17,10 +17,10 @@ public:
     TextFile(std::filesystem::path file, std::string text, size_t lines_before);
 
     /// The next line, trimmed of blanks at both ends; false at the end of the file. Stays valid as long as this. A last
-    /// line without a line break, which is how many editors leave a file but also how a cut file ends, is taken with a
-    /// warning.
+    /// line without a line break, which is how many editors leave a file but also how a cut file ends, is taken; who
+    /// then asks for more without complaining about it warns of it.
     bool next_line(std::string_view& line);
-    /// Whether a line break ends the line last read.
+    /// Whether a line break ends the line last read, or it is blank or a comment.
     bool ended() const { return ended_; }
     /// The next line that is neither blank nor a comment (#).
     bool next_entry(std::string_view& line);
