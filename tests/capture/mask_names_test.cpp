@@ -39,7 +39,13 @@ TEST_F(MaskNamesTest, EveryHabit) {
     expect_taken({"a.jpg", "b.c.JPG"}, {"a.jpg.png", "b.c.JPG.png"}, "NAME.EXT.png");
     expect_taken({"a.jpg", "b.c.JPG"}, {"a_mask.png", "b.c_mask.png"}, "NAME_mask.png");
     expect_taken({"a.jpg", "b.c.JPG"}, {"mask_a.png", "mask_b.c.png"}, "mask_NAME.png");
+    expect_taken({"a.jpg", "b.c.JPG"}, {"a.mask.png", "b.c.mask.png"}, "NAME.mask.png");
+    expect_taken({"a.jpg", "b.c.JPG"}, {"a.jpg.mask.png", "b.c.JPG.mask.png"}, "NAME.EXT.mask.png");
+    expect_taken({"a.png", "b.c.png"}, {"a.jpg", "b.c.jpg"}, "NAME.jpg");
+    expect_taken({"a.jpg", "b.jpg"}, {"a.jpg.tif", "b.jpg.tif"}, "NAME.EXT.tif");
     expect_taken({"x/a.jpg", "y/a.jpg"}, {"x/a.png", "y/a.png"}, "NAME.png");
+    // "ü" composed and decomposed
+    expect_taken({"M\u00fcnze.jpg", "b.jpg"}, {"Mu\u0308nze.png", "b.png"}, "NAME.png");
     expect_taken({"x/a.jpg", "y/b.jpg"}, {"a_mask.png", "b_mask.png"}, "NAME_mask.png, without subfolders");
     expect_taken({"x/a.jpg", "y/b.jpg"}, {"a.jpg.png", "b.jpg.png"}, "NAME.EXT.png, without subfolders");
 }
@@ -49,8 +55,17 @@ TEST_F(MaskNamesTest, LetterCaseOfEndingsDoesNotMatter) {
     expect_taken({"a.jpg", "b.JPG"}, {"a.JPG.png", "b.jpg.PNG"}, "NAME.EXT.png");
     fs::remove_all(masks_);
     put({"A.png"});
-    expect_in("no mask for any image: expected, for image 'a.jpg', a.png, a.jpg.png, a_mask.png or mask_a.png",
-              refused({"a.jpg"}));
+    expect_in(
+        "no mask for any image: expected, for image 'a.jpg', a.png, a.jpg.png, a_mask.png, a.mask.png or mask_a.png, "
+        "or such names of JPEG or TIFF files",
+        refused({"a.jpg"}));
+}
+
+TEST_F(MaskNamesTest, HiddenFilesAndDrawingsOfMasksAreNone) {
+    put({"a.png", "._a.png", "a.jpg", "b.png", ".b.png"});
+    const MaskNames found = match({"a.tif", "b.tif"});
+    EXPECT_EQ(found.files, (std::vector<fs::path>{masks_ / "a.png", masks_ / "b.png"}));
+    EXPECT_TRUE(found.notes.empty());
 }
 
 TEST_F(MaskNamesTest, TheHabitOfMostIsTakenAndOthersAreNamed) {

@@ -18,8 +18,8 @@ bool is_hidden(const std::filesystem::path& file);
 /// `chosen`, or if that is empty the folder's name, whether or not its path ends in a slash.
 std::string dataset_name(const std::string& chosen, const std::filesystem::path& folder);
 
-/// The pictures of a folder, recognized by their endings (image/image_format.h), hidden ones left out, sorted by name. Throws UserError for a
-/// folder that cannot be listed.
+/// The pictures of a folder, recognized by their endings (image/image_format.h), hidden ones left out, sorted by name.
+/// Throws UserError for a folder that cannot be listed.
 std::vector<std::string> list_images(const std::filesystem::path& folder);
 
 }  // namespace radiafit::tools

@@ -4,6 +4,7 @@
 #include <utf8proc.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <memory>
 #include <utility>
@@ -27,12 +28,22 @@ std::string without_ending(const std::string& name) {
     return is_photograph(name) ? fs::path(name).stem().string() : name;
 }
 
+/// Without an ending of any files, such as a camera's own format, from which photographs were made: a letter and up to
+/// three more letters or digits.
+std::string without_any_ending(const std::string& name) {
+    const std::string ending = fs::path(name).extension().string();
+    const auto is = [&](size_t i, int (*kind)(int)) { return kind(static_cast<unsigned char>(ending[i])) != 0; };
+    bool known = ending.size() >= 2 && ending.size() <= 5 && is(1, std::isalpha);
+    for (size_t i = 2; i < ending.size(); ++i) known = known && is(i, std::isalnum);
+    return known ? fs::path(name).stem().string() : name;
+}
+
 /// None of what is no UTF-8.
 std::optional<std::string> mapped(const std::string& name, utf8proc_option_t options) {
     utf8proc_uint8_t* result = nullptr;
-    const utf8proc_ssize_t size = utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(name.data()),
-                                               static_cast<utf8proc_ssize_t>(name.size()), &result,
-                                               static_cast<utf8proc_option_t>(options | UTF8PROC_STABLE));
+    const utf8proc_ssize_t size =
+        utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(name.data()), static_cast<utf8proc_ssize_t>(name.size()),
+                     &result, static_cast<utf8proc_option_t>(options | UTF8PROC_STABLE));
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(result, std::free);
     if (size < 0) return {};
     return std::string(reinterpret_cast<const char*>(result), static_cast<size_t>(size));
@@ -46,9 +57,7 @@ fs::path joined(const std::vector<fs::path>& parts) {
 
 }  // namespace
 
-std::string composed_name(const std::string& name) {
-    return mapped(name, UTF8PROC_COMPOSE).value_or(name);
-}
+std::string composed_name(const std::string& name) { return mapped(name, UTF8PROC_COMPOSE).value_or(name); }
 
 std::string comparable_name(const std::string& name) {
     const auto folded = mapped(name, static_cast<utf8proc_option_t>(UTF8PROC_COMPOSE | UTF8PROC_CASEFOLD));
@@ -58,23 +67,34 @@ std::string comparable_name(const std::string& name) {
 ImageFinder::ImageFinder(fs::path folder, fs::path list) : folder_(std::move(folder)), list_(std::move(list)) {}
 
 std::optional<fs::path> ImageFinder::find(const std::string& name) {
-    if (fs::path(name).is_relative())
-        if (auto file = exact(name)) return file;
+    const fs::path as_given = fs::path(name).lexically_normal();
+    if (as_given.is_relative() && as_given.has_filename()) {
+        if (auto file = exact(as_given)) return file;
+        // NeRF's own sets leave endings out.
+        if (!as_given.has_extension())
+            if (auto file = alike({as_given.begin(), as_given.end()}, as_given.filename().string(), Endings::vary))
+                if (fs::path(*file).replace_extension() == as_given) return file;
+    }
     std::string slashes = name;
     std::ranges::replace(slashes, '\\', '/');
     const fs::path whole = fs::path(slashes).lexically_normal();
     const std::vector<fs::path> parts(whole.begin(), whole.end());
     std::vector<Parts> tails;  // the path, then without its first folders
     for (size_t first = 0; first < parts.size(); ++first)
-        if (parts[first].is_relative() && parts[first] != "..") tails.emplace_back(parts.begin() + ptrdiff_t(first), parts.end());
+        if (parts[first].is_relative() && parts[first] != "..")
+            tails.emplace_back(parts.begin() + ptrdiff_t(first), parts.end());
     for (const Parts& tail : tails)
         if (auto file = exact(joined(tail)))
             return guessed(tail.size() == parts.size() ? "with backslashes" : "by other folders", name, *file);
     for (const Parts& tail : tails)
-        if (auto file = alike(tail, false)) return guessed("in other letters", name, *file);
-    for (const Parts& tail : tails)
-        if (auto file = alike(tail, true)) return guessed("by another ending", name, *file);
-    return whole.is_absolute() ? exact(whole) : std::nullopt;
+        if (auto file = alike(tail, tail.back().string(), Endings::count))
+            return guessed("in other letters", name, *file);
+    for (const auto& shorten : {without_ending, without_any_ending})
+        for (const Parts& tail : tails)
+            if (auto file = alike(tail, shorten(tail.back().string()), Endings::vary))
+                return guessed("by another ending", name, *file);
+    if (path_exists(folder_ / as_given)) return as_given;  // a folder, which reading complains of
+    return {};
 }
 
 std::optional<fs::path> ImageFinder::exact(const fs::path& path) const {
@@ -83,17 +103,17 @@ std::optional<fs::path> ImageFinder::exact(const fs::path& path) const {
     return path;
 }
 
-/// Goes down the folders of the path, each of which has to be the only one alike.
-std::optional<fs::path> ImageFinder::alike(const Parts& path, bool any_ending) {
+/// Goes down the folders of the path, each of which has to be the only one alike, to a file of such a name.
+std::optional<fs::path> ImageFinder::alike(const Parts& path, const std::string& file_name, Endings endings) {
     fs::path found;
     for (size_t i = 0; i < path.size(); ++i) {
-        const bool last = i + 1 == path.size(), stems = last && any_ending;
-        const auto key = [&](const std::string& name) { return comparable_name(stems ? without_ending(name) : name); };
-        const std::string wanted = key(path[i].string());
+        const bool last = i + 1 == path.size(), stems = last && endings == Endings::vary;
+        const std::string wanted = comparable_name(last ? file_name : path[i].string());
         const Listing& listing = list(found);
         const std::string* match = nullptr;
         for (const std::string& name : last ? listing.files : listing.folders) {
-            if ((stems && !is_photograph(name)) || key(name) != wanted) continue;
+            if (stems && !is_photograph(name)) continue;
+            if (comparable_name(stems ? without_ending(name) : name) != wanted) continue;
             if (match)
                 throw UserError(fmt::format("{}: '{}' may be {} or {}: take one away", list_.string(),
                                             joined(path).string(), (folder_ / found / *match).string(),

@@ -22,8 +22,8 @@ public:
 
     /// The photograph of a name, as a path from the folder; none: it is not there. Tried one after another, until one
     /// finds a file: the name as it is; with slashes for backslashes; without its first folders, one after the other;
-    /// each of these with letters that differ in case or Unicode composition; the same with another ending of
-    /// photographs or none (image/image_format.h). Throws UserError where several files may be meant.
+    /// each of these with letters that differ in case or Unicode composition; the same with another ending, of
+    /// photographs (image/image_format.h). Throws UserError where several files may be meant.
     std::optional<std::filesystem::path> find(const std::string& name);
 
     /// How many names led to files of other names, and by what; one line each, empty where all were as listed.
@@ -43,7 +43,8 @@ private:
     using Parts = std::vector<std::filesystem::path>;
     const Listing& list(const std::filesystem::path& folder);
     std::optional<std::filesystem::path> exact(const std::filesystem::path& path) const;
-    std::optional<std::filesystem::path> alike(const Parts& path, bool any_ending);
+    enum class Endings { count, vary };
+    std::optional<std::filesystem::path> alike(const Parts& path, const std::string& file_name, Endings endings);
     std::filesystem::path guessed(const char* how, const std::string& name, std::filesystem::path file);
 
     std::filesystem::path folder_, list_;

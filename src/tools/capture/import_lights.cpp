@@ -140,9 +140,10 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
     }
     for (std::string& remark : finder.remarks()) report.remarks.push_back(std::move(remark));
     if (o.by_order)
-        report.remarks.push_back(fmt::format("{}: its lamps are those of the images in the order of their names, from "
-                                             "'{}' to '{}', whatever images it names",
-                                             lights_file.string(), names.front(), names.back()));
+        report.remarks.push_back(
+            fmt::format("{}: its lamps are those of the images in the order of their names, from "
+                        "'{}' to '{}', whatever images it names",
+                        lights_file.string(), names.front(), names.back()));
     return sources;
 }
 

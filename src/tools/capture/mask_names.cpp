@@ -120,10 +120,11 @@ std::string expected_name(const Habit& habit, const fs::path& photograph, const 
 }
 
 [[noreturn]] void fail_none(const fs::path& masks, const std::string& name) {
-    throw UserError(fmt::format(
-        "{}: no mask for any image: expected, for image '{}', {}, {}, {}, {} or {}, or such names of JPEG or TIFF files",
-        masks.string(), name, expected_name(habits[0], name), expected_name(habits[1], name),
-        expected_name(habits[2], name), expected_name(habits[3], name), expected_name(habits[5], name)));
+    throw UserError(
+        fmt::format("{}: no mask for any image: expected, for image '{}', {}, {}, {}, {} or {}, or such names of JPEG "
+                    "or TIFF files",
+                    masks.string(), name, expected_name(habits[0], name), expected_name(habits[1], name),
+                    expected_name(habits[2], name), expected_name(habits[3], name), expected_name(habits[5], name)));
 }
 
 /// Every photograph has one mask, and no two have the same.
@@ -148,11 +149,11 @@ void check(const fs::path& masks, const std::vector<std::string>& names, const M
                                         chosen.habit->in_subfolder ? "NAME.EXT.png" : "as the images, in subfolders"));
     }
     if (missing == 0) return;
-    std::string text = fmt::format(
-        "{}: no mask for image '{}' ({} of {} images have none): expected {}, as '{}' has {}", masks.string(),
-        names[first_missing], missing, names.size(),
-        expected_name(*chosen.habit, names[first_missing], chosen.files[example][0].extension().string()), names[example],
-        chosen.files[example][0].lexically_relative(masks).string());
+    std::string text =
+        fmt::format("{}: no mask for image '{}' ({} of {} images have none): expected {}, as '{}' has {}",
+                    masks.string(), names[first_missing], missing, names.size(),
+                    expected_name(*chosen.habit, names[first_missing], chosen.files[example][0].extension().string()),
+                    names[example], chosen.files[example][0].lexically_relative(masks).string());
     for (const Matches& other : all)
         if (const auto& files = other.files[first_missing]; !files.empty())
             throw UserError(fmt::format("{}; {} is named otherwise: name all alike", text,

@@ -146,8 +146,7 @@ fs::path find_mask(const Json& json, ImageFinder& masks, const fs::path& folder,
     const auto mask = masks.find(path->get<std::string>());
     if (!mask)
         throw UserError(fmt::format("{}: no such mask, but {} names it: restore it, or give {}",
-                                    (folder / path->get<std::string>()).string(), frame.where(),
-                                    option_name("masks")));
+                                    (folder / path->get<std::string>()).string(), frame.where(), option_name("masks")));
     return folder / *mask;
 }
 
