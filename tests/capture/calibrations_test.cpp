@@ -352,7 +352,7 @@ TEST_F(CalibrationsTest, BadTransformsNameFileAndFrame) {
     expect_in("nested more than 100 deep", refused(import_transforms, ""));
     write_transforms(transforms({0, 1, 2, 3, 4, 5}, ""));
     fs::copy(root_ / "images/3.png", root_ / "images/3.JPG");
-    expect_in("write the ending into file_path", refused(import_transforms, ""));
+    expect_in("take one away", refused(import_transforms, ""));
     fs::remove(root_ / "transforms.json");
     expect_in("neither transforms.json nor transforms_train.json", refused(import_transforms, ""));
     expect_in("no such file of cameras", refused(import_transforms, "transforms.json"));

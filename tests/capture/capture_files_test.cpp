@@ -48,7 +48,7 @@ std::string binary_image(uint32_t id, const std::array<double, 7>& pose, uint32_
 
 std::string counted(uint64_t count, const std::string& entries) { return Bytes().put(count).text + entries; }
 
-const std::array<double, 7> pose_a = {0.5, 0.5, -0.5, 0.5, 0.25, -1.5, 3};
+const std::array<double, 7> pose_a = {1, 1, -1, 1, 0.25, -1.5, 3};
 const std::array<double, 7> pose_b = {2, 0, 0, 0, 0, 0, 1};  // not normalized
 
 TEST_F(Files, BinaryModelEqualsTextModel) {
@@ -56,7 +56,7 @@ TEST_F(Files, BinaryModelEqualsTextModel) {
                 "# comment\n\n7 PINHOLE 64 48 60 61.5 32 24.25\r\n2 SIMPLE_PINHOLE 64 48 59.5 31 23\n");
     write_bytes(root_ / "text/images.txt",
                 "# comment\n1 2 0 0 0 0 0 1 2 b dir/b one.png\n1.5 2.5 -1 3 4 17\n"
-                "5 0.5 0.5 -0.5 0.5 0.25 -1.5 3 7 a.png\n\n");
+                "5 1 1 -1 1 0.25 -1.5 3 7 a.png\n\n");
     write_bytes(root_ / "bin/cameras.bin",
                 counted(2, binary_camera(7, 1, {60, 61.5, 32, 24.25}) + binary_camera(2, 0, {59.5, 31, 23})));
     write_bytes(root_ / "bin/images.bin",

@@ -327,7 +327,7 @@ TEST_F(CoverageTest, SaysHowMuchOfTheMasksTheMeshCovers) {
     EXPECT_GT(report_.coverage, 0.95);
     ASSERT_EQ(report_.remarks.size(), 2u);
     expect_in("masks are named NAME.png", report_.remarks[0]);
-    expect_in("% of the masks; of what shows of it, 100 % is inside", report_.remarks[1]);
+    expect_in("% of the masks, 100 % of what shows of it is inside", report_.remarks[1]);
     options_.masks.clear();
     fs::remove_all(root_ / "set");
     import();
@@ -338,13 +338,13 @@ TEST_F(CoverageTest, SaysHowMuchOfTheMasksTheMeshCovers) {
 
 TEST_F(CoverageTest, NamesTheFrameOfAMeshThatCoversTooLittle) {
     write_sphere(100, Vec3d::Zero());
-    expect_refused("scaled by 0.01 it would cover 99 %", "it is in another unit");
+    expect_refused("scaled by 0.01 it would cover 99 %", "it has another unit");
     write_sphere(0.001, Vec3d::Zero());
-    expect_refused("scaled by 1000 it would cover 99 %", "it is in another unit");
+    expect_refused("scaled by 1000 it would cover 99 %", "it has another unit");
     write_sphere(1, {0.9, 0, 0});
     expect_refused("shifted by (-0.9", "it has another origin");
     write_sphere(0.01, {3, -1, 7});
-    expect_refused("scaled by 100, then shifted by (-300, 100, -700), it would cover 99 %",
+    expect_refused("scaled by 100, then shifted by (-300, 100, -700) it would cover 99 %",
                    "another unit and another origin");
     write_sphere(7.5, {3, -1, 7});
     expect_refused("it would cover 100 %", "another unit and another origin");

@@ -119,8 +119,9 @@ TEST_F(Meshes, BadObjLinesAreNamed) {
         {good + "v 1 2 1,5\n", "x.obj:5", "no number"},
         {good + "v 1 2 1e39\n", "x.obj:5", "not finite"},
         {good + "v inf 2 1\n", "x.obj:5", "not finite"},
-        {good + "f 1 2 3", "x.obj:5", "ends within this line"},
-        {good + "f 1 2 \\", "x.obj:5", "ends within this line"},
+        {good + "f 1 2", "x.obj:5", "ends within this line"},
+        {good + "f 1 2 x", "x.obj:5", "ends within this line"},
+        {good + "f 1 2 \\", "x.obj:5", "joins no line"},
         {good + std::string(100, '\0'), "x.obj", "zero bytes"},
     };
     for (const auto& [content, where, what] : cases) {
@@ -191,7 +192,7 @@ TEST_F(Meshes, BadPlyFilesAreNamed) {
         {text_ply(all, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 -1\n"), "x.ply:14", "refers to vertex -1"},
         {text_ply(all, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-1 0 1 2\n"), "x.ply:14", "fewer than no items"},
         {text_ply(all, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 3\n"), "x.ply:14", "more numbers"},
-        {text_ply(all, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2"), "x.ply:14", "ends within this line"},
+        {text_ply(all, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1"), "x.ply:14", "ends within this line"},
         {text_ply(all, "0 0 0\n1 nan 0\n1 1 0\n0 1 0\n3 0 1 2\n"), "x.ply:11", "not finite"},
         {binary_ply(all, square + face(4, {0, 1, 2, 4})), "x.ply", "face 0 of 1: refers to vertex 4"},
         {binary_ply(all, square + face(4, {0, 1, 2, -1})), "x.ply", "refers to vertex -1"},

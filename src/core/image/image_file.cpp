@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 
@@ -16,10 +17,11 @@ namespace radiafit {
 namespace {
 
 /// The file's bytes, what they promise, and then the pixels of the same bytes.
-RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check) {
+RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check, const ImageFormat** format = nullptr) {
     std::string bytes = read_file(file, "image file");
     const ImageHeader header = read_image_header(file, bytes);
     if (check) check(int(header.width), int(header.height));
+    if (format) *format = header.format;
     return header.format->read_pixels(file, std::move(bytes), header);
 }
 
@@ -92,11 +94,23 @@ ImageFile read_image(const std::filesystem::path& file, bool floats, const Heade
 }
 
 MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check) {
-    const RawImage raw = read_raw(file, check);
+    const ImageFormat* format = nullptr;
+    const RawImage raw = read_raw(file, check, &format);
     check_colors(file, raw);
-    MaskFile mask{raw.width, raw.height, {}};
+    MaskFile mask;
+    mask.width = raw.width;
+    mask.height = raw.height;
     mask.values = std::visit([&](const auto& values) { return grey_values(raw, values); }, raw.values);
-    const int threshold = *std::max_element(mask.values.begin(), mask.values.end()) == 1 ? 1 : 128;
+    std::array<bool, 256> present{};
+    for (const uint8_t value : mask.values) {
+        present[value] = true;
+        mask.largest = std::max(mask.largest, int(value));
+    }
+    constexpr ptrdiff_t most_labels = 16;
+    const bool numbers = mask.largest > 0 && mask.largest < 128 && std::ranges::count(present, true) <= most_labels &&
+                         format != format_of_name("a.jpeg");
+    mask.labels = numbers && mask.largest > 1;
+    const int threshold = numbers ? 1 : 128;
     for (uint8_t& value : mask.values) value = value >= threshold ? 255 : 0;
     return mask;
 }

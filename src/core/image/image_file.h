@@ -27,10 +27,13 @@ using HeaderCheck = std::function<void(int width, int height)>;
 /// image/image_header.h allows, neither 8 nor 16 bits, neither grey nor RGB.
 ImageFile read_image(const std::filesystem::path& file, bool floats = false, const HeaderCheck& check = {});
 
-/// A mask [height][width], 255 = object, 0 = not: half of the largest grey value or more (1 in files of 0 and 1).
+/// A mask [height][width], 255 = object, 0 = not: of values from 0 to 255, 128 or more. Where no value is so large and
+/// there are at most 16, so that they number what is seen (labels), whatever is not 0; a JPEG has no labels.
 struct MaskFile {
     int width = 0, height = 0;
     std::vector<uint8_t> values;
+    int largest = 0;      ///< of the values in the file, from 0 to 255
+    bool labels = false;  ///< values above 1 that number what is seen
 };
 MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check = {});
 

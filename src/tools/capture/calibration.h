@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,13 @@
 
 /// What any reader of calibrated photographs returns: COLMAP models, transforms.json, poses_bounds.npy.
 namespace radiafit::tools {
+
+/// From another frame to the calibration's.
+struct KnownTransform {
+    Mat3d linear = Mat3d::Identity();
+    Vec3d shift = Vec3d::Zero();
+    std::string cure;  ///< the option that applies it
+};
 
 struct CalibratedImage {
     std::string name;                 ///< relative to the folder of images; may hold a subfolder
@@ -23,7 +31,8 @@ struct Calibration {
     std::filesystem::path images_file;    ///< names the photographs; for messages
     std::string size_cure;                ///< what to do about a photograph of another size than calibrated
     std::vector<CalibratedImage> images;  ///< sorted by name, none twice, one at least
-    std::vector<std::string> remarks;     ///< what a user may want to know of how it was read
+    std::optional<KnownTransform> known_transform = {};  ///< of a frame that meshes may be in
+    std::vector<std::string> remarks;                    ///< what a user may want to know of how it was read
 };
 
 inline constexpr int largest_calibrated_side = 1 << 16;  ///< pixels; anything beyond is a broken file

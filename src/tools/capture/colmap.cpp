@@ -107,9 +107,10 @@ void check_lengths(const Images& images) {
     const double usual = median(std::move(values));
     for (const Images::Length& length : images.lengths)
         if (std::abs(length.value - usual) > rounding * usual)
-            throw UserError(fmt::format("{}: image '{}' has a quaternion QW QX QY QZ of length {:.4g}, the others of {:.4g}: "
-                                        "write its rotation again (are other numbers in its place?)",
-                                        length.where, length.name, length.value, usual));
+            throw UserError(
+                fmt::format("{}: image '{}' has a quaternion QW QX QY QZ of length {:.4g}, the others of {:.4g}: "
+                            "write its rotation again (are other numbers in its place?)",
+                            length.where, length.name, length.value, usual));
     if (std::abs(usual - 1) > rounding)
         images.model.remarks.push_back(fmt::format("{}: the quaternions have length {:.4g}, not 1: they are normalized",
                                                    images.model.images_file.string(), usual));
@@ -206,14 +207,16 @@ void read_images_text(Images& images) {
         add_image(images, text.where(), id, name, text.to_unsigned(tokens[8], "CAMERA_ID"), pose);
         if (!text.next_line(line)) break;
         if (!is_points_line(split_tokens(line)))
-            text.fail(fmt::format("expected the points X Y POINT3D_ID... of image '{}', or an empty line: every image "
-                                  "takes two lines, so put an empty one behind each that has no points",
-                                  name));
+            text.fail(
+                fmt::format("expected the points X Y POINT3D_ID... of image '{}', or an empty line: every image "
+                            "takes two lines, so put an empty one behind each that has no points",
+                            name));
     }
     if (announced && *announced != images.model.images.size())
-        throw UserError(fmt::format("{}: says that it holds {} images, but there are {}: correct the comment with the "
-                                    "number of images, or copy or write the model again",
-                                    images.model.images_file.string(), *announced, images.model.images.size()));
+        throw UserError(
+            fmt::format("{}: says that it holds {} images, but there are {}: correct the comment with the "
+                        "number of images, or copy or write the model again",
+                        images.model.images_file.string(), *announced, images.model.images.size()));
 }
 
 Intrinsics read_cameras_binary(const std::filesystem::path& path) {
@@ -267,7 +270,8 @@ Calibration read_colmap(const std::filesystem::path& given) {
     model.origin = "COLMAP";
     model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
     // The mapper writes a folder for each part that it can't join to the others: 0, and seldom 1, 2, ...
-    const bool one_inside = ending_in(given).empty() && ending_in(given / "1").empty() && !ending_in(given / "0").empty();
+    const bool one_inside =
+        ending_in(given).empty() && ending_in(given / "1").empty() && !ending_in(given / "0").empty();
     const std::filesystem::path folder = one_inside ? given / "0" : given;
     if (one_inside)
         model.remarks.push_back(fmt::format("{}: the model is taken from {}", given.string(), folder.string()));

@@ -155,26 +155,7 @@ void normalize_gains(std::vector<double>& gains, const std::vector<uint8_t>& hel
     for (double& gain : gains) gain /= mean;
 }
 
-GainPoints::GainPoints(const Mesh& mesh) {
-    // Few large triangles are cut into side^2 equal ones; of very many only every stride-th is taken.
-    const size_t triangles = mesh.triangle_count();
-    const size_t stride = std::max<size_t>(1, triangles / wanted_points);
-    const auto side =
-        static_cast<int>(std::ceil(std::sqrt(double(wanted_points) / double(triangles) * double(stride))));
-    for (size_t t = 0; t < triangles; t += stride) {
-        const Vec3d a = mesh.positions[mesh.triangles[t][0]].cast<double>();
-        const Vec3d u = mesh.positions[mesh.triangles[t][1]].cast<double>() - a;
-        const Vec3d v = mesh.positions[mesh.triangles[t][2]].cast<double>() - a;
-        const Vec3d normal = u.cross(v).normalized();
-        if (!(std::abs(normal.norm() - 1) < 1e-6)) continue;  // degenerate
-        for (int j = 0; j < side; ++j)
-            for (int i = 0; i + j < side; ++i) {
-                points_.push_back({a + u * ((i + 1 / 3.0) / side) + v * ((j + 1 / 3.0) / side), normal});
-                if (i + j + 1 < side)  // the turned triangle of the cell
-                    points_.push_back({a + u * ((i + 2 / 3.0) / side) + v * ((j + 2 / 3.0) / side), normal});
-            }
-    }
-}
+GainPoints::GainPoints(const Mesh& mesh) : points_(surface_points(mesh, wanted_points)) {}
 
 std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasterizer& raster, const ImageFile& image,
                                             const std::vector<uint8_t>& mask) const {
@@ -184,7 +165,7 @@ std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasteriz
     const auto width = size_t(camera.width);
     std::vector<GainSample> samples;
     for (uint32_t p = 0; p < points_.size(); ++p) {
-        const Point& point = points_[p];
+        const SurfacePoint& point = points_[p];
         if ((eye - point.position).normalized().dot(point.normal) < least_cosine) continue;
         const Vec3d at = camera.project(point.position);
         if (!(at.z() > 0 && at.x() >= 1 && at.y() >= 1 && at.x() < camera.width - 1 && at.y() < camera.height - 1))

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/surface_points.h"
 #include "geometry/camera.h"
 #include "geometry/mesh.h"
 #include "geometry/raster.h"
@@ -40,10 +41,7 @@ public:
     size_t size() const { return points_.size(); }
 
 private:
-    struct Point {
-        Vec3d position, normal;
-    };
-    std::vector<Point> points_;
+    std::vector<SurfacePoint> points_;
 };
 
 struct GainEstimate {

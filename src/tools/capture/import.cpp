@@ -15,14 +15,15 @@
 #include "base/read_file.h"
 #include "base/resources.h"
 #include "base/wording.h"
+#include "capture/capture_check.h"
 #include "capture/colmap.h"
-#include "capture/coverage.h"
 #include "capture/file_names.h"
 #include "capture/gains.h"
 #include "capture/image_scale.h"
 #include "capture/llff.h"
 #include "capture/mesh_file.h"
 #include "capture/photographs.h"
+#include "capture/small_view.h"
 #include "capture/transforms.h"
 #include "dataset/checksums.h"
 #include "dataset/split.h"
@@ -35,23 +36,19 @@ namespace radiafit::tools {
 namespace fs = std::filesystem;
 namespace {
 
-/// Some of the photographs, spread over the list, small: enough to find where the mesh would have to be.
-std::vector<Silhouette> small_silhouettes(const std::vector<Photograph>& photographs, const Calibration& model) {
-    constexpr size_t most = 16;
-    constexpr int side = 256;  // pixels
-    const size_t count = std::min(most, photographs.size());
-    std::vector<Silhouette> views(count);
-    parallel_for(count, 1, [&](size_t i, int) {
-        Photograph photograph = photographs[i * photographs.size() / count];
-        photograph.camera = scaled_camera(photograph.calibrated, side);
-        views[i] = {photograph.camera, load_photograph(photograph, model).mask};
-    });
-    return views;
+[[noreturn]] void fail_black_masks(const std::vector<Photograph>& photographs, const ImportOptions& options) {
+    const auto largest = std::ranges::max_element(photographs, {}, &Photograph::largest_mask_value);
+    throw UserError(fmt::format(
+        "{}: the masks are black throughout, the largest value is {} of 255, in {}: white is to "
+        "mean object",
+        options.masks.empty() ? options.images.string() : options.masks.string(), largest->largest_mask_value,
+        largest->mask.empty() ? largest->image.string() : largest->mask.string()));
 }
 
-/// Refuses a mesh that covers too little of the masks, or of the images where there are none, and says what is wrong.
-void check_coverage(const std::vector<Photograph>& photographs, const Mesh& mesh, const ImportOptions& options,
-                    const Calibration& model, ImportReport& report) {
+/// Refuses a mesh that covers too little of the masks, or of the images where there are none, one that fits far better
+/// elsewhere, and inverted masks; says what is wrong, and what the photographs show otherwise.
+void check_parts(const std::vector<Photograph>& photographs, const Mesh& mesh, const std::vector<SmallView>& views,
+                 const ImportOptions& options, const Calibration& model, ImportReport& report) {
     const bool masked =
         std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.has_mask; });
     const std::string of_what = masked ? "the masks" : "the images";
@@ -59,26 +56,52 @@ void check_coverage(const std::vector<Photograph>& photographs, const Mesh& mesh
     for (const Photograph& p : photographs)
         if (p.has_mask == masked) coverage += p.coverage;
     report.coverage = coverage.share();
+    if (masked && coverage.object == 0) fail_black_masks(photographs, options);
+    CaptureCheck check = check_capture(mesh, views, model.known_transform);
+    if (check.masks_inverted)
+        throw UserError(fmt::format(
+            "{}: the mesh shows where these masks are black, and white is to mean object: give {}",
+            options.masks.empty() ? options.images.string() : options.masks.string(), option_name("invert-masks")));
     const double least = options.least_coverage.value_or(masked ? 0.2 : 0.01);
-    if (report.coverage >= least) {
-        std::string remark = fmt::format("the mesh covers {:.0f} % of {}", 100 * report.coverage, of_what);
-        if (masked && coverage.mesh)
-            remark += fmt::format("; of what shows of it, {:.0f} % is inside them",
-                                  100.0 * double(coverage.both) / double(coverage.mesh));
-        report.remarks.push_back(std::move(remark));
-        return;
+    constexpr double certain = 0.5;  // of Misplacement::gain()
+    const bool covers = report.coverage >= least, chosen = options.least_coverage.has_value();
+    if (const auto& other = check.misplacement; other || !covers) {
+        const bool seen =
+            std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.sees_mesh; });
+        std::string text = options.mesh.string() + ": ";
+        text += seen ? fmt::format("the mesh covers {:.3g} % of {}", 100 * report.coverage, of_what)
+                     : fmt::format("no camera of {} sees this mesh", options.model.string());
+        if (other) {
+            if (seen && other->given.colours.pairs)
+                text += fmt::format(", with colours that correlate by {:.2f} between neighbours",
+                                    other->given.colours.correlation());
+            text += fmt::format("; {} it would cover {:.0f} %", other->what, 100 * other->tried.coverage.share());
+            if (other->tried.colours.pairs)
+                text += fmt::format(", and colours correlate by {:.2f}", other->tried.colours.correlation());
+            text += fmt::format(": {}: {}", other->why, other->cure);
+        } else {
+            text += seen && masked ? ": bring it into the model's frame (in the masks, white is to mean object)"
+                                   : ": bring it into the model's frame (and turn its faces outward)";
+        }
+        if (!covers || (other->gain() >= certain && !chosen))
+            throw UserError(covers ? fmt::format("{} ({} 0 takes it as it is)", text, option_name("least-coverage"))
+                                   : fmt::format("{}, or lower {} ({})", text, option_name("least-coverage"), least));
+        report.notes.push_back(text);
     }
-    const bool seen =
-        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.sees_mesh; });
-    std::string text = options.mesh.string() + ": ";
-    text += seen ? fmt::format("the mesh covers {:.3g} % of {}", 100 * report.coverage, of_what)
-                 : fmt::format("no camera of {} sees this mesh", options.model.string());
-    const std::string where = describe(find_other_frame(mesh, small_silhouettes(photographs, model)), of_what);
-    if (!where.empty()) text += "; " + where;
-    text += seen && masked && where.empty()
-                ? ": bring it into the model's frame (in the masks, white is to mean object)"
-                : ": bring it into the model's frame (and turn its faces outward)";
-    throw UserError(fmt::format("{}, or lower {} ({})", text, option_name("least-coverage"), least));
+    if (const auto labels = std::ranges::count_if(photographs, &Photograph::mask_of_labels))
+        report.remarks.push_back(
+            fmt::format("{} of {} masks hold labels, values of at most {}: whatever is not 0 is the object", labels,
+                        photographs.size(), std::ranges::max_element(photographs, {}, [](const Photograph& p) {
+                                                return p.mask_of_labels ? p.largest_mask_value : 0;
+                                            })->largest_mask_value));
+    std::string remark = fmt::format("{} photographs: the mesh covers {:.0f} % of {}", photographs.size(),
+                                     100 * report.coverage, of_what);
+    if (masked && coverage.mesh)
+        remark += fmt::format(", {:.0f} % of what shows of it is inside them",
+                              100.0 * double(coverage.both) / double(coverage.mesh));
+    report.remarks.push_back(fmt::format("{}; {}", remark, check.summary));
+    for (std::string& note : check.notes) report.notes.push_back(std::move(note));
+    report.unlike = std::move(check.named);
 }
 
 /// Drops what sees nothing, and says so. Throws when nothing is left to fit.
@@ -222,6 +245,7 @@ std::string provenance(const char* format, const ImportOptions& options) {
     if (options.least_coverage) text += fmt::format(" --least-coverage {}", *options.least_coverage);
     if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
     if (options.skip_missing) text += " --skip-missing";
+    if (options.invert_masks) text += " --invert-masks";
     return text;
 }
 
@@ -276,13 +300,19 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
         if (estimates_gains(options)) points.emplace(mesh.mesh);
         std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
         Progress progress("reading images", photographs.size());
+        std::vector<SmallView> views(std::min(photographs.size(), most_checked_views));
         parallel_for(photographs.size(), 1, [&](size_t i, int worker) {
-            survey(photographs[i], load_photograph(photographs[i], model), mesh.mesh, points ? &*points : nullptr,
-                   rasters[size_t(worker)]);
+            const LoadedPhotograph loaded = load_photograph(photographs[i], model);
+            survey(photographs[i], loaded, mesh.mesh, points ? &*points : nullptr, rasters[size_t(worker)]);
+            // Those are kept small that are spread over the list.
+            const size_t kept = (i * views.size() + photographs.size() - 1) / photographs.size();
+            if (kept < views.size() && kept * photographs.size() / views.size() == i)
+                views[kept] = small_view(photographs[i], loaded);
             progress.advance();
         });
+        progress.finish();
+        check_parts(photographs, mesh.mesh, views, options, model, report);
     }
-    check_coverage(photographs, mesh.mesh, options, model, report);
     drop_blind_views(photographs, options, report);
     const std::vector<Gain> gains = choose_gains(photographs, options, report);
 

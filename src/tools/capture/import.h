@@ -20,6 +20,7 @@ struct ImportOptions {
     /// Share of the masks' pixels that the mesh has to cover, without masks of all pixels; 0: any. Not given: 0.2 of
     /// the masks, or 0.01 of the pixels.
     std::optional<double> least_coverage;
+    bool invert_masks = false;  ///< black = object
     bool skip_missing = false;  ///< go on without photographs that are calibrated and not there
     std::string name;           ///< of the dataset; empty: the output folder's
     bool force = false;         ///< go on where memory or disk will not suffice
@@ -32,14 +33,15 @@ struct ImportReport {
     std::vector<std::string> dropped;  ///< images that see nothing of the mesh
     std::vector<std::string> notes;    ///< what the user should know, one line each: defects, drops, guesses
     std::vector<std::string> remarks;  ///< what a user may want to know, and is no cause to worry
+    std::vector<std::string> unlike;   ///< photographs that a note says do not belong where they are
     double coverage = 0;               ///< see ImportOptions::least_coverage
 };
 
 /// Packs a capture that COLMAP calibrated (capture/colmap.h). Each photograph is cropped to what it shows of the mesh
 /// inside the mask, plus four pixels; an alpha channel is a mask too. 8-bit photographs are stored as they are
 /// (u8-srgb); one 16-bit photograph makes the whole dataset u16-linear. Everything is checked before the first image is
-/// written. Throws UserError; for a mesh that covers too little it names the frame that the mesh seems to be in
-/// (capture/coverage.h).
+/// written. Throws UserError; for a mesh that does not belong where it is it says what is wrong with it
+/// (capture/capture_check.h).
 ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
 
 /// The same for a NeRF's transforms.json, or the folder that has it (capture/transforms.h). `images`: what its paths

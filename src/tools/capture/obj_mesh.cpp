@@ -43,7 +43,8 @@ private:
             more = line.ends_with('\\');
             joined_ += line.substr(0, line.size() - (more ? 1 : 0));
             joined_ += ' ';
-            more = more && text_.next_line(line);
+            if (more && !text_.next_line(line))
+                text_.fail("a backslash joins no line to this one: export the mesh again");
         }
         line = joined_;
         return true;
@@ -58,6 +59,7 @@ private:
     void add_face(const std::vector<std::string_view>& words) {
         corners_.clear();
         for (size_t k = 1; k < words.size(); ++k) corners_.push_back(corner(words[k]));
+        if (corners_.size() < 3 && !text_.ended()) text_.fail("a face takes three corners or more");
         raw_.add_polygon(corners_);
     }
 

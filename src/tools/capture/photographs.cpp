@@ -51,6 +51,7 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
         photograph.camera = scaled_camera(photograph.calibrated, options.max_size);
         photograph.held_out = held_out[i] != 0;
         photograph.mask = calibration.images[i].mask;
+        photograph.inverted_mask = options.invert_masks;
         if (std::max(photograph.camera.width, photograph.camera.height) > largest_side)
             throw UserError(fmt::format("{}: {} x {} pixels; no side may exceed {}: give {}", photograph.image.string(),
                                         photograph.camera.width, photograph.camera.height, largest_side,
@@ -71,7 +72,14 @@ LoadedPhotograph load_photograph(const Photograph& photograph, const Calibration
         };
     };
     LoadedPhotograph loaded{read_image(photograph.image, false, expect_size(photograph.image)), {}};
-    if (!photograph.mask.empty()) loaded.mask = read_mask(photograph.mask, expect_size(photograph.mask)).values;
+    if (!photograph.mask.empty()) {
+        MaskFile mask = read_mask(photograph.mask, expect_size(photograph.mask));
+        loaded.mask = std::move(mask.values);
+        loaded.largest_mask_value = mask.largest;
+        loaded.mask_of_labels = mask.labels;
+        if (photograph.inverted_mask)
+            for (uint8_t& value : loaded.mask) value = static_cast<uint8_t>(255 - value);
+    }
     const int width = photograph.camera.width, height = photograph.camera.height;
     if (width != full.width || height != full.height) {
         loaded.image = scale_down(loaded.image, width, height);
@@ -103,6 +111,8 @@ void survey(Photograph& photograph, const LoadedPhotograph& loaded, const Mesh& 
         }
     photograph.bits = loaded.image.bits;
     photograph.has_mask = !loaded.mask.empty();
+    photograph.largest_mask_value = loaded.largest_mask_value;
+    photograph.mask_of_labels = loaded.mask_of_labels;
     photograph.sees_mesh = photograph.coverage.mesh > 0;
     photograph.seen_in_mask = x1 >= 0;
     if (!photograph.seen_in_mask) return;

@@ -23,8 +23,11 @@ struct Photograph {
     Camera calibrated;                  ///< as calibrated
     Camera camera;                      ///< after max_size
     bool held_out = false;
+    bool inverted_mask = false;  ///< its file has black for the object
     // Found by the survey:
     int bits = 8;
+    int largest_mask_value = 255;            ///< in the mask's file, of 255
+    bool mask_of_labels = false;             ///< see MaskFile
     std::array<int, 4> crop = {0, 0, 0, 0};  ///< x, y, width, height
     bool has_mask = false, sees_mesh = false, seen_in_mask = false;
     Coverage coverage;
@@ -32,16 +35,18 @@ struct Photograph {
 };
 
 struct LoadedPhotograph {
-    ImageFile image;            ///< at the size of Photograph::camera
-    std::vector<uint8_t> mask;  ///< [height][width] of that size; empty: all
+    ImageFile image;               ///< at the size of Photograph::camera
+    std::vector<uint8_t> mask;     ///< [height][width] of that size; empty: all
+    int largest_mask_value = 255;  ///< of the mask's file
+    bool mask_of_labels = false;
 };
 
 /// The camera of the photograph scaled to a longest side of max_size pixels; 0: as it is.
 Camera scaled_camera(Camera camera, int max_size);
 
-/// The photographs of the calibration, which are located, with their masks, nothing surveyed yet. held_out: one per image. What a user
-/// should know of the masks' names goes to the report. Throws UserError for masks that are missing, and photographs larger
-/// than the rasterizer can draw.
+/// The photographs of the calibration, which are located, with their masks, nothing surveyed yet. held_out: one per
+/// image. What a user should know of the masks' names goes to the report. Throws UserError for masks that are missing,
+/// and photographs larger than the rasterizer can draw.
 std::vector<Photograph> list_photographs(const ImportOptions& options, const Calibration& calibration,
                                          const std::vector<uint8_t>& held_out, ImportReport& report);
 

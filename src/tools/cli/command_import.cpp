@@ -1,4 +1,5 @@
 // import: real captures, packed.
+#include <algorithm>
 #include <memory>
 
 #include "base/log.h"
@@ -21,8 +22,10 @@ void tell(const auto& report, const std::string& out, bool json) {
     for (const std::string& remark : report.remarks) log_info(remark);
     const Dataset dataset = open_dataset(out);
     if (const auto benefit = gain_benefit(dataset)) log_info(describe_gains(*benefit));
-    const std::string suspicious = describe_suspicious(suspicious_images(dataset));
-    if (!suspicious.empty()) log_warning(suspicious);
+    std::vector<std::string> suspicious = suspicious_images(dataset);
+    if constexpr (requires { report.unlike; })  // those have been named with the reason
+        std::erase_if(suspicious, [&](const std::string& name) { return std::ranges::count(report.unlike, name) > 0; });
+    if (!suspicious.empty()) log_warning(describe_suspicious(suspicious));
     print_dataset(dataset, json);
 }
 
@@ -63,8 +66,9 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)");
     import.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
                       "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
+    import.add_flag("--invert-masks", options->invert_masks, "in the masks' files, black = object");
     import.add_flag("--skip-missing", options->skip_missing,
-                      "go on without photographs that are calibrated but not there");
+                    "go on without photographs that are calibrated but not there");
     import.add_text("--name", options->name, "of the dataset");
     import.add_text("-o,--output", *out, "folder of the packed dataset").required();
     add_force(import, options->force);

@@ -10,9 +10,7 @@
 namespace radiafit::tools {
 
 SearchBall region_of(std::span<const Camera> cameras, double scale) {
-    std::vector<Silhouette> views;
-    for (const Camera& camera : cameras) views.push_back({camera, {}});
-    const std::optional<Vec3d> centre = meeting_point(views);
+    const std::optional<Vec3d> centre = meeting_point(cameras);
     if (!centre)
         throw UserError("the cameras look in parallel, at no point in common: photograph the object from around it");
     std::vector<double> radii;

@@ -1,0 +1,259 @@
+#include "capture/capture_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "base/parallel.h"
+#include "base/statistics.h"
+#include "base/wording.h"
+
+namespace radiafit::tools {
+namespace {
+
+constexpr size_t point_count = 6000, neighbours = 4;
+constexpr size_t searched_views = 16;
+constexpr size_t least_views = 5;  // of fewer none is unlike the others
+
+Vec3d centroid(const Mesh& mesh) {
+    Vec3d sum = Vec3d::Zero();
+    for (const Vec3f& p : mesh.positions) sum += p.cast<double>();
+    return sum / double(mesh.vertex_count());
+}
+
+/// Half of them spread over the list, and of each its nearest neighbour, so that colours can be compared.
+std::vector<SmallView> views_to_search(std::span<const SmallView> views, const Vec3d& centre) {
+    if (views.size() <= searched_views) return {views.begin(), views.end()};
+    std::vector<size_t> chosen;
+    for (size_t k = 0; k < searched_views / 2; ++k) chosen.push_back(k * views.size() / (searched_views / 2));
+    for (size_t k = 0; k < searched_views / 2; ++k) {
+        const Vec3d towards = (views[chosen[k]].camera.center() - centre).normalized();
+        size_t nearest = views.size();
+        double most = -2;
+        for (size_t j = 0; j < views.size(); ++j) {
+            if (std::ranges::count(chosen, j)) continue;
+            const double cosine = towards.dot((views[j].camera.center() - centre).normalized());
+            if (cosine > most) most = cosine, nearest = j;
+        }
+        chosen.push_back(nearest);
+    }
+    std::vector<SmallView> result;
+    for (const size_t i : chosen) result.push_back(views[i]);
+    return result;
+}
+
+bool inverted(const Mesh& mesh, std::span<const SmallView> views) {
+    std::vector<SmallView> complements;
+    for (const SmallView& view : views)
+        if (!view.mask.empty()) {
+            complements.push_back(view);
+            for (uint8_t& value : complements.back().mask) value = value ? 0 : 255;
+        }
+    if (complements.empty()) return false;
+    Coverage as_given, complement;
+    Rasterizer raster;
+    for (const SmallView& view : complements) {
+        raster.draw(mesh, view.camera);
+        const Coverage count = count_pixels(raster, view.mask);
+        complement += count;
+        as_given += {raster.pixels().size() - count.object, count.mesh - count.both, count.mesh};
+    }
+    return complement.overlap() > 0.5 && complement.overlap() > 2 * as_given.overlap();
+}
+
+/// A photograph's pixels turned, as EXIF numbers orientations: the value that would turn them back.
+struct Turn {
+    int exif;
+    const char* words;
+};
+constexpr std::array<Turn, 7> turns = {{{3, "turned by 180 degrees"},
+                                        {6, "turned by 90 degrees clockwise"},
+                                        {8, "turned by 90 degrees counterclockwise"},
+                                        {2, "mirrored left to right"},
+                                        {4, "mirrored top to bottom"},
+                                        {5, "mirrored and turned"},
+                                        {7, "mirrored and turned"}}};
+
+/// None where that changes the size.
+std::optional<SmallView> turned(const SmallView& view, int exif) {
+    const int width = view.camera.width, height = view.camera.height;
+    if (exif >= 5 && width != height) return {};
+    SmallView result = view;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int right = width - 1 - x, bottom = height - 1 - y;
+            int from_x = x, from_y = y;  // in the photograph as it is
+            switch (exif) {
+                case 2:
+                    from_x = right;
+                    break;
+                case 3:
+                    from_x = right, from_y = bottom;
+                    break;
+                case 4:
+                    from_y = bottom;
+                    break;
+                case 5:
+                    from_x = y, from_y = x;
+                    break;
+                case 6:
+                    from_x = y, from_y = right;
+                    break;
+                case 7:
+                    from_x = bottom, from_y = right;
+                    break;
+                case 8:
+                    from_x = bottom, from_y = x;
+                    break;
+                default:
+                    break;
+            }
+            const size_t to = size_t(y) * size_t(width) + size_t(x);
+            const size_t from = size_t(from_y) * size_t(width) + size_t(from_x);
+            for (size_t c = 0; c < 3; ++c) result.rgb[3 * to + c] = view.rgb[3 * from + c];
+            if (!view.mask.empty()) result.mask[to] = view.mask[from];
+        }
+    return result;
+}
+
+/// Compares each photograph with its neighbours.
+class SingleViews {
+public:
+    SingleViews(const Mesh& mesh, std::span<const SmallView> views, const Vec3d& centre)
+        : mesh_(mesh),
+          views_(views),
+          points_(surface_points(mesh, point_count)),
+          pairs_(neighbour_pairs(views, centre, neighbours)),
+          samples_(views.size()),
+          partners_(views.size()) {
+        parallel_for(views.size(), 1, [&](size_t i, int) { samples_[i] = observe_view(views_[i], views_[i].camera); });
+        for (const auto& [a, b] : pairs_) {
+            partners_[a].push_back(b), partners_[b].push_back(a);
+            all_ += compare(samples_[a], samples_[b]);
+        }
+        for (size_t i = 0; i < views.size(); ++i)
+            if (const auto own = agreement(i, samples_[i])) values_[i] = *own;
+    }
+
+    const SharedColours& all() const { return all_; }
+
+    void find_unlike(CaptureCheck& check) const {
+        if (values_.size() < least_views) return;
+        std::vector<double> values, distances;
+        for (const auto& [view, value] : values_) values.push_back(value);
+        const double usual = median(values);
+        for (const double value : values) distances.push_back(std::abs(value - usual));
+        const double least = usual - std::max(0.3, 5 * 1.4826 * median(distances));
+        if (usual < 0.4) return;  // they agree so little that no one stands out
+        std::vector<size_t> unlike;
+        for (const auto& [view, value] : values_)
+            if (value < least) unlike.push_back(view);
+        if (2 * unlike.size() > values_.size()) return;
+        explain(unlike, usual - 0.5 * (usual - least), check);
+    }
+
+private:
+    std::vector<ColourSample> observe_view(const SmallView& photograph, const Camera& camera) const {
+        SmallView view = photograph;
+        view.camera = camera;
+        Rasterizer raster;
+        raster.draw(mesh_, camera);
+        return observe(points_, view, raster);
+    }
+
+    /// The second-best correlation with a neighbour, since some of them may be those that are wrong.
+    std::optional<double> agreement(size_t view, const std::vector<ColourSample>& samples) const {
+        std::vector<double> values;
+        for (const size_t other : partners_[view])
+            if (const SharedColours shared = compare(samples, samples_[other]); shared.pairs)
+                values.push_back(shared.correlation());
+        if (values.size() < 2) return {};
+        std::ranges::sort(values, std::greater<>());
+        return values[1];
+    }
+
+    bool agrees(size_t view, const SmallView& photograph, double enough) const {
+        const Camera& camera = views_[view].camera;
+        if (photograph.camera.width != camera.width || photograph.camera.height != camera.height) return false;
+        const auto value = agreement(view, observe_view(photograph, camera));
+        return value && *value >= enough;
+    }
+
+    void explain(std::vector<size_t> unlike, double enough, CaptureCheck& check) const {
+        std::map<std::string, std::vector<std::string>> turned_by;
+        std::vector<size_t> left;
+        for (const size_t i : unlike) {
+            const Turn* found = nullptr;
+            for (const Turn& turn : turns) {
+                const auto attempt = turned(views_[i], turn.exif);
+                if (!found && attempt && agrees(i, *attempt, enough)) found = &turn;
+            }
+            check.named.push_back(views_[i].name);
+            if (found)
+                turned_by[found->words].push_back(views_[i].name);
+            else
+                left.push_back(i);
+        }
+        for (const auto& [how, names] : turned_by)
+            check.notes.push_back(
+                fmt::format("{}: {} {} would show what the neighbours do: {} not stored as {} calibrated (EXIF "
+                            "orientation?): turn {}, or calibrate as stored",
+                            fmt::join(names, ", "), how, names.size() == 1 ? "it" : "they",
+                            names.size() == 1 ? "it is" : "they are", names.size() == 1 ? "it was" : "they were",
+                            names.size() == 1 ? "it" : "them"));
+        for (size_t a = 0; a < left.size(); ++a)
+            for (size_t b = a + 1; b < left.size(); ++b)
+                if (agrees(left[a], views_[left[b]], enough) && agrees(left[b], views_[left[a]], enough)) {
+                    check.notes.push_back(fmt::format(
+                        "{} and {} are exchanged: each shows what the other's neighbours do: name them the other way",
+                        views_[left[a]].name, views_[left[b]].name));
+                    left.erase(left.begin() + ptrdiff_t(b));
+                    left.erase(left.begin() + ptrdiff_t(a));
+                    --a;
+                    break;
+                }
+        std::vector<std::string> names;
+        for (const size_t i : left) names.push_back(views_[i].name);
+        if (!names.empty())
+            check.notes.push_back(fmt::format(
+                "{}: {} other colours than the neighbours at the same places of the mesh: the pose is wrong, or the "
+                "photograph is another's; calibrate again, or leave {} out",
+                fmt::join(names, ", "), names.size() == 1 ? "shows" : "show", names.size() == 1 ? "it" : "them"));
+    }
+
+    const Mesh& mesh_;
+    std::span<const SmallView> views_;
+    std::vector<SurfacePoint> points_;
+    Pairs pairs_;
+    std::vector<std::vector<ColourSample>> samples_;
+    std::vector<std::vector<size_t>> partners_;
+    std::map<size_t, double> values_;  ///< of those views that share enough with two others
+    SharedColours all_;
+};
+
+}  // namespace
+
+CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views,
+                           const std::optional<KnownTransform>& known) {
+    CaptureCheck check;
+    if (views.empty() || mesh.triangles.empty()) return check;
+    const Vec3d centre = centroid(mesh);
+    check.masks_inverted = inverted(mesh, views);
+    if (!check.masks_inverted) check.misplacement = find_misplacement(mesh, views_to_search(views, centre), known);
+    const SingleViews single(mesh, views, centre);
+    if (!check.masks_inverted && !check.misplacement) single.find_unlike(check);
+    const SharedColours& all = single.all();
+    check.summary = all.pairs
+                        ? fmt::format(
+                              "neighbouring photographs differ by {:.1f} of 255 at the same places of the "
+                              "mesh, their colours' correlation is {:.2f}",
+                              255 * all.mean_difference(), all.correlation())
+                        : "no two photographs show enough of the same places of the mesh to compare their colours";
+    return check;
+}
+
+}  // namespace radiafit::tools

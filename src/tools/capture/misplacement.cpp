@@ -1,0 +1,283 @@
+#include "capture/misplacement.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "base/wording.h"
+
+namespace radiafit::tools {
+namespace {
+
+constexpr double least_gain = 0.25;      // of Agreement::value(), by which another frame is to be better
+constexpr double nearly_as_good = 0.06;  // within this of the best, the plainer frame is reported
+constexpr size_t point_count = 4000;     // at which colours are compared
+constexpr size_t neighbours = 2;         // of each view
+
+/// What a calibration may have been meant to say.
+enum class Poses { as_given, centres, inverse, opengl, inverse_opengl };
+
+struct Try {
+    Mat3d linear = Mat3d::Identity();
+    Vec3d shift = Vec3d::Zero();
+    bool turned_over = false;
+    Poses poses = Poses::as_given;
+    bool plain = true;  ///< of a kind that outlines alone may suggest
+    std::string what, why, cure;
+};
+
+void set_pose(Camera& camera, Poses poses) {
+    Mat3d r = camera.cam_from_world_rotation;
+    Vec3d t = camera.cam_from_world_translation;
+    if (poses == Poses::centres) t = -(r * t);
+    if (poses == Poses::inverse || poses == Poses::inverse_opengl) {
+        r.transposeInPlace();
+        t = -(r * t);
+    }
+    if (poses == Poses::opengl || poses == Poses::inverse_opengl) {
+        const Vec3d axes(1, -1, -1);  // y up and z back, in place of down and forward
+        r = axes.asDiagonal() * r;
+        t = axes.asDiagonal() * t;
+    }
+    camera.cam_from_world_rotation = r;
+    camera.cam_from_world_translation = t;
+}
+
+/// Turns and, where `mirrored`, mirror images of the axes but for leaving them as they are, with the option's text.
+std::vector<std::pair<Mat3d, std::string>> signed_permutations(bool mirrored) {
+    std::vector<std::pair<Mat3d, std::string>> result;
+    std::array<int, 3> order = {0, 1, 2};
+    do {
+        for (int signs = 0; signs < 8; ++signs) {
+            Mat3d m = Mat3d::Zero();
+            std::string text;
+            for (int row = 0; row < 3; ++row) {
+                const bool negative = (signs >> row) & 1;
+                m(row, order[size_t(row)]) = negative ? -1 : 1;
+                text += fmt::format("{}{}{}", row ? "," : "", negative ? "-" : "", "xyz"[order[size_t(row)]]);
+            }
+            if ((m.determinant() < 0) == mirrored && !m.isIdentity()) result.emplace_back(m, text);
+        }
+    } while (std::ranges::next_permutation(order).found);
+    return result;
+}
+
+class Search {
+public:
+    Search(const Mesh& mesh, std::span<const SmallView> views, const std::optional<KnownTransform>& known)
+        : mesh_(mesh),
+          views_(views),
+          points_(surface_points(mesh, point_count)),
+          masked_(has_masks(views)),
+          target_(looked_at(views)),
+          known_(known) {
+        for (const Vec3f& p : mesh.positions) centroid_ += p.cast<double>();
+        centroid_ /= double(mesh.vertex_count());
+        given_ = measure({});
+    }
+
+    std::optional<Misplacement> find() {
+        if (fits_well(given_, masked_)) return {};
+        try_plain_mistakes();
+        if (best_value() < given_.value(masked_) + least_gain || best_value() < 1.5) try_turns_elsewhere();
+        const double best = best_value();
+        for (const auto& [attempt, agreement] : tried_)
+            if (agreement.value(masked_) >= std::max(best - nearly_as_good, given_.value(masked_) + least_gain))
+                return Misplacement{attempt.what, attempt.why, attempt.cure, given_, agreement, masked_};
+        return {};
+    }
+
+private:
+    static std::optional<Vec3d> looked_at(std::span<const SmallView> views) {
+        std::vector<Camera> cameras;
+        std::vector<Vec2d> aims;
+        for (const SmallView& view : views) {
+            Vec2d sum = Vec2d::Zero();
+            double count = 0;
+            for (size_t i = 0; i < view.mask.size(); ++i)
+                if (view.mask[i]) {
+                    const auto width = size_t(view.camera.width);
+                    sum += Vec2d(double(i % width) + 0.5, double(i / width) + 0.5);
+                    ++count;
+                }
+            cameras.push_back(view.camera);
+            aims.push_back(count > 0 ? Vec2d(sum / count) : Vec2d(view.camera.cx, view.camera.cy));
+        }
+        return meeting_point(cameras, aims);
+    }
+
+    Agreement measure(const Try& attempt) const {
+        Mesh mesh;
+        mesh.triangles = mesh_.triangles;
+        const bool over = attempt.turned_over != (attempt.linear.determinant() < 0);
+        if (over)
+            for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+        for (const Vec3f& p : mesh_.positions)
+            mesh.positions.push_back((attempt.linear * p.cast<double>() + attempt.shift).cast<float>());
+        std::vector<SurfacePoint> points = points_;
+        for (SurfacePoint& point : points) {
+            point.position = attempt.linear * point.position + attempt.shift;
+            point.normal = (attempt.linear * point.normal).normalized() * (attempt.turned_over ? -1 : 1);
+        }
+        std::vector<SmallView> changed;
+        std::span<const SmallView> views = views_;
+        if (attempt.poses != Poses::as_given) {
+            changed.assign(views_.begin(), views_.end());
+            for (SmallView& view : changed) set_pose(view.camera, attempt.poses);
+            views = changed;
+        }
+        // Neighbours are those about what the cameras look at, which the mesh may be away from.
+        const Vec3d centre =
+            attempt.poses == Poses::as_given && target_ ? *target_ : Vec3d(attempt.linear * centroid_ + attempt.shift);
+        return measure_agreement(mesh, points, views, neighbour_pairs(views, centre, neighbours));
+    }
+
+    void attempt(Try attempt) {
+        Agreement agreement = measure(attempt);
+        // Of so many turns and poses some cover the images by chance.
+        constexpr double evidence = 0.3;
+        const bool colours = agreement.colours.correlation() >= evidence;
+        const bool outlines = masked_ && agreement.coverage.overlap() >= given_.coverage.overlap() + evidence;
+        if (attempt.plain || colours || outlines) tried_.emplace_back(std::move(attempt), agreement);
+    }
+
+    double best_value() const {
+        double best = 0;
+        for (const auto& [attempt, agreement] : tried_) best = std::max(best, agreement.value(masked_));
+        return best;
+    }
+
+    void try_plain_mistakes() {
+        attempt({.turned_over = true,
+                 .what = "with its faces turned over",
+                 .why = "they face inward",
+                 .cure = "give " + option_name("flip-faces")});
+        const auto try_poses = [&](Poses poses, const char* what, const char* why, const char* cure) {
+            attempt({.poses = poses, .plain = false, .what = what, .why = why, .cure = cure});
+        };
+        try_poses(Poses::centres, "with the cameras' translations taken for their centres",
+                  "they are camera centres C, where translations T = -R C belong", "write T = -R C");
+        try_poses(Poses::inverse, "with the cameras' poses inverted", "they take cameras to the world",
+                  "write those that take the world to cameras");
+        try_poses(Poses::opengl, "with the cameras' y and z axes reversed", "they have y up and z back, as OpenGL does",
+                  "write them with y down and z forward");
+        try_poses(Poses::inverse_opengl, "with the cameras' poses inverted, and their y and z axes reversed",
+                  "they take cameras to the world, with y up and z back as OpenGL does",
+                  "write those that take the world to cameras, with y down and z forward");
+        if (known_)
+            attempt({.linear = known_->linear,
+                     .shift = known_->shift,
+                     .what = "moved as the calibration's file says",
+                     .why = "it is in the frame from before",
+                     .cure = known_->cure});
+        for (const double unit : units) try_move(Mat3d::Identity(), "", unit, false);
+        for (const bool mirrored : {false, true})
+            for (const auto& [turn, text] : signed_permutations(mirrored)) try_move(turn, text, 1, false);
+        if (!target_) return;
+        try_move(Mat3d::Identity(), "", 1, true);
+        for (const double unit : units) try_move(Mat3d::Identity(), "", unit, true);
+        if (const double scale = fitting_scale(); scale > 0) {
+            try_move(Mat3d::Identity(), "", scale, false);
+            try_move(Mat3d::Identity(), "", scale, true);
+        }
+    }
+
+    void try_turns_elsewhere() {
+        const double scale = target_ ? fitting_scale() : 0;
+        for (const bool mirrored : {false, true})
+            for (const auto& [turn, text] : signed_permutations(mirrored)) {
+                for (const double unit : units) try_move(turn, text, unit, false);
+                if (!target_) continue;
+                try_move(turn, text, 1, true);
+                if (scale > 0) try_move(turn, text, scale, true);
+            }
+    }
+
+    /// The mesh turned and scaled about the origin, then left there or moved to what the cameras look at.
+    void try_move(const Mat3d& turn, const std::string& turn_text, double scale, bool moved) {
+        Try t;
+        t.linear = scale * turn;
+        t.plain = turn_text.empty();
+        std::vector<std::string> what, why, cure;
+        if (!turn_text.empty()) {
+            const bool mirrored = turn.determinant() < 0;
+            what.push_back((mirrored ? "mirrored by " : "turned by ") + turn_text);
+            why.push_back(mirrored ? "mirrored axes" : "other axes");
+            cure.push_back(option_name("mesh-turn") + " " + turn_text);
+        }
+        if (scale != 1) {
+            what.push_back(fmt::format("scaled by {:.4g}", scale));
+            why.push_back("another unit");
+            cure.push_back(fmt::format("{} {:.6g}", option_name("mesh-scale"), scale));
+        }
+        if (moved) {
+            t.shift = *target_ - t.linear * centroid_;
+            what.push_back(fmt::format("shifted by ({:.4g}, {:.4g}, {:.4g})", t.shift.x(), t.shift.y(), t.shift.z()));
+            why.push_back("another origin");
+            cure.push_back(fmt::format("{} {:.6g},{:.6g},{:.6g}", option_name("mesh-shift"), t.shift.x(), t.shift.y(),
+                                       t.shift.z()));
+        }
+        const auto join = [](const std::vector<std::string>& parts, const char* between) {
+            std::string text;
+            for (const std::string& part : parts) text += (text.empty() ? "" : between) + part;
+            return text;
+        };
+        t.what = join(what, ", then ");
+        t.why = "it has " + join(why, " and ");
+        t.cure = "give " + join(cure, " ");
+        attempt(std::move(t));
+    }
+
+    /// At which the outline has the masks' area, moved to what the cameras look at; 0: unknown.
+    double fitting_scale() const {
+        if (!masked_) return 0;
+        double radius = 0, wanted = 0;
+        for (const Vec3f& p : mesh_.positions) radius = std::max(radius, (p.cast<double>() - centroid_).norm());
+        for (const SmallView& view : views_) {
+            const auto area = double(std::ranges::count_if(view.mask, [](uint8_t m) { return m != 0; }));
+            wanted += std::sqrt(area / M_PI) * (view.camera.center() - *target_).norm() / view.camera.fx;
+        }
+        double scale = wanted / double(views_.size()) / radius;
+        for (int step = 0; step < 3; ++step) {  // the first guess takes the mesh for a ball
+            if (!(scale > 0 && std::isfinite(scale))) return 0;
+            Try t;
+            t.linear *= scale;
+            t.shift = *target_ - scale * centroid_;
+            const Coverage now = measure(t).coverage;
+            if (now.mesh == 0) return 0;
+            scale *= std::sqrt(double(now.object) / double(now.mesh));
+        }
+        return scale;
+    }
+
+    static constexpr std::array<double, 4> units = {100.0, 1000.0, 0.01, 0.001};
+    const Mesh& mesh_;
+    std::span<const SmallView> views_;
+    std::vector<SurfacePoint> points_;
+    bool masked_;
+    std::optional<Vec3d> target_;
+    std::optional<KnownTransform> known_;
+    Vec3d centroid_ = Vec3d::Zero();
+    Agreement given_;
+    std::vector<std::pair<Try, Agreement>> tried_;  ///< from the plainest mistake to the most involved
+};
+
+}  // namespace
+
+bool fits_well(const Agreement& agreement, bool masked) {
+    return agreement.colours.correlation() > 0.7 &&
+           (masked ? agreement.coverage.overlap() > 0.8 : agreement.seeing > 0.5);
+}
+
+std::optional<Misplacement> find_misplacement(const Mesh& mesh, std::span<const SmallView> views,
+                                              const std::optional<KnownTransform>& known) {
+    if (views.empty() || mesh.triangles.empty()) return {};
+    return Search(mesh, views, known).find();
+}
+
+}  // namespace radiafit::tools

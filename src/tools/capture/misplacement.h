@@ -1,0 +1,37 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/linear.h"
+#include "capture/agreement.h"
+#include "capture/calibration.h"
+#include "capture/small_view.h"
+#include "geometry/mesh.h"
+
+/// Finds out why a mesh and photographs do not belong together as they are given, by trying the usual mistakes.
+namespace radiafit::tools {
+
+/// A mistake that explains what the photographs show.
+struct Misplacement {
+    std::string what;  ///< "turned by x,z,-y"; behind it may follow "it would cover ..."
+    std::string why;   ///< "it is in other axes"
+    std::string cure;  ///< "give --mesh-turn x,z,-y"
+    Agreement given, tried;
+    bool masked = false;
+    double gain() const { return tried.value(masked) - given.value(masked); }
+};
+
+/// Tries, one by one: faces turned inward; translations that are camera centres, poses from camera to world, camera
+/// axes as OpenGL has them; `known`; another unit (times 100, 1000, 0.01, 0.001); the 24 turns of axes, and their
+/// mirror images; another origin (the mesh's centroid moved to the point that the cameras look at), with other units
+/// and of any size (with masks: the size of the masks' area); where none of them fits well, turns with those. The
+/// plainest that fits nearly as well as the best, if it fits much better than what is given; else none. `views`: up to
+/// 16 are enough. Cost: up to three hundred times drawing the mesh in each view.
+std::optional<Misplacement> find_misplacement(const Mesh& mesh, std::span<const SmallView> views,
+                                              const std::optional<KnownTransform>& known);
+
+/// Whether what is given fits so well that a search would find nothing.
+bool fits_well(const Agreement& agreement, bool masked);
+
+}  // namespace radiafit::tools
