@@ -19,7 +19,7 @@ constexpr double worth_a_fit = 0.02;      // of an image's pixels
 }  // namespace
 
 std::vector<ColourSample> observe(std::span<const SurfacePoint> points, const SmallView& view,
-                                  const Rasterizer& raster) {
+                                  const Rasterizer* raster) {
     const Camera& camera = view.camera;
     const Vec3d eye = camera.center();
     std::vector<ColourSample> samples;
@@ -31,7 +31,7 @@ std::vector<ColourSample> observe(std::span<const SurfacePoint> points, const Sm
             continue;
         const size_t pixel = size_t(at.y()) * size_t(camera.width) + size_t(at.x());
         if (!view.mask.empty() && !view.mask[pixel]) continue;
-        if (!(std::abs(double(raster.inverse_depth()[pixel]) * at.z() - 1) < depth_tolerance)) continue;
+        if (raster && !(std::abs(double(raster->inverse_depth()[pixel]) * at.z() - 1) < depth_tolerance)) continue;
         // Between the four pixels around it.
         const auto x0 = static_cast<int>(at.x() - 0.5), y0 = static_cast<int>(at.y() - 0.5);
         const auto fx = static_cast<float>(at.x() - 0.5 - x0), fy = static_cast<float>(at.y() - 0.5 - y0);
@@ -56,9 +56,14 @@ SharedColours& SharedColours::operator+=(const SharedColours& other) {
     return *this;
 }
 
+bool SharedColours::vary() const { return variance > 3 * 4 * noise * noise * double(points); }
+
 SharedColours compare(std::span<const ColourSample> a, std::span<const ColourSample> b) {
     SharedColours shared;
-    std::array<double, 3> sum_a{}, sum_b{}, squares{}, products{};
+    struct Sums {
+        double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+    };
+    std::array<Sums, 3> sums{};
     for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
         if (a[i].point < b[j].point) {
             ++i;
@@ -67,9 +72,8 @@ SharedColours compare(std::span<const ColourSample> a, std::span<const ColourSam
         } else {
             for (size_t c = 0; c < 3; ++c) {
                 const double x = a[i].rgb[c], y = b[j].rgb[c];
-                sum_a[c] += x, sum_b[c] += y;
-                squares[c] += 0.5 * (x * x + y * y);
-                products[c] += x * y;
+                Sums& s = sums[c];
+                s.a += x, s.b += y, s.aa += x * x, s.bb += y * y, s.ab += x * y;
                 shared.difference += std::abs(x - y) / 3;
             }
             ++shared.points, ++i, ++j;
@@ -78,10 +82,13 @@ SharedColours compare(std::span<const ColourSample> a, std::span<const ColourSam
     if (shared.points < least_points) return {};
     shared.pairs = 1;
     const auto count = double(shared.points);
-    for (size_t c = 0; c < 3; ++c) {
-        shared.covariance += products[c] - sum_a[c] * sum_b[c] / count;
-        shared.variance += squares[c] - 0.5 * (sum_a[c] * sum_a[c] + sum_b[c] * sum_b[c]) / count;
+    double variance_a = 0, variance_b = 0;
+    for (const Sums& s : sums) {
+        shared.covariance += s.ab - s.a * s.b / count;
+        variance_a += s.aa - s.a * s.a / count;
+        variance_b += s.bb - s.b * s.b / count;
     }
+    shared.variance = std::sqrt(std::max(variance_a, 0.0) * std::max(variance_b, 0.0));
     return shared;
 }
 
@@ -106,6 +113,20 @@ double Agreement::value(bool masked) const {
     return (masked ? coverage.overlap() : seeing) + std::max(0.0, colours.correlation());
 }
 
+namespace {
+
+/// What the views' samples share, of all pairs.
+SharedColours compare_pairs(const std::vector<std::vector<ColourSample>>& samples, const Pairs& pairs) {
+    SharedColours sum;
+    for (const auto& [a, b] : pairs) sum += compare(samples[a], samples[b]);
+    // Few pairs that happen to agree are no evidence.
+    if (2 * sum.pairs < pairs.size())
+        sum.covariance *= 2 * double(sum.pairs) / double(std::max<size_t>(pairs.size(), 1));
+    return sum;
+}
+
+}  // namespace
+
 Agreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> points, std::span<const SmallView> views,
                             const Pairs& pairs) {
     std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
@@ -115,7 +136,7 @@ Agreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> poin
         Rasterizer& raster = rasters[size_t(worker)];
         raster.draw(mesh, views[i].camera);
         counts[i] = count_pixels(raster, views[i].mask);
-        samples[i] = observe(points, views[i], raster);
+        samples[i] = observe(points, views[i], &raster);
     });
     Agreement result;
     for (const Coverage& c : counts) {
@@ -123,11 +144,22 @@ Agreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> poin
         result.seeing += c.share() > worth_a_fit;
     }
     result.seeing /= double(views.size());
-    for (const auto& [a, b] : pairs) result.colours += compare(samples[a], samples[b]);
-    // Few pairs that happen to agree are no evidence.
-    if (2 * result.colours.pairs < pairs.size())
-        result.colours.covariance *= 2 * double(result.colours.pairs) / double(std::max<size_t>(pairs.size(), 1));
+    result.colours = compare_pairs(samples, pairs);
     return result;
+}
+
+double guess_agreement(std::span<const SurfacePoint> points, std::span<const SmallView> views, const Pairs& pairs) {
+    std::vector<std::vector<ColourSample>> samples(views.size());
+    std::vector<size_t> facing(views.size());
+    parallel_for(views.size(), 1, [&](size_t i, int) {
+        samples[i] = observe(points, views[i], nullptr);
+        const Vec3d eye = views[i].camera.center();
+        for (const SurfacePoint& point : points)
+            facing[i] += (eye - point.position).normalized().dot(point.normal) >= least_cosine;
+    });
+    double inside = 0, all = 0;
+    for (size_t i = 0; i < views.size(); ++i) inside += double(samples[i].size()), all += double(facing[i]);
+    return (all > 0 ? inside / all : 0) + std::max(0.0, compare_pairs(samples, pairs).correlation());
 }
 
 bool has_masks(std::span<const SmallView> views) {

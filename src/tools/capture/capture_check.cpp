@@ -153,7 +153,7 @@ public:
         for (const auto& [view, value] : values_)
             if (value < least) unlike.push_back(view);
         if (2 * unlike.size() > values_.size()) return;
-        explain(unlike, usual - 0.5 * (usual - least), check);
+        explain(unlike, usual, usual - 0.5 * (usual - least), check);
     }
 
 private:
@@ -162,14 +162,14 @@ private:
         view.camera = camera;
         Rasterizer raster;
         raster.draw(mesh_, camera);
-        return observe(points_, view, raster);
+        return observe(points_, view, &raster);
     }
 
     /// The second-best correlation with a neighbour, since some of them may be those that are wrong.
     std::optional<double> agreement(size_t view, const std::vector<ColourSample>& samples) const {
         std::vector<double> values;
         for (const size_t other : partners_[view])
-            if (const SharedColours shared = compare(samples, samples_[other]); shared.pairs)
+            if (const SharedColours shared = compare(samples, samples_[other]); shared.pairs && shared.vary())
                 values.push_back(shared.correlation());
         if (values.size() < 2) return {};
         std::ranges::sort(values, std::greater<>());
@@ -183,7 +183,7 @@ private:
         return value && *value >= enough;
     }
 
-    void explain(std::vector<size_t> unlike, double enough, CaptureCheck& check) const {
+    void explain(const std::vector<size_t>& unlike, double usual, double enough, CaptureCheck& check) const {
         std::map<std::string, std::vector<std::string>> turned_by;
         std::vector<size_t> left;
         for (const size_t i : unlike) {
@@ -192,32 +192,37 @@ private:
                 const auto attempt = turned(views_[i], turn.exif);
                 if (!found && attempt && agrees(i, *attempt, enough)) found = &turn;
             }
-            check.named.push_back(views_[i].name);
             if (found)
                 turned_by[found->words].push_back(views_[i].name);
             else
                 left.push_back(i);
         }
-        for (const auto& [how, names] : turned_by)
+        for (const auto& [how, names] : turned_by) {
+            check.named.insert(check.named.end(), names.begin(), names.end());
             check.notes.push_back(
                 fmt::format("{}: {} {} would show what the neighbours do: {} not stored as {} calibrated (EXIF "
                             "orientation?): turn {}, or calibrate as stored",
                             fmt::join(names, ", "), how, names.size() == 1 ? "it" : "they",
                             names.size() == 1 ? "it is" : "they are", names.size() == 1 ? "it was" : "they were",
                             names.size() == 1 ? "it" : "them"));
+        }
         for (size_t a = 0; a < left.size(); ++a)
             for (size_t b = a + 1; b < left.size(); ++b)
                 if (agrees(left[a], views_[left[b]], enough) && agrees(left[b], views_[left[a]], enough)) {
                     check.notes.push_back(fmt::format(
                         "{} and {} are exchanged: each shows what the other's neighbours do: name them the other way",
                         views_[left[a]].name, views_[left[b]].name));
+                    check.named.insert(check.named.end(), {views_[left[a]].name, views_[left[b]].name});
                     left.erase(left.begin() + ptrdiff_t(b));
                     left.erase(left.begin() + ptrdiff_t(a));
                     --a;
                     break;
                 }
+        // Gloss may be reason enough for some difference that nothing else explains.
         std::vector<std::string> names;
-        for (const size_t i : left) names.push_back(views_[i].name);
+        for (const size_t i : left)
+            if (values_.at(i) < 0.65 * usual) names.push_back(views_[i].name);
+        check.named.insert(check.named.end(), names.begin(), names.end());
         if (!names.empty())
             check.notes.push_back(fmt::format(
                 "{}: {} other colours than the neighbours at the same places of the mesh: the pose is wrong, or the "

@@ -14,7 +14,10 @@
 namespace radiafit::tools {
 namespace {
 
-constexpr double least_gain = 0.25;      // of Agreement::value(), by which another frame is to be better
+// By how much Agreement::value() is to be better in another frame: by a quarter, or by less where half of what lacks to
+// 2 is gained.
+constexpr double least_gain = 0.25, least_gain_if_halved = 0.08;
+constexpr double least_guessed_gain = 0.04;
 constexpr double nearly_as_good = 0.06;  // within this of the best, the plainer frame is reported
 constexpr size_t point_count = 4000;     // at which colours are compared
 constexpr size_t neighbours = 2;         // of each view
@@ -79,17 +82,27 @@ public:
         for (const Vec3f& p : mesh.positions) centroid_ += p.cast<double>();
         centroid_ /= double(mesh.vertex_count());
         given_ = measure({});
+        guessing_ = given_.value(masked_) > 1;
+        if (guessing_) guess_ = guess({});
     }
 
     std::optional<Misplacement> find() {
         if (fits_well(given_, masked_)) return {};
         try_plain_mistakes();
-        if (best_value() < given_.value(masked_) + least_gain || best_value() < 1.5) try_turns_elsewhere();
+        if (!is_better(best_value()) || best_value() < 1.5) try_turns_elsewhere();
         const double best = best_value();
-        for (const auto& [attempt, agreement] : tried_)
-            if (agreement.value(masked_) >= std::max(best - nearly_as_good, given_.value(masked_) + least_gain))
-                return Misplacement{attempt.what, attempt.why, attempt.cure, given_, agreement, masked_};
-        return {};
+        if (!is_better(best)) return {};
+        const double least = best - nearly_as_good;
+        const std::pair<Try, Agreement>* found = nullptr;  // of the first kind that fits nearly as well, the best
+        for (const auto& attempt : tried_) {
+            const double value = attempt.second.value(masked_);
+            if (value < least ||
+                (found && (attempt.first.why != found->first.why || value <= found->second.value(masked_))))
+                continue;
+            found = &attempt;
+        }
+        if (!found) return {};
+        return Misplacement{found->first.what, found->first.why, found->first.cure, given_, found->second, masked_};
     }
 
 private:
@@ -111,6 +124,33 @@ private:
         return meeting_point(cameras, aims);
     }
 
+    /// What a try makes of points and views.
+    struct Setting {
+        std::vector<SurfacePoint> points;
+        std::vector<SmallView> changed;
+        std::span<const SmallView> views;
+        Pairs pairs;
+    };
+    Setting setting(const Try& attempt) const {
+        Setting s;
+        s.points = points_;
+        for (SurfacePoint& point : s.points) {
+            point.position = attempt.linear * point.position + attempt.shift;
+            point.normal = (attempt.linear * point.normal).normalized() * (attempt.turned_over ? -1 : 1);
+        }
+        s.views = views_;
+        if (attempt.poses != Poses::as_given) {
+            s.changed.assign(views_.begin(), views_.end());
+            for (SmallView& view : s.changed) set_pose(view.camera, attempt.poses);
+            s.views = s.changed;
+        }
+        // Neighbours are those about what the cameras look at, which the mesh may be away from.
+        const Vec3d centre =
+            attempt.poses == Poses::as_given && target_ ? *target_ : Vec3d(attempt.linear * centroid_ + attempt.shift);
+        s.pairs = neighbour_pairs(s.views, centre, neighbours);
+        return s;
+    }
+
     Agreement measure(const Try& attempt) const {
         Mesh mesh;
         mesh.triangles = mesh_.triangles;
@@ -119,31 +159,28 @@ private:
             for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
         for (const Vec3f& p : mesh_.positions)
             mesh.positions.push_back((attempt.linear * p.cast<double>() + attempt.shift).cast<float>());
-        std::vector<SurfacePoint> points = points_;
-        for (SurfacePoint& point : points) {
-            point.position = attempt.linear * point.position + attempt.shift;
-            point.normal = (attempt.linear * point.normal).normalized() * (attempt.turned_over ? -1 : 1);
-        }
-        std::vector<SmallView> changed;
-        std::span<const SmallView> views = views_;
-        if (attempt.poses != Poses::as_given) {
-            changed.assign(views_.begin(), views_.end());
-            for (SmallView& view : changed) set_pose(view.camera, attempt.poses);
-            views = changed;
-        }
-        // Neighbours are those about what the cameras look at, which the mesh may be away from.
-        const Vec3d centre =
-            attempt.poses == Poses::as_given && target_ ? *target_ : Vec3d(attempt.linear * centroid_ + attempt.shift);
-        return measure_agreement(mesh, points, views, neighbour_pairs(views, centre, neighbours));
+        const Setting s = setting(attempt);
+        return measure_agreement(mesh, s.points, s.views, s.pairs);
+    }
+
+    double guess(const Try& attempt) const {
+        const Setting s = setting(attempt);
+        return guess_agreement(s.points, s.views, s.pairs);
     }
 
     void attempt(Try attempt) {
+        if (guessing_ && guess(attempt) < guess_ + least_guessed_gain) return;
         Agreement agreement = measure(attempt);
         // Of so many turns and poses some cover the images by chance.
         constexpr double evidence = 0.3;
         const bool colours = agreement.colours.correlation() >= evidence;
         const bool outlines = masked_ && agreement.coverage.overlap() >= given_.coverage.overlap() + evidence;
         if (attempt.plain || colours || outlines) tried_.emplace_back(std::move(attempt), agreement);
+    }
+
+    bool is_better(double value) const {
+        const double given = given_.value(masked_), gain = value - given;
+        return gain >= least_gain || (gain >= least_gain_if_halved && 2 - value <= 0.5 * (2 - given));
     }
 
     double best_value() const {
@@ -264,14 +301,16 @@ private:
     std::optional<KnownTransform> known_;
     Vec3d centroid_ = Vec3d::Zero();
     Agreement given_;
+    bool guessing_ = false;  ///< what is given is not so bad: what isn't promising is not measured
+    double guess_ = 0;       ///< of what is given
     std::vector<std::pair<Try, Agreement>> tried_;  ///< from the plainest mistake to the most involved
 };
 
 }  // namespace
 
 bool fits_well(const Agreement& agreement, bool masked) {
-    return agreement.colours.correlation() > 0.7 &&
-           (masked ? agreement.coverage.overlap() > 0.8 : agreement.seeing > 0.5);
+    return agreement.colours.correlation() > 0.9 &&
+           (masked ? agreement.coverage.overlap() > 0.93 : agreement.seeing > 0.5);
 }
 
 std::optional<Misplacement> find_misplacement(const Mesh& mesh, std::span<const SmallView> views,

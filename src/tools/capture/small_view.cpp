@@ -1,27 +1,55 @@
 #include "capture/small_view.h"
 
 #include <algorithm>
+#include <array>
+#include <type_traits>
 
 #include "base/parallel.h"
-#include "capture/image_scale.h"
 #include "dataset/image_stream.h"
 
 namespace radiafit::tools {
 namespace {
 
+/// Means of blocks of pixels as they are stored, a whole number a side; what is left at the right and bottom is cut
+/// off.
+template <class Channel>
+void average_blocks(const std::vector<Channel>& rgb, int old_width, int block, double largest, SmallView& view) {
+    const auto width = size_t(view.camera.width), height = size_t(view.camera.height), side = size_t(block);
+    const double unit = 1 / (largest * double(side * side));
+    view.rgb.resize(width * height * 3);
+    for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x) {
+            std::array<std::conditional_t<std::is_floating_point_v<Channel>, double, uint64_t>, 3> sums{};
+            for (size_t row = y * side; row < (y + 1) * side; ++row) {
+                const Channel* pixel = rgb.data() + (row * size_t(old_width) + x * side) * 3;
+                for (size_t k = 0; k < 3 * side; k += 3)
+                    for (size_t c = 0; c < 3; ++c) sums[c] += pixel[k + c];
+            }
+            for (size_t c = 0; c < 3; ++c)
+                view.rgb[(y * width + x) * 3 + c] = static_cast<float>(double(sums[c]) * unit);
+        }
+}
+
 /// Camera, colours and mask of an image and a mask at the small size.
 SmallView made_small(std::string name, const Camera& camera, const ImageFile& image, const std::vector<uint8_t>& mask) {
-    SmallView view{std::move(name), scaled_camera(camera, small_view_side), {}, {}};
-    const int width = view.camera.width, height = view.camera.height;
-    const ImageFile small = width == image.width && height == image.height ? image : scale_down(image, width, height);
-    view.rgb.resize(size_t(width) * size_t(height) * 3);
-    for (size_t i = 0; i < view.rgb.size(); ++i)
-        view.rgb[i] = small.bits == 32  ? static_cast<float>(srgb_encode(std::clamp(double(small.rgb32[i]), 0.0, 1.0)))
-                      : small.bits == 8 ? float(small.rgb8[i]) / 255.0f
-                                        : float(small.rgb16[i]) / 65535.0f;
-    if (small.bits != 32 && small.linear)
-        for (float& value : view.rgb) value = static_cast<float>(srgb_encode(value));
-    if (!mask.empty()) view.mask = scale_down_mask(mask, image.width, image.height, width, height);
+    const int block = std::max(1, std::max(image.width, image.height) / small_view_side);
+    SmallView view{std::move(name), camera, {}, {}};
+    const int width = std::max(1, image.width / block), height = std::max(1, image.height / block);
+    view.camera = camera.cropped(0, 0, width * block, height * block);
+    view.camera.width = width, view.camera.height = height;
+    view.camera.fx /= block, view.camera.fy /= block, view.camera.cx /= block, view.camera.cy /= block;
+    if (image.bits == 8) average_blocks(image.rgb8, image.width, block, 255, view);
+    if (image.bits == 16) average_blocks(image.rgb16, image.width, block, 65535, view);
+    if (image.bits == 32) average_blocks(image.rgb32, image.width, block, 1, view);
+    if (image.linear || image.bits == 32)
+        for (float& value : view.rgb) value = static_cast<float>(srgb_encode(std::clamp(double(value), 0.0, 1.0)));
+    if (mask.empty()) return view;
+    view.mask.resize(size_t(width) * size_t(height));
+    for (size_t i = 0; i < view.mask.size(); ++i) {  // the middle pixel of each block
+        const size_t x = i % size_t(width) * size_t(block) + size_t(block) / 2;
+        const size_t y = i / size_t(width) * size_t(block) + size_t(block) / 2;
+        view.mask[i] = mask[y * size_t(image.width) + x];
+    }
     return view;
 }
 

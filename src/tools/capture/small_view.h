@@ -17,9 +17,9 @@ struct SmallView {
     std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: unknown
 };
 
-inline constexpr int small_view_side = 192;  ///< pixels of the longest side
+inline constexpr int small_view_side = 192;  ///< pixels: the longest side is as long, and less than twice that
 
-/// Averages pixels in linear light.
+/// Means of blocks of pixels.
 SmallView small_view(const Photograph& photograph, const LoadedPhotograph& loaded);
 
 /// Of the training and held-out images of a packed dataset, up to `most` of them, spread over the list. With gains.
