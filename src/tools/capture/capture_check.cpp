@@ -247,8 +247,9 @@ CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views,
     CaptureCheck check;
     if (views.empty() || mesh.triangles.empty()) return check;
     const Vec3d centre = centroid(mesh);
-    check.masks_inverted = inverted(mesh, views);
-    if (!check.masks_inverted) check.misplacement = find_misplacement(mesh, views_to_search(views, centre), known);
+    const std::vector<SmallView> searched = views_to_search(views, centre);
+    check.masks_inverted = inverted(mesh, searched);
+    if (!check.masks_inverted) check.misplacement = find_misplacement(mesh, searched, known);
     const SingleViews single(mesh, views, centre);
     if (!check.masks_inverted && !check.misplacement) single.find_unlike(check);
     const SharedColours& all = single.all();

@@ -19,7 +19,8 @@ namespace {
 constexpr double least_gain = 0.25, least_gain_if_halved = 0.08;
 constexpr double least_guessed_gain = 0.04;
 constexpr double nearly_as_good = 0.06;  // within this of the best, the plainer frame is reported
-constexpr size_t point_count = 4000;     // at which colours are compared
+constexpr size_t point_count = 4000;     // at which colours are compared; for guesses a part of them is enough
+constexpr size_t guessed_points = 1200;
 constexpr size_t neighbours = 2;         // of each view
 
 /// What a calibration may have been meant to say.
@@ -76,6 +77,7 @@ public:
         : mesh_(mesh),
           views_(views),
           points_(surface_points(mesh, point_count)),
+          fewer_points_(surface_points(mesh, guessed_points)),
           masked_(has_masks(views)),
           target_(looked_at(views)),
           known_(known) {
@@ -131,9 +133,9 @@ private:
         std::span<const SmallView> views;
         Pairs pairs;
     };
-    Setting setting(const Try& attempt) const {
+    Setting setting(const Try& attempt, const std::vector<SurfacePoint>& points) const {
         Setting s;
-        s.points = points_;
+        s.points = points;
         for (SurfacePoint& point : s.points) {
             point.position = attempt.linear * point.position + attempt.shift;
             point.normal = (attempt.linear * point.normal).normalized() * (attempt.turned_over ? -1 : 1);
@@ -159,12 +161,12 @@ private:
             for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
         for (const Vec3f& p : mesh_.positions)
             mesh.positions.push_back((attempt.linear * p.cast<double>() + attempt.shift).cast<float>());
-        const Setting s = setting(attempt);
+        const Setting s = setting(attempt, points_);
         return measure_agreement(mesh, s.points, s.views, s.pairs);
     }
 
     double guess(const Try& attempt) const {
-        const Setting s = setting(attempt);
+        const Setting s = setting(attempt, fewer_points_);
         return guess_agreement(s.points, s.views, s.pairs);
     }
 
@@ -295,7 +297,7 @@ private:
     static constexpr std::array<double, 4> units = {100.0, 1000.0, 0.01, 0.001};
     const Mesh& mesh_;
     std::span<const SmallView> views_;
-    std::vector<SurfacePoint> points_;
+    std::vector<SurfacePoint> points_, fewer_points_;
     bool masked_;
     std::optional<Vec3d> target_;
     std::optional<KnownTransform> known_;
