@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/lens.h"
 #include "geometry/camera.h"
 
 /// What any reader of calibrated photographs returns: COLMAP models, transforms.json, poses_bounds.npy.
@@ -18,11 +19,13 @@ struct KnownTransform {
 
 struct CalibratedImage {
     std::string name;                 ///< relative to the folder of images; may hold a subfolder
-    Camera camera;                    ///< of the whole photograph; of one that is not there, its size may be 0
+    Camera camera;                    ///< of the whole photograph, at the size that was calibrated; of one that is not
+                                      ///< there, its size may be 0
     bool held_out = false;            ///< the calibration itself says so
     std::filesystem::path file = {};  ///< the photograph; empty: not looked for yet, or not there
     std::filesystem::path mask = {};  ///< the calibration names this file; empty: none
     uint64_t id = 0;                  ///< COLMAP's IMAGE_ID, by which its points name it
+    std::optional<Lens> lens = {};    ///< distorts what `camera` would show as a pinhole; none: a pinhole
 };
 
 struct Calibration {

@@ -25,8 +25,8 @@ namespace {
 
 struct Model {
     const char* name;
-    size_t focal_lengths = 0;  // f, or fx and fy; then cx, cy; 0: never a pinhole
-    size_t coefficients = 0;   // of distortion, behind them; a pinhole if all are zero
+    size_t focal_lengths = 0;  // f, or fx and fy; then cx, cy; 0: refused
+    size_t coefficients = 0;   // of distortion, behind them (colmap_lens())
 };
 
 /// COLMAP's camera models by their number in binary files (colmap/sensor/models.h).
@@ -35,16 +35,24 @@ constexpr std::array<Model, 12> camera_models = {{{"SIMPLE_PINHOLE", 1, 0},
                                                   {"SIMPLE_RADIAL", 1, 1},
                                                   {"RADIAL", 1, 2},
                                                   {"OPENCV", 2, 4},
-                                                  {"OPENCV_FISHEYE"},
+                                                  {"OPENCV_FISHEYE", 2, 4},
                                                   {"FULL_OPENCV", 2, 8},
-                                                  {"FOV"},
-                                                  {"SIMPLE_RADIAL_FISHEYE"},
-                                                  {"RADIAL_FISHEYE"},
-                                                  {"THIN_PRISM_FISHEYE"},
+                                                  {"FOV", 2, 1},
+                                                  {"SIMPLE_RADIAL_FISHEYE", 1, 1},
+                                                  {"RADIAL_FISHEYE", 1, 2},
+                                                  {"THIN_PRISM_FISHEYE", 2, 8},
                                                   {"RAD_TAN_THIN_PRISM_FISHEYE"}}};
 
-/// What an image refers to: intrinsics without a pose.
-using Intrinsics = std::map<uint32_t, Camera>;
+/// What an image refers to: a camera without a pose.
+struct Intrinsics {
+    Camera camera;
+    std::optional<Lens> lens;
+};
+
+struct CameraList {
+    Lenses lenses;
+    std::map<uint32_t, Intrinsics> by_id;
+};
 
 [[noreturn]] void reject_model(const std::string& where, const std::string& model) {
     throw UserError(
@@ -62,7 +70,7 @@ const Model& find_model(const std::string& where, std::string_view name) {
 size_t parameter_count(const Model& model) { return model.focal_lengths + 2 + model.coefficients; }
 
 /// parameters: f or fx, fy; cx, cy; coefficients of distortion.
-void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, const Model& model, uint64_t width,
+void add_camera(CameraList& cameras, const std::string& where, uint64_t id, const Model& model, uint64_t width,
                 uint64_t height, std::span<const double> parameters) {
     const auto fail = [&](const std::string& problem) {
         throw UserError(fmt::format("{}: camera {} {}: write the model again", where, id, problem));
@@ -73,8 +81,12 @@ void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, cons
     for (const double p : parameters)
         if (!std::isfinite(p)) fail("has a parameter that is not finite (NaN or infinity)");
     const auto distortion = parameters.last(model.coefficients);
-    if (std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0; }))
-        reject_model(where, fmt::format("{} with distortion ({})", model.name, fmt::join(distortion, ", ")));
+    std::optional<Lens> lens = colmap_lens(model.name, distortion);
+    if (lens && cameras.lenses == Lenses::refused) {
+        const bool distorts = std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0; });
+        reject_model(where, distorts ? fmt::format("{} with distortion ({})", model.name, fmt::join(distortion, ", "))
+                                     : std::string(model.name));
+    }
     Camera camera;
     camera.width = static_cast<int>(width);
     camera.height = static_cast<int>(height);
@@ -83,7 +95,8 @@ void add_camera(Intrinsics& cameras, const std::string& where, uint64_t id, cons
     camera.cx = parameters[model.focal_lengths];
     camera.cy = parameters[model.focal_lengths + 1];
     if (camera.fx <= 0 || camera.fy <= 0) fail("has a focal length that is not positive");
-    if (!cameras.emplace(static_cast<uint32_t>(id), camera).second) fail("is given twice");
+    if (!cameras.by_id.emplace(static_cast<uint32_t>(id), Intrinsics{camera, std::move(lens)}).second)
+        fail("is given twice");
 }
 
 /// The images of a model as they are read, and the lengths of their quaternions.
@@ -93,7 +106,7 @@ struct Images {
         std::string where, name;
     };
     Calibration& model;
-    const Intrinsics& cameras;
+    const CameraList& cameras;
     std::vector<Length> lengths = {};
 };
 
@@ -120,15 +133,15 @@ void check_lengths(const Images& images) {
 void add_image(Images& images, const std::string& where, uint64_t id, std::string name, uint64_t camera_id,
                const std::array<double, 7>& pose) {
     Calibration& model = images.model;
-    const Intrinsics& cameras = images.cameras;
+    const CameraList& cameras = images.cameras;
     const auto fail = [&](const std::string& problem) {
         throw UserError(fmt::format("{}: image '{}' {}", where, name, problem));
     };
     if (name.empty()) fail("has no name: write the model again");
     for (const double p : pose)
         if (!std::isfinite(p)) fail("has a pose that is not finite (NaN or infinity): register it again or remove it");
-    const auto camera = cameras.find(static_cast<uint32_t>(camera_id));
-    if (camera_id > UINT32_MAX || camera == cameras.end())
+    const auto camera = cameras.by_id.find(static_cast<uint32_t>(camera_id));
+    if (camera_id > UINT32_MAX || camera == cameras.by_id.end())
         fail(fmt::format("refers to camera {}, which {} does not hold: take both files from one model", camera_id,
                          model.cameras_file.string()));
     Eigen::Quaterniond rotation(pose[0], pose[1], pose[2], pose[3]);
@@ -136,8 +149,9 @@ void add_image(Images& images, const std::string& where, uint64_t id, std::strin
     if (rotation.norm() < 0.1 || !(rotation.norm() < 10))
         fail(fmt::format("has a quaternion of length {}, far from 1: write the model again", rotation.norm()));
     images.lengths.push_back({rotation.norm(), where, name});
-    CalibratedImage image{name, camera->second};
+    CalibratedImage image{name, camera->second.camera};
     image.id = id;
+    image.lens = camera->second.lens;
     image.camera.cam_from_world_rotation = rotation.normalized().toRotationMatrix();
     image.camera.cam_from_world_translation = {pose[4], pose[5], pose[6]};
     check_camera(image.camera, fmt::format("{}: image '{}'", where, name));
@@ -145,9 +159,9 @@ void add_image(Images& images, const std::string& where, uint64_t id, std::strin
 }
 
 // CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
-Intrinsics read_cameras_text(const std::filesystem::path& file) {
+CameraList read_cameras_text(const std::filesystem::path& file, Lenses lenses) {
     TextFile text(file, "list of cameras");
-    Intrinsics cameras;
+    CameraList cameras{lenses, {}};
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);
         if (tokens.size() < 4) text.fail("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS...: correct the line");
@@ -219,9 +233,9 @@ void read_images_text(Images& images) {
                         images.model.images_file.string(), *announced, images.model.images.size()));
 }
 
-Intrinsics read_cameras_binary(const std::filesystem::path& path) {
+CameraList read_cameras_binary(const std::filesystem::path& path, Lenses lenses) {
     ColmapBinary file(path);
-    Intrinsics cameras;
+    CameraList cameras{lenses, {}};
     const auto count = file.get<uint64_t>();
     for (uint64_t i = 0; i < count; ++i) {
         file.set_entry(fmt::format("camera {} of {}", i + 1, count));
@@ -258,7 +272,7 @@ void read_images_binary(Images& images) {
 
 }  // namespace
 
-Calibration read_colmap(const std::filesystem::path& given) {
+Calibration read_colmap(const std::filesystem::path& given, Lenses lenses) {
     const auto holds = [](const std::filesystem::path& folder, const char* ending) {
         return path_exists(folder / ("cameras" + std::string(ending))) &&
                path_exists(folder / ("images" + std::string(ending)));
@@ -268,7 +282,6 @@ Calibration read_colmap(const std::filesystem::path& given) {
     };
     Calibration model;
     model.origin = "COLMAP";
-    model.size_cure = "give the undistorted files that belong to this model (`colmap image_undistorter` writes both)";
     // The mapper writes a folder for each part that it can't join to the others: 0, and seldom 1, 2, ...
     const bool one_inside =
         ending_in(given).empty() && ending_in(given / "1").empty() && !ending_in(given / "0").empty();
@@ -283,12 +296,18 @@ Calibration read_colmap(const std::filesystem::path& given) {
                         folder.string(), option_name("model")));
     model.cameras_file = folder / ("cameras" + ending);
     model.images_file = folder / ("images" + ending);
-    const Intrinsics cameras =
-        ending == ".bin" ? read_cameras_binary(model.cameras_file) : read_cameras_text(model.cameras_file);
+    const CameraList cameras = ending == ".bin" ? read_cameras_binary(model.cameras_file, lenses)
+                                                : read_cameras_text(model.cameras_file, lenses);
     Images images{model, cameras};
     ending == ".bin" ? read_images_binary(images) : read_images_text(images);
     check_lengths(images);
     sort_images(model);
+    const bool distorted =
+        std::any_of(model.images.begin(), model.images.end(), [](const CalibratedImage& i) { return i.lens; });
+    model.size_cure =
+        distorted ? "give the photographs as they were taken, which this model calibrates, or all of them scaled alike"
+                  : "give the files that belong to this model, or all of them scaled alike (`colmap image_undistorter` "
+                    "writes a model and its undistorted files)";
     return model;
 }
 

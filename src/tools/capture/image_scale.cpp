@@ -69,6 +69,25 @@ const std::vector<float>& linear_table(int bits, bool linear) {
     return linear ? linear16 : srgb16;
 }
 
+LightCoder::LightCoder(int bits, bool linear) : first_(size_t(cells) + 1), least_(size_t(1) << bits) {
+    const double largest = double(least_.size() - 1);
+    for (size_t i = 1; i < least_.size(); ++i) {
+        const double border = (double(i) - 0.5) / largest;
+        least_[i] = static_cast<float>(linear ? border : srgb_decode(border));
+    }
+    size_t value = 0;
+    for (size_t cell = 0; cell < first_.size(); ++cell) {
+        while (value + 1 < least_.size() && float(cell) / float(cells) >= least_[value + 1]) ++value;
+        first_[cell] = static_cast<uint16_t>(value);
+    }
+}
+
+const LightCoder& LightCoder::of(int bits, bool linear) {
+    static const LightCoder srgb8(8, false), linear8(8, true), srgb16(16, false), linear16(16, true);
+    if (bits == 8) return linear ? linear8 : srgb8;
+    return linear ? linear16 : srgb16;
+}
+
 std::array<int, 2> size_within(int width, int height, int max_size) {
     const int longest = std::max(width, height);
     if (max_size == 0 || longest <= max_size) return {width, height};

@@ -229,7 +229,8 @@ Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Enc
         view.camera = p.camera.cropped(p.crop[0], p.crop[1], p.crop[2], p.crop[3]);
         view.mask_offset = 0;
         needs.disk += image_block_bytes(view, encoding) + 1000;
-        largest = std::max(largest, uint64_t(p.calibrated.width) * uint64_t(p.calibrated.height));
+        for (const Camera& camera : {p.taken, p.calibrated})
+            largest = std::max(largest, uint64_t(camera.width) * uint64_t(camera.height));
     }
     constexpr uint64_t pixel_bytes = 30;  // as read, with 16 bits, as spread to RGB, scaled, and packed
     needs.memory += 4 * uint64_t(thread_count()) * largest * pixel_bytes;
@@ -326,6 +327,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     Dataset header;
     header.name = dataset_name(options.name, out);
     header.description = fmt::format("{} photographs, cameras from {}", photographs.size(), model.origin);
+    if (!report.undistortion.empty()) header.description += ", " + report.undistortion;
     header.source = provenance(format, options);
     header.encoding = encoding;
     header.mesh = std::move(mesh.mesh);
@@ -345,7 +347,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
 
 ImportReport import_colmap(const ImportOptions& options, const fs::path& out) {
     check_options(options);
-    return import_calibrated("colmap", options, read_colmap(options.model), out);
+    return import_calibrated("colmap", options, read_colmap(options.model, Lenses::taken), out);
 }
 
 ImportReport import_transforms(const ImportOptions& given, const fs::path& out) {

@@ -10,7 +10,7 @@ namespace radiafit::tools {
 
 struct ImportOptions {
     std::filesystem::path model;   ///< the calibration: folder of a COLMAP model, transforms.json, poses_bounds.npy
-    std::filesystem::path images;  ///< folder of the undistorted photographs, 8 or 16 bits
+    std::filesystem::path images;  ///< folder of the photographs, 8 or 16 bits
     std::filesystem::path mesh;    ///< surface in the model's frame, PLY or OBJ
     std::filesystem::path masks;  ///< folder, white = object (names: capture/mask_names.h); empty: what the calibration
                                   ///< names, if anything
@@ -34,14 +34,15 @@ struct ImportReport {
     std::vector<std::string> notes;    ///< what the user should know, one line each: defects, drops, guesses
     std::vector<std::string> remarks;  ///< what a user may want to know, and is no cause to worry
     std::vector<std::string> unlike;   ///< photographs that a note says do not belong where they are
+    std::string undistortion;          ///< what was done to lenses, one line; empty: nothing
     double coverage = 0;               ///< see ImportOptions::least_coverage
 };
 
 /// Packs a capture that COLMAP calibrated (capture/colmap.h). Each photograph is cropped to what it shows of the mesh
 /// inside the mask, plus four pixels; an alpha channel is a mask too. 8-bit photographs are stored as they are
-/// (u8-srgb); one 16-bit photograph makes the whole dataset u16-linear. Everything is checked before the first image is
-/// written. Throws UserError; for a mesh that does not belong where it is it says what is wrong with it
-/// (capture/capture_check.h).
+/// (u8-srgb), unless their lens has distortion, which is taken out (capture/undistort.h); one 16-bit photograph makes the
+/// whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError; for a mesh that
+/// does not belong where it is it says what is wrong with it (capture/capture_check.h).
 ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
 
 /// The same for a NeRF's transforms.json, or the folder that has it (capture/transforms.h). `images`: what its paths

@@ -56,7 +56,8 @@ SmallView made_small(std::string name, const Camera& camera, const ImageFile& im
 }  // namespace
 
 SmallView small_view(const Photograph& photograph, const LoadedPhotograph& loaded) {
-    return made_small(photograph.name, photograph.camera, loaded.image, loaded.mask);
+    return made_small(photograph.name, photograph.camera, loaded.image,
+                      loaded.has_mask ? loaded.mask : std::vector<uint8_t>());
 }
 
 std::vector<SmallView> small_views(const Dataset& dataset, size_t most) {

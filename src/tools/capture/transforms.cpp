@@ -59,24 +59,67 @@ private:
     std::string where_;
 };
 
-/// Refuses what a pinhole cannot show.
-void check_projection(const Frame& frame) {
-    constexpr const char* cure = "undistort the photographs and calibrate those (`colmap image_undistorter`)";
-    for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
-        if (const auto coefficient = frame.optional_number(key); coefficient.value_or(0) != 0)
-            throw UserError(
-                fmt::format("{}: a lens with distortion ({} = {}): {}", frame.where(), key, *coefficient, cure));
-    const Json* fisheye = frame.value("is_fisheye");
-    if (fisheye && *fisheye != false && *fisheye != 0)
-        throw UserError(fmt::format("{}: a fisheye lens: {}", frame.where(), cure));
+/// What the frame calls its lens, and whether that is a fisheye.
+struct LensKind {
+    std::string name = "OPENCV";
+    bool fisheye = false;
+};
+
+LensKind lens_kind(const Frame& frame) {
+    LensKind kind;
+    if (const Json* fisheye = frame.value("is_fisheye"); fisheye && *fisheye != false && *fisheye != 0)
+        kind = {"OPENCV_FISHEYE", true};
     const Json* model = frame.value("camera_model");
-    if (!model) return;
+    if (!model) return kind;
     constexpr const char* known[] = {"SIMPLE_PINHOLE", "PINHOLE", "PERSPECTIVE", "SIMPLE_RADIAL",
                                      "RADIAL",         "OPENCV",  "FULL_OPENCV"};
+    constexpr const char* fisheyes[] = {"OPENCV_FISHEYE", "RADIAL_FISHEYE", "SIMPLE_RADIAL_FISHEYE", "FISHEYE"};
     if (!model->is_string()) frame.fail("\"camera_model\" must be a text");
     const auto name = model->get<std::string>();
-    if (std::none_of(std::begin(known), std::end(known), [&](const char* k) { return name == k; }))
-        throw UserError(fmt::format("{}: camera model {} is not a pinhole: {}", frame.where(), name, cure));
+    const auto is_in = [&](const auto& names) {
+        return std::any_of(std::begin(names), std::end(names), [&](const char* k) { return name == k; });
+    };
+    if (is_in(fisheyes)) return {name, true};
+    if (!is_in(known))
+        throw UserError(
+            fmt::format("{}: camera model {} is not read: undistort the photographs to pinholes with the program that "
+                        "calibrated them, and give their cameras",
+                        frame.where(), name));
+    if (!kind.fisheye) kind.name = name;
+    return kind;
+}
+
+/// The lens by k1 to k6, p1, p2, or nerfstudio's distortion_params, which are k1, k2, k3, k4, p1, p2.
+/// A fisheye's k1 to k4 belong to the powers 2, 4, 6, 8 of the angle. Of other lenses k1 to k3 belong to those of the
+/// radius; k4 is the eighth power's as nerfstudio has it, but with k5 or k6, which OpenCV alone has, or as FULL_OPENCV,
+/// the first of a divisor.
+std::optional<Lens> read_lens(const Frame& frame) {
+    const LensKind kind = lens_kind(frame);
+    constexpr std::array<const char*, 8> keys = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"};
+    std::array<double, 8> value{};
+    if (const Json* list = frame.value("distortion_params")) {
+        if (!list->is_array() || list->size() != 6) frame.fail("\"distortion_params\" must be 6 numbers");
+        constexpr std::array<size_t, 6> places = {0, 1, 2, 3, 6, 7};
+        for (size_t i = 0; i < 6; ++i) value[places[i]] = frame.number((*list)[i], "distortion_params");
+    }
+    for (size_t i = 0; i < keys.size(); ++i) value[i] = frame.optional_number(keys[i]).value_or(value[i]);
+    const auto [k1, k2, k3, k4, k5, k6, p1, p2] = value;
+    std::string text;
+    for (size_t i = 0; i < keys.size(); ++i)
+        if (value[i] != 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", keys[i], value[i]);
+    LensCoefficients c;
+    c.radial = {k1, k2, k3, k4};
+    c.tangential = {p1, p2};
+    if (kind.fisheye) {
+        if (k5 != 0 || k6 != 0 || p1 != 0 || p2 != 0)
+            frame.fail(fmt::format("a fisheye has k1 to k4 alone, not {}", text));
+        c.bend = 1;
+    } else if (kind.name == "FULL_OPENCV" || k5 != 0 || k6 != 0) {
+        c.radial[3] = 0;
+        c.divisor = {k4, k5, k6};
+    }
+    Lens lens(fmt::format("{} ({})", kind.name, text.empty() ? "no coefficients" : text), c);
+    return lens.distorts() ? std::optional(std::move(lens)) : std::nullopt;
 }
 
 int side(const Frame& frame, const char* key, double value) {
@@ -110,7 +153,7 @@ double focal_length(const Frame& frame, const char* key, double value, int pixel
     return 0.5 * pixels / std::tan(0.5 * value);
 }
 
-void set_lens(Camera& camera, const Frame& frame) {
+void set_focal_lengths(Camera& camera, const Frame& frame) {
     const auto x = frame.first_number({"fl_x", "camera_angle_x"}), y = frame.first_number({"fl_y", "camera_angle_y"});
     if (!x) frame.fail("neither \"fl_x\" nor \"camera_angle_x\" is given");
     camera.fx = focal_length(frame, x->first, x->second, camera.width);
@@ -164,7 +207,7 @@ CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& 
         throw UserError(where + ": \"file_path\" must be a text: write the file again");
     const Frame frame(json, whole, where);
     CalibratedImage image;
-    check_projection(frame);
+    image.lens = read_lens(frame);
     image.name = path->get<std::string>();
     if (!fs::path(image.name).has_filename()) frame.fail("\"file_path\" names no file");
     if (const auto photograph = files.photographs.find(image.name)) {
@@ -173,7 +216,7 @@ CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& 
         image.mask = find_mask(json, files.masks, files.folder, frame);
     }
     if (!set_size(image.camera, frame, image.file)) return image;
-    set_lens(image.camera, frame);
+    set_focal_lengths(image.camera, frame);
     read_pose(image.camera, frame, json);
     return image;
 }
@@ -201,10 +244,10 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
 }
 
 /// For an image that is in both files. Another camera there would mean another photograph of the same name.
-void hold_out(CalibratedImage& image, const Camera& in_test, const TransformsFiles& files) {
-    const Camera& camera = image.camera;
+void hold_out(CalibratedImage& image, const CalibratedImage& test, const TransformsFiles& files) {
+    const Camera &camera = image.camera, &in_test = test.camera;
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::max(1.0, std::abs(a)); };
-    const bool same = camera.width == in_test.width && camera.height == in_test.height && near(camera.fx, in_test.fx) &&
+    const bool same = image.lens == test.lens && camera.width == in_test.width && camera.height == in_test.height && near(camera.fx, in_test.fx) &&
                       near(camera.fy, in_test.fy) && near(camera.cx, in_test.cx) && near(camera.cy, in_test.cy) &&
                       camera.cam_from_world_rotation.isApprox(in_test.cam_from_world_rotation, 1e-6) &&
                       (camera.center() - in_test.center()).norm() <= 1e-6 * std::max(1.0, camera.center().norm());
@@ -236,8 +279,9 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
     Calibration calibration;
     calibration.origin = files.main.filename().string();
     calibration.cameras_file = calibration.images_file = files.main;
-    calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
-                                        option_name("max-size"));
+    calibration.size_cure =
+        fmt::format("give the photographs that were calibrated, at that size or all scaled alike ({} scales them down)",
+                    option_name("max-size"));
     calibration.images = read_frames(files.main, images, calibration.remarks);
     sort_images(calibration);
     if (files.test.empty()) return calibration;
@@ -251,7 +295,7 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
         if (same == known.end())
             calibration.images.push_back(std::move(image));
         else
-            hold_out(calibration.images[same->second], image.camera, files);
+            hold_out(calibration.images[same->second], image, files);
     }
     sort_images(calibration);
     calibration.remarks.push_back(fmt::format("the {} images of {} are held out", test.size(), files.test.string()));
