@@ -20,10 +20,12 @@ def lights(images="images", vectors="lights.txt", more=""):
 cameras, images = "photos/text/cameras.txt", "photos/text/images.txt"
 for pattern, text, *words in (
     ("^1 PINHOLE", "1", f"{cameras}:1: camera model 16 is not a pinhole"),
-    ("PINHOLE", "SIMPLE_RADIAL", f"{cameras}:1: camera model SIMPLE_RADIAL with distortion (8) is not a pinhole", "`colmap image_undistorter`"),
-    ("PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0 0 0 1e-3", f"{cameras}:1: camera model OPENCV with distortion (0, 0, 0, 0.001) is not"),
+    ("PINHOLE 16 16 20 20 8 8", "SIMPLE_RADIAL 16 16 20 8 8 -900", f"{cameras}: lens SIMPLE_RADIAL (-900) of image '0.png' folds the picture over", "with fewer coefficients"),
+    ("PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 1e300 1e300 0 0", f"{cameras}: lens OPENCV (1e+300, 1e+300, 0, 0) of image '0.png' folds"),
+    ("PINHOLE 16 16 20 20 8 8", "FOV 16 16 20 20 8 8 4", f"{cameras}: lens FOV (4) of image '0.png' folds"),
+    ("PINHOLE 16 16 20 20 8 8", "RAD_TAN_THIN_PRISM_FISHEYE 16 16 20 20 8 8", f"{cameras}:1: camera model RAD_TAN_THIN_PRISM_FISHEYE is not a pinhole", "`colmap image_undistorter`"),
     ("PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0 0 0", f"{cameras}:1: OPENCV takes 8 parameters, the line has 7"),
-    ("PINHOLE", "OPENCV_FISHEYE", f"{cameras}:1: camera model OPENCV_FISHEYE is not a pinhole"),
+    ("PINHOLE", "OPENCV_FISHEYE", f"{cameras}:1: OPENCV_FISHEYE takes 8 parameters, the line has 4"),
     ("PINHOLE", "PINHOL", f"{cameras}:1: camera model PINHOL is not a pinhole"),
     ("20 20 8 8", "20 20 8", f"{cameras}:1: PINHOLE takes 4 parameters, the line has 3"),
     ("20 20 8 8", "20 20 8 8 0", f"{cameras}:1: PINHOLE takes 4 parameters, the line has 5"),
@@ -38,7 +40,7 @@ for pattern, text, *words in (
     ("16 16", "-16 16", f"{cameras}:1: WIDTH is '-16', which is no whole number"),
     ("16 16", "16.5 16", f"{cameras}:1: WIDTH is '16.5', which is no whole number"),
     ("16 16", "16 99999999999999999999", f"{cameras}:1: HEIGHT is '99999999999999999999', which is no whole number"),
-    ("16 16", "32 32", "photos/images/0.png: 16 x 16 pixels, but photos/text/cameras.txt calibrates 32 x 32"),
+    ("16 16", "32 27", "photos/images/0.png: 16 x 16 pixels, but photos/text/cameras.txt calibrates 32 x 27", "scaled alike"),
     ("16 16", "20000 20000", "photos/images/0.png: ", "pixels"),
     ("2 PINHOLE", "1 PINHOLE", f"{cameras}:2: camera 1 is given twice"),
     ("2 PINHOLE", "4294967298 PINHOLE", f"{cameras}:2: camera 4294967298 has an id beyond 32 bits"),
@@ -94,7 +96,7 @@ for file in (bcameras, bimages):
     rows.append((colmap("binary"), patch(file, 0, b"\x02"), 2, f"{file}: ", "bytes follow the last entry"))
     rows.append((colmap("binary"), remove(file), 2, "photos/binary: no COLMAP model here"))
 rows += [
-    (colmap("binary"), patch(bcameras, 12, b"\x02"), 2, f"{bcameras}: camera model SIMPLE_RADIAL with distortion (8) is not a pinhole"),
+    (colmap("binary"), patch(bcameras, 12, b"\x0b"), 2, f"{bcameras}: camera model RAD_TAN_THIN_PRISM_FISHEYE is not a pinhole"),
     (colmap("binary"), patch(bcameras, 12, b"\xff\xff\xff\xff"), 2, f"{bcameras}: camera model number -1 is not a pinhole"),
     (colmap("binary"), patch(bcameras, 12, b"\x63"), 2, f"{bcameras}: camera model number 99 is not a pinhole"),
     (colmap("binary"), patch(bcameras, 16, b"\0" * 8), 2, f"{bcameras}: camera 1 has size 0 x 16"),
@@ -126,9 +128,10 @@ for damage, *words in (
     (write(transforms, "[" * 10000), f"{transforms}: its brackets are nested more than 100 deep"),
     (write(transforms, '{"frames": []}'), f"{transforms}: holds no image"),
     (replace(transforms, '"w": 16', '"w": NaN'), f"{transforms}: truncated, or no JSON (which has no NaN)"),
-    (field(transforms, "k1", 0.1), f"{transforms}: frames[0]: a lens with distortion (k1 = 0.1): undistort", "`colmap image_undistorter`"),
-    (field(transforms, "frames[2].p1", 1e-3), f"{transforms}: frames[2]: a lens with distortion (p1 = 0.001)"),
-    (field(transforms, "camera_model", "OPENCV_FISHEYE"), f"{transforms}: frames[0]: camera model OPENCV_FISHEYE is not a pinhole"),
+    (field(transforms, "k1", -900), f"{transforms}: lens OPENCV (k1 -900) of image '", "folds the picture over"),
+    (field(transforms, "frames[2].p1", "x"), f'{transforms}: frames[2]: "p1" must be a number'),
+    (field(transforms, "camera_model", "EQUIRECTANGULAR"), f"{transforms}: frames[0]: camera model EQUIRECTANGULAR is not read: undistort"),
+    (field(transforms, "distortion_params", [0.1]), f'{transforms}: frames[0]: "distortion_params" must be 6 numbers'),
     (field(transforms, "fl_x", GONE), f'{transforms}: frames[0]: neither "fl_x" nor "camera_angle_x" is given'),
     (field(transforms, "fl_x", 0), f'{transforms}: frames[0]: "fl_x" is 0, not positive'),
     (field(transforms, "fl_x", "20"), f'{transforms}: frames[0]: "fl_x" must be a number'),

@@ -310,11 +310,16 @@ TEST_F(CalibrationsTest, BadTransformsNameFileAndFrame) {
     const auto in_frame = [](const char* key, const Json& value) {
         return [=](Json& json) { json["frames"][1][key] = value; };
     };
-    expect("frames[0]: a lens with distortion (k1 = 0.1): undistort", [](Json& j) { j["k1"] = 0.1; });
-    expect("frames[1]: a lens with distortion (p2 = -0.001): undistort", in_frame("p2", -1e-3));
-    expect("camera model OPENCV_FISHEYE is not a pinhole: undistort",
-           [](Json& j) { j["camera_model"] = "OPENCV_FISHEYE"; });
-    expect("a fisheye lens", [](Json& j) { j["is_fisheye"] = true; });
+    expect("frames[0]: camera model EQUIRECTANGULAR is not read: undistort",
+           [](Json& j) { j["camera_model"] = "EQUIRECTANGULAR"; });
+    expect("frames[0]: a fisheye has k1 to k4 alone, not k1 0.1, p2 0.001", [](Json& j) {
+        j["is_fisheye"] = true;
+        j["k1"] = 0.1;
+        j["p2"] = 1e-3;
+    });
+    expect("frames[1]: \"k2\" must be a number", in_frame("k2", "x"));
+    expect("frames[1]: \"distortion_params\" must be 6 numbers", in_frame("distortion_params", {0.1, 0.2}));
+    expect("folds the picture over", [](Json& j) { j["k1"] = -500; });
     expect("\"camera_model\" must be a text", [](Json& j) { j["camera_model"] = 1; });
     expect("has no list of \"frames\"", [](Json& j) { j.erase("frames"); });
     expect("holds no image", [](Json& j) { j["frames"].clear(); });

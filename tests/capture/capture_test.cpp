@@ -229,16 +229,16 @@ TEST_F(ImportTest, BadCapturesAreOneLine) {
         return text;
     };
     const fs::path image = options_.images / "a.png";
-    const std::string small = encode_png(40, 30, 3, 8, std::vector<uint16_t>(40 * 30 * 3, 9));
+    const std::string small = encode_png(40, 36, 3, 8, std::vector<uint16_t>(40 * 36 * 3, 9));
     const std::string text = break_and_restore(image, small);
-    expect_in("40 x 30", text);
+    expect_in("40 x 36", text);
     expect_in("64 x 48", text);
     expect_in("image_undistorter", text);
     expect_in("truncated", break_and_restore(image, read_bytes(image).substr(0, 4000)));
     expect_in("faces", break_and_restore(options_.mesh, "v 0 0 -2\nv 1 0 -2\nv 0 1 -2\nf 1 2 3\n"));  // behind
     expect_in("empty mesh", break_and_restore(options_.mesh, ""));
     expect_in("not finite", break_and_restore(root_ / "sparse/cameras.txt", "1 PINHOLE 64 48 nan 60 32 24\n"));
-    expect_in("RADIAL", break_and_restore(root_ / "sparse/cameras.txt", "1 RADIAL 64 48 60 32 24 0 1e-3\n"));
+    expect_in("RADIAL (-900, 0)", break_and_restore(root_ / "sparse/cameras.txt", "1 RADIAL 64 48 60 32 24 -900 0\n"));
 
     options_.masks = root_ / "masks";
     write_bytes(options_.masks / "a.png", mask_png(0, 3));  // beside the square

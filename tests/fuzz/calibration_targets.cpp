@@ -2,6 +2,7 @@
 #include "capture/llff.h"
 #include "capture/transforms.h"
 #include "capture_fixture.h"
+#include "lens_trial.h"
 #include "target.h"
 
 namespace radiafit::fuzz {
@@ -16,10 +17,11 @@ std::vector<std::string> transforms_seeds(const fs::path& folder) {
     fs::create_directories(folder / "images");
     for (const char* name : {"images/a.png", "images/b.png", "b.png"}) put_bytes(folder / name, picture());
     const std::string pose = R"([[1,0,0,0.5],[0,0,-1,2e0],[0,1,0,-3],[0,0,0,1]])";
-    return {R"({"camera_angle_x":0.7,"frames":[{"file_path":"./images/a","transform_matrix":)" + pose + "}]}\n",
-            R"({"fl_x":60,"fl_y":61.5,"cx":3,"cy":2,"w":6,"h":5,"k1":0,"camera_model":"OPENCV","frames":[)"
-            R"({"file_path":"images/a.png","fl_x":59,"mask_path":"images/b.png","transform_matrix":)" +
-                pose + R"(},{"file_path":"/x/b.png","transform_matrix":)" + pose + "}]}\n"};
+    return {
+        R"({"camera_angle_x":0.7,"frames":[{"file_path":"./images/a","transform_matrix":)" + pose + "}]}\n",
+        R"({"fl_x":60,"fl_y":61.5,"cx":3,"cy":2,"w":6,"h":5,"k1":0.1,"k2":-0.02,"p1":1e-3,"k4":0.01,"camera_model":"OPENCV","frames":[)"
+        R"({"file_path":"images/a.png","fl_x":59,"mask_path":"images/b.png","transform_matrix":)" +
+            pose + R"(},{"file_path":"/x/b.png","transform_matrix":)" + pose + "}]}\n"};
 }
 
 std::vector<std::string> llff_seeds(const fs::path& folder) {
@@ -37,7 +39,10 @@ std::vector<std::string> llff_seeds(const fs::path& folder) {
 
 std::vector<Target> calibration_targets() {
     return {{"transforms_json", "transforms.json", transforms_seeds,
-             [](const fs::path& folder) { read_transforms(find_transforms(folder), folder); }},
+             [](const fs::path& folder) {
+                 for (const CalibratedImage& image : read_transforms(find_transforms(folder), folder).images)
+                     try_lens(image);
+             }},
             {"llff", "poses_bounds.npy", llff_seeds,
              [](const fs::path& folder) { read_llff(folder / "poses_bounds.npy", folder / "images"); }}};
 }

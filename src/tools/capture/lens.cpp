@@ -103,12 +103,12 @@ DistortedPoint Lens::distort(double u, double v) const {
 
 std::optional<Vec2d> Lens::undistort(const Vec2d& distorted) const {
     const double far = distorted.norm();
-    if (!std::isfinite(far)) return {};
+    if (!std::isfinite(far) || c_.bend * c_.angle < 0) return {};
     // The radius alone first, by halving: a start from which Newton's steps converge.
     double low = 0, high = std::isfinite(reach_) ? reach_ : 1;
     if (!std::isfinite(reach_))
         while (radius(high) < far && high < 1e9) high *= 2;
-    for (int i = 0; i < 60; ++i) (radius(0.5 * (low + high)) < far ? low : high) = 0.5 * (low + high);
+    for (int i = 0; i < 20; ++i) (radius(0.5 * (low + high)) < far ? low : high) = 0.5 * (low + high);
     Vec2d p = far > 0 ? Vec2d(distorted * (low / far)) : Vec2d::Zero();
     DistortedPoint at = distort_bent(p.x(), p.y());
     double error = (Vec2d(at.x, at.y) - distorted).norm();

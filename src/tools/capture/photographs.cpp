@@ -80,12 +80,13 @@ public:
         if (!undistorted_.empty()) report.remarks.push_back(undistortion());
         report.undistortion = undistortion();
         if (most_lost_ >= 0.005)
-            report.remarks.push_back(
-                fmt::format("{:.0f} % of the photograph, at its border, is beyond what lens {} can tell, and is left out",
-                            100 * most_lost_, most_lost_name_));
-        if (most_blank_ >= 0.005)
             report.remarks.push_back(fmt::format(
-                "{:.0f} % of the undistorted picture shows nothing of the photograph, and is left out", 100 * most_blank_));
+                "{:.0f} % of the photograph, at its border, is beyond what lens {} can tell, and is left out",
+                100 * most_lost_, most_lost_name_));
+        if (most_blank_ >= 0.005)
+            report.remarks.push_back(
+                fmt::format("{:.0f} % of the undistorted picture shows nothing of the photograph, and is left out",
+                            100 * most_blank_));
     }
 
 private:
@@ -126,10 +127,10 @@ private:
         const Camera pinhole = undistorted_camera(plan.taken, lens);
         const UndistortionLoss loss = undistortion_loss(plan.taken, lens, pinhole);
         if (loss.blank > 0.5)
-            throw UserError(fmt::format("{}: lens {} of image '{}' folds the picture over, or leads out of it, for {:.0f} "
-                                        "% of its pixels: calibrate again, with fewer coefficients",
-                                        calibration_.cameras_file.string(), lens.name(), plan.image->name,
-                                        100 * loss.blank));
+            throw UserError(
+                fmt::format("{}: lens {} of image '{}' folds the picture over, or leads out of it, for {:.0f} "
+                            "% of its pixels: calibrate again, with fewer coefficients",
+                            calibration_.cameras_file.string(), lens.name(), plan.image->name, 100 * loss.blank));
         if (undistorted_.empty())
             undistorted_ = fmt::format("undistorted from {}: {} x {} -> {} x {} pixels", lens.name(), plan.taken.width,
                                        plan.taken.height, pinhole.width, pinhole.height);
@@ -207,10 +208,10 @@ LoadedPhotograph load_photograph(const Photograph& photograph, const Calibration
     const auto [full_width, full_height] = photograph.full_size;
     const auto fail = [&](const fs::path& file, int width, int height) {
         if (taken.width != full_width && file != photograph.same_camera)
-            throw UserError(fmt::format("{}: {} x {} pixels, but {}, of the same camera, has {} x {}: give photographs "
-                                        "that are all scaled alike",
-                                        file.string(), width, height, photograph.same_camera.string(), taken.width,
-                                        taken.height));
+            throw UserError(
+                fmt::format("{}: {} x {} pixels, but {}, of the same camera, has {} x {}: give photographs "
+                            "that are all scaled alike",
+                            file.string(), width, height, photograph.same_camera.string(), taken.width, taken.height));
         throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}", file.string(), width, height,
                                     calibration.cameras_file.string(), full_width, full_height, calibration.size_cure));
     };

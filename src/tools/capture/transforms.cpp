@@ -247,8 +247,9 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
 void hold_out(CalibratedImage& image, const CalibratedImage& test, const TransformsFiles& files) {
     const Camera &camera = image.camera, &in_test = test.camera;
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::max(1.0, std::abs(a)); };
-    const bool same = image.lens == test.lens && camera.width == in_test.width && camera.height == in_test.height && near(camera.fx, in_test.fx) &&
-                      near(camera.fy, in_test.fy) && near(camera.cx, in_test.cx) && near(camera.cy, in_test.cy) &&
+    const bool same = image.lens == test.lens && camera.width == in_test.width && camera.height == in_test.height &&
+                      near(camera.fx, in_test.fx) && near(camera.fy, in_test.fy) && near(camera.cx, in_test.cx) &&
+                      near(camera.cy, in_test.cy) &&
                       camera.cam_from_world_rotation.isApprox(in_test.cam_from_world_rotation, 1e-6) &&
                       (camera.center() - in_test.center()).norm() <= 1e-6 * std::max(1.0, camera.center().norm());
     if (!same)

@@ -41,6 +41,8 @@ public:
                    py <= taken_.height + rounding;
         if (!f.inside) return f;
         f.x = px - 0.5, f.y = py - 0.5;
+        f.inside = std::isfinite(d.x_u + d.y_u) && std::isfinite(d.x_v + d.y_v);
+        if (!f.inside) return f;
         f.across_x = taken_.fx * d.x_u / to_.fx, f.across_y = taken_.fy * d.y_u / to_.fx;
         f.down_x = taken_.fx * d.x_v / to_.fy, f.down_y = taken_.fy * d.y_v / to_.fy;
         f.across = look_ups(f.across_x, f.across_y);
@@ -156,8 +158,8 @@ UndistortionLoss undistortion_loss(const Camera& taken, const Lens& lens, const 
         for (int i = 0; i < points; ++i) {
             const double x = (i + 0.5) / points, y = (j + 0.5) / points;
             loss.blank += !map.at(x * pinhole.width, y * pinhole.height).inside;
-            loss.no_pinhole += !lens.undistort(
-                {(x * taken.width - taken.cx) / taken.fx, (y * taken.height - taken.cy) / taken.fy});
+            loss.no_pinhole +=
+                !lens.undistort({(x * taken.width - taken.cx) / taken.fx, (y * taken.height - taken.cy) / taken.fy});
         }
     loss.blank /= points * points;
     loss.no_pinhole /= points * points;

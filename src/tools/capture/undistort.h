@@ -10,14 +10,14 @@
 /// Photographs taken through a lens, as a pinhole camera would have taken them.
 namespace radiafit::tools {
 
-/// The pinhole that COLMAP's image_undistorter chooses when nothing is asked of it: the same focal lengths and pose, and
-/// the largest picture, changed in width and height by factors from 0.2 to 2, that the photograph fills. `taken`: the
-/// camera of the photograph as it is, whose pixels `lens` displaces.
+/// The pinhole that COLMAP's image_undistorter chooses when nothing is asked of it: the same focal lengths and pose,
+/// and the largest picture, changed in width and height by factors from 0.2 to 2, that the photograph fills. `taken`:
+/// the camera of the photograph as it is, whose pixels `lens` displaces.
 Camera undistorted_camera(const Camera& taken, const Lens& lens);
 
 /// How much of two pictures has no counterpart in the other, in [0, 1], from a grid of 64 x 64 points.
 struct UndistortionLoss {
-    double blank = 0;    ///< of the pinhole's picture: beyond the photograph, or where the lens model folds over
+    double blank = 0;       ///< of the pinhole's picture: beyond the photograph, or where the lens model folds over
     double no_pinhole = 0;  ///< of the photograph: where the lens model doesn't reach
 };
 UndistortionLoss undistortion_loss(const Camera& taken, const Lens& lens, const Camera& pinhole);
