@@ -304,10 +304,9 @@ Calibration read_colmap(const std::filesystem::path& given, Lenses lenses) {
     sort_images(model);
     const bool distorted =
         std::any_of(model.images.begin(), model.images.end(), [](const CalibratedImage& i) { return i.lens; });
-    model.size_cure =
-        distorted ? "give the photographs as they were taken, which this model calibrates, or all of them scaled alike"
-                  : "give the files that belong to this model, or all of them scaled alike (`colmap image_undistorter` "
-                    "writes a model and its undistorted files)";
+    model.size_cure = distorted ? "give the photographs as they were taken, which this model calibrates"
+                                : "give the undistorted files that belong to this model (`colmap image_undistorter` "
+                                  "writes both)";
     return model;
 }
 

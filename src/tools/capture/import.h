@@ -40,9 +40,9 @@ struct ImportReport {
 
 /// Packs a capture that COLMAP calibrated (capture/colmap.h). Each photograph is cropped to what it shows of the mesh
 /// inside the mask, plus four pixels; an alpha channel is a mask too. 8-bit photographs are stored as they are
-/// (u8-srgb), unless their lens has distortion, which is taken out (capture/undistort.h); one 16-bit photograph makes the
-/// whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError; for a mesh that
-/// does not belong where it is it says what is wrong with it (capture/capture_check.h).
+/// (u8-srgb), unless their lens has distortion, which is taken out (capture/undistort.h); one 16-bit photograph makes
+/// the whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError; for a mesh
+/// that does not belong where it is it says what is wrong with it (capture/capture_check.h).
 ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
 
 /// The same for a NeRF's transforms.json, or the folder that has it (capture/transforms.h). `images`: what its paths

@@ -73,9 +73,8 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
             fmt::format("{} names the {} images that were calibrated", list.string(), names.size()));
         calibration.images_file = list;
     }
-    calibration.size_cure =
-        fmt::format("give the photographs that were calibrated, at that size or all scaled alike ({} scales them down)",
-                    option_name("max-size"));
+    calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
+                                        option_name("max-size"));
     for (size_t i = 0; i < names.size(); ++i)
         calibration.images.push_back(
             {names[i], read_camera(matrix, i, fmt::format("{}: row {}, image '{}'", file.string(), i, names[i]))});

@@ -21,7 +21,7 @@ constexpr double least_guessed_gain = 0.04;
 constexpr double nearly_as_good = 0.06;  // within this of the best, the plainer frame is reported
 constexpr size_t point_count = 4000;     // at which colours are compared; for guesses a part of them is enough
 constexpr size_t guessed_points = 1200;
-constexpr size_t neighbours = 2;         // of each view
+constexpr size_t neighbours = 2;  // of each view
 
 /// What a calibration may have been meant to say.
 enum class Poses { as_given, centres, inverse, opengl, inverse_opengl };

@@ -48,8 +48,7 @@ struct LensPlan {
 /// Prepares each camera once, by the photographs that have it.
 class LensPlans {
 public:
-    LensPlans(const ImportOptions& options, const Calibration& calibration)
-        : options_(options), calibration_(calibration) {}
+    explicit LensPlans(const Calibration& calibration) : calibration_(calibration) {}
 
     /// With the pose of `image`.
     LensPlan of(const CalibratedImage& image) {
@@ -97,7 +96,7 @@ private:
     }
 
     LensPlan make(const CalibratedImage& image) {
-        LensPlan plan{&image, options_.images / image.name, image.camera, {}};
+        LensPlan plan{&image, image.file, image.camera, {}};
         fit_to_file(plan);
         plan.pinhole = image.lens ? undistorted(plan) : plan.taken;
         return plan;
@@ -115,9 +114,10 @@ private:
         else if (is_scaled(camera, height, width))
             plan.taken = resized_camera(camera, height, width);
         else
-            throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}", plan.file.string(), width,
-                                        height, calibration_.cameras_file.string(), camera.width, camera.height,
-                                        calibration_.size_cure));
+            throw UserError(
+                fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}, or all of them scaled alike",
+                            plan.file.string(), width, height, calibration_.cameras_file.string(), camera.width,
+                            camera.height, calibration_.size_cure));
         if (!scaled_) scaled_ = plans_.size();
         ++scaled_cameras_;
     }
@@ -145,7 +145,6 @@ private:
                            : undistorted_;
     }
 
-    const ImportOptions& options_;
     const Calibration& calibration_;
     std::vector<LensPlan> plans_;
     std::optional<size_t> scaled_;  // the first plan that is
@@ -178,7 +177,7 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
         throw UserError(
             fmt::format("{}: no such folder of masks: check {}", options.masks.string(), option_name("masks")));
     std::vector<Photograph> photographs(calibration.images.size());
-    LensPlans plans(options, calibration);
+    LensPlans plans(calibration);
     for (size_t i = 0; i < photographs.size(); ++i) {
         Photograph& photograph = photographs[i];
         photograph.name = calibration.images[i].name;
@@ -206,21 +205,24 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
 LoadedPhotograph load_photograph(const Photograph& photograph, const Calibration& calibration) {
     const Camera &taken = photograph.taken, &to = photograph.camera;
     const auto [full_width, full_height] = photograph.full_size;
-    const auto fail = [&](const fs::path& file, int width, int height) {
+    const auto expect_taken = [&](int width, int height) {
+        if (width == taken.width && height == taken.height) return;
+        const fs::path& file = photograph.image;
         if (taken.width != full_width && file != photograph.same_camera)
             throw UserError(
                 fmt::format("{}: {} x {} pixels, but {}, of the same camera, has {} x {}: give photographs "
                             "that are all scaled alike",
                             file.string(), width, height, photograph.same_camera.string(), taken.width, taken.height));
-        throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}", file.string(), width, height,
-                                    calibration.cameras_file.string(), full_width, full_height, calibration.size_cure));
-    };
-    const auto expect_taken = [&](int width, int height) {
-        if (width != taken.width || height != taken.height) fail(photograph.image, width, height);
+        throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}, or all of them scaled alike",
+                                    file.string(), width, height, calibration.cameras_file.string(), full_width,
+                                    full_height, calibration.size_cure));
     };
     const auto expect_taken_or_full = [&](int width, int height) {
         if (width != full_width || height != full_height)
-            if (width != taken.width || height != taken.height) fail(photograph.mask, width, height);
+            if (width != taken.width || height != taken.height)
+                throw UserError(
+                    fmt::format("{}: {} x {} pixels, but its photograph has {} x {}: give masks of that size",
+                                photograph.mask.string(), width, height, taken.width, taken.height));
     };
     LoadedPhotograph loaded{read_image(photograph.image, false, expect_taken), {}};
     if (!photograph.mask.empty()) {

@@ -52,10 +52,10 @@ struct LoadedPhotograph {
 Camera scaled_camera(const Camera& camera, int max_size);
 
 /// The photographs of the calibration, which are located, with their masks, nothing surveyed yet. held_out: one per
-/// image. What a user should know of the masks' names, lenses and scaled cameras goes to the report. Photographs with the
-/// ratio of sides that was calibrated, to one pixel, and at most 0.9 or at least 1.1 of the size, get their intrinsics
-/// scaled. Throws UserError for masks that are missing, photographs that are unreadable, of another ratio, or larger than
-/// the rasterizer can draw, and for lenses that leave less than half of the picture.
+/// image. What a user should know of the masks' names, lenses and scaled cameras goes to the report. Photographs with
+/// the ratio of sides that was calibrated, to one pixel, and at most 0.9 or at least 1.1 of the size, get their
+/// intrinsics scaled. Throws UserError for masks that are missing, photographs that are unreadable, of another ratio,
+/// or larger than the rasterizer can draw, and for lenses that leave less than half of the picture.
 std::vector<Photograph> list_photographs(const ImportOptions& options, const Calibration& calibration,
                                          const std::vector<uint8_t>& held_out, ImportReport& report);
 

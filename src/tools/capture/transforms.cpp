@@ -280,9 +280,8 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
     Calibration calibration;
     calibration.origin = files.main.filename().string();
     calibration.cameras_file = calibration.images_file = files.main;
-    calibration.size_cure =
-        fmt::format("give the photographs that were calibrated, at that size or all scaled alike ({} scales them down)",
-                    option_name("max-size"));
+    calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
+                                        option_name("max-size"));
     calibration.images = read_frames(files.main, images, calibration.remarks);
     sort_images(calibration);
     if (files.test.empty()) return calibration;

@@ -40,7 +40,7 @@ struct CalibrationFormat {
 
 constexpr CalibrationFormat calibration_formats[] = {
     {"colmap", "photographs with a COLMAP calibration and a mesh", "folder with cameras and images, .txt or .bin",
-     "folder of the undistorted photographs", true, "every:8", "", import_colmap},
+     "folder of the photographs, which the model calibrates", true, "every:8", "", import_colmap},
     {"transforms", "photographs with the cameras of a NeRF's transforms.json, and a mesh",
      "transforms.json or transforms_train.json, or its folder",
      "folder that its file_paths are relative to; default: its own", false, "",
