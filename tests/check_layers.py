@@ -68,6 +68,7 @@ LIBRARIES = [
     (r"OpenImageIO/", {"image"}),
     (r"(OpenEXR/|Imf|Imath|Iex)", {"image"}),
     (r"png\.h", {"image"}),
+    (r"lcms2\.h", {"capture"}),
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
     (r"(ceres|glog)/", {"reference"}),
     (r"toml\+\+/", {"base"}),

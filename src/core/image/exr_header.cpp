@@ -5,12 +5,8 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
-#include <streambuf>
 #include <string>
 #include <utility>
-
-#include "base/error.h"
-#include "image/codecs.h"
 
 namespace radiafit {
 namespace {
@@ -66,21 +62,26 @@ std::string take_text(std::istream& in) {
     return text;
 }
 
-/// Bits of all channels of a list: after each name 16 bytes, which begin with its type.
-uint64_t count_bits(std::string_view list) {
-    uint64_t bits = 0;
+/// The channels of a list: after each name 16 bytes: its type, four of no meaning here, steps in x and y.
+void take_channels(ExrHeader& header, std::string_view list) {
+    header.bits_per_pixel = 0;
     while (list.size() > 1) {
-        list.remove_prefix(list.find('\0') + 1);
-        uint32_t type = 0;
-        std::memcpy(&type, list.data(), sizeof type);
-        bits += type == 1 ? 16 : 32;  // half; unsigned or float
+        const size_t end = list.find('\0');
+        header.channels.emplace_back(list.substr(0, end));
+        list.remove_prefix(end + 1);
+        uint32_t words[4];
+        std::memcpy(words, list.data(), sizeof words);
+        header.bits_per_pixel += words[0] == 1 ? 16 : 32;  // half; unsigned or float
+        header.subsampled |= words[2] != 1 || words[3] != 1;
         list.remove_prefix(16);
     }
-    return bits;
 }
 
 void take_attribute(ExrHeader& header, std::string_view name, std::string_view type, std::string_view value) {
-    if (name == "channels" && type == "chlist") header.bits_per_pixel = count_bits(value);
+    if (name == "channels" && type == "chlist") take_channels(header, value);
+    if (name == "displayWindow" && type == "box2i") std::memcpy(header.display.data(), value.data(), 16);
+    if (name == "chromaticities" && type == "chromaticities")
+        std::memcpy(header.chromaticities.data(), value.data(), 32);
     uint32_t side[2];
     if (name == "tiles" && value.size() >= sizeof side) {
         std::memcpy(side, value.data(), sizeof side);
@@ -89,20 +90,11 @@ void take_attribute(ExrHeader& header, std::string_view name, std::string_view t
     if (name == "dataWindow" && type == "box2i") {
         if (header.sized) throw std::runtime_error("two data windows");
         header.sized = true;
-        int32_t box[4];  // left, top, right, bottom
-        std::memcpy(box, value.data(), sizeof box);
-        header.width = int64_t(box[2]) - box[0] + 1;
-        header.height = int64_t(box[3]) - box[1] + 1;
+        std::memcpy(header.data.data(), value.data(), sizeof header.data);
+        header.width = int64_t(header.data[2]) - header.data[0] + 1;
+        header.height = int64_t(header.data[3]) - header.data[1] + 1;
     }
 }
-
-/// Bytes in memory, to be read as a stream.
-struct ViewBuffer : std::streambuf {
-    explicit ViewBuffer(std::string_view bytes) {
-        char* begin = const_cast<char*>(bytes.data());  // it only reads
-        setg(begin, begin, begin + bytes.size());
-    }
-};
 
 }  // namespace
 
@@ -111,11 +103,14 @@ ExrHeader walk_exr_header(std::istream& in, uint64_t bytes) {
     constexpr uint32_t deep = 1 << 11, multipart = 1 << 12;
     ExrHeader header;
     header.plain = (number<uint32_t>(in) & (deep | multipart)) == 0;
+    constexpr std::array<int32_t, 4> no_window = {0, 0, -1, -1};
+    header.display = no_window;
     while (header.plain) {
         const std::string name = take_text(in);
         if (name.empty()) {
             if (header.bits_per_pixel == 0 || !header.sized)
                 throw std::runtime_error("an OpenEXR header without data window or channels");
+            if (header.display == no_window) header.display = header.data;
             break;
         }
         const std::string type = take_text(in);
@@ -127,23 +122,6 @@ ExrHeader walk_exr_header(std::istream& in, uint64_t bytes) {
         take_attribute(header, name, type, value);
     }
     return header;
-}
-
-ImageHeader read_exr_header(const std::filesystem::path& file, std::string_view bytes) {
-    constexpr uint64_t largest_tile = 2048;  // pixels a side; OpenEXR takes memory for whole tiles
-    ViewBuffer buffer(bytes);
-    std::istream in(&buffer);
-    ExrHeader header;
-    try {
-        header = walk_exr_header(in, bytes.size());
-    } catch (const std::runtime_error& e) {
-        fail_damaged_image(file, e.what());
-    }
-    if (!header.plain)
-        throw UserError(fmt::format("{}: holds several or deep pictures: export one plain picture", file.string()));
-    if (header.tile > largest_tile) fail_damaged_image(file, "tiles larger than 2048 pixels");
-    return {uint64_t(std::max<int64_t>(header.width, 0)), uint64_t(std::max<int64_t>(header.height, 0)),
-            header.bits_per_pixel};
 }
 
 bool exr_attribute_fits(std::string_view type, std::string_view value) {

@@ -1,7 +1,10 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <istream>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace radiafit {
 
@@ -12,6 +15,11 @@ struct ExrHeader {
     int64_t width = 0, height = 0;  ///< pixels of that; below 1 where its corners are swapped
     uint64_t bits_per_pixel = 0;    ///< all channels together
     uint64_t tile = 0;              ///< the longer side of a tile, in pixels, or 0
+    std::vector<std::string> channels = {};    ///< their names
+    bool subsampled = false;                   ///< a channel has fewer pixels than the picture
+    std::array<int32_t, 4> data = {};          ///< the data window: left, top, right, bottom, all within it
+    std::array<int32_t, 4> display = {};       ///< the display window; where the file has none, the data window
+    std::array<float, 8> chromaticities = {};  ///< x and y of red, green, blue, white; 0: the file has none
 };
 
 /// Walks the attributes of an OpenEXR file of `bytes` bytes, from its beginning. OpenEXR takes the memory that

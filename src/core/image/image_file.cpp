@@ -17,11 +17,10 @@ namespace radiafit {
 namespace {
 
 /// The file's bytes, what they promise, and then the pixels of the same bytes.
-RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check, const ImageFormat** format = nullptr) {
+RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check, ImageHeader& header) {
     std::string bytes = read_file(file, "image file");
-    const ImageHeader header = read_image_header(file, bytes);
+    header = read_image_header(file, bytes);
     if (check) check(int(header.width), int(header.height));
-    if (format) *format = header.format;
     return header.format->read_pixels(file, std::move(bytes), header);
 }
 
@@ -73,9 +72,15 @@ std::vector<uint8_t> grey_values(const RawImage& raw, const std::vector<Channel>
 }  // namespace
 
 ImageFile read_image(const std::filesystem::path& file, bool floats, const HeaderCheck& check) {
-    RawImage raw = read_raw(file, check);
+    ImageHeader header;
+    RawImage raw = read_raw(file, check, header);
     check_colors(file, raw);
     ImageFile image;
+    image.grey = raw.colors() == 1;
+    image.format = header.format->name;
+    image.orientation = header.orientation;
+    image.colors = std::move(header.colors);
+    image.remarks = std::move(header.remarks);
     image.width = raw.width;
     image.height = raw.height;
     image.linear = raw.linear;
@@ -94,8 +99,8 @@ ImageFile read_image(const std::filesystem::path& file, bool floats, const Heade
 }
 
 MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check) {
-    const ImageFormat* format = nullptr;
-    const RawImage raw = read_raw(file, check, &format);
+    ImageHeader header;
+    const RawImage raw = read_raw(file, check, header);
     check_colors(file, raw);
     MaskFile mask;
     mask.width = raw.width;
@@ -108,7 +113,7 @@ MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check) 
     }
     constexpr ptrdiff_t most_labels = 16;
     const bool numbers = mask.largest > 0 && mask.largest < 128 && std::ranges::count(present, true) <= most_labels &&
-                         format != format_of_name("a.jpeg");
+                         header.format != format_of_name("a.jpeg");
     mask.labels = numbers && mask.largest > 1;
     const int threshold = numbers ? 1 : 128;
     for (uint8_t& value : mask.values) value = value >= threshold ? 255 : 0;

@@ -14,18 +14,20 @@ RawImage read_jpeg_pixels(const std::filesystem::path& file, std::string bytes, 
     return read_oiio_pixels(file, bytes, header, "jpeg");
 }
 
-RawImage read_exr_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) {
-    return read_oiio_pixels(file, bytes, header, "openexr");
-}
-
 }  // namespace
 
 std::span<const ImageFormat> image_formats() {
-    // OpenEXR and PFM hold floats; an OpenEXR file is looked for as a photograph only to be refused by name.
+    // OpenEXR and PFM hold floats.
     static const std::vector<ImageFormat> formats = {
         {"PNG", {".png"}, {"\x89PNG"sv}, true, true, read_png_header, read_png_pixels},
         {"JPEG", {".jpg", ".jpeg"}, {"\xff\xd8"sv}, true, true, read_jpeg_header, read_jpeg_pixels},
-        {"TIFF", {".tif", ".tiff"}, {"II*\0"sv, "MM\0*"sv}, true, true, read_tiff_header, read_tiff_pixels},
+        {"TIFF",
+         {".tif", ".tiff"},
+         {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv},
+         true,
+         true,
+         read_tiff_header,
+         read_tiff_pixels},
         {"OpenEXR", {".exr"}, {"\x76\x2f\x31\x01"sv}, true, false, read_exr_header, read_exr_pixels},
         {"PFM", {".pfm"}, {"PF"sv, "Pf"sv}, false, false, read_pfm_header, read_pfm_pixels},
         // Met in folders of pictures, and refused rather than passed over.

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "image/image_format.h"
+#include "image/other_kinds.h"
 
 namespace radiafit {
 namespace {
@@ -24,6 +25,8 @@ const ImageFormat& find_format(const std::filesystem::path& file, std::string_vi
         if (!format.beginnings.empty()) known += (known.empty() ? "" : ", ") + std::string(format.name);
     }
     known.replace(known.rfind(","), 1, " nor");
+    if (const OtherKind* other = find_other_kind(bytes))
+        throw UserError(fmt::format("{}: {}, which is not read: {}", file.string(), other->name, other->cure));
     throw UserError(
         fmt::format("{}: neither {}, or its first bytes are corrupt: convert the image to PNG", file.string(), known));
 }
@@ -38,7 +41,8 @@ ImageHeader read_image_header(const std::filesystem::path& file, std::string_vie
         header.height > largest_image_side)
         throw UserError(fmt::format("{}: {} x {} pixels; sides run from 1 to {}: scale the image", file.string(),
                                     header.width, header.height, largest_image_side));
-    const uint64_t promised = header.width * header.height * header.bits_per_pixel / 8;
+    const uint64_t pixels = header.stored_pixels ? header.stored_pixels : header.width * header.height;
+    const uint64_t promised = pixels * header.bits_per_pixel / 8;
     if (promised > largest_ratio * bytes.size() + slack_bytes)
         fail_damaged_image(
             file, fmt::format("{} bytes cannot hold {} x {} pixels", bytes.size(), header.width, header.height));

@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "image/color_tags.h"
 
 /// What a picture says about itself, read before a library sees it and before anyone takes memory for its pixels.
 namespace radiafit {
@@ -15,6 +18,10 @@ struct ImageHeader {
     uint64_t width = 0, height = 0;       ///< pixels
     uint64_t bits_per_pixel = 0;          ///< stored, all channels together
     const ImageFormat* format = nullptr;  ///< set by read_image_header
+    uint64_t stored_pixels = 0;           ///< those of the picture that the file holds; 0: all
+    int orientation = 1;                  ///< EXIF's (image/orientation.h)
+    ColorTags colors = {};
+    std::vector<std::string> remarks = {};  ///< what of the file is left out or filled up, a few words each
 };
 
 /// Recognized by content, not by name. Throws UserError that names file and cure: another format than those of

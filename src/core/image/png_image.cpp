@@ -7,6 +7,7 @@
 
 #include "image/byte_reader.h"
 #include "image/codecs.h"
+#include "image/orientation.h"
 
 namespace radiafit {
 namespace {
@@ -97,11 +98,25 @@ int begin(png_structp png, png_infop info) {
     return passes;
 }
 
+/// What a chunk says of colours and orientation. Source: PNG specification, 11.3.3 and 11.3.4.
+void take_chunk(const ByteReader& reader, uint64_t at, uint64_t length, ImageHeader& header) {
+    const std::string_view type = reader.text(at + 4, 4), content = reader.text(at + 8, length);
+    ColorTags& colors = header.colors;
+    if (type == "sRGB" && length == 1) colors.srgb = true;
+    if (type == "gAMA" && length == 4) colors.gamma = double(reader.number(at + 8, 4)) / 100000;
+    if (type == "iCCP" && !colors.has_profile()) unpack_profile(content, colors);
+    if (type == "eXIf") header.orientation = tiff_orientation(content);
+    if (type == "cHRM" && length == 32)
+        for (uint64_t i = 0; i < 8; ++i)  // stored white, red, green, blue
+            colors.chromaticities[(i + 6) % 8] = double(reader.number(at + 8 + 4 * i, 4)) / 100000;
+}
+
 }  // namespace
 
 ImageHeader read_png_header(const std::filesystem::path& file, std::string_view bytes) {
     const ByteReader reader(file, bytes, ByteReader::Order::big_endian);
     if (reader.number(0, 8) != 0x89504e470d0a1a0a) reader.fail("PNG signature differs");
+    ImageHeader header;
     for (uint64_t at = 8;;) {
         if (at + 12 > reader.size()) reader.fail("the file ends within a PNG chunk");
         const uint64_t length = reader.number(at, 4);
@@ -111,11 +126,15 @@ ImageHeader read_png_header(const std::filesystem::path& file, std::string_view 
             reader.fail("PNG checksum differs");
         if (at == 8 && (length != 13 || !chunk.starts_with("IHDR"))) reader.fail("a PNG without header");
         if (chunk == "IEND") break;
+        take_chunk(reader, at, length, header);
         at += 12 + length;
     }
     const uint64_t type = reader.number(25, 1);
     const uint64_t channels = type == 2 ? 3 : type == 4 ? 2 : type == 6 ? 4 : 1;
-    return {reader.number(16, 4), reader.number(20, 4), channels * reader.number(24, 1)};
+    header.width = reader.number(16, 4);
+    header.height = reader.number(20, 4);
+    header.bits_per_pixel = channels * reader.number(24, 1);
+    return header;
 }
 
 RawImage read_png_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader&) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct RawImage {
     bool linear = false;        ///< the file says that 16-bit values are linear
     std::variant<std::vector<uint8_t>, std::vector<uint16_t>, std::vector<float>>
         values;  ///< [height][width][channels]
+
+    std::vector<std::string> names = {};  ///< of the channels, where the format has names (OpenEXR); else empty
 
     int colors() const { return channels - (alpha >= 0 ? 1 : 0); }
     /// Index of colour channel c among all.

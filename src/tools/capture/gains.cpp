@@ -160,6 +160,7 @@ GainPoints::GainPoints(const Mesh& mesh) : points_(surface_points(mesh, wanted_p
 std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasterizer& raster, const ImageFile& image,
                                             const std::vector<uint8_t>& mask) const {
     const std::vector<float>& light = linear_table(image.bits, image.linear);
+    const bool floats = image.bits == 32;  // which do not clip
     const auto limit = static_cast<size_t>(clipped * double(light.size() - 1));
     const Vec3d eye = camera.center();
     const auto width = size_t(camera.width);
@@ -178,6 +179,10 @@ std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasteriz
                 good = std::abs(double(raster.inverse_depth()[pixel]) * at.z() - 1) < depth_tolerance &&
                        (mask.empty() || mask[pixel]);
                 for (size_t c = 0; c < 3 && good; ++c) {
+                    if (floats) {
+                        sums[c] += double(image.rgb32[3 * pixel + c]);
+                        continue;
+                    }
                     const size_t stored = image.bits == 8 ? image.rgb8[3 * pixel + c] : image.rgb16[3 * pixel + c];
                     good = stored < limit;
                     sums[c] += light[stored];

@@ -32,6 +32,69 @@ std::vector<uint8_t> mask_of(const ImageFile& image, const std::vector<uint8_t>&
     return mask;
 }
 
+template <class T>
+std::vector<uint8_t> bytes_of(const std::vector<T>& values) {
+    std::vector<uint8_t> bytes(values.size() * sizeof(T));
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    return bytes;
+}
+
+std::vector<uint8_t> pack_pixels(ImageFile& image, const ImageSetFormat& format) {
+    if (format.bits == 8) {
+        const bool linear = format.encoding == Encoding::u8_linear;
+        if (image.linear != linear) {  // the first image says otherwise
+            const std::vector<float>& light = linear_table(8, image.linear);
+            for (uint8_t& v : image.rgb8)
+                v = static_cast<uint8_t>(
+                    std::lround(255 * (linear ? double(light[v]) : srgb_encode(double(light[v])))));
+        }
+        return std::move(image.rgb8);
+    }
+    if (format.bits == 32) return bytes_of(image.rgb32);
+    if (!image.linear) {
+        const std::vector<float>& light = linear_table(16, false);
+        for (uint16_t& v : image.rgb16) v = static_cast<uint16_t>(std::lround(65535.0 * double(light[v])));
+    }
+    return bytes_of(image.rgb16);
+}
+
+/// Colours as the file says if `transfer` is auto, else as stored; ImageFile::linear says which values it holds then.
+ColorReading take_colors(ImageFile& image, const std::string& transfer) {
+    ColorReading reading;
+    if (transfer == "auto") reading = convert_colors(image);
+    if (reading.kind == ColorReading::Kind::unknown)
+        image.linear = transfer == "linear" || (transfer == "auto" && image.bits != 8);
+    return reading;
+}
+
+}  // namespace
+
+ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth, int max_size) {
+    ImageFile first = read_image(file, true);
+    if (depth != 0 && first.bits != depth)
+        throw UserError(
+            fmt::format("{}: has {} channels, but {} {} was declared: export the image again, or correct "
+                        "the declaration",
+                        file.string(), depth_name(first.bits), option_name("depth"), depth));
+    if (transfer == "srgb" && first.bits == 32)
+        throw UserError(fmt::format("{}: holds floats, which are linear: leave {} srgb out", file.string(),
+                                    option_name("transfer")));
+    const std::array<int, 2> size = size_within(first.width, first.height, max_size);
+    ImageSetFormat format{file, size[0], size[1], first.width, first.height, first.bits, {}, {}};
+    format.transfer = transfer;
+    take_colors(first, transfer);
+    format.encoding = first.bits == 32   ? Encoding::f32_linear
+                      : first.bits == 16 ? Encoding::u16_linear
+                      : first.linear     ? Encoding::u8_linear
+                                         : Encoding::u8_srgb;
+    return format;
+}
+
+std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format) {
+    if (mask.empty() || !format.is_scaled()) return mask;
+    return scale_down_mask(mask, format.file_width, format.file_height, format.width, format.height);
+}
+
 /// A dataset has finite numbers only.
 void require_finite(std::vector<float>& rgb, const std::vector<uint8_t>& mask, const fs::path& file, int width) {
     for (size_t i = 0; i < rgb.size(); ++i) {
@@ -46,52 +109,8 @@ void require_finite(std::vector<float>& rgb, const std::vector<uint8_t>& mask, c
     }
 }
 
-template <class T>
-std::vector<uint8_t> bytes_of(const std::vector<T>& values) {
-    std::vector<uint8_t> bytes(values.size() * sizeof(T));
-    std::memcpy(bytes.data(), values.data(), bytes.size());
-    return bytes;
-}
-
-std::vector<uint8_t> pack_pixels(ImageFile& image, const ImageSetFormat& format) {
-    if (format.bits == 8) return std::move(image.rgb8);
-    if (format.bits == 32) return bytes_of(image.rgb32);
-    if (format.decode_srgb) {
-        const std::vector<float>& light = linear_table(16, false);
-        for (uint16_t& v : image.rgb16) v = static_cast<uint16_t>(std::lround(65535.0 * double(light[v])));
-    }
-    return bytes_of(image.rgb16);
-}
-
-}  // namespace
-
-ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth, int max_size) {
-    const ImageFile first = read_image(file, true);
-    if (depth != 0 && first.bits != depth)
-        throw UserError(
-            fmt::format("{}: has {} channels, but {} {} was declared: export the image again, or correct "
-                        "the declaration",
-                        file.string(), depth_name(first.bits), option_name("depth"), depth));
-    const bool srgb = transfer == "srgb" || (transfer == "auto" && first.bits == 8);
-    if (srgb && first.bits == 32)
-        throw UserError(fmt::format("{}: holds floats, which are linear: leave {} srgb out", file.string(),
-                                    option_name("transfer")));
-    const std::array<int, 2> size = size_within(first.width, first.height, max_size);
-    ImageSetFormat format{file, size[0], size[1], first.width, first.height, first.bits};
-    format.decode_srgb = srgb && first.bits == 16;
-    format.encoding = first.bits == 32   ? Encoding::f32_linear
-                      : first.bits == 16 ? Encoding::u16_linear
-                      : srgb             ? Encoding::u8_srgb
-                                         : Encoding::u8_linear;
-    return format;
-}
-
-std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format) {
-    if (mask.empty() || !format.is_scaled()) return mask;
-    return scale_down_mask(mask, format.file_width, format.file_height, format.width, format.height);
-}
-
-PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask) {
+PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, const std::vector<uint8_t>& mask,
+                        PictureFacts* facts) {
     ImageFile image = read_image(file, true, [&](int width, int height) {
         if (width != format.file_width || height != format.file_height)
             throw UserError(fmt::format(
@@ -101,9 +120,13 @@ PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, cons
     check_depth(image, file, format);
     PackedImage packed;
     packed.mask = mask_of(image, mask);
+    const ColorReading colors = take_colors(image, format.transfer);
+    if (facts) {
+        *facts = facts_of(file.filename().string(), image, colors, image.bits != 8);
+        if (format.transfer != "auto") facts->colors.clear();
+    }
     require_finite(image.rgb32, packed.mask, file, image.width);
     if (format.is_scaled()) {
-        image.linear = format.encoding != Encoding::u8_srgb && !format.decode_srgb;
         image = scale_down(image, format.width, format.height);
         packed.mask = scaled_mask(packed.mask, format);
     }

@@ -175,6 +175,15 @@ std::vector<uint8_t> pack_pixels(const ImageFile& image, const std::array<int, 4
             std::memcpy(bytes.data() + y * row, image.rgb8.data() + first, row);
             continue;
         }
+        if (encoding == Encoding::f32_linear) {
+            for (size_t i = 0; i < row; ++i) {
+                const float value = image.bits == 32  ? image.rgb32[first + i]
+                                    : image.bits == 8 ? light[image.rgb8[first + i]]
+                                                      : light[image.rgb16[first + i]];
+                std::memcpy(bytes.data() + (y * row + i) * 4, &value, 4);
+            }
+            continue;
+        }
         for (size_t i = 0; i < row; ++i) {
             const size_t stored = image.bits == 8 ? image.rgb8[first + i] : image.rgb16[first + i];
             const auto value = static_cast<uint16_t>(std::lround(65535.0 * double(light[stored])));
@@ -219,6 +228,23 @@ void pack(const std::vector<Photograph>& photographs, const std::vector<Gain>& g
     });
 }
 
+/// What all photographs can be stored in without loss.
+Encoding choose_encoding(const std::vector<Photograph>& photographs) {
+    const auto any = [&](const auto& is) { return std::any_of(photographs.begin(), photographs.end(), is); };
+    if (any([](const Photograph& p) { return p.bits == 32; })) return Encoding::f32_linear;
+    return any([](const Photograph& p) { return p.bits == 16 || p.linear; }) ? Encoding::u16_linear : Encoding::u8_srgb;
+}
+
+/// How the photographs' files were taken.
+void tell_pictures(const std::vector<Photograph>& photographs, ImportReport& report) {
+    std::vector<PictureFacts> facts;
+    for (const Photograph& p : photographs) facts.push_back(p.facts);
+    PictureWords words = describe_pictures(
+        facts, fmt::format("if their cameras were calibrated upright, give {} apply", option_name("exif-orientation")));
+    for (std::string& note : words.notes) report.notes.push_back(std::move(note));
+    for (std::string& remark : words.remarks) report.remarks.push_back(std::move(remark));
+}
+
 /// What the images need as they are cropped, in memory by several threads at a time.
 Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Encoding encoding) {
     const uint64_t mesh_bytes = 12 * mesh.vertex_count() + 13 * mesh.triangle_count();
@@ -232,7 +258,8 @@ Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Enc
         for (const Camera& camera : {p.taken, p.calibrated})
             largest = std::max(largest, uint64_t(camera.width) * uint64_t(camera.height));
     }
-    constexpr uint64_t pixel_bytes = 30;  // as read, with 16 bits, as spread to RGB, scaled, and packed
+    // As read, with 16 bits or floats, as spread to RGB, scaled, and packed.
+    const uint64_t pixel_bytes = encoding == Encoding::f32_linear ? 60 : 30;
     needs.memory += 4 * uint64_t(thread_count()) * largest * pixel_bytes;
     return needs;
 }
@@ -247,6 +274,7 @@ std::string provenance(const char* format, const ImportOptions& options) {
     if (options.max_size) text += fmt::format(" --max-size {}", options.max_size);
     if (options.skip_missing) text += " --skip-missing";
     if (options.invert_masks) text += " --invert-masks";
+    if (options.exif_orientation != "auto") text += fmt::format(" --exif-orientation {}", options.exif_orientation);
     return text;
 }
 
@@ -254,6 +282,10 @@ void check_options(const ImportOptions& options) {
     if (options.max_size < 0)
         throw UserError(
             fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), options.max_size));
+    if (options.exif_orientation != "auto" && options.exif_orientation != "stored" &&
+        options.exif_orientation != "apply")
+        throw UserError(fmt::format("{} {}: choose auto, stored or apply", option_name("exif-orientation"),
+                                    options.exif_orientation));
     if (options.least_coverage && !(*options.least_coverage >= 0 && *options.least_coverage <= 1))
         throw UserError(
             fmt::format("{} {}: give a share from 0 to 1", option_name("least-coverage"), *options.least_coverage));
@@ -314,12 +346,11 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
         progress.finish();
         check_parts(photographs, mesh.mesh, views, options, model, report);
     }
+    tell_pictures(photographs, report);
     drop_blind_views(photographs, options, report);
     const std::vector<Gain> gains = choose_gains(photographs, options, report);
 
-    const bool deep =
-        std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.bits == 16; });
-    const Encoding encoding = deep ? Encoding::u16_linear : Encoding::u8_srgb;
+    const Encoding encoding = choose_encoding(photographs);
     announce_needs("import", needs_of(photographs, mesh.mesh, encoding), out, options.force);
     writer.set_encoding(encoding);
     pack(photographs, gains, model, encoding, writer);

@@ -10,7 +10,7 @@ namespace radiafit::tools {
 
 struct ImportOptions {
     std::filesystem::path model;   ///< the calibration: folder of a COLMAP model, transforms.json, poses_bounds.npy
-    std::filesystem::path images;  ///< folder of the photographs, 8 or 16 bits
+    std::filesystem::path images;  ///< folder of the photographs, 8 or 16 bits or floats
     std::filesystem::path mesh;    ///< surface in the model's frame, PLY or OBJ
     std::filesystem::path masks;  ///< folder, white = object (names: capture/mask_names.h); empty: what the calibration
                                   ///< names, if anything
@@ -22,8 +22,11 @@ struct ImportOptions {
     std::optional<double> least_coverage;
     bool invert_masks = false;  ///< black = object
     bool skip_missing = false;  ///< go on without photographs that are calibrated and not there
-    std::string name;           ///< of the dataset; empty: the output folder's
-    bool force = false;         ///< go on where memory or disk will not suffice
+    /// Whether photographs are turned as their EXIF orientation says: stored, never; apply, always; auto, where that
+    /// gives the calibrated size and the stored pixels do not have it.
+    std::string exif_orientation = "auto";
+    std::string name;    ///< of the dataset; empty: the output folder's
+    bool force = false;  ///< go on where memory or disk will not suffice
 };
 
 struct ImportReport {
@@ -40,9 +43,10 @@ struct ImportReport {
 
 /// Packs a capture that COLMAP calibrated (capture/colmap.h). Each photograph is cropped to what it shows of the mesh
 /// inside the mask, plus four pixels; an alpha channel is a mask too. 8-bit photographs are stored as they are
-/// (u8-srgb), unless their lens has distortion, which is taken out (capture/undistort.h); one 16-bit photograph makes
-/// the whole dataset u16-linear. Everything is checked before the first image is written. Throws UserError; for a mesh
-/// that does not belong where it is it says what is wrong with it (capture/capture_check.h).
+/// (u8-srgb), in sRGB's colours (capture/picture_colors.h), unless their lens has distortion, which is taken out
+/// (capture/undistort.h); one of 16 bits or of linear values makes the whole dataset u16-linear, one of floats
+/// f32-linear. Everything is checked before the first image is written. Throws UserError; for a mesh that does not
+/// belong where it is it says what is wrong with it (capture/capture_check.h).
 ImportReport import_colmap(const ImportOptions& options, const std::filesystem::path& out);
 
 /// The same for a NeRF's transforms.json, or the folder that has it (capture/transforms.h). `images`: what its paths

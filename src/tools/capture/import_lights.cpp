@@ -22,6 +22,7 @@
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
 #include "capture/photometric_stereo.h"
+#include "capture/picture_facts.h"
 #include "dataset/checksums.h"
 #include "dataset/encoding.h"
 #include "dataset/split.h"
@@ -148,11 +149,15 @@ std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport&
 }
 
 void pack(const std::vector<Source>& sources, const std::vector<uint8_t>& mask, const ImageSetFormat& format,
-          DatasetWriter& writer) {
+          DatasetWriter& writer, LightImportReport& report) {
+    std::vector<PictureFacts> facts(sources.size());
     stream_views("packing images", sources.size(), writer, [&](size_t i, int, PackedImage& packed) {
-        packed = read_packed(sources[i].file, format, mask);
+        packed = read_packed(sources[i].file, format, mask, &facts[i]);
         return sources[i].view;
     });
+    PictureWords words = describe_pictures(facts, "turn those files that do not lie on the others");
+    for (std::string& note : words.notes) report.notes.push_back(std::move(note));
+    report.remarks.insert(report.remarks.begin(), words.remarks.begin(), words.remarks.end());
 }
 
 /// Each view's camera, near or far away along +z.
@@ -400,7 +405,7 @@ LightImportReport import_lights(const LightImportOptions& options, const fs::pat
     announce_needs("import", needs_of(sources.size(), for_normals.size(), format), out, options.force);
     header.grid.texel_normals = choose_normals(options, sources, for_normals, format, mask, report);
     writer.set_encoding(format.encoding);
-    pack(sources, mask, format, writer);
+    pack(sources, mask, format, writer, report);
     header.name = dataset_name(options.name, out);
     header.description = fmt::format("{} images of one real surface, pixel on pixel, under one {} lamp each; camera{}",
                                      sources.size(), options.lights.empty() ? "near" : "distant",

@@ -20,7 +20,7 @@ struct LightImportOptions {
     std::filesystem::path mask;              ///< one for all images, white = object
     std::filesystem::path normals;           ///< see capture/normal_file.h; "flat": the plane's; empty: from the lights
     double sample_width = 0;                 ///< what an image's width covers, world units; 0: a pixel is one unit
-    std::string transfer = "auto";           ///< linear, srgb, or auto: srgb for 8 bits, else linear
+    std::string transfer = "auto";           ///< see ImageSetFormat::transfer
     int max_size = 0;                        ///< longest side of an image, pixels; 0: as it is
     int depth = 0;                           ///< bits per channel that the images must have: 8, 16, 32; 0: any
     std::string holdout = "every:8";         ///< see capture/split.h; in the order of the lights

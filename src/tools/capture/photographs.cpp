@@ -10,6 +10,7 @@
 #include "base/wording.h"
 #include "capture/image_scale.h"
 #include "capture/mask_names.h"
+#include "capture/photograph_file.h"
 #include "capture/undistort.h"
 #include "image/image_header.h"
 
@@ -183,6 +184,7 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
         photograph.name = calibration.images[i].name;
         photograph.image = calibration.images[i].file;
         photograph.held_out = held_out[i] != 0;
+        photograph.exif_orientation = options.exif_orientation;
         photograph.mask = calibration.images[i].mask;
         photograph.inverted_mask = options.invert_masks;
         const LensPlan plan = plans.of(calibration.images[i]);
@@ -204,34 +206,29 @@ std::vector<Photograph> list_photographs(const ImportOptions& options, const Cal
 
 LoadedPhotograph load_photograph(const Photograph& photograph, const Calibration& calibration) {
     const Camera &taken = photograph.taken, &to = photograph.camera;
-    const auto [full_width, full_height] = photograph.full_size;
-    const auto expect_taken = [&](int width, int height) {
-        if (width == taken.width && height == taken.height) return;
-        const fs::path& file = photograph.image;
-        if (taken.width != full_width && file != photograph.same_camera)
-            throw UserError(
-                fmt::format("{}: {} x {} pixels, but {}, of the same camera, has {} x {}: give photographs "
-                            "that are all scaled alike",
-                            file.string(), width, height, photograph.same_camera.string(), taken.width, taken.height));
-        throw UserError(fmt::format("{}: {} x {} pixels, but {} calibrates {} x {}: {}, or all of them scaled alike",
-                                    file.string(), width, height, calibration.cameras_file.string(), full_width,
-                                    full_height, calibration.size_cure));
-    };
-    const auto expect_taken_or_full = [&](int width, int height) {
-        if (width != full_width || height != full_height)
-            if (width != taken.width || height != taken.height)
-                throw UserError(
-                    fmt::format("{}: {} x {} pixels, but its photograph has {} x {}: give masks of that size",
-                                photograph.mask.string(), width, height, taken.width, taken.height));
-    };
-    LoadedPhotograph loaded{read_image(photograph.image, false, expect_taken), {}};
+    PhotographSource source;
+    source.name = photograph.name;
+    source.image = photograph.image;
+    source.mask = photograph.mask;
+    source.inverted_mask = photograph.inverted_mask;
+    source.width = taken.width, source.height = taken.height;
+    source.full_size = photograph.full_size;
+    source.exif_orientation = photograph.exif_orientation;
+    if (taken.width != photograph.full_size[0] && photograph.image != photograph.same_camera) {
+        source.expected_by = photograph.same_camera.string() + ", of the same camera, has";
+        source.size_cure = "give photographs that are all scaled alike";
+    } else {
+        source.expected_by = calibration.cameras_file.string() + " calibrates";
+        source.size_cure = calibration.size_cure + ", or all of them scaled alike";
+    }
+    PhotographFile file = read_photograph_file(source);
+    LoadedPhotograph loaded;
+    loaded.image = std::move(file.image);
+    loaded.facts = std::move(file.facts);
     if (!photograph.mask.empty()) {
-        MaskFile mask = read_mask(photograph.mask, expect_taken_or_full);
-        loaded.largest_mask_value = mask.largest;
-        loaded.mask_of_labels = mask.labels;
-        if (photograph.inverted_mask)
-            for (uint8_t& value : mask.values) value = static_cast<uint8_t>(255 - value);
-        loaded.mask = fitted_mask(std::move(mask), photograph);
+        loaded.largest_mask_value = file.mask.largest;
+        loaded.mask_of_labels = file.mask.labels;
+        loaded.mask = fitted_mask(std::move(file.mask), photograph);
     }
     std::vector<uint8_t> inside;
     if (photograph.lens) {
@@ -270,6 +267,8 @@ void survey(Photograph& photograph, const LoadedPhotograph& loaded, const Mesh& 
             y0 = std::min(y0, y), y1 = std::max(y1, y);
         }
     photograph.bits = loaded.image.bits;
+    photograph.linear = loaded.image.linear;
+    photograph.facts = loaded.facts;
     photograph.has_mask = loaded.has_mask;
     photograph.largest_mask_value = loaded.largest_mask_value;
     photograph.mask_of_labels = loaded.mask_of_labels;

@@ -9,6 +9,7 @@
 #include "capture/coverage.h"
 #include "capture/gains.h"
 #include "capture/import.h"
+#include "capture/picture_facts.h"
 #include "geometry/camera.h"
 #include "geometry/mesh.h"
 #include "geometry/raster.h"
@@ -28,9 +29,12 @@ struct Photograph {
     Camera calibrated;                  ///< the pinhole that is made of `taken`; without a lens the same
     Camera camera;                      ///< `calibrated` after max_size
     bool held_out = false;
-    bool inverted_mask = false;  ///< its file has black for the object
+    bool inverted_mask = false;             ///< its file has black for the object
+    std::string exif_orientation = "auto";  ///< ImportOptions::exif_orientation
     // Found by the survey:
     int bits = 8;
+    bool linear = false;  ///< of 8 and 16 bits: the values are linear light, not sRGB
+    PictureFacts facts;
     int largest_mask_value = 255;            ///< in the mask's file, of 255
     bool mask_of_labels = false;             ///< see MaskFile
     std::array<int, 4> crop = {0, 0, 0, 0};  ///< x, y, width, height
@@ -46,6 +50,7 @@ struct LoadedPhotograph {
     bool has_mask = false;         ///< of the object: a file or alpha
     int largest_mask_value = 255;  ///< of the mask's file
     bool mask_of_labels = false;
+    PictureFacts facts = {};
 };
 
 /// The camera of the photograph scaled to a longest side of max_size pixels; 0: as it is.

@@ -64,6 +64,10 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
     import.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
     import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)");
+    import
+        .add_word("--exif-orientation", options->exif_orientation,
+                  "stored, apply, or auto: turned where only that gives the calibrated size")
+        .choices({"auto", "stored", "apply"});
     import.add_number("--least-coverage", options->least_coverage, limits::least_coverage,
                       "of the masks by the mesh, without masks of the images; default: 0.2 and 0.01");
     import.add_flag("--invert-masks", options->invert_masks, "in the masks' files, black = object");
@@ -107,7 +111,9 @@ void add_lights(CommandLine& command) {
         "picture of normals: x right, y up, z towards the camera; or flat; default: computed from the images if the "
         "lamps are distant, else flat");
     lights.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    lights.add_word("--transfer", options->transfer, "linear, srgb, or auto: srgb for 8 bits, else linear")
+    lights
+        .add_word("--transfer", options->transfer,
+                  "linear, srgb, or auto: as the file says; else srgb for 8 bits, linear for more")
         .choices({"linear", "srgb", "auto"});
     lights.add_choice("--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
                       "bits per channel that the images must have: 8, 16, 32 (floats)");

@@ -22,7 +22,8 @@ void read_values(oiio::ImageInput& input, oiio::TypeDesc type, OiioPixels& out) 
     const oiio::ImageSpec& spec = input.spec();
     std::vector<Channel> values(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels));
     const bool complete = input.read_image(0, 0, 0, spec.nchannels, type, values.data());
-    out.image = {spec.width, spec.height, spec.nchannels, spec.alpha_channel, false, std::move(values)};
+    out.image = {spec.width, spec.height, spec.nchannels, spec.alpha_channel, false, std::move(values), {}};
+    out.image.names = spec.channelnames;
     if (!complete || input.has_error()) out.damage = input.geterror();
 }
 
