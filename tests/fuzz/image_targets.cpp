@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "capture/normal_file.h"
+#include "capture/picture_colors.h"
 #include "capture_fixture.h"
 #include "image/image_file.h"
+#include "picture_bytes.h"
 #include "target.h"
 
 namespace radiafit::fuzz {
@@ -21,7 +23,11 @@ void read_image_file(const fs::path& file) {
     std::optional<UserError> refusal;
     int taken = 0;
     for (const auto& way :
-         std::vector<std::function<void()>>{[&] { read_image(file); }, [&] { read_image(file, true); },
+         std::vector<std::function<void()>>{[&] { read_image(file); },
+                                            [&] {
+                                                ImageFile image = read_image(file, true);
+                                                convert_colors(image);
+                                            },
                                             [&] { read_mask(file); }, [&] { read_normal_file(file); }}) {
         try {
             way();
@@ -58,6 +64,10 @@ Seeds png_seeds(const fs::path& folder) {
             seeds.push_back(testing::encode_png(width, height, channels, bits, samples));
         }
     seeds.push_back(written(folder, "other.png", 3, OIIO::TypeDesc::UINT8, ""));
+    seeds.push_back(testing::plain_png(1, 1, 8, 2, testing::stored_zlib(std::string(4, '\1')),
+                                       testing::iccp_chunk(testing::display_p3().encode()) +
+                                           testing::png_chunk("eXIf", testing::encode_exif(6)) +
+                                           testing::png_chunk("gAMA", testing::big_endian(55556))));
     return seeds;
 }
 
@@ -73,6 +83,11 @@ Seeds tiff_seeds(const fs::path& folder) {
             for (const int channels : {3, 1, 4})
                 seeds.push_back(written(folder, "other.tif", channels, type, compression));
     seeds.push_back(written(folder, "other.tif", 3, OIIO::TypeDesc::UINT8, "none", true));
+    seeds.push_back(written(folder, "other.tif", 3, OIIO::TypeDesc::UINT8, "jpeg:90"));
+    seeds.push_back(written(folder, "other.tif", 3, OIIO::TypeDesc::UINT8, "zstd"));
+    auto wide = testing::tiff_entries(2, 1, 3, 8);
+    wide.erase(wide.begin() + 9);
+    seeds.push_back(testing::encode_tiff(wide, "abcdef", false, true));
     return seeds;
 }
 
@@ -83,6 +98,8 @@ Seeds exr_seeds(const fs::path& folder) {
             seeds.push_back(written(folder, "other.exr", 3, type, compression));
     seeds.push_back(written(folder, "other.exr", 4, OIIO::TypeDesc::HALF, "zip"));
     seeds.push_back(written(folder, "other.exr", 1, OIIO::TypeDesc::FLOAT, "none", true));
+    seeds.push_back(testing::encode_exr_channels({"A", "B", "G", "R", "Z"}, {1, 1, 2, 2}, {0, 0, 3, 3},
+                                                 [](size_t c, int x, int y) { return float(c) + float(x + y); }));
     return seeds;
 }
 
@@ -113,6 +130,35 @@ void vouch(const fs::path& file) {
     put_bytes(file, png);
 }
 
+/// A profile alone, of which a picture takes its colours. Refused where it is not used.
+void read_profile(const fs::path& file) {
+    ImageFile image;
+    image.width = image.height = 2;
+    image.rgb8.assign(12, 77);
+    image.grey = true;
+    image.colors.profile = bytes_of(file).substr(0, largest_profile);
+    const ColorReading reading = convert_colors(image);
+    if (!reading.ignored.empty() || image.colors.profile.empty()) throw UserError(reading.ignored);
+}
+
+Seeds profile_seeds(const fs::path&) {
+    testing::IccProfile grey{.name = "Grey", .space = "GRAY"};
+    // A table of two points a channel, in place of curves (type mft1).
+    const std::string none(4, '\0');
+    std::string table = "mft1" + none + std::string("\3\3\2\0", 4);
+    for (int i = 0; i < 9; ++i) table += testing::big_endian(i % 4 ? 0 : 65536);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 256; ++i) table += char(i);
+    for (int i = 0; i < 24; ++i) table += char(i % 3 == 0 ? i * 10 : 128);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 256; ++i) table += char(i);
+    std::string lut = testing::display_p3().encode().substr(0, 128);
+    lut.replace(20, 4, "Lab ");
+    lut += testing::big_endian(1) + "A2B0" + testing::big_endian(144) + testing::big_endian(uint32_t(table.size())) + table;
+    lut.replace(0, 4, testing::big_endian(uint32_t(lut.size())));
+    return {testing::display_p3().encode(), testing::adobe_rgb().encode(), grey.encode(), lut};
+}
+
 Target target(const char* name, const char* file, Seeds (*seeds)(const fs::path&)) {
     return {name, file, seeds, [=](const fs::path& folder) { read_image_file(folder / file); }};
 }
@@ -128,7 +174,10 @@ std::vector<Target> image_targets() {
             target("jpeg", "image.jpg", jpeg_seeds),
             target("tiff", "image.tif", tiff_seeds),
             target("image_exr", "image.exr", exr_seeds),
-            target("pfm", "image.pfm", pfm_seeds)};
+            target("pfm", "image.pfm", pfm_seeds),
+            {"icc_profile", "profile.icc", profile_seeds, [](const fs::path& folder) {
+                 read_profile(folder / "profile.icc");
+             }}};
 }
 
 }  // namespace radiafit::fuzz

@@ -174,7 +174,9 @@ ColorReading convert_colors(ImageFile& image) {
         return reading;
     }
     const Differences differences = compare_with_srgb(*conversion);
-    constexpr double srgb_tolerance = 1.5 / 255, linear_tolerance = 0.002;
+    // Small profiles that call themselves sRGB have its primaries and, for its curve, the power 2.2.
+    const double srgb_tolerance = conversion->name.starts_with("sRGB") ? 9.0 / 255 : 1.5 / 255;
+    constexpr double linear_tolerance = 0.002;
     if (differences.srgb <= srgb_tolerance) {
         reading.kind = Kind::srgb;
         image.linear = false;
