@@ -46,7 +46,8 @@ double converted(const ImageFile& before, size_t i, const Matrix& m, const std::
     const size_t pixel = i / 3 * 3, row = i % 3;
     double sum = 0;
     for (size_t c = 0; c < 3; ++c)
-        sum += m[3 * row + c] * light(before.bits == 8 ? before.rgb8[pixel + c] / 255.0 : before.rgb16[pixel + c] / 65535.0);
+        sum += m[3 * row + c] *
+               light(before.bits == 8 ? before.rgb8[pixel + c] / 255.0 : before.rgb16[pixel + c] / 65535.0);
     return std::clamp(sum, 0.0, 1.0);
 }
 
@@ -63,8 +64,8 @@ TEST(PictureColors, ProfilesAreConvertedToTheRightValues) {
             expect_in(p3 ? "'Display P3'" : "'Adobe RGB (1998)'", reading.by);
             EXPECT_EQ(image.linear, bits == 16);
             for (size_t i = 0; i < 12; ++i) {
-                const double light = p3 ? converted(before, i, p3_to_srgb, srgb_decode)
-                                        : converted(before, i, adobe_to_srgb, power);
+                const double light =
+                    p3 ? converted(before, i, p3_to_srgb, srgb_decode) : converted(before, i, adobe_to_srgb, power);
                 // One step of 8 bits; in light, what five digits of the primaries leave.
                 if (bits == 8) {
                     EXPECT_NEAR(image.rgb8[i], 255 * srgb_encode(light), 1.0) << i;
@@ -84,11 +85,14 @@ TEST(PictureColors, SrgbAndLinearLightKeepEveryBit) {
     usual.gamma = 0.45455;
     usual.chromaticities = {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329};
     one.gamma = 1;
-    const std::vector<std::pair<ColorTags, Kind>> all = {
-        {tags_of({.name = "sRGB IEC61966-2.1"}), Kind::srgb}, {tags_of({.name = "c2"}), Kind::srgb},
-        {tags_of(named), Kind::srgb},                         {tags_of(linear), Kind::linear},
-        {chunk, Kind::srgb},                                  {usual, Kind::srgb},
-        {one, Kind::linear},                                  {{}, Kind::unknown}};
+    const std::vector<std::pair<ColorTags, Kind>> all = {{tags_of({.name = "sRGB IEC61966-2.1"}), Kind::srgb},
+                                                         {tags_of({.name = "c2"}), Kind::srgb},
+                                                         {tags_of(named), Kind::srgb},
+                                                         {tags_of(linear), Kind::linear},
+                                                         {chunk, Kind::srgb},
+                                                         {usual, Kind::srgb},
+                                                         {one, Kind::linear},
+                                                         {{}, Kind::unknown}};
     for (const auto& [tags, kind] : all)
         for (const int bits : {8, 16}) {
             const ImageFile before = picture(bits, tags);
@@ -180,8 +184,9 @@ TEST(PictureFactsTest, AlikeIsSaidOnceAndOthersAreCounted) {
     for (PictureFacts& f : facts) f.orientation = 6;  // all alike: nothing to say
     EXPECT_TRUE(describe_pictures(facts, "").notes.empty());
     facts[0].orientation = 1;
-    expect_in("5 of 6 pictures carry an EXIF orientation (6) that is not applied: 1.jpg, 2.jpg, 3.jpg, 4.jpg, ...; cure",
-              describe_pictures(facts, "cure").notes.at(0));
+    expect_in(
+        "5 of 6 pictures carry an EXIF orientation (6) that is not applied: 1.jpg, 2.jpg, 3.jpg, 4.jpg, ...; cure",
+        describe_pictures(facts, "cure").notes.at(0));
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ TEST(Orientation, EveryOneOfTheEight) {
 
 TEST_F(PictureFiles, OrientationsAndProfilesOfEveryFormat) {
     const std::string profile = display_p3().encode(), zlib = stored_zlib(std::string(4, '\0'));
-    ImageFile image = read("x.png", plain_png(1, 1, 8, 2, zlib, png_chunk("eXIf", encode_exif(8)) + iccp_chunk(profile)));
+    ImageFile image =
+        read("x.png", plain_png(1, 1, 8, 2, zlib, png_chunk("eXIf", encode_exif(8)) + iccp_chunk(profile)));
     EXPECT_EQ(image.orientation, 8);
     EXPECT_EQ(image.colors.profile, profile);
     image = read("x.png", plain_png(1, 1, 8, 2, zlib, png_chunk("iCCP", "name")));
@@ -105,9 +106,10 @@ TEST_F(PictureFiles, PhotographsAreTurnedToTheCalibratedSizeAndMasksWithThem) {
     EXPECT_EQ(read_photograph_file(source).mask, (std::vector<uint8_t>{255, 0, 0, 0, 0, 0}));
     source.mask.clear();
     source.exif_orientation = "stored";
-    expect_in("3 x 2 pixels, but cameras.txt calibrates 2 x 3, and its EXIF orientation 6 swaps the sides: give "
-              "'exif_orientation' auto",
-              complaint(reds));
+    expect_in(
+        "3 x 2 pixels, but cameras.txt calibrates 2 x 3, and its EXIF orientation 6 swaps the sides: give "
+        "'exif_orientation' auto",
+        complaint(reds));
     // Sides as calibrated: as stored, unless the user says otherwise.
     write_bytes(source.image, counted_png(2, 3, png_chunk("eXIf", encode_exif(3))));
     source.exif_orientation = "auto";
@@ -125,7 +127,9 @@ TEST_F(PictureFiles, PhotographsAreTurnedToTheCalibratedSizeAndMasksWithThem) {
 TEST_F(PictureFiles, ExrChannelsAreTakenByName) {
     const ExrBox box = {0, 0, 1, 0};
     const auto numbered = [](size_t c, int x, int) { return float(10 * c) + float(x); };
-    const auto exr = [&](const std::vector<std::string>& names) { return encode_exr_channels(names, box, box, numbered); };
+    const auto exr = [&](const std::vector<std::string>& names) {
+        return encode_exr_channels(names, box, box, numbered);
+    };
     ImageFile image = read("x.exr", exr({"A", "B", "G", "R", "Z"}));
     EXPECT_EQ(image.rgb32, (std::vector<float>{30, 20, 10, 31, 21, 11}));
     EXPECT_EQ(image.alpha.size(), 2u);
@@ -165,7 +169,8 @@ TEST_F(PictureFiles, ExrWindowsAreFilledUpToTheDisplayWindow) {
     EXPECT_EQ(image.rgb32[3], 2);
     image = exr({9, 9, 9, 9}, {0, 0, 1, 1});  // nothing of it
     EXPECT_EQ(image.alpha, (std::vector<uint8_t>(4, 0)));
-    expect_in("far larger", refusal("x.exr", encode_exr_channels({"Y"}, {0, 0, 0, 0}, {0, 0, 29999, 29999}, place({}))));
+    expect_in("far larger",
+              refusal("x.exr", encode_exr_channels({"Y"}, {0, 0, 0, 0}, {0, 0, 29999, 29999}, place({}))));
 }
 
 TEST_F(PictureFiles, TiffsPackedAsCamerasAndEditorsDo) {
@@ -209,7 +214,8 @@ TEST_F(PictureFiles, TiffsPackedAsCamerasAndEditorsDo) {
     for (size_t size = 4096; size < whole.size(); size += 13) refusal("x.tif", whole.substr(0, size));
     // A palette of three colours.
     std::vector<uint32_t> map(768, 0);
-    for (uint32_t i = 0; i < 3; ++i) map[i] = 257 * (10 + i), map[256 + i] = 257 * (20 + i), map[512 + i] = 257 * (30 + i);
+    for (uint32_t i = 0; i < 3; ++i)
+        map[i] = 257 * (10 + i), map[256 + i] = 257 * (20 + i), map[512 + i] = 257 * (30 + i);
     std::vector<TiffEntry> palette = tiff_entries(3, 1, 1, 8);
     palette.erase(palette.begin() + 9);
     palette[4].values = {3};

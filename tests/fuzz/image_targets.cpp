@@ -154,7 +154,8 @@ Seeds profile_seeds(const fs::path&) {
         for (int i = 0; i < 256; ++i) table += char(i);
     std::string lut = testing::display_p3().encode().substr(0, 128);
     lut.replace(20, 4, "Lab ");
-    lut += testing::big_endian(1) + "A2B0" + testing::big_endian(144) + testing::big_endian(uint32_t(table.size())) + table;
+    lut += testing::big_endian(1) + "A2B0" + testing::big_endian(144) + testing::big_endian(uint32_t(table.size())) +
+           table;
     lut.replace(0, 4, testing::big_endian(uint32_t(lut.size())));
     return {testing::display_p3().encode(), testing::adobe_rgb().encode(), grey.encode(), lut};
 }
@@ -175,9 +176,8 @@ std::vector<Target> image_targets() {
             target("tiff", "image.tif", tiff_seeds),
             target("image_exr", "image.exr", exr_seeds),
             target("pfm", "image.pfm", pfm_seeds),
-            {"icc_profile", "profile.icc", profile_seeds, [](const fs::path& folder) {
-                 read_profile(folder / "profile.icc");
-             }}};
+            {"icc_profile", "profile.icc", profile_seeds,
+             [](const fs::path& folder) { read_profile(folder / "profile.icc"); }}};
 }
 
 }  // namespace radiafit::fuzz

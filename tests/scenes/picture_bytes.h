@@ -10,7 +10,7 @@ namespace radiafit::testing {
 
 /// A PNG of one's own header and pixel bytes; more: chunks between them.
 inline std::string plain_png(uint32_t width, uint32_t height, char bits, char color, const std::string& zlib,
-                      const std::string& more = "") {
+                             const std::string& more = "") {
     return "\x89PNG\r\n\x1a\n" +
            png_chunk("IHDR", big_endian(width) + big_endian(height) + std::string{bits, color, 0, 0, 0}) + more +
            png_chunk("IDAT", zlib) + png_chunk("IEND", "");
@@ -72,10 +72,11 @@ inline std::string exr_attribute(const std::string& name, const std::string& typ
 
 using ExrBox = std::array<int32_t, 4>;  ///< left, top, right, bottom
 
-/// An uncompressed OpenEXR file of floats, all channels of these names (sorted) and each value of channel c at (x, y) of
-/// the data window by value(c, x, y), x and y counted from the data window's corner. more: further attributes.
+/// An uncompressed OpenEXR file of floats, all channels of these names (sorted) and each value of channel c at (x, y)
+/// of the data window by value(c, x, y), x and y counted from the data window's corner. more: further attributes.
 inline std::string encode_exr_channels(const std::vector<std::string>& names, const ExrBox& data, const ExrBox& display,
-                                       const std::function<float(size_t, int, int)>& value, const std::string& more = "") {
+                                       const std::function<float(size_t, int, int)>& value,
+                                       const std::string& more = "") {
     const auto box = [](const ExrBox& b) { return Bytes().put(b[0]).put(b[1]).put(b[2]).put(b[3]).text; };
     std::string channels;
     for (const std::string& name : names) channels += name + '\0' + Bytes().put(2).put(0).put(1).put(1).text;
@@ -140,7 +141,7 @@ struct IccProfile {
     std::string space = "RGB ";
     std::array<double, 9> primaries = {0.43607, 0.22249, 0.01392, 0.38515, 0.71687,
                                        0.09708, 0.14307, 0.06061, 0.71410};  ///< X Y Z of red, green, blue: sRGB's
-    double power = 0;                                                         ///< of the curve; 0: sRGB's
+    double power = 0;                                                        ///< of the curve; 0: sRGB's
 
     std::string encode() const {
         const auto fixed = [](double v) { return big_endian(uint32_t(int32_t(std::lround(v * 65536)))); };
@@ -156,7 +157,8 @@ struct IccProfile {
         } else {
             for (size_t c = 0; c < 3; ++c) {
                 const double* p = primaries.data() + 3 * c;
-                tags.emplace_back(std::string(1, "rgb"[c]) + "XYZ", "XYZ " + none + fixed(p[0]) + fixed(p[1]) + fixed(p[2]));
+                tags.emplace_back(std::string(1, "rgb"[c]) + "XYZ",
+                                  "XYZ " + none + fixed(p[0]) + fixed(p[1]) + fixed(p[2]));
                 tags.emplace_back(std::string(1, "rgb"[c]) + "TRC", curve);
             }
         }
@@ -174,10 +176,13 @@ struct IccProfile {
 };
 
 inline IccProfile display_p3() {
-    return {"Display P3", "RGB ", {0.51512, 0.24120, -0.00105, 0.29198, 0.69225, 0.04189, 0.15710, 0.06657, 0.78407}, 0};
+    return {
+        "Display P3", "RGB ", {0.51512, 0.24120, -0.00105, 0.29198, 0.69225, 0.04189, 0.15710, 0.06657, 0.78407}, 0};
 }
 inline IccProfile adobe_rgb() {
-    return {"Adobe RGB (1998)", "RGB ", {0.60974, 0.31111, 0.01947, 0.20528, 0.62567, 0.06087, 0.14919, 0.06322, 0.74457},
+    return {"Adobe RGB (1998)",
+            "RGB ",
+            {0.60974, 0.31111, 0.01947, 0.20528, 0.62567, 0.06087, 0.14919, 0.06322, 0.74457},
             2.19921875};
 }
 
