@@ -267,6 +267,9 @@ Needs needs_of(const std::vector<Photograph>& photographs, const Mesh& mesh, Enc
 std::string provenance(const char* format, const ImportOptions& options) {
     std::string text = fmt::format("radiafit import {} --model {} --images {} --mesh {}", format,
                                    options.model.string(), options.images.string(), options.mesh.string());
+    const MeshPlacement placement =
+        parse_placement(options.mesh_turn, options.mesh_scale, options.mesh_shift, options.flip_faces);
+    if (const std::string placed = describe_placement(placement); !placed.empty()) text += " " + placed;
     if (!options.masks.empty()) text += fmt::format(" --masks {}", options.masks.string());
     if (!options.holdout.empty()) text += fmt::format(" --holdout {}", options.holdout);
     text += fmt::format(" --gains {}", options.gains);
@@ -279,6 +282,7 @@ std::string provenance(const char* format, const ImportOptions& options) {
 }
 
 void check_options(const ImportOptions& options) {
+    parse_placement(options.mesh_turn, options.mesh_scale, options.mesh_shift, options.flip_faces);
     if (options.max_size < 0)
         throw UserError(
             fmt::format("{} {}: give a number of pixels from 1 on", option_name("max-size"), options.max_size));
@@ -303,6 +307,13 @@ std::vector<uint8_t> held_out_by_calibration(const Calibration& model) {
     return held_out;
 }
 
+/// In double: what is left is as precise as the calibration.
+void move_origin(Calibration& model, const Vec3d& origin) {
+    for (CalibratedImage& image : model.images)
+        image.camera.cam_from_world_translation += image.camera.cam_from_world_rotation * origin;
+    if (model.known_transform) model.known_transform->shift += model.known_transform->linear * origin - origin;
+}
+
 /// format: of the calibration, as the command line has it.
 ImportReport import_calibrated(const char* format, ImportOptions options, Calibration model, const fs::path& out) {
     ImportReport report;
@@ -312,7 +323,10 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     if (options.holdout.empty() && !own_split) options.holdout = "every:8";
     std::vector<std::string> names;
     for (const CalibratedImage& image : model.images) names.push_back(image.name);
-    MeshFile mesh = read_mesh_file(options.mesh);
+    const MeshPlacement placement =
+        parse_placement(options.mesh_turn, options.mesh_scale, options.mesh_shift, options.flip_faces);
+    MeshFile mesh = read_mesh_file(options.mesh, placement, Origin::moved);
+    if (!mesh.origin.isZero(0)) move_origin(model, mesh.origin);
     const Vec3d centre = surface_centre(mesh.mesh, {});
     std::vector<Vec3d> directions;
     for (const CalibratedImage& image : model.images)
@@ -322,6 +336,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     if (options.gains != "none" && !estimates_gains(options)) read_gains(options.gains, names);
     for (std::string& note : mesh.notes) report.notes.push_back(std::move(note));
     report.remarks = model.remarks;
+    for (std::string& remark : mesh.remarks) report.remarks.push_back(std::move(remark));
     std::vector<Photograph> photographs = list_photographs(options, model, held_out, report);
     report.images = photographs.size();
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
@@ -360,6 +375,9 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     header.description = fmt::format("{} photographs, cameras from {}", photographs.size(), model.origin);
     if (!report.undistortion.empty()) header.description += ", " + report.undistortion;
     header.source = provenance(format, options);
+    if (!mesh.origin.isZero(0))
+        header.description += fmt::format("; origin moved to ({:.10g}, {:.10g}, {:.10g}) of their frame",
+                                          mesh.origin.x(), mesh.origin.y(), mesh.origin.z());
     header.encoding = encoding;
     header.mesh = std::move(mesh.mesh);
     writer.finish(header);

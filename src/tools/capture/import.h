@@ -11,7 +11,10 @@ namespace radiafit::tools {
 struct ImportOptions {
     std::filesystem::path model;   ///< the calibration: folder of a COLMAP model, transforms.json, poses_bounds.npy
     std::filesystem::path images;  ///< folder of the photographs, 8 or 16 bits or floats
-    std::filesystem::path mesh;    ///< surface in the model's frame, PLY or OBJ
+    std::filesystem::path mesh;    ///< surface, see capture/mesh_file.h
+    std::string mesh_turn, mesh_shift;  ///< bring it into the model's frame, with mesh_scale (capture/mesh_placement.h)
+    double mesh_scale = 1;
+    bool flip_faces = false;      ///< the mesh's faces turn inward
     std::filesystem::path masks;  ///< folder, white = object (names: capture/mask_names.h); empty: what the calibration
                                   ///< names, if anything
     std::string holdout;          ///< see capture/split.h; empty: what the calibration says, else every:8

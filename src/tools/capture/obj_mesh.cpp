@@ -27,24 +27,30 @@ public:
         if (largest_ > positions().size())
             throw UserError(fmt::format("{}:{}: refers to vertex {}, but the file has only {}: export the mesh again",
                                         file_.string(), largest_line_, largest_, positions().size()));
+        raw_.cut_polygons();
         sort_by_use();
         return std::move(raw_);
     }
 
 private:
-    std::vector<Vec3f>& positions() { return raw_.mesh.positions; }
+    std::vector<Vec3d>& positions() { return raw_.positions; }
+
+    bool next_line(std::string_view& line) {
+        if (!text_.next_line(line)) return false;
+        line = line.substr(0, line.find('#'));  // a comment may stand behind anything
+        return true;
+    }
 
     /// A line, with those that a backslash at its end joins to it.
     bool next_statement(std::string_view& line) {
-        if (!text_.next_line(line)) return false;
+        if (!next_line(line)) return false;
         if (!line.ends_with('\\')) return true;
         joined_.clear();
         for (bool more = true; more;) {
             more = line.ends_with('\\');
             joined_ += line.substr(0, line.size() - (more ? 1 : 0));
             joined_ += ' ';
-            if (more && !text_.next_line(line))
-                text_.fail("a backslash joins no line to this one: export the mesh again");
+            if (more && !next_line(line)) text_.fail("a backslash joins no line to this one: export the mesh again");
         }
         line = joined_;
         return true;
@@ -52,8 +58,8 @@ private:
 
     void add_vertex(const std::vector<std::string_view>& words) {
         if (words.size() < 4) text_.fail("a vertex takes three numbers: export the mesh again");
-        positions().emplace_back(text_.to_float(words[1], "x"), text_.to_float(words[2], "y"),
-                                 text_.to_float(words[3], "z"));  // a weight or a colour may follow
+        positions().emplace_back(to_coordinate(text_, words[1], "x"), to_coordinate(text_, words[2], "y"),
+                                 to_coordinate(text_, words[3], "z"));  // a weight or a colour may follow
     }
 
     void add_face(const std::vector<std::string_view>& words) {
@@ -78,8 +84,8 @@ private:
     void sort_by_use() {
         constexpr uint32_t unused = std::numeric_limits<uint32_t>::max();
         std::vector<uint32_t> new_index(positions().size(), unused);
-        std::vector<Vec3f> sorted;
-        for (auto& triangle : raw_.mesh.triangles)
+        std::vector<Vec3d> sorted;
+        for (auto& triangle : raw_.triangles)
             for (uint32_t& v : triangle) {
                 if (new_index[v] == unused) {
                     new_index[v] = static_cast<uint32_t>(sorted.size());

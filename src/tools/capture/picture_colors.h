@@ -21,9 +21,9 @@ struct ColorReading {
 };
 
 /// Takes a picture's colours by ImageFile::colors: values within 1.5 / 255 of sRGB (9 / 255 where the profile calls
-/// itself sRGB, which allows for a power of 2.2), or of linear light, stay as they are to the bit; others are converted to
-/// sRGB's primaries, where what sRGB cannot show is clipped (not of floats). Sets ImageFile::linear, unless the kind is
-/// unknown. Floats are always linear: of a profile, its primaries count alone.
+/// itself sRGB, which allows for a power of 2.2), or of linear light, stay as they are to the bit; others are converted
+/// to sRGB's primaries, where what sRGB cannot show is clipped (not of floats). Sets ImageFile::linear, unless the kind
+/// is unknown. Floats are always linear: of a profile, its primaries count alone.
 ColorReading convert_colors(ImageFile& image);
 
 }  // namespace radiafit::tools

@@ -36,7 +36,7 @@ public:
     double next(PlyType type) {
         const std::string_view word = next_word();
         if (type.kind != PlyType::Kind::real) return double(text_.to_signed(word, "a value"));
-        return type.bytes == 4 ? double(text_.to_float(word, "a value")) : text_.to_double(word, "a value");
+        return to_coordinate(text_, word, "a value");
     }
     void skip(PlyType) { next_word(); }
     void end_entry() {
@@ -130,8 +130,8 @@ public:
 
     RawMesh read() {
         for (const PlyElement& element : header_.elements) {
-            if (element.name == "vertex") raw_.mesh.positions.reserve(element.count);
-            if (element.name == "face") raw_.mesh.triangles.reserve(element.count);
+            if (element.name == "vertex") raw_.positions.reserve(element.count);
+            if (element.name == "face") raw_.triangles.reserve(element.count);
             for (uint64_t i = 0; i < element.count; ++i) {
                 body_.begin_entry(element, i);
                 read_entry(element);
@@ -139,43 +139,66 @@ public:
             }
         }
         body_.expect_end();
+        raw_.cut_polygons();
         return std::move(raw_);
     }
 
 private:
     void read_entry(const PlyElement& element) {
         if (element.name == "vertex") return read_vertex(element);
-        for (const PlyProperty& p : element.properties)
-            if (element.name == "face" && p.length && (p.name == "vertex_indices" || p.name == "vertex_index"))
-                read_face(p);
-            else
-                skip(p);
-    }
-
-    void read_vertex(const PlyElement& element) {
-        Vec3f position = Vec3f::Zero();
         for (const PlyProperty& p : element.properties) {
-            const int axis = p.length || p.name.size() != 1 ? 3 : p.name[0] - 'x';
-            if (axis >= 0 && axis < 3)
-                position[axis] = static_cast<float>(body_.next(p.type));
+            const bool corners = p.length && (p.name == "vertex_indices" || p.name == "vertex_index");
+            if (corners && element.name == "face")
+                read_face(p);
+            else if (corners && element.name == "tristrips")
+                read_strips(p);
             else
                 skip(p);
         }
-        if (!position.allFinite()) body_.fail("its position is not finite: repair the mesh");
-        raw_.mesh.positions.push_back(position);
+    }
+
+    void read_vertex(const PlyElement& element) {
+        Vec3d position = Vec3d::Zero();
+        for (const PlyProperty& p : element.properties) {
+            const int axis = p.length || p.name.size() != 1 ? 3 : p.name[0] - 'x';
+            if (axis >= 0 && axis < 3)
+                position[axis] = body_.next(p.type);
+            else
+                skip(p);
+        }
+        if (!position.cast<float>().allFinite()) body_.fail("its position is not finite: repair the mesh");
+        raw_.positions.push_back(position);
     }
 
     void read_face(const PlyProperty& list) {
         corners_.clear();
+        for (uint64_t n = length(list); n > 0; --n) corners_.push_back(to_corner(body_.next(list.type)));
+        raw_.add_polygon(corners_);
+    }
+
+    /// Strips of triangles one after the other, -1 between them.
+    void read_strips(const PlyProperty& list) {
+        corners_.clear();
+        const auto end_strip = [&] {
+            if (!corners_.empty()) raw_.add_strip(corners_);
+            corners_.clear();
+        };
         for (uint64_t n = length(list); n > 0; --n) {
             const double index = body_.next(list.type);
-            if (!(index >= 0 && index < double(vertices_) && index == std::floor(index)))
-                body_.fail(
-                    fmt::format("refers to vertex {}, but they are numbered from 0 to below {}: export the mesh again",
-                                index, vertices_));
-            corners_.push_back(static_cast<uint32_t>(index));
+            if (index == -1)
+                end_strip();
+            else
+                corners_.push_back(to_corner(index));
         }
-        raw_.add_polygon(corners_);
+        end_strip();
+    }
+
+    uint32_t to_corner(double index) const {
+        if (!(index >= 0 && index < double(vertices_) && index == std::floor(index)))
+            body_.fail(
+                fmt::format("refers to vertex {}, but they are numbered from 0 to below {}: export the mesh again",
+                            index, vertices_));
+        return static_cast<uint32_t>(index);
     }
 
     void skip(const PlyProperty& property) {

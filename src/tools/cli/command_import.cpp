@@ -58,7 +58,12 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_text("--model", options->model, format.model_help).required();
     CommandOption images = import.add_text("--images", options->images, format.images_help);
     if (format.images_required) images.required();
-    import.add_text("--mesh", options->mesh, "surface in the calibration's frame, PLY or OBJ").required();
+    import.add_text("--mesh", options->mesh, "surface in the calibration's frame: PLY, OBJ, STL, GLB, glTF").required();
+    import.add_text("--mesh-turn", options->mesh_turn,
+                    "the mesh's old axes that its new x, y and z are: x,z,-y makes y of z and z of -y");
+    import.add_number("--mesh-scale", options->mesh_scale, limits::mesh_scale, "of the mesh, after that");
+    import.add_text("--mesh-shift", options->mesh_shift, "x,y,z that is added to the mesh, after that");
+    import.add_flag("--flip-faces", options->flip_faces, "turn the mesh's faces over: they face inward");
     import.add_text("--masks", options->masks,
                     "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
     import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
