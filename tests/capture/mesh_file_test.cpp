@@ -212,7 +212,7 @@ TEST_F(Meshes, BadPlyFilesAreNamed) {
 
 TEST_F(Meshes, OtherFilesAreRefused) {
     write_bytes(root_ / "x.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-    expect_in("export the mesh as PLY or OBJ", complaint([&] { read_mesh_file(root_ / "x.off"); }));
+    expect_in("neither PLY, OBJ, STL, GLB nor glTF", complaint([&] { read_mesh_file(root_ / "x.off"); }));
     expect_in("it is a folder", complaint([&] { read_mesh_file(root_); }));
     ASSERT_EQ(mkfifo((root_ / "pipe.obj").c_str(), 0600), 0);
     expect_in("it is a pipe", complaint([&] { read_mesh_file(root_ / "pipe.obj"); }));
