@@ -80,6 +80,8 @@ rows += [
     (colmap("nowhere"), None, 2, "photos/nowhere: no COLMAP model here"),
     (colmap("mesh.obj"), None, 2, "photos/mesh.obj: no COLMAP model here"),
     (colmap(), replace(cameras, "PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0 0 0 0"), 0, "3 views"),
+    (colmap(), replace(cameras, "PINHOLE 16 16 20 20 8 8", "OPENCV 16 16 20 20 8 8 0.01 0 1e-3 0"), 0, "undistorted from OPENCV (0.01, 0, 0.001, 0): 16 x 16"),
+    (colmap(), replace(cameras, "16 16 20 20 8 8", "32 32 40 40 16 16"), 0, "3 views"),
     (colmap(), None, 0, "3 views"),
 ]
 for share in (0.02, 0.3, 0.7):

@@ -36,7 +36,8 @@ bool is_scaled(const Camera& from, int width, int height) {
     const double least = std::max((width - 1.0) / from.width, (height - 1.0) / from.height);
     const double largest = std::min((width + 1.0) / from.width, (height + 1.0) / from.height);
     const double factor = std::sqrt(double(width) / from.width * height / from.height);
-    return least < largest && (factor <= 0.9 || factor >= 1.1);
+    constexpr double farthest = 32;  // images_8 and more; beyond, it is another picture
+    return least < largest && (factor <= 0.9 || factor >= 1.1) && factor >= 1 / farthest && factor <= farthest;
 }
 
 /// What one calibrated camera becomes.

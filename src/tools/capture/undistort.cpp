@@ -24,8 +24,9 @@ struct Footprint {
 };
 
 int look_ups(double x, double y) {
-    const double length = std::hypot(x, y);
-    return length <= widest_gap ? 1 : int(std::min(std::ceil(length / widest_gap), double(most_look_ups)));
+    const double squared = x * x + y * y;
+    if (squared <= widest_gap * widest_gap) return 1;
+    return int(std::min(std::ceil(std::sqrt(squared) / widest_gap), double(most_look_ups)));
 }
 
 class Mapping {
