@@ -33,11 +33,12 @@ TEST_F(MeshShapes, PolygonsAreCutInTheirPlane) {
                     vertices += fmt::format("{}{} {} {}\n", ply ? "" : "v ", p.x(), p.y(), p.z());
                 for (size_t k = 0; k < n; ++k) face += fmt::format(" {}", (first + k) % n + (ply ? 0 : 1));
                 write_bytes(root_ / "x.obj", vertices + "f" + face + "\n");
-                write_bytes(root_ / "x.ply",
-                            fmt::format("ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
-                                        "property double z\nelement face 1\nproperty list int int vertex_index\n"
-                                        "end_header\n{}{}{}\n",
-                                        n, vertices, n, face));
+                write_bytes(
+                    root_ / "x.ply",
+                    fmt::format("ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+                                "property double z\nelement face 1\nproperty list int int vertex_index\n"
+                                "end_header\n{}{}{}\n",
+                                n, vertices, n, face));
                 const MeshFile file = read_mesh_file(root_ / (ply ? "x.ply" : "x.obj"));
                 EXPECT_NEAR(area(file.mesh), wanted, 1e-5 * wanted) << "from corner " << first;
                 EXPECT_EQ(file.mesh.triangle_count(), n - 2);
@@ -46,7 +47,7 @@ TEST_F(MeshShapes, PolygonsAreCutInTheirPlane) {
                 EXPECT_EQ(unsound, notes);
             }
     };
-    expect_area({{0, 0, 0}, {4, 0, 0}, {1, 1, 0}, {0, 4, 0}}, 4, 0);                    // an arrowhead
+    expect_area({{0, 0, 0}, {4, 0, 0}, {1, 1, 0}, {0, 4, 0}}, 4, 0);  // an arrowhead
     expect_area({{3, 0, 0}, {1, 1, 1}, {0, 3, 3}, {-1, 1, 1}, {-3, 0, 0}, {-1, -1, -1}, {0, -3, -3}, {1, -1, -1}},
                 12 * std::sqrt(2), 0);  // a star of four points
     // A comb, in a tilted plane: twelve corners; its teeth turn inward four times.
@@ -58,10 +59,21 @@ TEST_F(MeshShapes, PolygonsAreCutInTheirPlane) {
     }
     expect_area(comb, (5 * 1 + 3 * 2) * std::sqrt(5), 0);
     // A square of 4 with a hole of 2, joined by an edge to and fro.
-    expect_area({{0, 0, 1}, {4, 0, 1}, {4, 4, 1}, {0, 4, 1}, {0, 0, 1}, {1, 1, 1}, {1, 3, 1}, {3, 3, 1}, {3, 1, 1}, {1, 1, 1}},
-                12, 0);
+    expect_area(
+        {{0, 0, 1}, {4, 0, 1}, {4, 4, 1}, {0, 4, 1}, {0, 0, 1}, {1, 1, 1}, {1, 3, 1}, {3, 3, 1}, {3, 1, 1}, {1, 1, 1}},
+        12, 0);
     // Collinear and repeated corners of a T.
-    expect_area({{0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {3, 2, 0}, {3, 3, 0}, {1, 3, 0}, {0, 3, 0}, {0, 3, 0}},
+    expect_area({{0, 2, 0},
+                 {1, 2, 0},
+                 {1, 1, 0},
+                 {1, 0, 0},
+                 {2, 0, 0},
+                 {2, 2, 0},
+                 {3, 2, 0},
+                 {3, 3, 0},
+                 {1, 3, 0},
+                 {0, 3, 0},
+                 {0, 3, 0}},
                 5, 0);
 }
 
@@ -77,7 +89,8 @@ TEST_F(MeshShapes, StripsOfPly) {
     const std::string vertices = "0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n2 1 0\n";
     const auto file = [&](const std::string& strips) {
         return "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
-               "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + vertices + strips;
+               "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" +
+               vertices + strips;
     };
     write_bytes(root_ / "x.ply", file("10 0 2 1 3 -1 3 2 5 4 -1\n"));
     const MeshFile read = read_mesh_file(root_ / "x.ply");
@@ -157,7 +170,8 @@ std::string square_json(const std::string& uri) {
 "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
 {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
 "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
-"buffers":[{)" + uri + R"("byteLength":60}]})";
+"buffers":[{)" +
+           uri + R"("byteLength":60}]})";
 }
 
 std::string glb(std::string json, const std::string& binary) {
@@ -235,7 +249,8 @@ TEST_F(MeshShapes, PlacementsAndFarOrigins) {
     // UTM coordinates, where floats have steps of half a metre: as text and as doubles.
     write_bytes(root_ / "far.obj",
                 "v 448262.109415 5411933.550521 112.27\nv 448263.109415 5411933.550521 112.27\n"
-                "v 448262.109415 5411935.550521 112.27\n" + one);
+                "v 448262.109415 5411935.550521 112.27\n" +
+                    one);
     const MeshFile far = read_mesh_file(root_ / "far.obj", {}, Origin::moved);
     EXPECT_NEAR(area(far.mesh), 1, 1e-6);
     const Vec3d first = far.mesh.positions[0].cast<double>() + far.origin;

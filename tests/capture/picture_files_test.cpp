@@ -88,7 +88,10 @@ std::string counted_png(int width, int height, const std::string& more) {
 }
 
 TEST_F(PictureFiles, PhotographsAreTurnedToTheCalibratedSizeAndMasksWithThem) {
-    PhotographSource source{"a.png", root_ / "a.png", {}, 2, 3, "auto", "cameras.txt", "undistort"};
+    PhotographSource source;
+    source.name = "a.png", source.image = root_ / "a.png";
+    source.width = 2, source.height = 3, source.full_size = {2, 3};
+    source.exif_orientation = "auto", source.expected_by = "cameras.txt calibrates", source.size_cure = "undistort";
     write_bytes(source.image, counted_png(3, 2, png_chunk("eXIf", encode_exif(6))));
     const auto reds = [&] {
         std::vector<int> reds;
@@ -101,9 +104,9 @@ TEST_F(PictureFiles, PhotographsAreTurnedToTheCalibratedSizeAndMasksWithThem) {
     // A mask as stored is turned, an upright one is not.
     source.mask = root_ / "mask.png";
     write_bytes(source.mask, encode_png(3, 2, 1, 8, {255, 0, 0, 0, 0, 0}));
-    EXPECT_EQ(read_photograph_file(source).mask, (std::vector<uint8_t>{0, 255, 0, 0, 0, 0}));
+    EXPECT_EQ(read_photograph_file(source).mask.values, (std::vector<uint8_t>{0, 255, 0, 0, 0, 0}));
     write_bytes(source.mask, encode_png(2, 3, 1, 8, {255, 0, 0, 0, 0, 0}));
-    EXPECT_EQ(read_photograph_file(source).mask, (std::vector<uint8_t>{255, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(read_photograph_file(source).mask.values, (std::vector<uint8_t>{255, 0, 0, 0, 0, 0}));
     source.mask.clear();
     source.exif_orientation = "stored";
     expect_in(

@@ -45,10 +45,18 @@ namespace {
         largest->mask.empty() ? largest->image.string() : largest->mask.string()));
 }
 
+/// The options that move a mesh as `found` says, which was searched with its origin moved to `origin`.
+MeshPlacement placed(const MeshPlacement& given, const Vec3d& origin, const Misplacement& found) {
+    const MeshPlacement there{Mat3d::Identity(), -origin}, back{Mat3d::Identity(), origin};
+    return given.then(there).then(found.move).then(back);
+}
+
 /// Refuses a mesh that covers too little of the masks, or of the images where there are none, one that fits far better
 /// elsewhere, and inverted masks; says what is wrong, and what the photographs show otherwise.
-void check_parts(const std::vector<Photograph>& photographs, const Mesh& mesh, const std::vector<SmallView>& views,
-                 const ImportOptions& options, const Calibration& model, ImportReport& report) {
+void check_parts(const std::vector<Photograph>& photographs, const MeshFile& file, const MeshPlacement& placement,
+                 const std::vector<SmallView>& views, const ImportOptions& options, const Calibration& model,
+                 ImportReport& report) {
+    const Mesh& mesh = file.mesh;
     const bool masked =
         std::any_of(photographs.begin(), photographs.end(), [](const Photograph& p) { return p.has_mask; });
     const std::string of_what = masked ? "the masks" : "the images";
@@ -78,7 +86,10 @@ void check_parts(const std::vector<Photograph>& photographs, const Mesh& mesh, c
             text += fmt::format("; {} it would cover {:.0f} %", other->what, 100 * other->tried.coverage.share());
             if (other->tried.colours.pairs)
                 text += fmt::format(", and colours correlate by {:.2f}", other->tried.colours.correlation());
-            text += fmt::format(": {}: {}", other->why, other->cure);
+            text +=
+                fmt::format(": {}: {}", other->why,
+                            other->cure.empty() ? "give " + describe_placement(placed(placement, file.origin, *other))
+                                                : other->cure);
         } else {
             text += seen && masked ? ": bring it into the model's frame (in the masks, white is to mean object)"
                                    : ": bring it into the model's frame (and turn its faces outward)";
@@ -270,6 +281,7 @@ std::string provenance(const char* format, const ImportOptions& options) {
     const MeshPlacement placement =
         parse_placement(options.mesh_turn, options.mesh_scale, options.mesh_shift, options.flip_faces);
     if (const std::string placed = describe_placement(placement); !placed.empty()) text += " " + placed;
+    if (options.apply_transform) text += " --apply-transform";
     if (!options.masks.empty()) text += fmt::format(" --masks {}", options.masks.string());
     if (!options.holdout.empty()) text += fmt::format(" --holdout {}", options.holdout);
     text += fmt::format(" --gains {}", options.gains);
@@ -323,8 +335,20 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     if (options.holdout.empty() && !own_split) options.holdout = "every:8";
     std::vector<std::string> names;
     for (const CalibratedImage& image : model.images) names.push_back(image.name);
-    const MeshPlacement placement =
+    MeshPlacement placement =
         parse_placement(options.mesh_turn, options.mesh_scale, options.mesh_shift, options.flip_faces);
+    if (options.apply_transform) {
+        if (!model.known_transform)
+            throw UserError(fmt::format("{}: has no applied_transform: leave {} out", model.cameras_file.string(),
+                                        option_name("apply-transform")));
+        placement = placement.then({model.known_transform->linear, model.known_transform->shift, false});
+        model.known_transform.reset();
+    } else if (model.known_transform) {
+        model.remarks.push_back(
+            fmt::format("{}: its frame is another's by applied_transform: a mesh in that one, such as "
+                        "COLMAP's own, takes {}",
+                        model.cameras_file.string(), option_name("apply-transform")));
+    }
     MeshFile mesh = read_mesh_file(options.mesh, placement, Origin::moved);
     if (!mesh.origin.isZero(0)) move_origin(model, mesh.origin);
     const Vec3d centre = surface_centre(mesh.mesh, {});
@@ -359,9 +383,9 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
             progress.advance();
         });
         progress.finish();
-        check_parts(photographs, mesh.mesh, views, options, model, report);
+        tell_pictures(photographs, report);
+        check_parts(photographs, mesh, placement, views, options, model, report);
     }
-    tell_pictures(photographs, report);
     drop_blind_views(photographs, options, report);
     const std::vector<Gain> gains = choose_gains(photographs, options, report);
 

@@ -14,7 +14,8 @@ struct ImportOptions {
     std::filesystem::path mesh;    ///< surface, see capture/mesh_file.h
     std::string mesh_turn, mesh_shift;  ///< bring it into the model's frame, with mesh_scale (capture/mesh_placement.h)
     double mesh_scale = 1;
-    bool flip_faces = false;      ///< the mesh's faces turn inward
+    bool apply_transform = false;  ///< then also by the transform that the calibration's file says was applied to it
+    bool flip_faces = false;       ///< the mesh's faces turn inward
     std::filesystem::path masks;  ///< folder, white = object (names: capture/mask_names.h); empty: what the calibration
                                   ///< names, if anything
     std::string holdout;          ///< see capture/split.h; empty: what the calibration says, else every:8

@@ -12,6 +12,10 @@ struct MeshPlacement {
     Vec3d shift = Vec3d::Zero();
     bool flip_faces = false;  ///< the file's faces turn inward
 
+    /// This, and `next` after it.
+    MeshPlacement then(const MeshPlacement& next) const {
+        return {next.linear * linear, next.linear * shift + next.shift, flip_faces != next.flip_faces};
+    }
     Vec3d apply(const Vec3d& p) const { return linear * p + shift; }
     bool is_identity() const { return linear.isIdentity(0) && shift.isZero(0); }
     /// Whether each triangle's corners change their order: mirrored, faces would turn inward.

@@ -31,7 +31,8 @@ struct Try {
     Vec3d shift = Vec3d::Zero();
     bool turned_over = false;
     Poses poses = Poses::as_given;
-    bool plain = true;  ///< of a kind that outlines alone may suggest
+    bool turned = false;  ///< its axes
+    bool plain = true;    ///< of a kind that outlines alone may suggest
     std::string what, why, cure;
 };
 
@@ -95,16 +96,17 @@ public:
         const double best = best_value();
         if (!is_better(best)) return {};
         const double least = best - nearly_as_good;
-        const std::pair<Try, Agreement>* found = nullptr;  // of the first kind that fits nearly as well, the best
+        // Of the first kind that fits nearly as well; of turns, which are equally plain, the best.
+        const std::pair<Try, Agreement>* found = nullptr;
         for (const auto& attempt : tried_) {
             const double value = attempt.second.value(masked_);
-            if (value < least ||
-                (found && (attempt.first.why != found->first.why || value <= found->second.value(masked_))))
-                continue;
-            found = &attempt;
+            if (value < least) continue;
+            const bool as_plain = found && attempt.first.turned && attempt.first.why == found->first.why;
+            if (!found || (as_plain && value > found->second.value(masked_))) found = &attempt;
         }
         if (!found) return {};
-        return Misplacement{found->first.what, found->first.why, found->first.cure, given_, found->second, masked_};
+        const Try& t = found->first;
+        return Misplacement{t.what, t.why, t.cure, {t.linear, t.shift, t.turned_over}, given_, found->second, masked_};
     }
 
 private:
@@ -192,10 +194,7 @@ private:
     }
 
     void try_plain_mistakes() {
-        attempt({.turned_over = true,
-                 .what = "with its faces turned over",
-                 .why = "they face inward",
-                 .cure = "give " + option_name("flip-faces")});
+        attempt({.turned_over = true, .what = "with its faces turned over", .why = "they face inward", .cure = ""});
         const auto try_poses = [&](Poses poses, const char* what, const char* why, const char* cure) {
             attempt({.poses = poses, .plain = false, .what = what, .why = why, .cure = cure});
         };
@@ -237,29 +236,30 @@ private:
             }
     }
 
+    /// To what is written of it.
+    static double rounded(double number) { return std::stod(fmt::format("{:.6g}", number)); }
+
     /// The mesh turned and scaled about the origin, then left there or moved to what the cameras look at.
     void try_move(const Mat3d& turn, const std::string& turn_text, double scale, bool moved) {
         Try t;
         t.linear = scale * turn;
-        t.plain = turn_text.empty();
-        std::vector<std::string> what, why, cure;
+        t.turned = !turn_text.empty();
+        t.plain = !t.turned;
+        std::vector<std::string> what, why;
         if (!turn_text.empty()) {
             const bool mirrored = turn.determinant() < 0;
             what.push_back((mirrored ? "mirrored by " : "turned by ") + turn_text);
             why.push_back(mirrored ? "mirrored axes" : "other axes");
-            cure.push_back(option_name("mesh-turn") + " " + turn_text);
         }
         if (scale != 1) {
             what.push_back(fmt::format("scaled by {:.4g}", scale));
             why.push_back("another unit");
-            cure.push_back(fmt::format("{} {:.6g}", option_name("mesh-scale"), scale));
         }
         if (moved) {
             t.shift = *target_ - t.linear * centroid_;
+            for (double& number : t.shift.reshaped()) number = rounded(number);
             what.push_back(fmt::format("shifted by ({:.4g}, {:.4g}, {:.4g})", t.shift.x(), t.shift.y(), t.shift.z()));
             why.push_back("another origin");
-            cure.push_back(fmt::format("{} {:.6g},{:.6g},{:.6g}", option_name("mesh-shift"), t.shift.x(), t.shift.y(),
-                                       t.shift.z()));
         }
         const auto join = [](const std::vector<std::string>& parts, const char* between) {
             std::string text;
@@ -268,7 +268,6 @@ private:
         };
         t.what = join(what, ", then ");
         t.why = "it has " + join(why, " and ");
-        t.cure = "give " + join(cure, " ");
         attempt(std::move(t));
     }
 
@@ -291,7 +290,7 @@ private:
             if (now.mesh == 0) return 0;
             scale *= std::sqrt(double(now.object) / double(now.mesh));
         }
-        return scale;
+        return rounded(scale);
     }
 
     static constexpr std::array<double, 4> units = {100.0, 1000.0, 0.01, 0.001};

@@ -6,6 +6,7 @@
 #include "base/linear.h"
 #include "capture/agreement.h"
 #include "capture/calibration.h"
+#include "capture/mesh_placement.h"
 #include "capture/small_view.h"
 #include "geometry/mesh.h"
 
@@ -14,9 +15,10 @@ namespace radiafit::tools {
 
 /// A mistake that explains what the photographs show.
 struct Misplacement {
-    std::string what;  ///< "turned by x,z,-y"; behind it may follow "it would cover ..."
-    std::string why;   ///< "it is in other axes"
-    std::string cure;  ///< "give --mesh-turn x,z,-y"
+    std::string what;    ///< "turned by x,z,-y"; behind it may follow "it would cover ..."
+    std::string why;     ///< "it is in other axes"
+    std::string cure;    ///< "write T = -R C"; empty: to place the mesh by `move`
+    MeshPlacement move;  ///< of the mesh as it was searched
     Agreement given, tried;
     bool masked = false;
     double gain() const { return tried.value(masked) - given.value(masked); }

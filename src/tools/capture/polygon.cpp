@@ -1,5 +1,6 @@
 #include "capture/polygon.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace radiafit::tools {
@@ -22,12 +23,18 @@ bool PolygonCutter::cut(std::span<const Vec3d> corners) {
     const Vec3d normal = newell_normal(corners);
     const double length = normal.norm();
     if (!(length > 0 && std::isfinite(length))) return false;
-    // In a file of six digits, collinear corners are off their line by this much.
+    // In a file of six digits, collinear corners are off their line by this much. Of a polygon that isn't flat no cut
+    // is the right one, and seen along its normal even a convex outline turns inward a little.
     constexpr double rounding = 1e-6;
+    double off_plane = 0, across = 0;
+    for (const Vec3d& corner : corners) {
+        off_plane = std::max(off_plane, std::abs((corner - corners[0]).dot(normal)) / length);
+        across = std::max(across, (corner - corners[0]).norm());
+    }
+    const double least = -rounding * length - (off_plane > rounding * across ? 0.5 * off_plane * across : 0);
     bool filled = true;
     for (uint32_t k = 2; filled && k < count; ++k)
-        filled = (corners[k - 1] - corners[0]).cross(Vec3d(corners[k] - corners[0])).dot(normal) >=
-                 -rounding * length * length;
+        filled = (corners[k - 1] - corners[0]).cross(Vec3d(corners[k] - corners[0])).dot(normal) >= least * length;
     if (filled) return true;
 
     const Vec3d up = normal / length;

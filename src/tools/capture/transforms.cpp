@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -221,8 +222,35 @@ CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& 
     return image;
 }
 
-std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& images,
-                                         std::vector<std::string>& remarks) {
+/// nerfstudio's applied_transform, 3 or 4 rows of 4: what took the frame of the calibration before, COLMAP's mostly, to
+/// the file's.
+std::optional<KnownTransform> read_applied_transform(const Json& whole, const fs::path& file) {
+    const auto found = whole.find("applied_transform");
+    if (found == whole.end() || found->is_null()) return {};
+    const auto fail = [&] {
+        throw UserError(
+            fmt::format("{}: \"applied_transform\" must be 3 rows of 4 numbers, a turn and a shift: write the "
+                        "file again",
+                        file.string()));
+    };
+    if (!found->is_array() || found->size() < 3 || found->size() > 4) fail();
+    KnownTransform transform;
+    for (size_t row = 0; row < 3; ++row) {
+        const Json& numbers = (*found)[row];
+        if (!numbers.is_array() || numbers.size() != 4) fail();
+        for (size_t column = 0; column < 4; ++column) {
+            if (!numbers[column].is_number()) fail();
+            (column < 3 ? transform.linear(ptrdiff_t(row), ptrdiff_t(column)) : transform.shift[ptrdiff_t(row)]) =
+                numbers[column].get<double>();
+        }
+    }
+    if (!(std::abs(transform.linear.determinant()) > 1e-12) || !transform.shift.allFinite()) fail();
+    if (transform.linear.isIdentity(0) && transform.shift.isZero(0)) return {};
+    transform.cure = "give " + option_name("apply-transform");
+    return transform;
+}
+
+std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& images, Calibration& calibration) {
     const std::string text = read_file(file, "file of cameras");
     if (nested_deeper(text, 100))
         throw UserError(
@@ -239,7 +267,8 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
     std::vector<CalibratedImage> result;
     for (size_t i = 0; i < frames->size(); ++i) result.push_back(read_frame((*frames)[i], whole, file, i, files));
     for (const ImageFinder* finder : {&files.photographs, &files.masks})
-        for (std::string& remark : finder->remarks()) remarks.push_back(std::move(remark));
+        for (std::string& remark : finder->remarks()) calibration.remarks.push_back(std::move(remark));
+    if (!calibration.known_transform) calibration.known_transform = read_applied_transform(whole, file);
     return result;
 }
 
@@ -282,13 +311,13 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
     calibration.cameras_file = calibration.images_file = files.main;
     calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
                                         option_name("max-size"));
-    calibration.images = read_frames(files.main, images, calibration.remarks);
+    calibration.images = read_frames(files.main, images, calibration);
     sort_images(calibration);
     if (files.test.empty()) return calibration;
 
     std::map<std::string, size_t> known;
     for (size_t i = 0; i < calibration.images.size(); ++i) known[calibration.images[i].name] = i;
-    std::vector<CalibratedImage> test = read_frames(files.test, images, calibration.remarks);
+    std::vector<CalibratedImage> test = read_frames(files.test, images, calibration);
     for (CalibratedImage& image : test) {
         image.held_out = true;
         const auto same = known.find(image.name);

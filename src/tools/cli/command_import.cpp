@@ -64,6 +64,9 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_number("--mesh-scale", options->mesh_scale, limits::mesh_scale, "of the mesh, after that");
     import.add_text("--mesh-shift", options->mesh_shift, "x,y,z that is added to the mesh, after that");
     import.add_flag("--flip-faces", options->flip_faces, "turn the mesh's faces over: they face inward");
+    if (format.import == import_transforms)
+        import.add_flag("--apply-transform", options->apply_transform,
+                        "move the mesh as the file says that cameras were moved (applied_transform)");
     import.add_text("--masks", options->masks,
                     "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
     import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
