@@ -258,7 +258,7 @@ rows += [
     (colmap(mesh="mesh.obj"), write("photos/mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n"), 2, "photos/mesh.obj: "),
     (colmap(mesh="mesh.obj"), write("photos/mesh.obj", "v 0 0 9000\nv 1 0 9000\nv 0 1 9000\nf 1 2 3\n"), 2, "photos/mesh.obj: no camera of photos/text sees this mesh"),
     (colmap(mesh="mesh.obj"), write("photos/mesh.obj", "v 49 -1 0\nv 51 -1 0\nv 51 1 0\nv 49 1 0\nf 1 2 3\nf 1 3 4\n"), 2,
-     "photos/mesh.obj: no camera of photos/text sees this mesh; shifted by (-50, ", "it has another origin"),
+     "photos/mesh.obj: no camera of photos/text sees this mesh; shifted", "--mesh-shift -50,", "it has another origin"),
     (colmap(more="--masks photos/masks"), write("photos/mesh.obj", "v -1e-2 -1e-2 0\nv 1e-2 -1e-2 0\nv 1e-2 1e-2 0\nv -1e-2 1e-2 0\nf 1 2 3\nf 1 3 4\n"), 2,
      "photos/mesh.obj: ", "scaled by 1000 it would cover", "it has another unit", "--least-coverage"),
     (colmap(mesh="ascii.ply"), None, 0, "2 triangles"),

@@ -343,15 +343,14 @@ TEST_F(CoverageTest, NamesTheFrameOfAMeshThatCoversTooLittle) {
     write_sphere(0.001, Vec3d::Zero());
     expect_refused("scaled by 1000 it would cover 99 %", "it has another unit");
     write_sphere(1, {0.9, 0, 0});
-    expect_refused("shifted by (-0.9", "it has another origin");
+    expect_refused("'mesh_shift' -0.9", "it has another origin");
     write_sphere(0.01, {3, -1, 7});
-    expect_refused("scaled by 100, then shifted by (-300, 100, -700) it would cover 99 %",
-                   "another unit and another origin");
+    expect_refused("'mesh_scale' 100 'mesh_shift' -300,100,-700", "another unit and another origin");
     write_sphere(7.5, {3, -1, 7});
     expect_refused("it would cover 100 %", "another unit and another origin");
     options_.masks.clear();
     write_sphere(1, {50, 0, 0});
-    expect_refused("shifted by (-50", "it has another origin");
+    expect_refused("'mesh_shift' -50", "it has another origin");
     write_bytes(options_.mesh, "v -0.5 -0.5 2\nv 0.5 -0.5 2\nv 0.5 0.5 2\nv -0.5 0.5 2\nf 1 2 3 4\n");
     expect_refused("with its faces turned over it would cover", "they face inward");
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/agreement.h"
+#include "capture/mesh_agreement.h"
 #include "capture/misplacement.h"
 #include "capture/small_view.h"
 #include "geometry/mesh.h"

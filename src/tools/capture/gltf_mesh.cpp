@@ -102,7 +102,7 @@ public:
     RawMesh read() {
         const std::string_view text = content_.starts_with("glTF") ? split_glb() : std::string_view(content_);
         gltf_ = parse_json<Json>(text);
-        if (!gltf_.is_object()) fail("malformed glTF: export the mesh again");
+        if (!gltf_.is_object()) fail("no glTF in it, or a damaged one: export the mesh again, as GLB, PLY, OBJ or STL");
         try {
             read_scene();
         } catch (const Json::exception&) {

@@ -14,8 +14,8 @@
 namespace radiafit::tools {
 namespace {
 
-// By how much Agreement::value() is to be better in another frame: by a quarter, or by less where half of what lacks to
-// 2 is gained.
+// By how much MeshAgreement::value() is to be better in another frame: by a quarter, or by less where half of what
+// lacks to 2 is gained.
 constexpr double least_gain = 0.25, least_gain_if_halved = 0.08;
 constexpr double least_guessed_gain = 0.04;
 constexpr double nearly_as_good = 0.06;  // within this of the best, the plainer frame is reported
@@ -97,7 +97,7 @@ public:
         if (!is_better(best)) return {};
         const double least = best - nearly_as_good;
         // Of the first kind that fits nearly as well; of turns, which are equally plain, the best.
-        const std::pair<Try, Agreement>* found = nullptr;
+        const std::pair<Try, MeshAgreement>* found = nullptr;
         for (const auto& attempt : tried_) {
             const double value = attempt.second.value(masked_);
             if (value < least) continue;
@@ -155,7 +155,7 @@ private:
         return s;
     }
 
-    Agreement measure(const Try& attempt) const {
+    MeshAgreement measure(const Try& attempt) const {
         Mesh mesh;
         mesh.triangles = mesh_.triangles;
         const bool over = attempt.turned_over != (attempt.linear.determinant() < 0);
@@ -174,7 +174,7 @@ private:
 
     void attempt(Try attempt) {
         if (guessing_ && guess(attempt) < guess_ + least_guessed_gain) return;
-        Agreement agreement = measure(attempt);
+        MeshAgreement agreement = measure(attempt);
         // Of so many turns and poses some cover the images by chance.
         constexpr double evidence = 0.3;
         const bool colours = agreement.colours.correlation() >= evidence;
@@ -258,7 +258,7 @@ private:
         if (moved) {
             t.shift = *target_ - t.linear * centroid_;
             for (double& number : t.shift.reshaped()) number = rounded(number);
-            what.push_back(fmt::format("shifted by ({:.4g}, {:.4g}, {:.4g})", t.shift.x(), t.shift.y(), t.shift.z()));
+            what.push_back("shifted to what the cameras look at");
             why.push_back("another origin");
         }
         const auto join = [](const std::vector<std::string>& parts, const char* between) {
@@ -301,15 +301,15 @@ private:
     std::optional<Vec3d> target_;
     std::optional<KnownTransform> known_;
     Vec3d centroid_ = Vec3d::Zero();
-    Agreement given_;
+    MeshAgreement given_;
     bool guessing_ = false;  ///< what is given is not so bad: what isn't promising is not measured
     double guess_ = 0;       ///< of what is given
-    std::vector<std::pair<Try, Agreement>> tried_;  ///< from the plainest mistake to the most involved
+    std::vector<std::pair<Try, MeshAgreement>> tried_;  ///< from the plainest mistake to the most involved
 };
 
 }  // namespace
 
-bool fits_well(const Agreement& agreement, bool masked) {
+bool fits_well(const MeshAgreement& agreement, bool masked) {
     return agreement.colours.correlation() > 0.9 &&
            (masked ? agreement.coverage.overlap() > 0.93 : agreement.seeing > 0.5);
 }

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "base/linear.h"
-#include "capture/agreement.h"
 #include "capture/calibration.h"
+#include "capture/mesh_agreement.h"
 #include "capture/mesh_placement.h"
 #include "capture/small_view.h"
 #include "geometry/mesh.h"
@@ -19,7 +19,7 @@ struct Misplacement {
     std::string why;     ///< "it is in other axes"
     std::string cure;    ///< "write T = -R C"; empty: to place the mesh by `move`
     MeshPlacement move;  ///< of the mesh as it was searched
-    Agreement given, tried;
+    MeshAgreement given, tried;
     bool masked = false;
     double gain() const { return tried.value(masked) - given.value(masked); }
 };
@@ -34,6 +34,6 @@ std::optional<Misplacement> find_misplacement(const Mesh& mesh, std::span<const 
                                               const std::optional<KnownTransform>& known);
 
 /// Whether what is given fits so well that a search would find nothing.
-bool fits_well(const Agreement& agreement, bool masked);
+bool fits_well(const MeshAgreement& agreement, bool masked);
 
 }  // namespace radiafit::tools

@@ -50,7 +50,7 @@ using Pairs = std::vector<std::pair<size_t, size_t>>;
 Pairs neighbour_pairs(std::span<const SmallView> views, const Vec3d& centre, size_t neighbours);
 
 /// What a mesh is worth to some views.
-struct Agreement {
+struct MeshAgreement {
     Coverage coverage;
     double seeing = 0;  ///< share of the views of which the mesh fills 2 % or more
     SharedColours colours;
@@ -59,8 +59,8 @@ struct Agreement {
     /// since a mesh that fills the images would seem best), and how colours do.
     double value(bool masked) const;
 };
-Agreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> points, std::span<const SmallView> views,
-                            const Pairs& pairs);
+MeshAgreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> points,
+                                std::span<const SmallView> views, const Pairs& pairs);
 
 /// The same guessed in a hundredth of the time, to compare frames by: the share of the points facing a view that are
 /// inside its mask, and how colours correlate, as if nothing hid anything.

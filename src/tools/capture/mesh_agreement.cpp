@@ -1,4 +1,4 @@
-#include "capture/agreement.h"
+#include "capture/mesh_agreement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -109,7 +109,7 @@ Pairs neighbour_pairs(std::span<const SmallView> views, const Vec3d& centre, siz
     return {pairs.begin(), pairs.end()};
 }
 
-double Agreement::value(bool masked) const {
+double MeshAgreement::value(bool masked) const {
     return (masked ? coverage.overlap() : seeing) + std::max(0.0, colours.correlation());
 }
 
@@ -127,8 +127,8 @@ SharedColours compare_pairs(const std::vector<std::vector<ColourSample>>& sample
 
 }  // namespace
 
-Agreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> points, std::span<const SmallView> views,
-                            const Pairs& pairs) {
+MeshAgreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> points,
+                                std::span<const SmallView> views, const Pairs& pairs) {
     std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
     std::vector<std::vector<ColourSample>> samples(views.size());
     std::vector<Coverage> counts(views.size());
@@ -138,7 +138,7 @@ Agreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> poin
         counts[i] = count_pixels(raster, views[i].mask);
         samples[i] = observe(points, views[i], &raster);
     });
-    Agreement result;
+    MeshAgreement result;
     for (const Coverage& c : counts) {
         result.coverage += c;
         result.seeing += c.share() > worth_a_fit;
