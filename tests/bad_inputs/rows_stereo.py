@@ -39,7 +39,6 @@ for damage, *words in (
     (replace(points, "0.5 1 0", "0.5 9 0"), f"{points}:1: a point is seen by image 9, which photos/text/images.txt does not hold"),
     (replace(points, "0.5 1 0", "0.5 -1 0"), f"{points}:1: IMAGE_ID is '-1', which is no whole number"),
     (replace(points, "0.5 1 0 2 0 3 0", "0.5"), f"{points}:1: a point has no track"),
-    (cut(points, -1), f"{points}:40: the file ends within this line"),
     (replace("photos/text/images.txt", "^1 ", "5 "), f"{points}:1: a point is seen by image 1"),
 ):
     rows.append((check_model(), damage, 2, *words))

@@ -22,9 +22,9 @@ struct ColourSample {
 };
 
 /// The points that a view shows unoccluded, no more than 72 degrees from their normals, inside its mask; ascending.
-/// raster has drawn the mesh with the view's camera.
+/// raster has drawn the mesh with the view's camera; null: as if nothing hid anything.
 std::vector<ColourSample> observe(std::span<const SurfacePoint> points, const SmallView& view,
-                                  const Rasterizer& raster);
+                                  const Rasterizer* raster);
 
 /// Sums over points that two views share; of several pairs they add up.
 struct SharedColours {
