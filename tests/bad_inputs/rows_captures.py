@@ -447,4 +447,6 @@ rows += [
     # Calibrations with a fault.
     (colmap(more="--skip-missing"), remove(photo), 0, "1 of the 3 images of", "are not there and are left out: "),
     (lights(vectors="dome.lp", more="--by-order"), renamed("lit/images/0.png", "lit/images/00.png"), 0, "whatever images it names"),
+    (colmap(), write(images, "1 1 0 0 0 0 0 4 1 a b c.png\n2 1 0 0 0 0 0 4 1 d e f.png\n"), 2, f"{images}:2: expected the points X Y POINT3D_ID... of image 'a b c.png', or an empty line"),
+    (colmap(), replace(images, r"^1 \S+", "1 5"), 2, "has a quaternion QW QX QY QZ of length ", "the others of 1: write its rotation again"),
 ]

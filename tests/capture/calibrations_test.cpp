@@ -214,6 +214,65 @@ TEST_F(CalibrationsTest, FoldersAndDefaults) {
     expect_in("masks are named mask_NAME.png, without subfolders", report_.remarks.at(0));
 }
 
+TEST_F(CalibrationsTest, MeshesInTheFrameBeforeAnAppliedTransform) {
+    Json file = transforms({0, 1, 2, 3, 4, 5});
+    file["applied_transform"] = {{1, 0, 0, 0.5}, {0, 0, 1, -1}, {0, -1, 0, 2}};
+    write_transforms(file);
+    const Dataset plain = import(import_transforms, "", "plain");
+    bool said = false;
+    for (const std::string& remark : report_.remarks) said = said || remark.find("applied_transform") != std::string::npos;
+    EXPECT_TRUE(said);
+    Mat3d linear;
+    linear << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    std::string obj;
+    for (const Vec3f& q : plain.mesh.positions) {
+        const Vec3d p = linear.transpose() * (q.cast<double>() - Vec3d(0.5, -1, 2));
+        obj += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+    }
+    for (const auto& t : plain.mesh.triangles) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    options_.mesh = root_ / "before.obj";
+    write_bytes(options_.mesh, obj);
+    options_.apply_transform = true;
+    const Dataset moved = import(import_transforms, "", "moved");
+    ASSERT_EQ(moved.mesh.triangles, plain.mesh.triangles);
+    for (size_t v = 0; v < plain.mesh.vertex_count(); ++v)
+        EXPECT_LT((moved.mesh.positions[v] - plain.mesh.positions[v]).norm(), 1e-6f);
+    file.erase("applied_transform");
+    write_transforms(file);
+    expect_in("has no applied_transform", refused(import_transforms, ""));
+    file["applied_transform"] = {1, 2, 3};
+    write_transforms(file);
+    expect_in("must be 3 rows of 4 numbers", refused(import_transforms, ""));
+}
+
+TEST_F(CalibrationsTest, LlffsListSaysWhichPhotographsHaveRows) {
+    write_llff(llff_rows());
+    const Dataset all = import(import_llff, "", "all");
+    fs::copy(root_ / "images/0.png", root_ / "images/00_blurred.png");
+    write_bytes(root_ / "images/._0.png", "hidden");
+    expect_in("has 6 rows, but", refused(import_llff, ""));
+    write_bytes(root_ / "view_imgs.txt", "5.png\n0.png\n1.png\n2.png\n4.png\n3.png");
+    const Dataset listed = import(import_llff, "", "listed");
+    EXPECT_EQ(read_bytes(listed.folder / "images.bin"), read_bytes(all.folder / "images.bin"));
+    write_bytes(root_ / "view_imgs.txt", "5.png\n0.png\n");
+    expect_in("view_imgs.txt names 2 images", refused(import_llff, ""));
+}
+
+TEST_F(CalibrationsTest, PhotographsThatAreGoneMayBeSkipped) {
+    write_transforms(transforms({0, 1, 2, 3, 4, 5}));
+    fs::remove(root_ / "images/3.png");
+    const std::string text = refused(import_transforms, "");
+    expect_in("3.png: no such image", text);
+    expect_in("(1 of 6 images are missing)", text);
+    options_.skip_missing = true;
+    const Dataset set = import(import_transforms, "", "set");
+    EXPECT_EQ(set.views.size(), 5u);
+    expect_in("1 of the 6 images of", report_.notes.at(0));
+    fs::remove_all(root_ / "images");
+    fs::create_directories(root_ / "images");
+    expect_in("nor is any other of its 6 images there", refused(import_transforms, ""));
+}
+
 TEST_F(CalibrationsTest, BlendersFilesHaveAnAngleAndNoEndings) {
     Json train = {{"camera_angle_x", 2 * std::atan(0.5 * width / focal_length)}, {"frames", Json::array()}},
          test = train;

@@ -153,7 +153,8 @@ std::vector<Gain> choose_gains(std::vector<Photograph>& photographs, const Impor
         held_out.push_back(p.held_out);
     }
     if (!estimates_gains(options)) {
-        std::vector<double> table = read_gains(options.gains, names);
+        std::vector<double> table;
+        for (const Photograph& p : photographs) table.push_back(p.given_gain);
         normalize_gains(table, held_out);
         return {table.begin(), table.end()};
     }
@@ -357,11 +358,13 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
         directions.push_back((image.camera.center() - centre).normalized());
     const std::vector<uint8_t> held_out =
         options.holdout.empty() ? held_out_by_calibration(model) : choose_held_out(names, directions, options.holdout);
-    if (options.gains != "none" && !estimates_gains(options)) read_gains(options.gains, names);
+    std::vector<double> gain_table;
+    if (options.gains != "none" && !estimates_gains(options)) gain_table = read_gains(options.gains, names);
     for (std::string& note : mesh.notes) report.notes.push_back(std::move(note));
     report.remarks = model.remarks;
     for (std::string& remark : mesh.remarks) report.remarks.push_back(std::move(remark));
     std::vector<Photograph> photographs = list_photographs(options, model, held_out, report);
+    for (size_t i = 0; i < gain_table.size(); ++i) photographs[i].given_gain = gain_table[i];
     report.images = photographs.size();
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
 
