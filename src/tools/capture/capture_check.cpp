@@ -226,7 +226,7 @@ private:
         if (!names.empty())
             check.notes.push_back(fmt::format(
                 "{}: {} other colours than the neighbours at the same places of the mesh: the pose is wrong, or the "
-                "photograph is another's; calibrate again, or leave {} out",
+                "photograph is another's; calibrate again, or leave {} out (radiafit fit --leave-out-outliers)",
                 fmt::join(names, ", "), names.size() == 1 ? "shows" : "show", names.size() == 1 ? "it" : "them"));
     }
 
