@@ -220,7 +220,8 @@ TEST_F(CalibrationsTest, MeshesInTheFrameBeforeAnAppliedTransform) {
     write_transforms(file);
     const Dataset plain = import(import_transforms, "", "plain");
     bool said = false;
-    for (const std::string& remark : report_.remarks) said = said || remark.find("applied_transform") != std::string::npos;
+    for (const std::string& remark : report_.remarks)
+        said = said || remark.find("applied_transform") != std::string::npos;
     EXPECT_TRUE(said);
     Mat3d linear;
     linear << 1, 0, 0, 0, 0, 1, 0, -1, 0;

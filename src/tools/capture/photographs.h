@@ -29,7 +29,7 @@ struct Photograph {
     Camera calibrated;                  ///< the pinhole that is made of `taken`; without a lens the same
     Camera camera;                      ///< `calibrated` after max_size
     bool held_out = false;
-    double given_gain = 1;  ///< of a table
+    double given_gain = 1;                  ///< of a table
     bool inverted_mask = false;             ///< its file has black for the object
     std::string exif_orientation = "auto";  ///< ImportOptions::exif_orientation
     // Found by the survey:

@@ -223,17 +223,19 @@ void add_generate(CommandLine& program) {
 /// Says whether cameras, photographs and mesh belong together.
 void check_parts(const Dataset& dataset, const std::string& name) {
     if (dataset.light_moves())
-        throw UserError(fmt::format("--check: the lamps of {} move, so that its images differ by themselves: leave --check out", name));
+        throw UserError(fmt::format(
+            "--check: the lamps of {} move, so that its images differ by themselves: leave --check out", name));
     if (dataset.has_grid())
-        throw UserError(fmt::format("--check: {} is a grid, whose images show it pixel on pixel: leave --check out", name));
+        throw UserError(
+            fmt::format("--check: {} is a grid, whose images show it pixel on pixel: leave --check out", name));
     const CaptureCheck check = check_capture(dataset.mesh, small_views(dataset, most_checked_views));
     log_info(fmt::format("{} photographs; {}", dataset.views.size(), check.summary));
     if (const auto& found = check.misplacement)
-        log_warning(fmt::format("colours correlate by {:.2f} between neighbours; {} by {:.2f}: the mesh or the cameras are "
-                                "not as they should be ({}): import again{}",
-                                found->given.colours.correlation(), found->what, found->tried.colours.correlation(),
-                                found->why,
-                                found->cure.empty() ? " with " + describe_placement(found->move) : ": " + found->cure));
+        log_warning(
+            fmt::format("colours correlate by {:.2f} between neighbours; {} by {:.2f}: the mesh or the cameras are "
+                        "not as they should be ({}): import again{}",
+                        found->given.colours.correlation(), found->what, found->tried.colours.correlation(), found->why,
+                        found->cure.empty() ? " with " + describe_placement(found->move) : ": " + found->cure));
     for (const std::string& note : check.notes) log_warning(note);
 }
 
@@ -244,8 +246,9 @@ void add_info(CommandLine& program) {
     CommandLine& command = program.add_command("info", "what a dataset or fit is, checked whole");
     command.add_text("folder", *folder, "DATASET or FIT").required();
     command.add_text("--dataset", *moved_to, "where a fit's dataset is now, if it moved");
-    command.add_flag("--check", *check,
-                     "compare what neighbouring photographs show at the same places of a dataset's mesh, and say what is wrong");
+    command.add_flag(
+        "--check", *check,
+        "compare what neighbouring photographs show at the same places of a dataset's mesh, and say what is wrong");
     add_json(command, *json);
     command.on_run([=] {
         const std::filesystem::path path(*folder);
