@@ -49,7 +49,7 @@ void check_whole_picture(const std::filesystem::path& file, std::string_view byt
     const auto kind = find_tiff_value(bytes, 254);  // NewSubfileType
     const bool reduced =
         kind && !kind->bytes.empty() && (kind->bytes[kind->big_endian ? kind->bytes.size() - 1 : 0] & 1);
-    if (dng || is_raw_name(file) || (bytes.size() > 10 && bytes.substr(8, 2) == "CR"))
+    if (dng || is_raw_name(file) || (bytes.size() >= 12 && bytes.substr(8, 4) == std::string_view("CR\2\0", 4)))
         throw UserError(fmt::format("{}: a camera's raw picture, which is not read: {}", file.string(), raw_cure));
     if (reduced)
         throw UserError(fmt::format("{}: a TIFF whose first picture is a preview: export the picture itself, alone",

@@ -62,7 +62,7 @@ bool inverted(const Mesh& mesh, std::span<const SmallView> views) {
         complement += count;
         as_given += {raster.pixels().size() - count.object, count.mesh - count.both, count.mesh};
     }
-    return complement.overlap() > 0.5 && complement.overlap() > 2 * as_given.overlap();
+    return complement.overlap() > 0.5 && complement.overlap() > 2 * as_given.overlap() && as_given.share() < 0.5;
 }
 
 /// A photograph's pixels turned, as EXIF numbers orientations: the value that would turn them back.
@@ -226,8 +226,9 @@ private:
         if (!names.empty())
             check.notes.push_back(fmt::format(
                 "{}: {} other colours than the neighbours at the same places of the mesh: the pose is wrong, or the "
-                "photograph is another's; calibrate again, or leave {} out (radiafit fit --leave-out-outliers)",
-                fmt::join(names, ", "), names.size() == 1 ? "shows" : "show", names.size() == 1 ? "it" : "them"));
+                "photograph is another's; calibrate again, or leave {} out{}",
+                fmt::join(names, ", "), names.size() == 1 ? "shows" : "show", names.size() == 1 ? "it" : "them",
+                at_command_line(" (radiafit fit --leave-out-outliers)", "")));
     }
 
     const Mesh& mesh_;

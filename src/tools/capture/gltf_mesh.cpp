@@ -190,6 +190,9 @@ private:
     }
 
     void load_buffers() {
+        constexpr size_t most_buffers = 64;
+        if (size_of("buffers") > most_buffers)
+            fail(fmt::format("has {} buffers, more than {}: export the mesh as GLB", size_of("buffers"), most_buffers));
         for (size_t k = 0; k < size_of("buffers"); ++k) {
             const Json& buffer = entry("buffers", k);
             const uint64_t bytes = natural(buffer, "byteLength");
@@ -215,6 +218,7 @@ private:
             const uint64_t there = beside ? loaded_.back().size() : k == 0 ? binary_.size() : 0;
             if (bytes > there)
                 fail(fmt::format("buffer {} has {} of its {} bytes: copy or export the mesh again", k, there, bytes));
+            if (beside) loaded_.back().resize(bytes), loaded_.back().shrink_to_fit();
             total_bytes_ += bytes;
             lengths_.push_back(bytes);
         }
@@ -297,7 +301,9 @@ private:
         // Many nodes may show one mesh, so that a small file makes vast ones.
         taken_ += positions.count + corner_count;
         if (taken_ > 10000000 + total_bytes_ || raw_.positions.size() + positions.count > 0xffffffffu)
-            fail("its nodes repeat meshes so often that they do not fit: export what was photographed alone");
+            fail(
+                "its nodes and primitives take so many vertices, again and again, that they do not fit: join the "
+                "meshes, or export them as PLY");
 
         const auto first = static_cast<uint32_t>(raw_.positions.size());
         for (uint64_t v = 0; v < positions.count; ++v) {

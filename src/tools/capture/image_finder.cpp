@@ -108,6 +108,10 @@ std::optional<fs::path> ImageFinder::alike(const Parts& path, const std::string&
     fs::path found;
     for (size_t i = 0; i < path.size(); ++i) {
         const bool last = i + 1 == path.size(), stems = last && endings == Endings::vary;
+        if (!last && (path[i] == ".." || path[i] == ".")) {
+            found /= path[i];
+            continue;
+        }
         const std::string wanted = comparable_name(last ? file_name : path[i].string());
         const Listing& listing = list(found);
         const std::string* match = nullptr;

@@ -51,6 +51,13 @@ MeshPlacement placed(const MeshPlacement& given, const Vec3d& origin, const Misp
     return given.then(there).then(found.move).then(back);
 }
 
+std::string cure_of(const MeshPlacement& given, const Vec3d& origin, const Misplacement& found,
+                    const ImportOptions& options) {
+    const std::string text = describe_placement(placed(given, origin, found));
+    if (text.empty()) return "leave the options out that place the mesh";
+    return "give " + text + (options.apply_transform ? ", and leave " + option_name("apply-transform") + " out" : "");
+}
+
 /// Refuses a mesh that covers too little of the masks, or of the images where there are none, one that fits far better
 /// elsewhere, and inverted masks; says what is wrong, and what the photographs show otherwise.
 void check_parts(const std::vector<Photograph>& photographs, const MeshFile& file, const MeshPlacement& placement,
@@ -66,11 +73,20 @@ void check_parts(const std::vector<Photograph>& photographs, const MeshFile& fil
     report.coverage = coverage.share();
     if (masked && coverage.object == 0) fail_black_masks(photographs, options);
     CaptureCheck check = check_capture(mesh, views, model.known_transform);
-    if (check.masks_inverted)
-        throw UserError(fmt::format(
-            "{}: the mesh shows where these masks are black, and white is to mean object: give {}",
-            options.masks.empty() ? options.images.string() : options.masks.string(), option_name("invert-masks")));
     const double least = options.least_coverage.value_or(masked ? 0.2 : 0.01);
+    if (check.masks_inverted) {
+        const bool files = std::ranges::any_of(photographs, [](const Photograph& p) { return !p.mask.empty(); });
+        const std::string text =
+            files ? fmt::format("{}: the mesh shows where these masks are black, and white is to mean object: give {}",
+                                options.masks.empty() ? model.images_file.string() : options.masks.string(),
+                                option_name("invert-masks"))
+                  : fmt::format(
+                        "{}: the mesh shows where these photographs are transparent: their alpha is inverted, "
+                        "export them again",
+                        options.images.string());
+        if (!options.least_coverage || report.coverage < least) throw UserError(text);
+        report.notes.push_back(text);
+    }
     constexpr double certain = 0.5;  // of Misplacement::gain()
     const bool covers = report.coverage >= least, chosen = options.least_coverage.has_value();
     if (const auto& other = check.misplacement; other || !covers) {
@@ -86,10 +102,8 @@ void check_parts(const std::vector<Photograph>& photographs, const MeshFile& fil
             text += fmt::format("; {} it would cover {:.0f} %", other->what, 100 * other->tried.coverage.share());
             if (other->tried.colours.pairs)
                 text += fmt::format(", and colours correlate by {:.2f}", other->tried.colours.correlation());
-            text +=
-                fmt::format(": {}: {}", other->why,
-                            other->cure.empty() ? "give " + describe_placement(placed(placement, file.origin, *other))
-                                                : other->cure);
+            text += fmt::format(": {}: {}", other->why,
+                                other->cure.empty() ? cure_of(placement, file.origin, *other, options) : other->cure);
         } else {
             text += seen && masked ? ": bring it into the model's frame (in the masks, white is to mean object)"
                                    : ": bring it into the model's frame (and turn its faces outward)";
@@ -99,12 +113,18 @@ void check_parts(const std::vector<Photograph>& photographs, const MeshFile& fil
                                    : fmt::format("{}, or lower {} ({})", text, option_name("least-coverage"), least));
         report.notes.push_back(text);
     }
+    const bool others = std::ranges::any_of(photographs, [](const Photograph& p) {
+        return !p.mask.empty() && !p.mask_of_labels && p.largest_mask_value > 1;
+    });
     if (const auto labels = std::ranges::count_if(photographs, &Photograph::mask_of_labels))
-        report.remarks.push_back(
-            fmt::format("{} of {} masks hold labels, values of at most {}: whatever is not 0 is the object", labels,
-                        photographs.size(), std::ranges::max_element(photographs, {}, [](const Photograph& p) {
-                                                return p.mask_of_labels ? p.largest_mask_value : 0;
-                                            })->largest_mask_value));
+        (others ? report.notes : report.remarks)
+            .push_back(fmt::format(
+                "{} of {} masks hold labels, values of at most {}: whatever is not 0 is the object{}", labels,
+                photographs.size(),
+                std::ranges::max_element(
+                    photographs, {}, [](const Photograph& p) { return p.mask_of_labels ? p.largest_mask_value : 0; })
+                    ->largest_mask_value,
+                others ? " there, and 128 or more in the others" : ""));
     std::string remark = fmt::format("{} photographs: the mesh covers {:.0f} % of {}", photographs.size(),
                                      100 * report.coverage, of_what);
     if (masked && coverage.mesh)
@@ -365,6 +385,9 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     for (std::string& remark : mesh.remarks) report.remarks.push_back(std::move(remark));
     std::vector<Photograph> photographs = list_photographs(options, model, held_out, report);
     for (size_t i = 0; i < gain_table.size(); ++i) photographs[i].given_gain = gain_table[i];
+    if (options.invert_masks && std::ranges::none_of(photographs, [](const Photograph& p) { return !p.mask.empty(); }))
+        throw UserError(fmt::format("{}: no photograph has a file of its mask: give {}, or leave it out",
+                                    option_name("invert-masks"), option_name("masks")));
     report.images = photographs.size();
     DatasetWriter writer(out);  // before the long part: an output that cannot be written shows now
 

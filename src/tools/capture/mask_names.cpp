@@ -80,8 +80,8 @@ struct Matches {
 
 class Finder {
 public:
-    Finder(const fs::path& masks, const fs::path& images, const std::vector<std::string>& names)
-        : masks_(masks), images_(images), names_(names) {}
+    Finder(const fs::path& masks, const fs::path& images, const std::vector<std::string>& names, bool png_alone)
+        : masks_(masks), images_(images), names_(names), png_alone_(png_alone) {}
 
     Matches find(const Habit& habit) {
         Matches matches{&habit, {}, {}};
@@ -104,14 +104,13 @@ private:
             if (!fs::equivalent(it->second, images_ / name, ignored)) files.push_back(it->second);
         }
         std::sort(files.begin(), files.end());
-        // Beside masks as PNG, pictures of other formats are drawings of them.
-        const auto is_png = [](const fs::path& file) { return lower_ending(file) == ".png"; };
-        if (std::any_of(files.begin(), files.end(), is_png)) std::erase_if(files, std::not_fn(is_png));
+        if (png_alone_) std::erase_if(files, [](const fs::path& file) { return lower_ending(file) != ".png"; });
         return files;
     }
 
     const fs::path &masks_, &images_;
     const std::vector<std::string>& names_;
+    bool png_alone_;
     std::map<fs::path, Pictures> listed_;
 };
 
@@ -164,12 +163,16 @@ void check(const fs::path& masks, const std::vector<std::string>& names, const M
 }  // namespace
 
 MaskNames match_masks(const fs::path& masks, const fs::path& images, const std::vector<std::string>& names) {
-    Finder finder(masks, images, names);
     const bool subfolders = std::any_of(names.begin(), names.end(),
                                         [](const std::string& name) { return fs::path(name).has_parent_path(); });
     std::vector<Matches> all;
-    for (const Habit& habit : habits)
-        if (habit.in_subfolder || subfolders) all.push_back(finder.find(habit));
+    for (const bool png_alone : {true, false}) {  // beside masks as PNG, pictures of other formats are drawings of them
+        Finder finder(masks, images, names, png_alone);
+        all.clear();
+        for (const Habit& habit : habits)
+            if (habit.in_subfolder || subfolders) all.push_back(finder.find(habit));
+        if (std::ranges::any_of(all, [](const Matches& matches) { return !matches.distinct.empty(); })) break;
+    }
     const Matches& chosen = *std::max_element(all.begin(), all.end(), [](const Matches& a, const Matches& b) {
         return a.distinct.size() < b.distinct.size();
     });

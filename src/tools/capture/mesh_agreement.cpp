@@ -41,7 +41,7 @@ std::vector<ColourSample> observe(std::span<const SurfacePoint> points, const Sm
         for (size_t c = 0; c < 3; ++c)
             sample.rgb[c] = (1 - fy) * ((1 - fx) * corner[c] + fx * corner[3 + c]) +
                             fy * ((1 - fx) * corner[row + c] + fx * corner[row + 3 + c]);
-        samples.push_back(sample);
+        if (std::isfinite(sample.rgb[0] + sample.rgb[1] + sample.rgb[2])) samples.push_back(sample);
     }
     return samples;
 }

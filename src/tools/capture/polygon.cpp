@@ -84,7 +84,7 @@ bool PolygonCutter::clip_ears() {
         bool found = false;
         // Proper ears first; then corners on a line, whose triangles are empty and are skipped everywhere.
         for (const bool flat : {false, true})
-            for (uint32_t tried = 0; !found && tried < left && tests_left_ > 0; ++tried) {
+            for (uint32_t tried = 0; !found && tried < left && tests_left_ > 0; ++tried, --tests_left_) {
                 found =
                     flat ? std::abs(twice_area(before_[corner], corner, next_[corner])) <= least_area_ : is_ear(corner);
                 if (!found) corner = next_[corner];

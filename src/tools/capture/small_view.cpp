@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <type_traits>
 
 #include "base/parallel.h"
@@ -32,7 +33,8 @@ void average_blocks(const std::vector<Channel>& rgb, int old_width, int block, d
 
 /// Camera, colours and mask of an image and a mask at the small size.
 SmallView made_small(std::string name, const Camera& camera, const ImageFile& image, const std::vector<uint8_t>& mask) {
-    const int block = std::max(1, std::max(image.width, image.height) / small_view_side);
+    const int block =
+        std::clamp(std::max(image.width, image.height) / small_view_side, 1, std::min(image.width, image.height));
     SmallView view{std::move(name), camera, {}, {}};
     const int width = std::max(1, image.width / block), height = std::max(1, image.height / block);
     view.camera = camera.cropped(0, 0, width * block, height * block);
@@ -56,8 +58,13 @@ SmallView made_small(std::string name, const Camera& camera, const ImageFile& im
 }  // namespace
 
 SmallView small_view(const Photograph& photograph, const LoadedPhotograph& loaded) {
-    return made_small(photograph.name, photograph.camera, loaded.image,
-                      loaded.has_mask ? loaded.mask : std::vector<uint8_t>());
+    SmallView view = made_small(photograph.name, photograph.camera, loaded.image, loaded.mask);
+    if (loaded.has_mask || view.mask.empty()) return view;
+    // It says where an undistorted picture shows nothing, not where the object is.
+    for (size_t i = 0; i < view.mask.size(); ++i)
+        if (!view.mask[i]) std::fill_n(view.rgb.begin() + ptrdiff_t(3 * i), 3, std::numeric_limits<float>::quiet_NaN());
+    view.mask.clear();
+    return view;
 }
 
 std::vector<SmallView> small_views(const Dataset& dataset, size_t most) {

@@ -13,7 +13,7 @@ namespace radiafit::tools {
 struct SmallView {
     std::string name;
     Camera camera;
-    std::vector<float> rgb;     ///< [height][width][3], sRGB-coded, 1 = white
+    std::vector<float> rgb;     ///< [height][width][3], sRGB-coded, 1 = white; not a number: shows nothing
     std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: unknown
 };
 

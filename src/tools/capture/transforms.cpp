@@ -183,12 +183,14 @@ void read_pose(Camera& camera, const Frame& frame, const Json& json) {
 }
 
 /// nerfstudio's masks, by paths from the file's folder; empty: none.
-fs::path find_mask(const Json& json, ImageFinder& masks, const fs::path& folder, const Frame& frame) {
+fs::path find_mask(const Json& json, ImageFinder& masks, const fs::path& folder, const fs::path& photograph,
+                   const Frame& frame) {
     const auto path = json.find("mask_path");
     if (path == json.end() || path->is_null()) return {};
     if (!path->is_string()) frame.fail("\"mask_path\" must be a text");
     const auto mask = masks.find(path->get<std::string>());
-    if (!mask)
+    std::error_code ignored;                                           // of what is no file, reading says so
+    if (!mask || fs::equivalent(folder / *mask, photograph, ignored))  // which its own name may lead to
         throw UserError(fmt::format("{}: no such mask, but {} names it: restore it, or give {}",
                                     (folder / path->get<std::string>()).string(), frame.where(), option_name("masks")));
     return folder / *mask;
@@ -214,7 +216,7 @@ CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& 
     if (const auto photograph = files.photographs.find(image.name)) {
         image.name = photograph->generic_string();
         image.file = files.images / *photograph;
-        image.mask = find_mask(json, files.masks, files.folder, frame);
+        image.mask = find_mask(json, files.masks, files.folder, image.file, frame);
     }
     if (!set_size(image.camera, frame, image.file)) return image;
     set_focal_lengths(image.camera, frame);

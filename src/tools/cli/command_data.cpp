@@ -230,12 +230,14 @@ void check_parts(const Dataset& dataset, const std::string& name) {
             fmt::format("--check: {} is a grid, whose images show it pixel on pixel: leave --check out", name));
     const CaptureCheck check = check_capture(dataset.mesh, small_views(dataset, most_checked_views));
     log_info(fmt::format("{} photographs; {}", dataset.views.size(), check.summary));
+    if (check.masks_inverted) log_warning("the mesh shows where the masks are black: import again with --invert-masks");
     if (const auto& found = check.misplacement)
-        log_warning(
-            fmt::format("colours correlate by {:.2f} between neighbours; {} by {:.2f}: the mesh or the cameras are "
-                        "not as they should be ({}): import again{}",
-                        found->given.colours.correlation(), found->what, found->tried.colours.correlation(), found->why,
-                        found->cure.empty() ? " with " + describe_placement(found->move) : ": " + found->cure));
+        log_warning(fmt::format(
+            "colours correlate by {:.2f} between neighbours; {} by {:.2f}: the mesh or the cameras are "
+            "not as they should be ({}): import again{}",
+            found->given.colours.correlation(), found->what, found->tried.colours.correlation(), found->why,
+            found->cure.empty() ? " with " + describe_placement(found->move) + ", after what placed the mesh before"
+                                : ": " + found->cure));
     for (const std::string& note : check.notes) log_warning(note);
 }
 
