@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "image/byte_reader.h"
+#include "image/raw_image.h"
 
 /// A TIFF's or BigTIFF's first directory, walked before a library sees it. Source: TIFF 6.0; BigTIFF's design.
 namespace radiafit {
