@@ -1,6 +1,7 @@
 // The same photographs with the same cameras, written as COLMAP, as a NeRF's transforms.json and as LLFF's
 // poses_bounds.npy, become the same dataset; and what is wrong with such files is said in one line.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -288,6 +289,10 @@ TEST_F(CalibrationsTest, BlendersFilesHaveAnAngleAndNoEndings) {
         const auto& crop = set.views[i].crop_origin;
         expect_same_camera(found, known.cropped(crop[0], crop[1], found.width, found.height));
     }
+    write_transforms(test, "transforms_val.json");
+    import(import_transforms, "", "set");
+    expect_in("transforms_val.json is not read", fmt::format("{}", fmt::join(report_.remarks, "; ")));
+    fs::remove(root_ / "transforms_val.json");
     options_.holdout = "every:2";
     EXPECT_EQ(held_out(import(import_transforms, "transforms_train.json", "set")),
               (std::vector<std::string>{"images/0.png", "images/2.png"}));

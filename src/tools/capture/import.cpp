@@ -458,6 +458,10 @@ ImportReport import_transforms(const ImportOptions& given, const fs::path& out) 
     const std::string aside = files.test.string();
     if (test_aside) files.test.clear();
     Calibration model = read_transforms(files, options.images);
+    const fs::path validation = folder_of(files.main) / "transforms_val.json";
+    if (files.main.filename() != validation.filename() && path_exists(validation))
+        model.remarks.push_back(fmt::format("{} is not read: give it as {} to import its photographs",
+                                            validation.string(), option_name("model")));
     if (test_aside)
         model.remarks.push_back(fmt::format("{} is not read: {} says what is held out", aside, option_name("holdout")));
     return import_calibrated("transforms", options, std::move(model), out);
