@@ -11,6 +11,8 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "base/wording.h"
+#include "dataset/view_directions.h"
+#include "image/orientation.h"
 
 namespace radiafit::tools {
 namespace {
@@ -18,12 +20,6 @@ namespace {
 constexpr size_t point_count = 6000, neighbours = 4;
 constexpr size_t searched_views = 16;
 constexpr size_t least_views = 5;  // of fewer none is unlike the others
-
-Vec3d centroid(const Mesh& mesh) {
-    Vec3d sum = Vec3d::Zero();
-    for (const Vec3f& p : mesh.positions) sum += p.cast<double>();
-    return sum / double(mesh.vertex_count());
-}
 
 /// Half of them spread over the list, and of each its nearest neighbour, so that colours can be compared.
 std::vector<SmallView> views_to_search(std::span<const SmallView> views, const Vec3d& centre) {
@@ -46,23 +42,18 @@ std::vector<SmallView> views_to_search(std::span<const SmallView> views, const V
     return result;
 }
 
+/// Whether what is black in the masks is where the mesh shows.
 bool inverted(const Mesh& mesh, std::span<const SmallView> views) {
-    std::vector<SmallView> complements;
-    for (const SmallView& view : views)
-        if (!view.mask.empty()) {
-            complements.push_back(view);
-            for (uint8_t& value : complements.back().mask) value = value ? 0 : 255;
-        }
-    if (complements.empty()) return false;
-    Coverage as_given, complement;
+    Coverage white, black;
     Rasterizer raster;
-    for (const SmallView& view : complements) {
+    for (const SmallView& view : views) {
+        if (view.mask.empty()) continue;
         raster.draw(mesh, view.camera);
         const Coverage count = count_pixels(raster, view.mask);
-        complement += count;
-        as_given += {raster.pixels().size() - count.object, count.mesh - count.both, count.mesh};
+        white += count;
+        black += {view.mask.size() - count.object, count.mesh - count.both, count.mesh};
     }
-    return complement.overlap() > 0.5 && complement.overlap() > 2 * as_given.overlap() && as_given.share() < 0.5;
+    return black.overlap() > 0.5 && black.overlap() > 2 * white.overlap() && white.share() < 0.5;
 }
 
 /// A photograph's pixels turned, as EXIF numbers orientations: the value that would turn them back.
@@ -80,44 +71,10 @@ constexpr std::array<Turn, 7> turns = {{{3, "turned by 180 degrees"},
 
 /// None where that changes the size.
 std::optional<SmallView> turned(const SmallView& view, int exif) {
-    const int width = view.camera.width, height = view.camera.height;
-    if (exif >= 5 && width != height) return {};
-    SmallView result = view;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const int right = width - 1 - x, bottom = height - 1 - y;
-            int from_x = x, from_y = y;  // in the photograph as it is
-            switch (exif) {
-                case 2:
-                    from_x = right;
-                    break;
-                case 3:
-                    from_x = right, from_y = bottom;
-                    break;
-                case 4:
-                    from_y = bottom;
-                    break;
-                case 5:
-                    from_x = y, from_y = x;
-                    break;
-                case 6:
-                    from_x = y, from_y = right;
-                    break;
-                case 7:
-                    from_x = bottom, from_y = right;
-                    break;
-                case 8:
-                    from_x = bottom, from_y = x;
-                    break;
-                default:
-                    break;
-            }
-            const size_t to = size_t(y) * size_t(width) + size_t(x);
-            const size_t from = size_t(from_y) * size_t(width) + size_t(from_x);
-            for (size_t c = 0; c < 3; ++c) result.rgb[3 * to + c] = view.rgb[3 * from + c];
-            if (!view.mask.empty()) result.mask[to] = view.mask[from];
-        }
-    return result;
+    const auto width = size_t(view.camera.width), height = size_t(view.camera.height);
+    if (swaps_sides(exif) && width != height) return {};
+    return SmallView{view.name, view.camera, turn_upright(view.rgb, exif, width, height, 3),
+                     turn_upright(view.mask, exif, width, height, 1)};
 }
 
 /// Compares each photograph with its neighbours.
@@ -130,7 +87,9 @@ public:
           pairs_(neighbour_pairs(views, centre, neighbours)),
           samples_(views.size()),
           partners_(views.size()) {
-        parallel_for(views.size(), 1, [&](size_t i, int) { samples_[i] = observe_view(views_[i], views_[i].camera); });
+        std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
+        parallel_for(views.size(), 1,
+                     [&](size_t i, int worker) { samples_[i] = draw_and_observe(views_[i], rasters[size_t(worker)]); });
         for (const auto& [a, b] : pairs_) {
             partners_[a].push_back(b), partners_[b].push_back(a);
             all_ += compare(samples_[a], samples_[b]);
@@ -157,11 +116,8 @@ public:
     }
 
 private:
-    std::vector<ColourSample> observe_view(const SmallView& photograph, const Camera& camera) const {
-        SmallView view = photograph;
-        view.camera = camera;
-        Rasterizer raster;
-        raster.draw(mesh_, camera);
+    std::vector<ColourSample> draw_and_observe(const SmallView& view, Rasterizer& raster) const {
+        raster.draw(mesh_, view.camera);
         return observe(points_, view, &raster);
     }
 
@@ -176,10 +132,13 @@ private:
         return values[1];
     }
 
-    bool agrees(size_t view, const SmallView& photograph, double enough) const {
+    /// Whether the photograph, taken by the view's camera, would.
+    bool agrees(size_t view, SmallView photograph, double enough) const {
         const Camera& camera = views_[view].camera;
         if (photograph.camera.width != camera.width || photograph.camera.height != camera.height) return false;
-        const auto value = agreement(view, observe_view(photograph, camera));
+        photograph.camera = camera;
+        Rasterizer raster;
+        const auto value = agreement(view, draw_and_observe(photograph, raster));
         return value && *value >= enough;
     }
 
@@ -247,7 +206,7 @@ CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views,
                            const std::optional<KnownTransform>& known) {
     CaptureCheck check;
     if (views.empty() || mesh.triangles.empty()) return check;
-    const Vec3d centre = centroid(mesh);
+    const Vec3d centre = surface_centre(mesh, {});
     const std::vector<SmallView> searched = views_to_search(views, centre);
     check.masks_inverted = inverted(mesh, searched);
     if (!check.masks_inverted) check.misplacement = find_misplacement(mesh, searched, known);

@@ -18,7 +18,6 @@ namespace radiafit::tools {
 namespace {
 
 constexpr size_t wanted_points = 20000;
-constexpr double least_cosine = 0.3;       // of the angle to the normal: beyond, a pixel spans too much surface
 constexpr double depth_tolerance = 5e-3;   // relative; a 3 x 3 window at that angle stays within it
 constexpr double clipped = 250.0 / 255.0;  // stored value; above, the sensor's answer is no longer linear
 constexpr float dark = 0.005f;             // linear mean; below, an 8-bit step is more than 5 % of the value
@@ -166,11 +165,9 @@ std::vector<GainSample> GainPoints::observe(const Camera& camera, const Rasteriz
     const auto width = size_t(camera.width);
     std::vector<GainSample> samples;
     for (uint32_t p = 0; p < points_.size(); ++p) {
-        const SurfacePoint& point = points_[p];
-        if ((eye - point.position).normalized().dot(point.normal) < least_cosine) continue;
-        const Vec3d at = camera.project(point.position);
-        if (!(at.z() > 0 && at.x() >= 1 && at.y() >= 1 && at.x() < camera.width - 1 && at.y() < camera.height - 1))
-            continue;
+        const std::optional<Vec3d> seen = project_facing(points_[p], camera, eye);
+        if (!seen) continue;
+        const Vec3d& at = *seen;
         const size_t x = static_cast<size_t>(at.x()), y = static_cast<size_t>(at.y());
         std::array<double, 3> sums{};
         bool good = true;

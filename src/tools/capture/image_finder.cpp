@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
@@ -114,18 +116,14 @@ std::optional<fs::path> ImageFinder::alike(const Parts& path, const std::string&
         }
         const std::string wanted = comparable_name(last ? file_name : path[i].string());
         const Listing& listing = list(found);
-        const std::string* match = nullptr;
-        for (const std::string& name : last ? listing.files : listing.folders) {
-            if (stems && !is_photograph(name)) continue;
-            if (comparable_name(stems ? without_ending(name) : name) != wanted) continue;
-            if (match)
-                throw UserError(fmt::format("{}: '{}' may be {} or {}: take one away", list_.string(),
-                                            joined(path).string(), (folder_ / found / *match).string(),
-                                            (folder_ / found / name).string()));
-            match = &name;
-        }
-        if (!match) return {};
-        found /= *match;
+        const Names& names = !last ? listing.folders : stems ? listing.stems : listing.files;
+        const auto [match, behind] = names.equal_range(wanted);
+        if (match == behind) return {};
+        if (std::next(match) != behind)
+            throw UserError(fmt::format("{}: '{}' may be {} or {}: take one away", list_.string(),
+                                        joined(path).string(), (folder_ / found / match->second).string(),
+                                        (folder_ / found / std::next(match)->second).string()));
+        found /= match->second;
     }
     return found;
 }
@@ -136,14 +134,20 @@ const ImageFinder::Listing& ImageFinder::list(const fs::path& folder) {
     if (!is_new) return listing;
     std::error_code error;  // of a folder that cannot be listed nothing is found
     fs::directory_iterator entries(folder_ / folder, error);
+    std::set<fs::path> files;  // in one order on every machine
     for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-        const std::string name = entries->path().filename().string();
-        if (is_hidden(name)) continue;
         std::error_code ignored;
-        (entries->is_directory(ignored) ? listing.folders : listing.files).push_back(name);
+        if (is_hidden(entries->path())) continue;
+        const std::string name = entries->path().filename().string();
+        if (entries->is_directory(ignored))
+            listing.folders.emplace(comparable_name(name), name);
+        else
+            files.insert(name);
     }
-    std::ranges::sort(listing.folders);
-    std::ranges::sort(listing.files);
+    for (const fs::path& file : files) {
+        listing.files.emplace(comparable_name(file.string()), file.string());
+        if (is_photograph(file)) listing.stems.emplace(comparable_name(without_ending(file.string())), file.string());
+    }
     return listing;
 }
 

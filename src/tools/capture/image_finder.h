@@ -33,8 +33,10 @@ public:
     std::string missing(const std::string& name) const;
 
 private:
+    using Names = std::multimap<std::string, std::string>;  ///< by comparable_name()
     struct Listing {
-        std::vector<std::string> folders, files;  ///< hidden ones left out
+        Names folders, files;  ///< hidden ones left out
+        Names stems;           ///< photographs by their names without ending
     };
     struct Guess {
         size_t count = 0;

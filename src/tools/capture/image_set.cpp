@@ -23,15 +23,6 @@ void check_depth(const ImageFile& image, const fs::path& file, const ImageSetFor
                                     depth_name(image.bits), format.first.string(), depth_name(format.bits)));
 }
 
-/// What the mask and the image's alpha leave of it; empty: all.
-std::vector<uint8_t> mask_of(const ImageFile& image, const std::vector<uint8_t>& common) {
-    std::vector<uint8_t> mask = common;
-    if (!image.alpha.empty() && mask.empty()) mask.assign(image.alpha.size(), 255);
-    for (size_t i = 0; i < image.alpha.size(); ++i)
-        if (image.alpha[i] < 128) mask[i] = 0;
-    return mask;
-}
-
 template <class T>
 std::vector<uint8_t> bytes_of(const std::vector<T>& values) {
     std::vector<uint8_t> bytes(values.size() * sizeof(T));
@@ -68,6 +59,13 @@ ColorReading take_colors(ImageFile& image, const std::string& transfer) {
 }
 
 }  // namespace
+
+std::vector<uint8_t> without_transparent(std::vector<uint8_t> mask, const std::vector<uint8_t>& alpha) {
+    if (mask.empty()) mask.assign(alpha.size(), 255);
+    for (size_t i = 0; i < alpha.size(); ++i)
+        if (alpha[i] < 128) mask[i] = 0;
+    return mask;
+}
 
 ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, int depth, int max_size) {
     ImageFile first = read_image(file, true);
@@ -119,7 +117,7 @@ PackedImage read_packed(const fs::path& file, const ImageSetFormat& format, cons
     });
     check_depth(image, file, format);
     PackedImage packed;
-    packed.mask = mask_of(image, mask);
+    packed.mask = without_transparent(mask, image.alpha);
     const ColorReading colors = take_colors(image, format.transfer);
     if (facts) {
         *facts = facts_of(file.filename().string(), image, colors, image.bits != 8);

@@ -32,6 +32,9 @@ ImageSetFormat learn_format(const std::filesystem::path& first, const std::strin
 /// A mask of the files' size, or none, at the dataset's.
 std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format);
 
+/// The mask, empty meaning all, less where an image's alpha is below one half.
+std::vector<uint8_t> without_transparent(std::vector<uint8_t> mask, const std::vector<uint8_t>& alpha);
+
 /// One image in the format's encoding and size. mask: of all images, [file_height][file_width], or empty; the image's
 /// alpha, below one half, leaves out more. Throws UserError that names file and cure for another size or depth than
 /// the first image's, and for a pixel that is not finite; where it is left out anyway, it becomes 0. facts: what the

@@ -10,7 +10,6 @@
 namespace radiafit::tools {
 namespace {
 
-constexpr double least_cosine = 0.3;      // of the angle to the normal: beyond, a pixel spans too much surface
 constexpr double depth_tolerance = 2e-2;  // relative; small views have large pixels
 constexpr uint64_t least_points = 30;     // of a pair; fewer say nothing
 constexpr double noise = 2.0 / 255;       // standard deviation of what may be no texture
@@ -24,11 +23,9 @@ std::vector<ColourSample> observe(std::span<const SurfacePoint> points, const Sm
     const Vec3d eye = camera.center();
     std::vector<ColourSample> samples;
     for (uint32_t p = 0; p < points.size(); ++p) {
-        const SurfacePoint& point = points[p];
-        if ((eye - point.position).normalized().dot(point.normal) < least_cosine) continue;
-        const Vec3d at = camera.project(point.position);
-        if (!(at.z() > 0 && at.x() >= 1 && at.y() >= 1 && at.x() < camera.width - 1 && at.y() < camera.height - 1))
-            continue;
+        const std::optional<Vec3d> seen = project_facing(points[p], camera, eye);
+        if (!seen) continue;
+        const Vec3d& at = *seen;
         const size_t pixel = size_t(at.y()) * size_t(camera.width) + size_t(at.x());
         if (!view.mask.empty() && !view.mask[pixel]) continue;
         if (raster && !(std::abs(double(raster->inverse_depth()[pixel]) * at.z() - 1) < depth_tolerance)) continue;
@@ -154,8 +151,7 @@ double guess_agreement(std::span<const SurfacePoint> points, std::span<const Sma
     parallel_for(views.size(), 1, [&](size_t i, int) {
         samples[i] = observe(points, views[i], nullptr);
         const Vec3d eye = views[i].camera.center();
-        for (const SurfacePoint& point : points)
-            facing[i] += (eye - point.position).normalized().dot(point.normal) >= least_cosine;
+        for (const SurfacePoint& point : points) facing[i] += faces(point, eye);
     });
     double inside = 0, all = 0;
     for (size_t i = 0; i < views.size(); ++i) inside += double(samples[i].size()), all += double(facing[i]);

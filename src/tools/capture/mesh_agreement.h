@@ -62,7 +62,7 @@ struct MeshAgreement {
 MeshAgreement measure_agreement(const Mesh& mesh, std::span<const SurfacePoint> points,
                                 std::span<const SmallView> views, const Pairs& pairs);
 
-/// The same guessed in a hundredth of the time, to compare frames by: the share of the points facing a view that are
+/// The same guessed without drawing the mesh, to compare frames by: the share of the points facing a view that are
 /// inside its mask, and how colours correlate, as if nothing hid anything.
 double guess_agreement(std::span<const SurfacePoint> points, std::span<const SmallView> views, const Pairs& pairs);
 

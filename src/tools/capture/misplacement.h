@@ -29,7 +29,8 @@ struct Misplacement {
 /// mirror images; another origin (the mesh's centroid moved to the point that the cameras look at), with other units
 /// and of any size (with masks: the size of the masks' area); where none of them fits well, turns with those. The
 /// plainest that fits nearly as well as the best, if it fits much better than what is given; else none. `views`: up to
-/// 16 are enough. Cost: up to three hundred times drawing the mesh in each view.
+/// 16 are enough. Cost: up to 350 times drawing
+/// the mesh in each view; of a mesh that fits passably, what looks promising alone is drawn.
 std::optional<Misplacement> find_misplacement(const Mesh& mesh, std::span<const SmallView> views,
                                               const std::optional<KnownTransform>& known);
 

@@ -36,11 +36,7 @@ void turn(ImageFile& image) {
 std::vector<uint8_t> counted(const PhotographFile& file) {
     std::vector<uint8_t> mask;
     if (file.mask.width == file.image.width && file.mask.height == file.image.height) mask = file.mask.values;
-    const std::vector<uint8_t>& alpha = file.image.alpha;
-    if (mask.empty() && !alpha.empty()) mask.assign(alpha.size(), 255);
-    for (size_t i = 0; i < alpha.size(); ++i)
-        if (alpha[i] < 128) mask[i] = 0;
-    return mask;
+    return without_transparent(std::move(mask), file.image.alpha);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "capture/image_scale.h"
+#include "capture/image_set.h"
 #include "capture/mask_names.h"
 #include "capture/photograph_file.h"
 #include "capture/undistort.h"
@@ -239,14 +240,9 @@ LoadedPhotograph load_photograph(const Photograph& photograph, const Calibration
     } else if (to.width != taken.width || to.height != taken.height) {
         loaded.image = scale_down(loaded.image, to.width, to.height);
     }
-    const std::vector<uint8_t>& alpha = loaded.image.alpha;
-    loaded.has_mask = !alpha.empty() || !loaded.mask.empty();
-    if ((!alpha.empty() || !inside.empty()) && loaded.mask.empty())
-        loaded.mask.assign(size_t(to.width) * size_t(to.height), 255);
-    for (size_t i = 0; i < alpha.size(); ++i)
-        if (alpha[i] < 128) loaded.mask[i] = 0;
-    for (size_t i = 0; i < inside.size(); ++i)
-        if (!inside[i]) loaded.mask[i] = 0;
+    loaded.has_mask = !loaded.image.alpha.empty() || !loaded.mask.empty();
+    loaded.mask = without_transparent(std::move(loaded.mask), loaded.image.alpha);
+    loaded.mask = without_transparent(std::move(loaded.mask), inside);
     return loaded;
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "capture/icc_profile.h"
+#include "capture/image_scale.h"
 #include "dataset/dataset.h"
 
 namespace radiafit::tools {
@@ -50,22 +51,11 @@ Differences compare_with_srgb(const ColorConversion& conversion) {
     return most;
 }
 
-/// sRGB of linear light in steps of 1 / 65535.
-const std::vector<uint8_t>& srgb_bytes() {
-    static const std::vector<uint8_t> table = [] {
-        std::vector<uint8_t> bytes(65536);
-        for (size_t i = 0; i < bytes.size(); ++i)
-            bytes[i] = static_cast<uint8_t>(std::lround(255 * srgb_encode(double(i) / 65535)));
-        return bytes;
-    }();
-    return table;
+/// As sRGB in 8 bits, as light in 16. Not a number is 0.
+void store(float light, uint8_t& to) {
+    to = light > 0 ? static_cast<uint8_t>(LightCoder::of(8, false).stored(light)) : uint8_t(0);
 }
-
-uint16_t to_16_bits(float light) {
-    return light > 0 ? static_cast<uint16_t>(std::lround(65535.0f * std::min(light, 1.0f))) : uint16_t(0);
-}
-void store(float light, uint8_t& to) { to = srgb_bytes()[to_16_bits(light)]; }
-void store(float light, uint16_t& to) { to = to_16_bits(light); }
+void store(float light, uint16_t& to) { to = light > 0 ? LightCoder::of(16, true).stored(light) : uint16_t(0); }
 
 /// Pixel by pixel, curves by tables of all stored values.
 template <class Channel>

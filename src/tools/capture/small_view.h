@@ -17,7 +17,8 @@ struct SmallView {
     std::vector<uint8_t> mask;  ///< [height][width], not 0 = object; empty: unknown
 };
 
-inline constexpr int small_view_side = 192;  ///< pixels: the longest side is as long, and less than twice that
+inline constexpr int small_view_side =
+    192;  ///< pixels: longer sides are made less than twice as long, if the shorter allows
 
 /// Means of blocks of pixels.
 SmallView small_view(const Photograph& photograph, const LoadedPhotograph& loaded);
