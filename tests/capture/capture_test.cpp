@@ -348,6 +348,11 @@ TEST_F(CoverageTest, NamesTheFrameOfAMeshThatCoversTooLittle) {
     expect_refused("'mesh_scale' 100 'mesh_shift' -300,100,-700", "another unit and another origin");
     write_sphere(7.5, {3, -1, 7});
     expect_refused("it would cover 100 %", "another unit and another origin");
+    // Pictures of noise say nothing of faces, but cameras outside a closed surface do.
+    write_sphere(1, Vec3d::Zero());
+    options_.flip_faces = true;
+    expect_refused("a closed surface whose faces turn inward", "leave 'flip_faces' out");
+    options_.flip_faces = false;
     options_.masks.clear();
     write_sphere(1, {50, 0, 0});
     expect_refused("'mesh_shift' -50", "it has another origin");

@@ -171,7 +171,8 @@ MeshFile read_mesh_file(const std::filesystem::path& file, const MeshPlacement& 
     note(defects.unreferenced_vertices.size(), "vertices of no triangle, which stay without samples");
     if (defects.degenerate_triangles.size() == mesh.triangle_count())
         throw UserError(fmt::format("{}: empty mesh: every triangle is degenerate: export the surface again", name));
-    note(find_orientation(mesh).disagreeing_edges,
+    result.orientation = find_orientation(mesh);
+    note(result.orientation.disagreeing_edges,
          "edges whose two faces are turned against each other: make the faces' orientation coherent (MeshLab: "
          "Re-Orient all faces coherently)");
     for (const std::string& remark : raw.remarks) result.remarks.push_back(fmt::format("{}: {}", name, remark));

@@ -8,10 +8,20 @@
 
 namespace radiafit::tools {
 
+/// How a welded mesh's faces are turned, degenerate ones left out.
+struct Orientation {
+    double signed_volume = 0;      ///< below 0: of a closed mesh, faces turn inward
+    bool closed = false;           ///< each edge has two faces, turned alike
+    size_t border_edges = 0;       ///< of one face
+    size_t disagreeing_edges = 0;  ///< of two faces turned against each other
+    size_t crowded_edges = 0;      ///< of three faces or more
+};
+
 /// A mesh as a fit needs it, and what was met on the way.
 struct MeshFile {
     Mesh mesh;
-    Vec3d origin = Vec3d::Zero();      ///< the placed mesh is mesh + origin; to be taken from cameras too
+    Vec3d origin = Vec3d::Zero();  ///< the placed mesh is mesh + origin; to be taken from cameras too
+    Orientation orientation;
     std::vector<std::string> notes;    ///< defects, counted, one line each; empty for a clean file
     std::vector<std::string> remarks;  ///< no cause to worry
 };
@@ -31,14 +41,6 @@ enum class Origin { kept, moved };
 MeshFile read_mesh_file(const std::filesystem::path& file, const MeshPlacement& placement = {},
                         Origin origin = Origin::kept);
 
-/// How a welded mesh's faces are turned, degenerate ones left out.
-struct Orientation {
-    double signed_volume = 0;      ///< below 0: of a closed mesh, faces turn inward
-    bool closed = false;           ///< each edge has two faces, turned alike
-    size_t border_edges = 0;       ///< of one face
-    size_t disagreeing_edges = 0;  ///< of two faces turned against each other
-    size_t crowded_edges = 0;      ///< of three faces or more
-};
 Orientation find_orientation(const Mesh& mesh);
 
 /// Merges vertices of bitwise equal position (-0 equals 0); exported for tests. Returns the number merged away.
