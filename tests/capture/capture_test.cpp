@@ -300,10 +300,11 @@ protected:
         for (int r = 0; r <= rings; ++r)
             for (int k = 0; k < sides; ++k) {
                 const double polar = M_PI * r / rings, around = 2 * M_PI * k / sides;
-                const Vec3d p = scale * (0.5 * Vec3d(std::sin(polar) * std::cos(around),
-                                                     std::sin(polar) * std::sin(around), std::cos(polar)) +
-                                         Vec3d(0, 0, 2)) +
-                                shift;
+                const double across = r == rings ? 0 : std::sin(polar);  // so that the pole is one point
+                const Vec3d p =
+                    scale * (0.5 * Vec3d(across * std::cos(around), across * std::sin(around), std::cos(polar)) +
+                             Vec3d(0, 0, 2)) +
+                    shift;
                 obj += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
             }
         for (int r = 0; r < rings; ++r)
