@@ -75,6 +75,10 @@ class CaptureScript(ProgramTest):
         (self.root / "two/a.LP").write_text("")
         (self.root / "two/b.lp").write_text("")
         (self.root / "empty").mkdir(exist_ok=True)
+        (self.root / "nested").mkdir()
+        os.symlink("../photographs of a star", self.root / "nested/jpgs")
+        for folder in ("assembly-files", "jpeg-exports"):
+            (self.root / "unlit" / folder).mkdir(parents=True)
         photographs = "photographs of a star"
         for arguments, says in (
             ([], "give the folder of photographs and the folder to write"),
@@ -86,6 +90,8 @@ class CaptureScript(ProgramTest):
             (["--masks", "nowhere", photographs, "out"], "nowhere: no such folder of masks"),
             (["--mesh", "nowhere", photographs, "out"], "nowhere: no such mesh"),
             (["empty", "out"], "0 photographs here, fewer than three"),
+            (["nested", "out"], "nested/jpgs: give that folder"),
+            (["unlit", "out"], "unlit/assembly-files: no light file (.lp) here"),
             (["two", "out"], "several light files (.lp): keep the one"),
             ([photographs, photographs + "/out"], "inside the folder of photographs: write elsewhere"),
         ):
@@ -207,6 +213,14 @@ exec {self.program} "$@"
         self.assertRegex(done.stdout, r"\(test\): .*PSNR")
         self.assertTrue((self.root / "dome out/page/index.html").exists())
         self.assertEqual(json.loads((self.root / "dome out/dataset/dataset/dataset.json").read_text())["views"][3]["name"][:7], "Lamp 03")
+        # The same as Cultural Heritage Imaging lays its captures out.
+        for file in list(folder.iterdir()):
+            inside = folder / ("assembly-files" if file.suffix == ".LP" else "jpeg-exports")
+            inside.mkdir(exist_ok=True)
+            file.rename(inside / file.name)
+        self.captured("--until", "dataset", folder, "dome again", PATH=os.environ["PATH"])
+        first, again = (self.root / out / "dataset/dataset/images.bin" for out in ("dome out", "dome again"))
+        self.assertEqual(first.read_bytes(), again.read_bytes())
 
 
 if __name__ == "__main__":

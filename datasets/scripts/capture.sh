@@ -1,7 +1,7 @@
 #!/bin/sh
 # From photographs alone to a judged fit and a page: cameras by COLMAP, depths, mesh, masks, import, tune, fit, judge, publish.
-# A folder with an RTI light file (.lp) is imported with its lamps instead. docs/captures.md says how to photograph, and what
-# each step checks.
+# A folder with an RTI light file (.lp) is imported with its lamps instead, also one of Cultural Heritage Imaging's, which has
+# that file in assembly-files and the images in jpeg-exports. docs/captures.md says how to photograph, and what each step checks.
 # Usage: capture.sh [OPTIONS] PHOTOS OUT
 #   --masks DIR      masks of the photographs, white = object (NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png);
 #                    default: what the mesh covers
@@ -52,13 +52,28 @@ esac
 photos=$(cd "$photos" && pwd)
 [ -z "$masks" ] || masks=$(cd "$masks" && pwd)
 [ -z "$mesh" ] || mesh=$(cd "$(dirname "$mesh")" && pwd)/$(basename "$mesh")
-lights=$(find "$photos/" -maxdepth 1 -type f,l -iname '*.lp' | sort)
+name=${photos##*/}
+light_files() { find "$1/" -maxdepth 1 -type f,l -iname '*.lp' ! -name '.*' | sort; }
+where=$photos lights=$(light_files "$photos")
+if [ -z "$lights" ] && [ -d "$photos/assembly-files" ] && [ -d "$photos/jpeg-exports" ]; then
+    where=$photos/assembly-files
+    lights=$(light_files "$where")
+    [ -n "$lights" ] || die "$where: no light file (.lp) here: make one with RTIBuilder or relight"
+    photos=$photos/jpeg-exports
+fi
 case $lights in *"
-"*) die "$photos: several light files (.lp): keep the one that belongs to these images" ;; esac
+"*) die "$where: several light files (.lp): keep the one that belongs to these images" ;; esac
 endings="png jpg jpeg tif tiff"  # those that src/core/image/image_format.cpp has for COLMAP; tests/capture/image_file_test.cpp compares
-count=$(find "$photos/" -maxdepth 1 -type f,l | grep -icE "\.($(echo "$endings" | tr ' ' '|'))\$") || true
-[ -n "$lights" ] || [ "$count" -ge 3 ] ||
+photographs() { find "$1/" -maxdepth 1 -type f,l ! -name '.*' | grep -iE "\.($(echo "$endings" | tr ' ' '|'))\$"; }
+count=$(photographs "$photos" | wc -l)
+if [ -z "$lights" ] && [ "$count" -lt 3 ]; then
+    for folder in "$photos"/*/; do
+        [ -d "$folder" ] || continue
+        inside=$(photographs "${folder%/}" | wc -l)
+        [ "$inside" -lt 3 ] || die "$photos: $count photographs here, but $inside in ${folder%/}: give that folder"
+    done
     die "$photos: $count photographs here, fewer than three: give JPEG, PNG or TIFF files"
+fi
 mkdir -p "$out" || die "$out: cannot make this folder: write elsewhere"
 out=$(cd "$out" && pwd)
 case $out/ in "$photos"/*)
@@ -282,11 +297,11 @@ make_masks() {
 }
 dataset() {
     run "$radiafit" $of_radiafit import colmap --model "$out/flat/large/sparse" --images "$out/flat/large/images" \
-        --masks "$out/masks/masks" --mesh "$(made_mesh)" --gains estimate --name "${photos##*/}" -o "$part/dataset"
+        --masks "$out/masks/masks" --mesh "$(made_mesh)" --gains estimate --name "$name" -o "$part/dataset"
 }
 lit_dataset() {
     run "$radiafit" $of_radiafit import lights --images "$photos" --lights "$lights" --max-size "$size" \
-        --name "${photos##*/}" -o "$part/dataset"
+        --name "$name" -o "$part/dataset"
 }
 tune() {
     run_into "$part/table" "$radiafit" $of_radiafit tune "$out/dataset/dataset" --seconds "$seconds" &&
