@@ -29,7 +29,7 @@ install(FILES ${PROJECT_BINARY_DIR}/radiafit-config.cmake ${PROJECT_BINARY_DIR}/
 
 # The program, and the modules that it loads when it reads photographs, or when mpirun starts it.
 install(TARGETS radiafit RUNTIME DESTINATION bin)
-foreach(module radiafit_oiio radiafit_mpi)
+foreach(module radiafit_oiio radiafit_heif radiafit_mpi)
   if(TARGET ${module})
     install(TARGETS ${module} LIBRARY DESTINATION lib/radiafit)
   endif()

@@ -18,7 +18,7 @@ experiments="$compiler $core
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
     gnuplot-nox fonts-dejavu-core python3"
 # `make build`: the program with all that it can do on one machine.
-build="$experiments libopenimageio-dev"
+build="$experiments libopenimageio-dev libheif-dev"
 command -v npm >/dev/null || build="$build nodejs npm"  # of the published page; another source's nodejs has npm in it
 # `make python`.
 python="$experiments python3-dev pybind11-dev python3-numpy"

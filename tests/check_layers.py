@@ -66,6 +66,7 @@ SHARED_TEXTS = {"model": "model", "optimize": "optim"}
 # Foreign headers and the folders of src/ that may include them.
 LIBRARIES = [
     (r"OpenImageIO/", {"image"}),
+    (r"libheif/", {"image"}),
     (r"(OpenEXR/|Imf|Imath|Iex)", {"image"}),
     (r"png\.h", {"image"}),
     (r"lcms2\.h", {"capture"}),

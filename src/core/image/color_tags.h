@@ -13,9 +13,10 @@ inline constexpr size_t largest_profile = size_t(4) << 20;  ///< bytes; beyond a
 struct ColorTags {
     std::string profile;  ///< the bytes of an ICC profile, not looked into yet; empty: none
     std::string damage;   ///< why a profile that the file announces cannot be taken out of it; empty: nothing is wrong
-    bool srgb = false;    ///< PNG's chunk sRGB
-    double gamma = 0;     ///< PNG's chunk gAMA: the stored value is light to this power; 0: none
-    /// x and y of red, green, blue and white (PNG's cHRM, an EXR's attribute); all 0: none.
+    std::string srgb;     ///< what says that values are sRGB, such as "the chunk sRGB"; empty: nothing
+    double gamma =
+        0;  ///< PNG's chunk gAMA, or HEIF's linear light (1): the stored value is light to this power; 0: none
+    /// x and y of red, green, blue and white (PNG's cHRM, an EXR's attribute, HEIF's numbers); all 0: none.
     std::array<double, 8> chromaticities = {};
 
     bool has_chromaticities() const { return chromaticities != std::array<double, 8>{}; }

@@ -113,7 +113,7 @@ MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check) 
     }
     constexpr ptrdiff_t most_labels = 16;
     const bool numbers = mask.largest > 0 && mask.largest < 128 && std::ranges::count(present, true) <= most_labels &&
-                         header.format != format_of_name("a.jpeg");
+                         !header.format->lossy;
     mask.labels = numbers && mask.largest > 1;
     const int threshold = numbers ? 1 : 128;
     for (uint8_t& value : mask.values) value = value >= threshold ? 255 : 0;

@@ -35,7 +35,7 @@ using HeaderCheck = std::function<void(int width, int height)>;
 ImageFile read_image(const std::filesystem::path& file, bool floats = false, const HeaderCheck& check = {});
 
 /// A mask [height][width], 255 = object, 0 = not: of values from 0 to 255, 128 or more. Where no value is so large and
-/// there are at most 16, so that they number what is seen (labels), whatever is not 0; a JPEG has no labels.
+/// there are at most 16, so that they number what is seen (labels), whatever is not 0; a lossy format has no labels.
 struct MaskFile {
     int width = 0, height = 0;
     std::vector<uint8_t> values;

@@ -10,13 +10,21 @@
 
 namespace radiafit {
 
+/// Bytes that all files of a kind have at one place.
+struct FileMark {
+    std::string_view bytes;
+    size_t at = 0;
+    bool in(std::string_view file) const { return file.size() > at && file.substr(at).starts_with(bytes); }
+};
+
 /// A kind of picture files.
 struct ImageFormat {
-    const char* name;                          ///< as messages have it
-    std::vector<std::string_view> endings;     ///< of file names, in small letters
-    std::vector<std::string_view> beginnings;  ///< of the bytes, which identify it; none: known, but not read
-    bool photograph = false;                   ///< a calibration may leave this ending out of a photograph's name
+    const char* name;                       ///< as messages have it
+    std::vector<std::string_view> endings;  ///< of file names, in small letters
+    std::vector<FileMark> marks;            ///< any of which identifies it; none: known, but not read
+    bool photograph = false;                ///< a calibration may leave this ending out of a photograph's name
     bool colmap = false;  ///< photographs of it may go through COLMAP: datasets/scripts/capture.sh counts them
+    bool lossy = false;   ///< stored values differ from those that were written
     ImageHeader (*read_header)(const std::filesystem::path& file, std::string_view bytes) = nullptr;
     RawImage (*read_pixels)(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) = nullptr;
 };

@@ -20,9 +20,8 @@ const ImageFormat& find_format(const std::filesystem::path& file, std::string_vi
     if (bytes.empty()) fail_damaged_image(file, "the file has no bytes");
     std::string known;
     for (const ImageFormat& format : image_formats()) {
-        if (std::ranges::any_of(format.beginnings, [&](std::string_view begin) { return bytes.starts_with(begin); }))
-            return format;
-        if (!format.beginnings.empty()) known += (known.empty() ? "" : ", ") + std::string(format.name);
+        if (std::ranges::any_of(format.marks, [&](const FileMark& mark) { return mark.in(bytes); })) return format;
+        if (!format.marks.empty()) known += (known.empty() ? "" : ", ") + std::string(format.name);
     }
     known.replace(known.rfind(","), 1, " nor");
     if (const OtherKind* other = find_other_kind(bytes))

@@ -1,30 +1,18 @@
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "image/codecs.h"
+#include "image/module.h"
 #include "image/oiio/read_pixels.h"
 
 namespace radiafit {
-namespace {
-
-/// From the module, which is found where the program's RUNPATH leads. It stays loaded.
-ReadOiioPixels* load_reader() {
-    void* module = dlopen(oiio_module, RTLD_NOW | RTLD_LOCAL);
-    void* function = module ? dlsym(module, oiio_function) : nullptr;
-    if (!function)
-        throw UserError(
-            fmt::format("JPEG, TIFF and OpenEXR pictures cannot be read ({}): install libopenimageio-dev and build "
-                        "radiafit again, or convert them to PNG",
-                        dlerror()));
-    return reinterpret_cast<ReadOiioPixels*>(function);
-}
-
-}  // namespace
 
 RawImage read_oiio_pixels(const std::filesystem::path& file, std::string_view bytes, const ImageHeader& header,
                           const char* reader) {
-    static ReadOiioPixels* const read = load_reader();
+    static ReadOiioPixels* const read = load_function<ReadOiioPixels>(
+        oiio_module, oiio_function,
+        "JPEG, TIFF and OpenEXR pictures cannot be read ({}): install libopenimageio-dev and build radiafit again, or "
+        "convert them to PNG");
     OiioPixels pixels;
     read(file.filename().string(), bytes, header, reader, pixels);
     if (!pixels.failure.empty()) throw SystemError(pixels.failure);

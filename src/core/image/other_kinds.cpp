@@ -4,42 +4,37 @@
 #include <cctype>
 #include <string>
 
+#include "image/image_format.h"
+
 namespace radiafit {
 namespace {
 
 using namespace std::string_view_literals;
 
 struct Signature {
-    size_t at;  ///< where the bytes stand
-    std::string_view bytes;
+    FileMark mark;
     OtherKind kind;
 };
 
 constexpr const char* to_png = "convert it to PNG (convert FILE FILE.png)";
-constexpr const char* from_heif = "convert it to PNG (heif-convert FILE FILE.png)";
 
 constexpr Signature signatures[] = {
-    {4, "ftyphei"sv, {"a HEIC picture", from_heif}},
-    {4, "ftyphev"sv, {"a HEIC picture", from_heif}},
-    {4, "ftypmif1"sv, {"a HEIF picture", from_heif}},
-    {4, "ftypmsf1"sv, {"a HEIF picture", from_heif}},
-    {4, "ftypavi"sv, {"an AVIF picture", from_heif}},
-    {4, "ftypcrx"sv, {"a camera's raw picture (CR3)", raw_cure}},
-    {0, "FUJIFILMCCD-RAW"sv, {"a camera's raw picture (RAF)", raw_cure}},
-    {0, "IIRO"sv, {"a camera's raw picture (ORF)", raw_cure}},
-    {0, "IIRS"sv, {"a camera's raw picture (ORF)", raw_cure}},
-    {0, "IIU\0"sv, {"a camera's raw picture (RW2)", raw_cure}},
-    {0, "FOVb"sv, {"a camera's raw picture (X3F)", raw_cure}},
-    {0, "#?RADIANCE"sv, {"a Radiance picture", "convert it to OpenEXR (oiiotool FILE -o FILE.exr)"}},
-    {0, "#?RGBE"sv, {"a Radiance picture", "convert it to OpenEXR (oiiotool FILE -o FILE.exr)"}},
-    {8, "WEBP"sv, {"a WebP picture", "convert it to PNG (dwebp FILE -o FILE.png)"}},
-    {0, "GIF8"sv, {"a GIF picture", to_png}},
-    {0, "BM"sv, {"a BMP picture", to_png}},
-    {0, "8BPS"sv, {"a Photoshop document", "export it as TIFF or PNG"}},
-    {0, "\xff\x0a"sv, {"a JPEG XL picture", "convert it to PNG (djxl FILE FILE.png)"}},
-    {0, "\0\0\0\x0cJXL "sv, {"a JPEG XL picture", "convert it to PNG (djxl FILE FILE.png)"}},
-    {0, "\0\0\0\x0cjP  "sv, {"a JPEG 2000 picture", "convert it to PNG (opj_decompress -i FILE -o FILE.png)"}},
-    {0, "%PDF"sv, {"a PDF document", "export its picture as PNG"}},
+    {{"ftypcrx"sv, 4}, {"a camera's raw picture (CR3)", raw_cure}},
+    {{"FUJIFILMCCD-RAW"sv}, {"a camera's raw picture (RAF)", raw_cure}},
+    {{"IIRO"sv}, {"a camera's raw picture (ORF)", raw_cure}},
+    {{"IIRS"sv}, {"a camera's raw picture (ORF)", raw_cure}},
+    {{"IIU\0"sv}, {"a camera's raw picture (RW2)", raw_cure}},
+    {{"FOVb"sv}, {"a camera's raw picture (X3F)", raw_cure}},
+    {{"#?RADIANCE"sv}, {"a Radiance picture", "convert it to OpenEXR (oiiotool FILE -o FILE.exr)"}},
+    {{"#?RGBE"sv}, {"a Radiance picture", "convert it to OpenEXR (oiiotool FILE -o FILE.exr)"}},
+    {{"WEBP"sv, 8}, {"a WebP picture", "convert it to PNG (dwebp FILE -o FILE.png)"}},
+    {{"GIF8"sv}, {"a GIF picture", to_png}},
+    {{"BM"sv}, {"a BMP picture", to_png}},
+    {{"8BPS"sv}, {"a Photoshop document", "export it as TIFF or PNG"}},
+    {{"\xff\x0a"sv}, {"a JPEG XL picture", "convert it to PNG (djxl FILE FILE.png)"}},
+    {{"\0\0\0\x0cJXL "sv}, {"a JPEG XL picture", "convert it to PNG (djxl FILE FILE.png)"}},
+    {{"\0\0\0\x0cjP  "sv}, {"a JPEG 2000 picture", "convert it to PNG (opj_decompress -i FILE -o FILE.png)"}},
+    {{"%PDF"sv}, {"a PDF document", "export its picture as PNG"}},
 };
 
 constexpr std::string_view raw_endings[] = {".3fr", ".arw", ".cr2", ".dcr", ".dng", ".erf", ".iiq",
@@ -50,7 +45,7 @@ constexpr std::string_view raw_endings[] = {".3fr", ".arw", ".cr2", ".dcr", ".dn
 
 const OtherKind* find_other_kind(std::string_view bytes) {
     for (const Signature& s : signatures)
-        if (bytes.size() > s.at && bytes.substr(s.at).starts_with(s.bytes)) return &s.kind;
+        if (s.mark.in(bytes)) return &s.kind;
     return nullptr;
 }
 

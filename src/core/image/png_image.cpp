@@ -102,7 +102,7 @@ int begin(png_structp png, png_infop info) {
 void take_chunk(const ByteReader& reader, uint64_t at, uint64_t length, ImageHeader& header) {
     const std::string_view type = reader.text(at + 4, 4), content = reader.text(at + 8, length);
     ColorTags& colors = header.colors;
-    if (type == "sRGB" && length == 1) colors.srgb = true;
+    if (type == "sRGB" && length == 1) colors.srgb = "the chunk sRGB";
     if (type == "gAMA" && length == 4) colors.gamma = double(reader.number(at + 8, 4)) / 100000;
     if (type == "iCCP" && !colors.has_profile()) unpack_profile(content, colors);
     if (type == "eXIf") header.orientation = tiff_orientation(content);

@@ -133,8 +133,8 @@ ColorReading convert_colors(ImageFile& image) {
         reading.ignored = fmt::format("{} is not used: {}", reading.by, conversion->refusal);
         conversion.reset();
     }
-    if (!conversion && tags.srgb && !floats) {
-        reading.by = "the chunk sRGB";
+    if (!conversion && !tags.srgb.empty() && !floats) {
+        reading.by = tags.srgb;
         reading.kind = Kind::srgb;
         image.linear = false;
         return reading;
