@@ -23,6 +23,9 @@ class Reflectance(ProgramTest):
     def judged(self, fit, *options):
         return json.loads(self.good("judge", fit, "--json", *options).stdout)
 
+    def test_a_fit_above_its_baseline_says_nothing_of_it(self):
+        self.assertNotIn("baseline", self.good("fit", "ornament", "-o", "chosen").stderr)
+
     def test_lafortune_explains_its_own_materials(self):
         judged = self.judged("lm")
         self.assertGreater(judged["psnr"], judged["baseline"]["psnr"])

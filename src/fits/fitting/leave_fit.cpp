@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "dataset/checksums.h"
+#include "fitting/baseline_check.h"
 #include "fitting/fit_options.h"
 
 namespace radiafit::fits {
@@ -104,11 +105,17 @@ void leave(const FitTarget& target, const Dataset& dataset, const FitRequest& re
     require_result(record, dataset);
     if (target.covariance) find_error_bars(done.fit, {});
     save_fit(target.out, done, request, begun);
-    if (target.json) return print_json(target.out, done, request);
     const auto counts = record.status_counts();
-    log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
-                         summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
-                         counts[size_t(Status::not_finite)], target.out));
+    if (target.json)
+        print_json(target.out, done, request);
+    else
+        log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
+                             summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
+                             counts[size_t(Status::not_finite)], target.out));
+    if (!target.check) return;
+    const auto check = check_against_baseline(done.fit);
+    if (check && check->baseline_is_better())
+        log_warning(fmt::format("{}: {}", target.out, describe_baseline(*check, done.fit)));
 }
 
 }  // namespace radiafit::fits

@@ -21,6 +21,7 @@ struct FitTarget {
     std::string out;
     bool covariance = false;  ///< maps of standard deviations
     bool json = false;        ///< what came of it, on standard output
+    bool check = false;       ///< warn where the baseline is better on held-out images (baseline_check.h)
 };
 
 /// Checks what a fit came to, writes it and says so. `begun`: its provenance. Throws UserError for a fit that means

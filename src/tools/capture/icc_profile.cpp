@@ -206,15 +206,15 @@ ColorConversion read_icc_profile(const std::string& bytes) {
         return out;
     }
     out.name = profile_name(*profile);
-    const cmsColorSpaceSignature space = cmsGetColorSpace(profile->profile());
-    const cmsProfileClassSignature kind = cmsGetDeviceClass(profile->profile());
-    out.grey = space == cmsSigGrayData;
-    if (space != cmsSigRgbData && space != cmsSigGrayData)
-        out.refusal = space == cmsSigCmykData ? "it is of CMYK, not of RGB or grey" : "it is not of RGB or grey";
-    else if (kind != cmsSigInputClass && kind != cmsSigDisplayClass && kind != cmsSigOutputClass &&
-             kind != cmsSigColorSpaceClass)
+    // From the header itself, since the library's enumerations do not hold whatever may stand there.
+    const auto word = [&](size_t at) { return std::string_view(bytes).substr(at, 4); };
+    const std::string_view kind = word(12), space = word(16), connection = word(20);
+    out.grey = space == "GRAY";
+    if (space != "RGB " && !out.grey)
+        out.refusal = space == "CMYK" ? "it is of CMYK, not of RGB or grey" : "it is not of RGB or grey";
+    else if (kind != "scnr" && kind != "mntr" && kind != "prtr" && kind != "spac")
         out.refusal = "it describes no picture's colours";
-    else if (out.grey && (tables || cmsGetPCS(profile->profile()) != cmsSigXYZData))
+    else if (out.grey && (tables || connection != "XYZ "))
         out.refusal = "it is of grey by tables";
     else if (tables)
         use_tables(profile, out);

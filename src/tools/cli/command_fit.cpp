@@ -208,6 +208,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         if (o->leave_out_outliers) require_one_piece(dataset, *request, share.has_value());
         if (o->covariance) require_error_bars(*request, share.has_value());
         if (!chosen.empty()) log_info(chosen);
+        o->check = !chosen.empty();
         warn_about_range(dataset, *request);
         if (share)
             fit_shard(dataset, *request, *share, o->out, o->force);
