@@ -104,6 +104,8 @@ TEST_F(Images, MasksOfAllKinds) {
     EXPECT_EQ(mask(1, 8, {0, 1, 1, 0}), (Values{0, 255, 255, 0}));  // files of 0 and 1
     EXPECT_EQ(mask(1, 8, {0, 0, 0, 0}), (Values{0, 0, 0, 0}));
     EXPECT_EQ(mask(1, 16, {0, 65535, 20000, 40000}), (Values{0, 255, 0, 255}));
+    EXPECT_EQ(mask(1, 16, {0, 1, 38, 0}), (Values{0, 255, 255, 0}));  // labels
+    EXPECT_EQ(mask(1, 16, {0, 255, 100, 255}), (Values{0, 255, 0, 255}));
     EXPECT_EQ(mask(3, 8, {0, 0, 0, 255, 255, 255, 0, 200, 0, 9, 9, 9}), (Values{0, 255, 255, 0}));
     EXPECT_EQ(mask(2, 8, {255, 255, 255, 0, 0, 255, 0, 0}), (Values{255, 0, 0, 0}));  // cut out by alpha
 }

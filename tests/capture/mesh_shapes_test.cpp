@@ -200,6 +200,13 @@ TEST_F(MeshShapes, Gltf) {
         }
         expect_in("y up", file.remarks.at(0));
     }
+    // Primitives of a mesh, such as those of its materials, share their vertices.
+    std::string shared = square_json("");
+    const std::string primitive = R"({"attributes":{"POSITION":0},"indices":1})";
+    shared.replace(shared.find(primitive), primitive.size(), primitive + "," + primitive);
+    write_bytes(root_ / "x.glb", glb(shared, square_bytes()));
+    EXPECT_EQ(read_mesh_file(root_ / "x.glb").mesh.vertex_count(), 8u);
+    EXPECT_NEAR(area(read_mesh_file(root_ / "x.glb").mesh), 16, 1e-9);
     const auto refused = [&](const std::string& part, const std::string& other, const char* what) {
         std::string json = square_json("");
         json.replace(json.find(part), part.size(), other);

@@ -128,8 +128,17 @@ TEST(PictureColors, ChunksAndChromaticitiesAreConvertedAsProfilesAre) {
     EXPECT_NEAR(image.rgb32[9], -0.2249404 * 255 / 64, 2e-3);
     p3.chromaticities[7] = 0;
     image = picture(32, p3);
-    expect_in("its chromaticities not used", convert_colors(image).ignored);
+    expect_in("its chromaticities are not used", convert_colors(image).ignored);
     EXPECT_EQ(image.rgb32, picture(32, p3).rgb32);
+    // What cannot be used of a file leaves the rest in force.
+    p3.gamma = 1;
+    image = picture(16, p3);
+    const ColorReading linear = convert_colors(image);
+    expect_in("its chromaticities are not used", linear.ignored);
+    EXPECT_EQ(linear.kind, Kind::linear);
+    EXPECT_EQ(linear.by, "gAMA (1)");
+    EXPECT_TRUE(image.linear);
+    EXPECT_EQ(image.rgb16, picture(16, p3).rgb16);
 }
 
 TEST(PictureColors, GreyProfiles) {

@@ -69,6 +69,13 @@ std::vector<uint8_t> grey_values(const RawImage& raw, const std::vector<Channel>
     return grey;
 }
 
+/// Numbers of 16 bits that would fit into 8, such as labels, become 8-bit values.
+void narrow_numbers(RawImage& raw) {
+    const auto* wide = std::get_if<std::vector<uint16_t>>(&raw.values);
+    if (!wide || raw.alpha >= 0 || std::ranges::any_of(*wide, [](uint16_t value) { return value > 255; })) return;
+    raw.values = std::vector<uint8_t>(wide->begin(), wide->end());
+}
+
 }  // namespace
 
 ImageFile read_image(const std::filesystem::path& file, bool floats, const HeaderCheck& check) {
@@ -100,8 +107,9 @@ ImageFile read_image(const std::filesystem::path& file, bool floats, const Heade
 
 MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check) {
     ImageHeader header;
-    const RawImage raw = read_raw(file, check, header);
+    RawImage raw = read_raw(file, check, header);
     check_colors(file, raw);
+    narrow_numbers(raw);
     MaskFile mask;
     mask.width = raw.width;
     mask.height = raw.height;

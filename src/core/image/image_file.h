@@ -36,6 +36,7 @@ ImageFile read_image(const std::filesystem::path& file, bool floats = false, con
 
 /// A mask [height][width], 255 = object, 0 = not: of values from 0 to 255, 128 or more. Where no value is so large and
 /// there are at most 16, so that they number what is seen (labels), whatever is not 0; a lossy format has no labels.
+/// 16-bit files without a value above 255 count as 8-bit ones.
 struct MaskFile {
     int width = 0, height = 0;
     std::vector<uint8_t> values;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -274,6 +275,7 @@ private:
 
     void read_mesh(uint64_t index, const Transform& transform) {
         const Json& mesh = entry("meshes", index);
+        first_vertices_.clear();
         for (const Json& primitive : mesh.at("primitives")) {
             if (primitive.contains("extensions"))
                 for (const auto& [name, value] : primitive.at("extensions").items()) refuse_compressed(name);
@@ -289,7 +291,8 @@ private:
         }
         if (mode > triangle_fan) fail(fmt::format("{}: malformed glTF: its mode is {}: export it again", where, mode));
         if (!primitive.at("attributes").contains("POSITION")) return;
-        const Accessor positions = accessor(natural(primitive.at("attributes"), "POSITION"), "VEC3", 3, where);
+        const uint64_t position_index = natural(primitive.at("attributes"), "POSITION");
+        const Accessor positions = accessor(position_index, "VEC3", 3, where);
         std::optional<Accessor> indices;
         if (primitive.contains("indices")) {
             indices = accessor(natural(primitive, "indices"), "SCALAR", 1, where);
@@ -299,14 +302,16 @@ private:
         }
         const uint64_t corner_count = indices ? indices->count : positions.count;
         // Many nodes may show one mesh, so that a small file makes vast ones.
-        taken_ += positions.count + corner_count;
+        const auto [entry, is_new] =
+            first_vertices_.try_emplace(position_index, static_cast<uint32_t>(raw_.positions.size()));
+        taken_ += (is_new ? positions.count : 0) + corner_count;
         if (taken_ > 10000000 + total_bytes_ || raw_.positions.size() + positions.count > 0xffffffffu)
             fail(
                 "its nodes and primitives take so many vertices, again and again, that they do not fit: join the "
                 "meshes, or export them as PLY");
 
-        const auto first = static_cast<uint32_t>(raw_.positions.size());
-        for (uint64_t v = 0; v < positions.count; ++v) {
+        const uint32_t first = entry->second;
+        for (uint64_t v = 0; is_new && v < positions.count; ++v) {
             const Vec3d p(positions.number(v, 0), positions.number(v, 1), positions.number(v, 2));
             const Vec3d placed = transform.linear * p + transform.shift;
             if (!placed.cast<float>().allFinite())
@@ -386,6 +391,8 @@ private:
     std::vector<bool> sources_;        ///< of each buffer, whether it is loaded
     std::vector<uint64_t> lengths_;    ///< of each buffer
     std::vector<uint8_t> visited_;     ///< nodes
+    std::map<uint64_t, uint32_t>
+        first_vertices_;  ///< of this mesh in this place, by accessor: its primitives share them
     uint64_t total_bytes_ = 0, taken_ = 0;
     RawMesh raw_;
 };

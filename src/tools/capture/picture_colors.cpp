@@ -142,8 +142,13 @@ ColorReading convert_colors(ImageFile& image) {
     if (!conversion && (tags.gamma > 0 || tags.has_chromaticities())) {
         conversion = conversion_of_chunks(tags, floats, reading.by);
         if (!conversion->refusal.empty()) {
-            reading.ignored = fmt::format("{} not used: {}", reading.by, conversion->refusal);
+            reading.ignored = fmt::format("its chromaticities are not used: {}", conversion->refusal);
             conversion.reset();
+            if (ColorTags curve = tags; tags.gamma > 0 && !floats) {
+                curve.chromaticities = {};
+                reading.by.clear();
+                conversion = conversion_of_chunks(curve, floats, reading.by);
+            }
         }
     }
     if (!conversion) {
