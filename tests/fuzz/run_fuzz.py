@@ -18,7 +18,8 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 LIMITS = ["-timeout=120", "-report_slow_units=20", "-rss_limit_mb=512", "-malloc_limit_mb=256", "-detect_leaks=0"]
 # What is freed is kept back for a while to catch its use; the default would fill the whole limit.
-SANITIZERS = {"ASAN_OPTIONS": "quarantine_size_mb=16", "UBSAN_OPTIONS": "print_stacktrace=1"}
+SANITIZERS = {"ASAN_OPTIONS": "quarantine_size_mb=16", "UBSAN_OPTIONS": "print_stacktrace=1",
+              "LSAN_OPTIONS": f"suppressions={HERE}/leaks.txt:print_suppressions=0"}  # fmt: skip
 
 
 def dictionaries(target):

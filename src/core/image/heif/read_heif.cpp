@@ -34,11 +34,12 @@ bool failed(const heif_error& error, HeifPicture& out) {
 void take_numbers(const heif_image_handle* handle, HeifPicture& out) {
     ColorTags& tags = out.colors;
     heif_color_profile_nclx* read = nullptr;
-    if (heif_image_handle_get_nclx_color_profile(handle, &read).code != heif_error_Ok) {
+    const bool none = heif_image_handle_get_nclx_color_profile(handle, &read).code != heif_error_Ok;
+    const Nclx nclx(read);  // also where numbers of no meaning are refused
+    if (none || !nclx) {
         tags.srgb = "HEIF's default";
         return;
     }
-    const Nclx nclx(read);
     const auto transfer = nclx->transfer_characteristics;
     if (transfer == heif_transfer_characteristic_ITU_R_BT_2100_0_PQ ||
         transfer == heif_transfer_characteristic_ITU_R_BT_2100_0_HLG) {

@@ -3,12 +3,26 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace radiafit {
 namespace {
 
 namespace oiio = OIIO;
+
+/// A file's bytes. OpenImageIO's own reader of memory takes offsets that a file states, such as -1, as they are.
+class BoundedMemory : public oiio::Filesystem::IOMemReader {
+public:
+    explicit BoundedMemory(std::string_view bytes) : IOMemReader(bytes.data(), bytes.size()) {}
+    bool seek(int64_t offset) override { return within(offset) && IOMemReader::seek(offset); }
+    size_t pread(void* to, size_t bytes, int64_t offset) override {
+        return within(offset) ? IOMemReader::pread(to, std::min(bytes, size() - size_t(offset)), offset) : 0;
+    }
+
+private:
+    bool within(int64_t offset) const { return offset >= 0 && uint64_t(offset) <= size(); }
+};
 
 /// read_image writes as many values as the specification says: it must be what memory was taken for.
 bool alike(const oiio::ImageSpec& spec, const ImageHeader& header) {
@@ -29,7 +43,7 @@ void read_values(oiio::ImageInput& input, oiio::TypeDesc type, OiioPixels& out) 
 
 void read_pixels(const std::string& name, std::string_view bytes, const ImageHeader& header, const char* reader,
                  OiioPixels& out) {
-    oiio::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());  // it only reads
+    BoundedMemory memory(bytes);
     const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::create(reader);
     if (!input) {
         out.failure = std::string("OpenImageIO has no reader for ") + reader;
