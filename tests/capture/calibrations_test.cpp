@@ -239,6 +239,20 @@ TEST_F(CalibrationsTest, MeshesInTheFrameBeforeAnAppliedTransform) {
     ASSERT_EQ(moved.mesh.triangles, plain.mesh.triangles);
     for (size_t v = 0; v < plain.mesh.vertex_count(); ++v)
         EXPECT_LT((moved.mesh.positions[v] - plain.mesh.positions[v]).norm(), 1e-6f);
+    // A scale that came behind it.
+    file["applied_scale"] = 0.5;
+    write_transforms(file);
+    options_.least_coverage = 0;  // the cameras stay where they are
+    const Dataset scaled = import(import_transforms, "", "scaled");
+    options_.least_coverage = {};
+    for (size_t v = 0; v < plain.mesh.vertex_count(); ++v)
+        EXPECT_LT((scaled.mesh.positions[v] - 0.5f * plain.mesh.positions[v]).norm(), 1e-6f);
+    for (const Json& bad : std::vector<Json>{0, -1, "2"}) {
+        file["applied_scale"] = bad;
+        write_transforms(file);
+        expect_in("must be a number above 0", refused(import_transforms, ""));
+    }
+    file.erase("applied_scale");
     file.erase("applied_transform");
     write_transforms(file);
     expect_in("has no applied_transform", refused(import_transforms, ""));

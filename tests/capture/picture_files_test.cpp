@@ -137,6 +137,7 @@ TEST_F(PictureFiles, ExrChannelsAreTakenByName) {
     EXPECT_EQ(image.rgb32, (std::vector<float>{30, 20, 10, 31, 21, 11}));
     EXPECT_EQ(image.alpha.size(), 2u);
     EXPECT_EQ(image.remarks, (std::vector<std::string>{"R, G, B, A taken, Z left out"}));
+    expect_in("neither R, G, B nor Y", refusal("x.exr", exr({"X", "Y", "Z"})));
     image = read("x.exr", exr({"B", "G", "N.X", "N.Y", "N.Z", "R", "a.B", "a.G", "a.R"}));
     EXPECT_EQ(image.rgb32, (std::vector<float>{50, 10, 0, 51, 11, 1}));
     image = read("x.exr", exr({"L.B", "L.G", "L.R", "L.Z"}));
@@ -226,6 +227,12 @@ TEST_F(PictureFiles, TiffsPackedAsCamerasAndEditorsDo) {
     palette.insert(palette.begin() + 9, {320, 3, map});
     EXPECT_EQ(read("x.tif", encode_tiff(palette, std::string("\2\0\1", 3), false, false, 4096)).rgb8,
               (std::vector<uint8_t>{12, 22, 32, 10, 20, 30, 11, 21, 31}));
+    // 16 bits of which 0 is white.
+    auto white = tiff_entries(2, 1, 1, 16);
+    for (TiffEntry& e : white)
+        if (e.tag == 262) e.values = {0};
+    EXPECT_EQ(read("x.tif", encode_tiff(white, std::string("\0\1\xff\xff", 4))).rgb16,
+              (std::vector<uint16_t>{65279, 65279, 65279, 0, 0, 0}));
     palette[9].values.resize(700);
     expect_in("palette of another size", refusal("x.tif", encode_tiff(palette, "\2\1\1", false, false, 4096)));
 

@@ -40,12 +40,17 @@ struct ChosenChannels {
 
 bool is_alpha(const std::string& name) { return name == "A" || name.ends_with(".A"); }
 
-/// Where there are no more than one or three channels beside one of alpha, they are the picture, whatever their names.
-/// Else R, G, B are, plain ones or those of the only layer that has them.
+/// Where there is one channel beside one of alpha, whatever its name, or three of red, green and blue, they are the
+/// picture. Else R, G, B are, plain ones or those of the only layer that has them.
 ChosenChannels choose_channels(const std::filesystem::path& file, const std::vector<std::string>& channels) {
     const auto alphas = std::ranges::count_if(channels, is_alpha);
     const auto colors = std::ptrdiff_t(channels.size()) - alphas;
-    if (alphas <= 1 && (colors == 1 || colors == 3)) return {};
+    const auto is_color = [](const std::string& name) {
+        const std::string last = name.substr(name.rfind('.') + 1);
+        return last == "R" || last == "G" || last == "B";
+    };
+    const bool named = std::ranges::count_if(channels, is_color) == 3;
+    if (alphas <= 1 && (colors == 1 || (colors == 3 && named))) return {};
     const auto has = [&](const std::string& name) { return std::ranges::count(channels, name) == 1; };
     std::set<std::string> layers;  // what stands before R; empty: no layer
     for (const std::string& name : channels)
@@ -60,7 +65,7 @@ ChosenChannels choose_channels(const std::filesystem::path& file, const std::vec
     ChosenChannels chosen;
     if (layers.size() == 1)
         for (const char* color : {"R", "G", "B"}) chosen.names.push_back(*layers.begin() + color);
-    else if (has("Y"))
+    else if (has("Y") && !(has("X") && has("Z")))
         chosen.names = {"Y"};
     else
         throw UserError(fmt::format("{}: has the channels {}, but neither R, G, B nor Y: export R, G and B",

@@ -22,7 +22,7 @@ void expect(const TiffDirectory& directory, TiffTag tag, uint64_t otherwise, con
     if (!((value == uint64_t(known)) || ...)) directory.refuse(fmt::format("{} {}", what, value));
 }
 
-constexpr uint64_t jpeg = 7, zstd = 50000, palette = 3;
+constexpr uint64_t jpeg = 7, zstd = 50000, palette = 3, white_is_zero = 0;
 
 /// Refuses what is not read by its name, where it has one.
 void check_packing(const TiffDirectory& directory) {
@@ -76,6 +76,8 @@ uint64_t check_kind(const TiffDirectory& directory) {
         if (channels != (directory.value(photometric) == 1 ? 1 : 3) || directory.value(planar_configuration, 1) != 1)
             directory.refuse("JPEG compression and channels apart or more than three");
     }
+    if (real && directory.value(photometric) == white_is_zero)
+        directory.refuse("photometric interpretation 0 (0 is white) of floats");
     if (!whole && !real) directory.refuse(fmt::format("channels of {} bits in sample format {}", bits, format));
     if (directory.numbers(bits_per_sample).size() != directory.value(samples_per_pixel, 1))
         directory.reader().fail("another number of TIFF channels than of their sizes");
@@ -154,7 +156,9 @@ ImageHeader read_tiff_header(const std::filesystem::path& file, std::string_view
 
 RawImage read_tiff_pixels(const std::filesystem::path& file, std::string bytes, const ImageHeader& header) {
     const ByteReader reader = open_tiff(file, bytes);
-    if (TiffDirectory(reader).value(compression, 1) == jpeg) return read_tiff_jpegs(file, bytes, header);
+    const TiffDirectory directory(reader);
+    if (directory.value(compression, 1) == jpeg) return read_tiff_jpegs(file, bytes, header);
+    const bool inverted = directory.value(photometric, 1) == white_is_zero;
     const TiffLayout layout(reader);
     uint64_t kept = 0;
     for (uint64_t i = 0; i < layout.count; ++i) {
@@ -167,7 +171,11 @@ RawImage read_tiff_pixels(const std::filesystem::path& file, std::string bytes, 
     std::fill_n(bytes.begin() + ptrdiff_t(layout.begin), layout.count_bytes, '\0');
     const uint64_t low = bytes.starts_with("II") ? 0 : layout.count_bytes - 1;
     bytes[layout.begin + low] = char(kept);  // fewer than 256 tags are needed
-    return read_oiio_pixels(file, bytes, header, "tiff");
+    RawImage image = read_oiio_pixels(file, bytes, header, "tiff");
+    if (auto* wide = std::get_if<std::vector<uint16_t>>(&image.values); wide && inverted)
+        for (size_t i = 0; i < wide->size(); ++i)  // which OpenImageIO does of 8 bits alone
+            if (int(i % size_t(image.channels)) != image.alpha) (*wide)[i] = uint16_t(65535 - (*wide)[i]);
+    return image;
 }
 
 }  // namespace radiafit

@@ -213,6 +213,14 @@ CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views,
     const SingleViews single(mesh, views, centre);
     if (!check.masks_inverted && !check.misplacement) single.find_unlike(check);
     const SharedColours& all = single.all();
+    constexpr double poor = 0.5, coarse = 20.0 / 255;
+    if (!check.masks_inverted && !check.misplacement && all.pairs && all.vary() && all.correlation() < poor &&
+        all.mean_difference() > coarse)
+        check.notes.push_back(
+            "neighbouring photographs show other colours at the same places of the mesh, and none of the usual "
+            "mistakes "
+            "explains it: check that poses, mesh and photographs belong together, their order, units and axes; a fit "
+            "of this will be blurred");
     check.summary = all.pairs
                         ? fmt::format(
                               "neighbouring photographs differ by {:.1f} of 255 at the same places of the "

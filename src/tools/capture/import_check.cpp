@@ -119,6 +119,15 @@ void check_parts(const std::vector<Photograph>& photographs, const MeshFile& fil
         report.notes.push_back(text);
     }
     describe_labels(photographs, report);
+    uint64_t pixels = 0;
+    bool files = false;
+    for (const Photograph& p : photographs) {
+        if (p.has_mask) pixels += uint64_t(p.camera.width) * uint64_t(p.camera.height);
+        files |= !p.mask.empty();
+    }
+    if (files && coverage.object == pixels)
+        report.notes.push_back(
+            "the masks are white throughout: they leave nothing out, and what lies beside the mesh counts as object");
     std::string remark = fmt::format("{} photographs: the mesh covers {:.0f} % of {}", photographs.size(),
                                      100 * report.coverage, of_what);
     if (masked && coverage.mesh)

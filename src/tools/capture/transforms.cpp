@@ -224,11 +224,25 @@ CalibratedImage read_frame(const Json& json, const Json& whole, const fs::path& 
     return image;
 }
 
-/// nerfstudio's applied_transform, 3 or 4 rows of 4: what took the frame of the calibration before, COLMAP's mostly, to
-/// the file's.
+/// nerfstudio's applied_transform, 3 or 4 rows of 4, and applied_scale behind it: what took the frame of the
+/// calibration before, COLMAP's mostly, to the file's.
 std::optional<KnownTransform> read_applied_transform(const Json& whole, const fs::path& file) {
-    const auto found = whole.find("applied_transform");
-    if (found == whole.end() || found->is_null()) return {};
+    const auto found = whole.find("applied_transform"), scale = whole.find("applied_scale");
+    KnownTransform transform;
+    const auto scaled = [&]() -> std::optional<KnownTransform> {
+        if (scale != whole.end() && !scale->is_null()) {
+            const double factor = scale->is_number() ? scale->get<double>() : 0;
+            if (!(factor > 0 && std::isfinite(factor)))
+                throw UserError(
+                    fmt::format("{}: \"applied_scale\" must be a number above 0: write the file again", file.string()));
+            transform.linear *= factor;
+            transform.shift *= factor;
+        }
+        if (transform.linear.isIdentity(0) && transform.shift.isZero(0)) return {};
+        transform.cure = "give " + option_name("apply-transform");
+        return transform;
+    };
+    if (found == whole.end() || found->is_null()) return scaled();
     const auto fail = [&] {
         throw UserError(
             fmt::format("{}: \"applied_transform\" must be 3 rows of 4 numbers, a turn and a shift: write the "
@@ -236,7 +250,6 @@ std::optional<KnownTransform> read_applied_transform(const Json& whole, const fs
                         file.string()));
     };
     if (!found->is_array() || found->size() < 3 || found->size() > 4) fail();
-    KnownTransform transform;
     for (size_t row = 0; row < 3; ++row) {
         const Json& numbers = (*found)[row];
         if (!numbers.is_array() || numbers.size() != 4) fail();
@@ -247,9 +260,7 @@ std::optional<KnownTransform> read_applied_transform(const Json& whole, const fs
         }
     }
     if (!(std::abs(transform.linear.determinant()) > 1e-12) || !transform.shift.allFinite()) fail();
-    if (transform.linear.isIdentity(0) && transform.shift.isZero(0)) return {};
-    transform.cure = "give " + option_name("apply-transform");
-    return transform;
+    return scaled();
 }
 
 std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& images, Calibration& calibration) {
