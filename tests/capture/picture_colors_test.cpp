@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include "capture/picture_facts.h"
+#include "capture_fixture.h"
 #include "dataset/dataset.h"
+#include "image/orientation.h"
+#include "image/web/jpeg_image.h"
 #include "picture_bytes.h"
 
 namespace radiafit {
@@ -139,6 +142,41 @@ TEST(PictureColors, ChunksAndChromaticitiesAreConvertedAsProfilesAre) {
     EXPECT_EQ(linear.by, "gAMA (1)");
     EXPECT_TRUE(image.linear);
     EXPECT_EQ(image.rgb16, picture(16, p3).rgb16);
+}
+
+/// EXIF as cameras write it that are set to Adobe RGB: three directories of one entry each, little-endian.
+std::string exif_of_adobe_rgb() {
+    const auto number = [](uint32_t value, size_t bytes) {
+        std::string text;
+        for (size_t i = 0; i < bytes; ++i) text += char(value >> (8 * i));
+        return text;
+    };
+    const auto directory = [&](uint32_t tag, uint32_t type, uint32_t count, const std::string& value) {
+        return number(1, 2) + number(tag, 2) + number(type, 2) + number(count, 4) + value + number(0, 4);
+    };
+    return "II" + number(42, 2) + number(8, 4) + directory(34665, 4, 1, number(26, 4)) +
+           directory(40965, 4, 1, number(44, 4)) + directory(1, 2, 4, std::string("R03\0", 4));
+}
+
+class PictureColorsOfFiles : public FolderTest {};
+
+TEST_F(PictureColorsOfFiles, ExifSaysAdobeRgb) {
+    const std::string exif = exif_of_adobe_rgb();
+    EXPECT_TRUE(exif_says_adobe_rgb(exif));
+    for (size_t bytes = 0; bytes + 4 < exif.size(); ++bytes) EXPECT_FALSE(exif_says_adobe_rgb(exif.substr(0, bytes)));
+    std::string other = exif;
+    other[other.find("R03") + 2] = '8';
+    EXPECT_FALSE(exif_says_adobe_rgb(other));
+
+    const std::string jpeg = jpeg_bytes(8, 8, std::vector<uint8_t>(192, 99), 90);
+    const std::string content = std::string("Exif\0\0", 6) + exif;
+    const std::string segment =
+        std::string{'\xff', '\xe1', char((content.size() + 2) >> 8), char((content.size() + 2) & 255)} + content;
+    write_bytes(root_ / "x.jpg", jpeg.substr(0, 2) + segment + jpeg.substr(2));
+    ImageFile image = read_image(root_ / "x.jpg");
+    const ColorReading reading = convert_colors(image);
+    EXPECT_EQ(reading.kind, Kind::converted);
+    EXPECT_EQ(reading.by, "EXIF (Adobe RGB)");
 }
 
 TEST(PictureColors, GreyProfiles) {

@@ -18,6 +18,7 @@ struct ColorTags {
         0;  ///< PNG's chunk gAMA, or HEIF's linear light (1): the stored value is light to this power; 0: none
     /// x and y of red, green, blue and white (PNG's cHRM, an EXR's attribute, HEIF's numbers); all 0: none.
     std::array<double, 8> chromaticities = {};
+    std::string numbers_by;  ///< what says gamma and chromaticities, where PNG's chunks do not
 
     bool has_chromaticities() const { return chromaticities != std::array<double, 8>{}; }
     bool has_profile() const { return !profile.empty() || !damage.empty(); }

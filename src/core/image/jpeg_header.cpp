@@ -58,6 +58,11 @@ ImageHeader read_jpeg_header(const std::filesystem::path& file, std::string_view
     ImageHeader header{reader.number(frame + 3, 2), reader.number(frame + 1, 2), 8 * channels};
     header.orientation = tiff_orientation(metadata.exif);
     join_profile(metadata.profile, header.colors);
+    if (exif_says_adobe_rgb(metadata.exif)) {
+        header.colors.numbers_by = "EXIF (Adobe RGB)";
+        header.colors.gamma = 256.0 / 563;
+        header.colors.chromaticities = {0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.329};
+    }
     return header;
 }
 

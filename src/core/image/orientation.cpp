@@ -21,14 +21,14 @@ uint64_t type_size(uint64_t type) {
 
 }  // namespace
 
-std::optional<TiffValue> find_tiff_value(std::string_view tiff, uint16_t tag) {
+std::optional<TiffValue> find_tiff_value(std::string_view tiff, uint16_t tag, std::optional<uint64_t> directory) {
     const bool big_endian = tiff.starts_with("MM");
     const auto number = [&](uint64_t at, uint64_t size) { return number_at(tiff, at, size, big_endian); };
     const auto version = number(2, 2);
     if (!(big_endian || tiff.starts_with("II")) || !version || (*version != 42 && *version != 43)) return {};
     const bool wide = *version == 43;  // BigTIFF
     const uint64_t word = wide ? 8 : 4, count_bytes = wide ? 8 : 2, entry_bytes = wide ? 20 : 12;
-    const auto begin = wide ? number(8, 8) : number(4, 4);
+    const auto begin = directory ? directory : wide ? number(8, 8) : number(4, 4);
     if (!begin || *begin > tiff.size()) return {};
     const auto count = number(*begin, count_bytes);
     for (uint64_t i = 0; count && i < *count; ++i) {
@@ -44,6 +44,18 @@ std::optional<TiffValue> find_tiff_value(std::string_view tiff, uint16_t tag) {
         return TiffValue{tiff.substr(*place, bytes), int(size), big_endian};
     }
     return {};
+}
+
+bool exif_says_adobe_rgb(std::string_view exif) {
+    constexpr uint16_t exif_directory = 34665, interoperability_directory = 40965, index = 1;
+    std::optional<uint64_t> directory;
+    for (const uint16_t tag : {exif_directory, interoperability_directory}) {
+        const auto value = find_tiff_value(exif, tag, directory);
+        directory = value ? number_at(value->bytes, 0, uint64_t(value->size), value->big_endian) : std::nullopt;
+        if (!directory) return false;
+    }
+    const auto value = find_tiff_value(exif, index, directory);
+    return value && value->bytes.starts_with("R03");
 }
 
 int tiff_orientation(std::string_view tiff) {

@@ -111,6 +111,7 @@ ColorConversion conversion_of_chunks(const ColorTags& tags, bool floats, std::st
     if (floats || std::abs(gamma - 1) < 0.005) gamma = 1;
     if (tags.gamma > 0) by = usual ? "gAMA (1 / 2.2)" : fmt::format("gAMA ({:g})", tags.gamma);
     if (tags.has_chromaticities()) by += by.empty() ? "its chromaticities" : " and cHRM";
+    if (!tags.numbers_by.empty()) by = tags.numbers_by;
     return make_conversion(tags.chromaticities, gamma);
 }
 
