@@ -331,6 +331,23 @@ class Sweep(ProgramTest):
         # Symmetric shapes leave some doubt: of sixty, two may be explained otherwise.
         self.assertLessEqual(len(missed), 2 if ALL else 0, "\n".join(missed))
 
+    def test_what_nothing_explains_is_still_said(self):
+        def other_order(c):
+            c.photographs = c.photographs[5:] + c.photographs[:5]
+            c.masked = False
+            return "none of the usual mistakes explains it"
+
+        def white_masks(c):
+            c.masks = [np.ones_like(mask) for mask in c.masks]
+            return "the masks are white throughout"
+
+        for fault in (other_order, white_masks):
+            capture = take("egg", Look())
+            pattern = fault(capture)
+            said, refused = self.import_capture(capture)
+            self.assertFalse(refused, said)
+            self.assertRegex(said, pattern)
+
     def test_sound_captures_cause_no_alarm(self):
         alarms = []
         cases = [(look, shape) for k, look in enumerate(SOUND) for s, shape in enumerate(SHAPES) if ALL or (s == k and k < len(SHAPES))]

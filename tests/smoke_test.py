@@ -298,8 +298,10 @@ class Smoke(ProgramTest):
                 each = [int(row[amount]) / s / p for s, p in zip(times, peaks[peak], strict=True)]
                 value = float(rows[key][share + "_share"])
                 self.assertAlmostEqual(statistics.median(each) / value, 1, delta=0.01)
-                # Two rounds on a busy machine say little of a share; one of another unit is told.
-                self.assertTrue(0 < value < 20, f"{key}: {value} of the peak")
+                # A busy machine lowers a round's peak, or stretches its time: what is left by the best peak and the
+                # longest time was done for sure.
+                sure = int(row[amount]) / max(times) / max(peaks[peak])
+                self.assertTrue(0 < value and sure < 1.2, f"{key}: {value}, for sure {sure} of the peak; no more than noise is above it")
             self.assertLess(int(row["penalty_operations"]) + int(row["shared_operations"]), int(row["operations"]) / 2)
             own = [p for p in tables["passes"] if (p["problem"], p["passes"], p["optimizer"]) == key]
             for amount in ("operations", "reads"):

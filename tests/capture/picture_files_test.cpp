@@ -137,6 +137,7 @@ TEST_F(PictureFiles, ExrChannelsAreTakenByName) {
     EXPECT_EQ(image.rgb32, (std::vector<float>{30, 20, 10, 31, 21, 11}));
     EXPECT_EQ(image.alpha.size(), 2u);
     EXPECT_EQ(image.remarks, (std::vector<std::string>{"R, G, B, A taken, Z left out"}));
+    EXPECT_EQ(read("x.exr", exr({"b", "g", "r"})).rgb32, (std::vector<float>{20, 10, 0, 21, 11, 1}));
     expect_in("neither R, G, B nor Y", refusal("x.exr", exr({"X", "Y", "Z"})));
     image = read("x.exr", exr({"B", "G", "N.X", "N.Y", "N.Z", "R", "a.B", "a.G", "a.R"}));
     EXPECT_EQ(image.rgb32, (std::vector<float>{50, 10, 0, 51, 11, 1}));

@@ -14,9 +14,9 @@ struct ColorTags {
     std::string profile;  ///< the bytes of an ICC profile, not looked into yet; empty: none
     std::string damage;   ///< why a profile that the file announces cannot be taken out of it; empty: nothing is wrong
     std::string srgb;     ///< what says that values are sRGB, such as "the chunk sRGB"; empty: nothing
-    double gamma =
-        0;  ///< PNG's chunk gAMA, or HEIF's linear light (1): the stored value is light to this power; 0: none
-    /// x and y of red, green, blue and white (PNG's cHRM, an EXR's attribute, HEIF's numbers); all 0: none.
+    /// PNG's chunk gAMA, or what HEIF or EXIF say: the stored value is light to this power; 0: none.
+    double gamma = 0;
+    /// x and y of red, green, blue and white (PNG's cHRM, an EXR's attribute, HEIF's or EXIF's); all 0: none.
     std::array<double, 8> chromaticities = {};
     std::string numbers_by;  ///< what says gamma and chromaticities, where PNG's chunks do not
 

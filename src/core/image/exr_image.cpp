@@ -3,9 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 #include <stdexcept>
 #include <streambuf>
+#include <string_view>
 
 #include "base/error.h"
 #include "image/codecs.h"
@@ -46,8 +48,10 @@ ChosenChannels choose_channels(const std::filesystem::path& file, const std::vec
     const auto alphas = std::ranges::count_if(channels, is_alpha);
     const auto colors = std::ptrdiff_t(channels.size()) - alphas;
     const auto is_color = [](const std::string& name) {
-        const std::string last = name.substr(name.rfind('.') + 1);
-        return last == "R" || last == "G" || last == "B";
+        std::string last = name.substr(name.rfind('.') + 1);
+        std::ranges::transform(last, last.begin(), [](unsigned char c) { return std::tolower(c); });
+        constexpr std::string_view colors[] = {"r", "red", "g", "green", "b", "blue"};
+        return std::ranges::count(colors, last) == 1;
     };
     const bool named = std::ranges::count_if(channels, is_color) == 3;
     if (alphas <= 1 && (colors == 1 || (colors == 3 && named))) return {};

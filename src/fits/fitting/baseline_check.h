@@ -13,7 +13,7 @@ struct BaselineCheck {
     bool baseline_is_better() const;
 };
 
-/// None where lamps stand still, where a mean colour is no rival, or where no image was held out that shows anything.
+/// None where lamps stand still, or where no image was held out that shows anything.
 std::optional<BaselineCheck> check_against_baseline(Fitted& fitted);
 
 /// "on 4 held-out images the Lambertian baseline is better: 58.5 against 39.8 dB; ...": with what to do next.

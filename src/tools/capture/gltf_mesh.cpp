@@ -391,8 +391,8 @@ private:
     std::vector<bool> sources_;        ///< of each buffer, whether it is loaded
     std::vector<uint64_t> lengths_;    ///< of each buffer
     std::vector<uint8_t> visited_;     ///< nodes
-    std::map<uint64_t, uint32_t>
-        first_vertices_;  ///< of this mesh in this place, by accessor: its primitives share them
+    /// Of this mesh in this place, by accessor: its primitives share vertices.
+    std::map<uint64_t, uint32_t> first_vertices_;
     uint64_t total_bytes_ = 0, taken_ = 0;
     RawMesh raw_;
 };

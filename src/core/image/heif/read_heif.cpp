@@ -50,14 +50,15 @@ void take_numbers(const heif_image_handle* handle, HeifPicture& out) {
     const auto primaries = nclx->color_primaries;
     const bool usual =
         primaries == heif_color_primaries_ITU_R_BT_709_5 || primaries == heif_color_primaries_unspecified;
-    tags.numbers_by = "HEIF's colour numbers";
+    constexpr const char* numbers = "HEIF's colour numbers";
+    tags.numbers_by = numbers;
     if (linear) tags.gamma = 1;
     if (!usual)
         tags.chromaticities = {nclx->color_primary_red_x,   nclx->color_primary_red_y,  nclx->color_primary_green_x,
                                nclx->color_primary_green_y, nclx->color_primary_blue_x, nclx->color_primary_blue_y,
                                nclx->color_primary_white_x, nclx->color_primary_white_y};
     else if (!linear)
-        tags.srgb = "HEIF's colour numbers";
+        tags.srgb = numbers;
 }
 
 void take_colors(const heif_image_handle* handle, HeifPicture& out) {
