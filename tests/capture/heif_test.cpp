@@ -41,7 +41,7 @@ TEST_F(Heif, PixelsAreUprightWithinWhatCompressionLoses) {
         ASSERT_EQ(image.width, swapped ? 48 : 64);
         ASSERT_EQ(image.height, swapped ? 64 : 48);
         EXPECT_EQ(image.orientation, 1);
-        EXPECT_STREQ(image.format, "HEIC");
+        EXPECT_STREQ(image.format, "HEIF");
         double worst = 0;
         for (int y = 0; y < image.height; ++y)
             for (int x = 0; x < image.width; ++x) {

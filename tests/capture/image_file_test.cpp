@@ -305,7 +305,7 @@ TEST_F(Images, OtherFormatsAreRefused) {
         expect_in(name + ": " + kind, complaint([&] { read_image(file, true); }));
         expect_in("convert", complaint([&] { read_mask(file); }));
     }
-    expect_in("neither PNG, JPEG, TIFF, OpenEXR, HEIC nor PFM, or", complaint([&] { read_image(root_ / "x.png"); }));
+    expect_in("neither PNG, JPEG, TIFF, OpenEXR, HEIF nor PFM, or", complaint([&] { read_image(root_ / "x.png"); }));
     expect_in("it is a folder", complaint([&] { read_image(root_); }));
     ASSERT_EQ(mkfifo((root_ / "pipe.png").c_str(), 0600), 0);
     expect_in("it is a pipe", complaint([&] { read_image(root_ / "pipe.png"); }));

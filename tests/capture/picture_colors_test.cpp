@@ -6,7 +6,7 @@
 #include "capture/picture_facts.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"
-#include "image/orientation.h"
+#include "image/exif.h"
 #include "image/web/jpeg_image.h"
 #include "picture_bytes.h"
 
@@ -177,6 +177,43 @@ TEST_F(PictureColorsOfFiles, ExifSaysAdobeRgb) {
     const ColorReading reading = convert_colors(image);
     EXPECT_EQ(reading.kind, Kind::converted);
     EXPECT_EQ(reading.by, "EXIF (Adobe RGB)");
+}
+
+TEST_F(PictureColorsOfFiles, PngsByNumbers) {
+    const std::string grey = stored_zlib(std::string("\0\x50\x90\xa0", 4));
+    const auto read = [&](char primaries, char curve, const std::string& more = "") {
+        write_bytes(root_ / "x.png",
+                    plain_png(1, 1, 8, 2, grey, png_chunk("cICP", std::string{primaries, curve, 0, 1}) + more));
+        return read_image(root_ / "x.png");
+    };
+    ImageFile p3 = read(12, 13, png_chunk("sRGB", std::string(1, '\0')));  // goes before the chunk sRGB
+    const ImageFile before = p3;
+    EXPECT_EQ(convert_colors(p3).kind, Kind::converted);
+    for (size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(p3.rgb8[c], 255 * srgb_encode(converted(before, c, p3_to_srgb, srgb_decode)), 1) << c;
+    ImageFile srgb = read(1, 13, iccp_chunk(display_p3().encode()));
+    EXPECT_EQ(convert_colors(srgb).by, "the chunk cICP");
+    EXPECT_EQ(srgb.rgb8, before.rgb8);
+    ImageFile linear = read(1, 8);
+    EXPECT_EQ(convert_colors(linear).kind, Kind::linear);
+    for (const char curve : {16, 18})
+        expect_in("x.png: a picture of high dynamic range (PQ or HLG), which is not read: export it as sRGB",
+                  complaint([&] { read(9, curve); }));
+}
+
+TEST_F(PictureColorsOfFiles, TiffsByChromaticities) {
+    auto entries = tiff_entries(1, 1, 3, 8);
+    entries.erase(entries.end() - 2);  // of alpha
+    entries.insert(entries.end() - 1, {319, 5, {64, 100, 33, 100, 21, 100, 71, 100, 15, 100, 6, 100}});
+    entries.insert(entries.end() - 2, {318, 5, {3127, 10000, 329, 1000}});
+    write_bytes(root_ / "x.tif", encode_tiff(entries, "\x50\x90\xa0"));
+    ImageFile image = read_image(root_ / "x.tif");
+    const ImageFile before = image;
+    const ColorReading reading = convert_colors(image);
+    EXPECT_EQ(reading.by, "its chromaticities") << reading.ignored;
+    EXPECT_EQ(reading.kind, Kind::converted);
+    for (size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(image.rgb8[c], 255 * srgb_encode(converted(before, c, adobe_to_srgb, srgb_decode)), 1) << c;
 }
 
 TEST(PictureColors, GreyProfiles) {

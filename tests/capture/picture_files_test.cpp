@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "capture/photograph_file.h"
+#include "image/exif.h"
 #include "image/image_format.h"
 #include "image/orientation.h"
 #include "image/web/jpeg_image.h"

@@ -17,7 +17,7 @@ inline std::string plain_png(uint32_t width, uint32_t height, char bits, char co
 }
 
 struct TiffEntry {
-    uint16_t tag, type;  ///< type: 3 short, 4 long, 7 byte
+    uint16_t tag, type;  ///< type: 3 short, 4 long, 5 fraction (two values), 7 byte
     std::vector<uint32_t> values;
 };
 
@@ -39,7 +39,8 @@ inline std::string encode_tiff(std::vector<TiffEntry> entries, const std::string
         if (entry.tag == 273 && entry.values.empty()) entry.values = {1 << 20};
         std::string values;
         for (const uint32_t v : entry.values) values += number(v, entry.type == 7 ? 1 : entry.type == 3 ? 2 : 4);
-        file += number(entry.tag, 2) + number(entry.type, 2) + number(uint32_t(entry.values.size()), word);
+        file += number(entry.tag, 2) + number(entry.type, 2) +
+                number(uint32_t(entry.values.size() / (entry.type == 5 ? 2 : 1)), word);
         if (values.size() > word) {
             file += number(uint32_t(end + later.size()), word);
             later += values;

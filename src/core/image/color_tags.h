@@ -24,6 +24,19 @@ struct ColorTags {
     bool has_profile() const { return !profile.empty() || !damage.empty(); }
 };
 
+/// The numbers by which PNG's chunk cICP and a HEIF's colr box name primaries and curve (ITU-T H.273, tables 2 and 3).
+struct ColorNumbers {
+    int primaries = 2, curve = 2;  ///< 2: unspecified
+};
+
+/// Replaces what `tags` say by the numbers, `by` which name they came. BT.709's curve counts as sRGB's, as it does in
+/// practice. Returns what kind of picture the numbers name where it is none that could be read: PQ, HLG, logarithms.
+std::string take_numbers(const ColorNumbers& numbers, const char* by, ColorTags& tags);
+
+/// x and y of red, green, blue and white. Sources: IEC 61966-2-1; Adobe RGB (1998), 4.3.1.
+inline constexpr std::array<double, 8> srgb_chromaticities = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.329};
+inline constexpr std::array<double, 8> adobe_rgb_chromaticities = {0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.329};
+
 /// Puts a JPEG's pieces of a profile together: the contents of its APP2 segments behind "ICC_PROFILE\0", in the order
 /// of the file. Source: ICC.1:2010, B.4.
 void join_profile(const std::vector<std::string_view>& pieces, ColorTags& tags);

@@ -8,6 +8,11 @@
 namespace radiafit {
 namespace {
 
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& kind) {
+    throw UserError(
+        fmt::format("{}: {}, which is not read: convert it to PNG (heif-convert FILE FILE.png)", file.string(), kind));
+}
+
 HeifPicture read_heif(const std::filesystem::path& file, std::string_view bytes, bool pixels) {
     static ReadHeif* const read = load_function<ReadHeif>(
         heif_module, heif_function,
@@ -16,9 +21,7 @@ HeifPicture read_heif(const std::filesystem::path& file, std::string_view bytes,
     HeifPicture picture;
     read(bytes, pixels, picture);
     if (!picture.damage.empty()) fail_damaged_image(file, picture.damage);
-    if (!picture.other.empty())
-        throw UserError(fmt::format("{}: {}, which is not read: convert it to PNG (heif-convert FILE FILE.png)",
-                                    file.string(), picture.other));
+    if (!picture.other.empty()) refuse(file, picture.other);
     return picture;
 }
 
@@ -30,8 +33,13 @@ ImageHeader read_heif_header(const std::filesystem::path& file, std::string_view
     header.width = picture.width;
     header.height = picture.height;
     header.bits_per_pixel = uint64_t(picture.bits) * (picture.alpha ? 4 : 3);
-    header.colors = std::move(picture.colors);
-    if (!picture.profile.empty()) take_profile(picture.profile, header.colors);
+    if (!picture.profile.empty())
+        take_profile(picture.profile, header.colors);
+    else if (!picture.numbers)
+        header.colors.srgb = "HEIF's default";  // Source: ISO/IEC 23000-22, 7.3.6.4
+    else if (const std::string other = take_numbers(*picture.numbers, "HEIF's colour numbers", header.colors);
+             !other.empty())
+        refuse(file, other);
     return header;
 }
 

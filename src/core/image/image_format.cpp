@@ -30,7 +30,7 @@ std::span<const ImageFormat> image_formats() {
          read_tiff_header,
          read_tiff_pixels},
         {"OpenEXR", {".exr"}, {{"\x76\x2f\x31\x01"sv}}, true, false, false, read_exr_header, read_exr_pixels},
-        {"HEIC",
+        {"HEIF",
          {".heic", ".heif", ".hif", ".avif"},
          {{"ftyphei"sv, 4}, {"ftyphev"sv, 4}, {"ftypmif1"sv, 4}, {"ftypmsf1"sv, 4}, {"ftypavi"sv, 4}},
          true,

@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "image/byte_reader.h"
 #include "image/codecs.h"
-#include "image/orientation.h"
+#include "image/exif.h"
 
 namespace radiafit {
 namespace {
@@ -61,7 +61,7 @@ ImageHeader read_jpeg_header(const std::filesystem::path& file, std::string_view
     if (exif_says_adobe_rgb(metadata.exif)) {
         header.colors.numbers_by = "EXIF (Adobe RGB)";
         header.colors.gamma = 256.0 / 563;
-        header.colors.chromaticities = {0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.329};
+        header.colors.chromaticities = adobe_rgb_chromaticities;
     }
     return header;
 }

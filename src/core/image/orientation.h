@@ -1,8 +1,5 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,24 +8,6 @@ namespace radiafit {
 
 /// Whether a picture stands upright with its sides swapped.
 inline bool swaps_sides(int orientation) { return orientation >= 5; }
-
-/// The value of one entry in the first directory of a TIFF or BigTIFF, which is what EXIF data are, too.
-struct TiffValue {
-    std::string_view bytes;  ///< of all its numbers
-    int size = 1;            ///< bytes of a number
-    bool big_endian = false;
-};
-
-/// Nothing where there is no such entry, or it lies beyond the end: of what the pixels do not need, damage is no
-/// reason to refuse a picture. `directory`: where another one than the first begins.
-std::optional<TiffValue> find_tiff_value(std::string_view tiff, uint16_t tag, std::optional<uint64_t> directory = {});
-
-/// The orientation in a TIFF's first directory; 1 where it says nothing, or nothing that exists.
-int tiff_orientation(std::string_view tiff);
-
-/// Whether EXIF data say that colours are Adobe RGB (1998): interoperability index R03. Source: EXIF 2.32, 4.6.7;
-/// DCF 2.0.
-bool exif_says_adobe_rgb(std::string_view exif);
 
 /// Row and column where the upright picture's pixel (x, y) is stored, in a picture of width x height as stored.
 struct StoredPlace {

@@ -1,13 +1,16 @@
+#include <fmt/format.h>
 #include <png.h>
 #include <zlib.h>
 
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
+#include <optional>
 
+#include "base/error.h"
 #include "image/byte_reader.h"
 #include "image/codecs.h"
-#include "image/orientation.h"
+#include "image/exif.h"
 
 namespace radiafit {
 namespace {
@@ -117,6 +120,7 @@ ImageHeader read_png_header(const std::filesystem::path& file, std::string_view 
     const ByteReader reader(file, bytes, ByteReader::Order::big_endian);
     if (reader.number(0, 8) != 0x89504e470d0a1a0a) reader.fail("PNG signature differs");
     ImageHeader header;
+    std::optional<ColorNumbers> numbers;
     for (uint64_t at = 8;;) {
         if (at + 12 > reader.size()) reader.fail("the file ends within a PNG chunk");
         const uint64_t length = reader.number(at, 4);
@@ -127,7 +131,13 @@ ImageHeader read_png_header(const std::filesystem::path& file, std::string_view 
         if (at == 8 && (length != 13 || !chunk.starts_with("IHDR"))) reader.fail("a PNG without header");
         if (chunk == "IEND") break;
         take_chunk(reader, at, length, header);
+        if (chunk.starts_with("cICP") && length == 4) numbers = {int(uint8_t(chunk[4])), int(uint8_t(chunk[5]))};
         at += 12 + length;
+    }
+    if (numbers) {  // which go before everything else. Source: PNG specification, third edition, 4.3
+        const std::string other = take_numbers(*numbers, "the chunk cICP", header.colors);
+        if (!other.empty())
+            throw UserError(fmt::format("{}: {}, which is not read: export it as sRGB", file.string(), other));
     }
     const uint64_t type = reader.number(25, 1);
     const uint64_t channels = type == 2 ? 3 : type == 4 ? 2 : type == 6 ? 4 : 1;

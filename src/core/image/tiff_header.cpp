@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "image/codecs.h"
-#include "image/orientation.h"
+#include "image/exif.h"
 #include "image/other_kinds.h"
 #include "image/tiff_directory.h"
 
@@ -136,6 +136,18 @@ void check_pieces(const TiffDirectory& directory, const ImageHeader& header) {
     }
 }
 
+/// TIFF 6.0, section 20. Of a file that says nothing of its white, that is D65.
+void take_chromaticities(std::string_view bytes, ColorTags& tags) {
+    constexpr uint16_t white_point = 318, primary_chromaticities = 319;
+    const std::vector<double> primaries = tiff_fractions(bytes, primary_chromaticities);
+    const std::vector<double> white = tiff_fractions(bytes, white_point);
+    if (primaries.size() != 6) return;
+    tags.chromaticities = srgb_chromaticities;
+    std::ranges::copy(primaries, tags.chromaticities.begin());
+    if (white.size() == 2) std::ranges::copy(white, tags.chromaticities.begin() + 6);
+    tags.numbers_by = "its chromaticities";
+}
+
 }  // namespace
 
 ImageHeader read_tiff_header(const std::filesystem::path& file, std::string_view bytes) {
@@ -151,6 +163,7 @@ ImageHeader read_tiff_header(const std::filesystem::path& file, std::string_view
     header.orientation = tiff_orientation(bytes);
     constexpr uint16_t profile = 34675;
     if (const auto value = find_tiff_value(bytes, profile)) take_profile(value->bytes, header.colors);
+    take_chromaticities(bytes, header.colors);
     return header;
 }
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "image/codecs.h"
-#include "image/orientation.h"
+#include "image/exif.h"
 #include "image/tiff_directory.h"
 
 namespace radiafit {

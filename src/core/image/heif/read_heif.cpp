@@ -29,36 +29,11 @@ bool failed(const heif_error& error, HeifPicture& out) {
     return true;
 }
 
-/// What a colr box of numbers says (ISO/IEC 23091-2). Without one, a picture is sRGB (ISO/IEC 23000-22, 7.3.6.4), as
-/// are those of BT.709's curve in practice.
 void take_numbers(const heif_image_handle* handle, HeifPicture& out) {
-    ColorTags& tags = out.colors;
     heif_color_profile_nclx* read = nullptr;
     const bool none = heif_image_handle_get_nclx_color_profile(handle, &read).code != heif_error_Ok;
     const Nclx nclx(read);  // also where numbers of no meaning are refused
-    if (none || !nclx) {
-        tags.srgb = "HEIF's default";
-        return;
-    }
-    const auto transfer = nclx->transfer_characteristics;
-    if (transfer == heif_transfer_characteristic_ITU_R_BT_2100_0_PQ ||
-        transfer == heif_transfer_characteristic_ITU_R_BT_2100_0_HLG) {
-        out.other = "a picture of high dynamic range (PQ or HLG)";
-        return;
-    }
-    const bool linear = transfer == heif_transfer_characteristic_linear;
-    const auto primaries = nclx->color_primaries;
-    const bool usual =
-        primaries == heif_color_primaries_ITU_R_BT_709_5 || primaries == heif_color_primaries_unspecified;
-    constexpr const char* numbers = "HEIF's colour numbers";
-    tags.numbers_by = numbers;
-    if (linear) tags.gamma = 1;
-    if (!usual)
-        tags.chromaticities = {nclx->color_primary_red_x,   nclx->color_primary_red_y,  nclx->color_primary_green_x,
-                               nclx->color_primary_green_y, nclx->color_primary_blue_x, nclx->color_primary_blue_y,
-                               nclx->color_primary_white_x, nclx->color_primary_white_y};
-    else if (!linear)
-        tags.srgb = numbers;
+    if (!none && nclx) out.numbers = ColorNumbers{nclx->color_primaries, nclx->transfer_characteristics};
 }
 
 void take_colors(const heif_image_handle* handle, HeifPicture& out) {
@@ -67,7 +42,7 @@ void take_colors(const heif_image_handle* handle, HeifPicture& out) {
     std::string profile(std::min(size, largest_profile + 1), '\0');
     if (size <= largest_profile &&
         heif_image_handle_get_raw_color_profile(handle, profile.data()).code != heif_error_Ok)
-        out.colors.damage = "it cannot be read";
+        out.damage = "its colour profile cannot be read";
     else
         out.profile = std::move(profile);
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,10 +17,10 @@ struct HeifPicture {
     int bits = 8;                    ///< of a channel as stored; above 8 the image has 16, spread over their range
     bool alpha = false;
     std::string profile;  ///< the bytes of its ICC profile, of which none are read beyond largest_profile; or empty
-    ColorTags colors;     ///< what the file says beside
-    RawImage image;       ///< if asked for
-    std::string other;    ///< why it is of a kind that is not read, or empty
-    std::string damage;   ///< what is wrong with the file, or empty
+    std::optional<ColorNumbers> numbers;  ///< of a file without a profile
+    RawImage image;                       ///< if asked for
+    std::string other;                    ///< why it is of a kind that is not read, or empty
+    std::string damage;                   ///< what is wrong with the file, or empty
 };
 
 /// The picture's description, taken from the file's boxes; `pixels`: and its pixels, decoded. Throws nothing of ours.

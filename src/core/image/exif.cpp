@@ -1,4 +1,4 @@
-#include "image/orientation.h"
+#include "image/exif.h"
 
 namespace radiafit {
 namespace {
@@ -16,6 +16,7 @@ uint64_t type_size(uint64_t type) {
     if (type == 1 || type == 2 || type == 6 || type == 7) return 1;
     if (type == 3) return 2;
     if (type == 4) return 4;
+    if (type == 5) return 8;  // a fraction: two of 4 bytes
     return 0;
 }
 
@@ -44,6 +45,19 @@ std::optional<TiffValue> find_tiff_value(std::string_view tiff, uint16_t tag, st
         return TiffValue{tiff.substr(*place, bytes), int(size), big_endian};
     }
     return {};
+}
+
+std::vector<double> tiff_fractions(std::string_view tiff, uint16_t tag) {
+    const auto value = find_tiff_value(tiff, tag);
+    if (!value || value->size != 8) return {};
+    std::vector<double> result;
+    for (uint64_t at = 0; at < value->bytes.size(); at += 8) {
+        const auto above = number_at(value->bytes, at, 4, value->big_endian);
+        const auto below = number_at(value->bytes, at + 4, 4, value->big_endian);
+        if (!above || !below || *below == 0) return {};
+        result.push_back(double(*above) / double(*below));
+    }
+    return result;
 }
 
 bool exif_says_adobe_rgb(std::string_view exif) {
