@@ -79,6 +79,8 @@ class CaptureScript(ProgramTest):
         os.symlink("../photographs of a star", self.root / "nested/jpgs")
         for folder in ("assembly-files", "jpeg-exports"):
             (self.root / "unlit" / folder).mkdir(parents=True)
+            (self.root / "unphotographed" / folder).mkdir(parents=True)
+        (self.root / "unphotographed/assembly-files/a.lp").write_text("1\na.png 0 0 1\n")
         photographs = "photographs of a star"
         for arguments, says in (
             ([], "give the folder of photographs and the folder to write"),
@@ -92,6 +94,7 @@ class CaptureScript(ProgramTest):
             (["empty", "out"], "0 photographs here, fewer than three"),
             (["nested", "out"], "nested/jpgs: give that folder"),
             (["unlit", "out"], "unlit/assembly-files: no light file (.lp) here"),
+            (["unphotographed", "out"], "unphotographed/jpeg-exports: no photographs here"),
             (["two", "out"], "several light files (.lp): keep the one"),
             ([photographs, photographs + "/out"], "inside the folder of photographs: write elsewhere"),
         ):

@@ -8,6 +8,7 @@ name the fault. Sixty sound captures, among them glossy, dark, noisy, sparse and
 Arguments: radiafit; --all runs every fault on every shape and all sound captures, else a fifth of either.
 """
 import copy
+import json
 import math
 import os
 import re
@@ -223,6 +224,15 @@ def write(capture, folder, chunk=b""):
     (folder / "mesh.obj").write_text(text + "".join("f {} {} {}\n".format(*(t + 1)) for t in capture.triangles))
 
 
+def write_transforms(capture, file, transform):
+    frames = []
+    for i, (rotation, translation) in enumerate(zip(capture.rotations, capture.translations)):
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = rotation.T, -rotation.T @ translation
+        frames.append({"file_path": f"images/{i:02}.png", "transform_matrix": transform(pose).tolist()})
+    file.write_text(json.dumps({"w": SIDE, "h": SIDE, "fl_x": FOCAL, "frames": frames}))
+
+
 # Faults: each changes a capture, and returns a pattern that the import's words have to match, and a chunk for PNGs.
 
 
@@ -304,12 +314,16 @@ SOUND = [Look(), Look(masks=False), Look(gloss=0.4), Look(gloss=0.8, masks=False
 
 
 class Sweep(ProgramTest):
-    def import_capture(self, capture, chunk=b""):
-        """What was said, and whether the import was refused."""
+    def import_capture(self, capture, chunk=b"", transform=None):
+        """What was said, and whether the import was refused. transform: makes a transforms.json's pose of one."""
         folder = self.root / f"capture{sum(1 for _ in self.root.iterdir())}"
         write(capture, folder, chunk)
         masks = ["--masks", "masks"] if capture.masked else []
-        result = self.run_program("import", "colmap", "--model", "sparse", "--images", "images", "--mesh", "mesh.obj", *masks,
+        model, reader = "sparse", "colmap"
+        if transform:
+            reader, model = "transforms", "transforms.json"
+            write_transforms(capture, folder / model, transform)
+        result = self.run_program("import", reader, "--model", model, "--images", "images", "--mesh", "mesh.obj", *masks,
                                   "--holdout", "none", "-o", "out", cwd=folder)  # fmt: skip
         self.assertIn(result.returncode, (0, 2), result.stderr)
         return result.stderr, result.returncode == 2
@@ -341,7 +355,15 @@ class Sweep(ProgramTest):
             c.masks = [np.ones_like(mask) for mask in c.masks]
             return "the masks are white throughout"
 
-        for fault in (other_order, white_masks):
+        def masks_one_astray(c):
+            c.masks = c.masks[1:] + c.masks[:1]
+            return "the masks fit the photographs behind them in the list better"
+
+        def some_masks_inverted(c):
+            c.masks = [~mask if i % 4 == 1 else mask for i, mask in enumerate(c.masks)]
+            return "the masks of 4 photographs are black where the mesh shows.*01.png, 05.png, 09.png, 13.png: invert them"
+
+        for fault in (other_order, white_masks, masks_one_astray, some_masks_inverted):
             capture = take("egg", Look())
             pattern = fault(capture)
             said, refused = self.import_capture(capture)
@@ -357,6 +379,32 @@ class Sweep(ProgramTest):
                 alarms.append(f"{look} of {shape}: {said}")
         print(f"{len(alarms)} of {len(cases)} sound captures caused an alarm", file=sys.stderr)
         self.assertEqual(alarms, [], "\n".join(alarms))
+
+
+    def test_rare_units(self):
+        for factor, scale in ((1e4, r"0\.0001"), (1 / 0.3048, r"0\.3048"), (0.0254, r"39\.3701")):
+            capture = take("star", Look(masks=False))
+            capture.points = capture.points * factor
+            said, _ = self.import_capture(capture)
+            self.assertRegex(said, "another unit: give --mesh-scale " + scale)
+
+    def test_poses_of_other_formats_are_told_from_each_other(self):
+        opengl = np.diag([1, -1, -1, 1])
+        inverse = np.linalg.inv
+        forms = [  # what stands in transform_matrix, by the pose from camera to world of axes right, down, forward; what is said
+            (lambda pose: pose @ opengl, None),
+            (lambda pose: pose, "axes taken as right, down and forward.*: write them with axes right, up and back"),
+            (lambda pose: inverse(pose @ opengl), "they take the world to cameras: write those that take cameras to the world"),
+            (inverse, "they take the world to cameras, with axes right, down and forward: write those"),
+            (lambda pose: pose @ np.eye(4)[:, [1, 0, 2, 3]] @ np.diag([1, 1, -1, 1]), "axes taken as down, right and back"),
+        ]
+        for transform, pattern in forms:
+            capture = take("star", Look(masks=False))
+            said, refused = self.import_capture(capture, transform=transform)
+            if pattern:
+                self.assertRegex(said, pattern)
+            else:
+                self.assertNotIn("warning", said)
 
 
 if __name__ == "__main__":

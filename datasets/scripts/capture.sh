@@ -60,6 +60,7 @@ if [ -z "$lights" ] && [ -d "$photos/assembly-files" ] && [ -d "$photos/jpeg-exp
     lights=$(light_files "$where")
     [ -n "$lights" ] || die "$where: no light file (.lp) here: make one with RTIBuilder or relight"
     photos=$photos/jpeg-exports
+    [ -n "$(ls "$photos")" ] || die "$photos: no photographs here, which $lights names: copy them into it"
 fi
 case $lights in *"
 "*) die "$where: several light files (.lp): keep the one that belongs to these images" ;; esac

@@ -327,6 +327,14 @@ TEST_F(CalibrationsTest, BlendersFilesHaveAnAngleAndNoEndings) {
     expect_in("all its images are held out", refused(import_transforms, ""));
 }
 
+TEST_F(CalibrationsTest, AMiddleInSharesOfThePhotographIsRefused) {
+    Json json = transforms({0, 1, 2, 3, 4, 5});
+    json["cx"] = json["cy"] = 0.5;
+    write_transforms(json);
+    expect_in("\"cx\" and \"cy\" are 0.5 and 0.5, shares of the photograph where pixels belong",
+              refused(import_transforms, ""));
+}
+
 TEST_F(CalibrationsTest, AFrameGoesBeforeItsFile) {
     Json json = transforms({0, 1, 2, 3, 4, 5});
     json["fl_x"] = 1;

@@ -147,6 +147,19 @@ std::string binary_ply(const std::string& elements, const std::string& body) {
     return "ply\nformat binary_little_endian 1.0\n" + elements + "end_header\n" + body;
 }
 
+TEST_F(Meshes, PlyTextOfAnyEditor) {
+    const std::string plain = text_ply(ply_vertices + ply_faces, ply_square);
+    std::string cr = plain, wide = "\xff\xfe";
+    std::ranges::replace(cr, '\n', '\r');
+    for (const char c : plain) wide += std::string{c, '\0'};
+    for (const std::string& content : {plain, "\xef\xbb\xbf" + plain, cr, wide}) {
+        write_bytes(root_ / "x.ply", content);
+        EXPECT_EQ(read_mesh_file(root_ / "x.ply").mesh.triangle_count(), 2u);
+    }
+    write_bytes(root_ / "x.ply", wide.substr(2));
+    expect_in("UTF-16 text without a byte order mark", complaint([&] { read_mesh_file(root_ / "x.ply"); }));
+}
+
 TEST_F(Meshes, BadPlyFilesAreNamed) {
     const std::string square = Bytes().put(std::array<float, 12>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}).text;
     const auto face = [](uint8_t count, const std::vector<int32_t>& corners) {

@@ -153,6 +153,8 @@ TEST_F(MeshShapes, Stl) {
     expect_in("triangle 1 of 2: a position is not finite", complaint([&] { read_mesh_file(root_ / "x.stl"); }));
     write_bytes(root_ / "x.stl", binary_stl(square, "by hand") + "more");
     expect_in("188 bytes, but its 2 triangles take 184", complaint([&] { read_mesh_file(root_ / "x.stl"); }));
+    write_bytes(root_ / "x.stl", binary_stl(square).substr(0, 150));  // "solid", as if it were text
+    expect_in("150 bytes, but its 2 triangles take 184", complaint([&] { read_mesh_file(root_ / "x.stl"); }));
 }
 
 /// A unit square in binary: four positions, then six indices of 16 bits.

@@ -68,7 +68,8 @@ bool looks_like_utf16(std::string_view bytes) {
     return count >= 4 && (zeros[0] == 0) != (zeros[1] == 0) && 4 * (zeros[0] + zeros[1]) > count;
 }
 
-/// UTF-8 without a byte order mark, its lines ended by line feeds.
+}  // namespace
+
 std::string plain_text(std::string text, const std::filesystem::path& file) {
     if (text.starts_with("\xff\xfe"))
         text = from_utf16(text, 1, file);
@@ -83,7 +84,6 @@ std::string plain_text(std::string text, const std::filesystem::path& file) {
     if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
     return text;
 }
-}  // namespace
 
 TextFile::TextFile(const std::filesystem::path& file, const std::string& what)
     : TextFile(file, read_file(file, what), 0) {}

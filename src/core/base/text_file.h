@@ -44,6 +44,10 @@ private:
     bool ended_ = true;
 };
 
+/// UTF-8 without a byte order mark, its lines ended by line feeds, of text as any editor saves it. Throws UserError as
+/// TextFile does.
+std::string plain_text(std::string text, const std::filesystem::path& file);
+
 /// Tokens of a line between blanks and tabs.
 std::vector<std::string_view> split_tokens(std::string_view line);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/lens.h"
+#include "capture/pose_form.h"
 #include "geometry/camera.h"
 
 /// What any reader of calibrated photographs returns: COLMAP models, transforms.json, poses_bounds.npy.
@@ -15,6 +16,12 @@ struct KnownTransform {
     Mat3d linear = Mat3d::Identity();
     Vec3d shift = Vec3d::Zero();
     std::string cure;  ///< the option that applies it
+};
+
+/// What a calibration says of frames, beside its poses.
+struct FrameHints {
+    std::optional<KnownTransform> known_transform = {};  ///< of a frame that meshes may be in
+    PoseForm poses = colmap_poses;                       ///< as its file writes them
 };
 
 struct CalibratedImage {
@@ -34,8 +41,8 @@ struct Calibration {
     std::filesystem::path images_file;    ///< names the photographs; for messages
     std::string size_cure;                ///< what to do about a photograph of another size than calibrated
     std::vector<CalibratedImage> images;  ///< sorted by name, none twice, one at least
-    std::optional<KnownTransform> known_transform = {};  ///< of a frame that meshes may be in
-    std::vector<std::string> remarks;                    ///< what a user may want to know of how it was read
+    FrameHints hints = {};
+    std::vector<std::string> remarks;  ///< what a user may want to know of how it was read
 };
 
 inline constexpr int largest_calibrated_side = 1 << 16;  ///< pixels; anything beyond is a broken file

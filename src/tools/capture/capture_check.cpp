@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "base/wording.h"
+#include "capture/mask_check.h"
 #include "dataset/view_directions.h"
 #include "image/orientation.h"
 
@@ -44,16 +45,16 @@ std::vector<SmallView> views_to_search(std::span<const SmallView> views, const V
 
 /// Whether what is black in the masks is where the mesh shows.
 bool inverted(const Mesh& mesh, std::span<const SmallView> views) {
-    Coverage white, black;
+    Coverage coverage;
+    uint64_t pixels = 0;
     Rasterizer raster;
     for (const SmallView& view : views) {
         if (view.mask.empty()) continue;
         raster.draw(mesh, view.camera);
-        const Coverage count = count_pixels(raster, view.mask);
-        white += count;
-        black += {view.mask.size() - count.object, count.mesh - count.both, count.mesh};
+        coverage += count_pixels(raster, view.mask);
+        pixels += view.mask.size();
     }
-    return black.overlap() > 0.5 && black.overlap() > 2 * white.overlap() && white.share() < 0.5;
+    return coverage.inverted(pixels);
 }
 
 /// A photograph's pixels turned, as EXIF numbers orientations: the value that would turn them back.
@@ -86,10 +87,15 @@ public:
           points_(surface_points(mesh, point_count)),
           pairs_(neighbour_pairs(views, centre, neighbours)),
           samples_(views.size()),
+          shown_(views.size()),
           partners_(views.size()) {
         std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
-        parallel_for(views.size(), 1,
-                     [&](size_t i, int worker) { samples_[i] = draw_and_observe(views_[i], rasters[size_t(worker)]); });
+        parallel_for(views.size(), 1, [&](size_t i, int worker) {
+            Rasterizer& raster = rasters[size_t(worker)];
+            samples_[i] = draw_and_observe(views_[i], raster);
+            if (views_[i].mask.empty()) return;
+            for (const auto& pixel : raster.pixels()) shown_[i].push_back(pixel.triangle != no_triangle);
+        });
         for (const auto& [a, b] : pairs_) {
             partners_[a].push_back(b), partners_[b].push_back(a);
             all_ += compare(samples_[a], samples_[b]);
@@ -99,6 +105,7 @@ public:
     }
 
     const SharedColours& all() const { return all_; }
+    std::vector<std::string> check_masks() const { return check_single_masks(views_, shown_); }
 
     void find_unlike(CaptureCheck& check) const {
         if (values_.size() < least_views) return;
@@ -195,6 +202,7 @@ private:
     std::vector<SurfacePoint> points_;
     Pairs pairs_;
     std::vector<std::vector<ColourSample>> samples_;
+    std::vector<std::vector<uint8_t>> shown_;  ///< which pixels see the mesh; empty of views without masks
     std::vector<std::vector<size_t>> partners_;
     std::map<size_t, double> values_;  ///< of those views that share enough with two others
     SharedColours all_;
@@ -202,24 +210,26 @@ private:
 
 }  // namespace
 
-CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views,
-                           const std::optional<KnownTransform>& known) {
+CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views, const FrameHints& hints) {
     CaptureCheck check;
     if (views.empty() || mesh.triangles.empty()) return check;
     const Vec3d centre = surface_centre(mesh, {});
     const std::vector<SmallView> searched = views_to_search(views, centre);
     check.masks_inverted = inverted(mesh, searched);
-    if (!check.masks_inverted) check.misplacement = find_misplacement(mesh, searched, known);
+    if (!check.masks_inverted) check.misplacement = find_misplacement(mesh, searched, hints);
     const SingleViews single(mesh, views, centre);
-    if (!check.masks_inverted && !check.misplacement) single.find_unlike(check);
+    if (!check.masks_inverted && !check.misplacement) {
+        check.notes = single.check_masks();
+        single.find_unlike(check);
+    }
     const SharedColours& all = single.all();
     constexpr double poor = 0.5, coarse = 20.0 / 255;
     if (!check.masks_inverted && !check.misplacement && all.pairs && all.vary() && all.correlation() < poor &&
         all.mean_difference() > coarse)
         check.notes.push_back(
             "neighbouring photographs show other colours at the same places of the mesh, and none of the usual "
-            "mistakes "
-            "explains it: check that poses, mesh and photographs belong together, their order, units and axes; a fit "
+            "mistakes explains it: check that poses, mesh and photographs belong together, their order, units and "
+            "axes; a fit "
             "of this will be blurred");
     check.summary = all.pairs
                         ? fmt::format(

@@ -24,7 +24,6 @@ struct CaptureCheck {
 };
 
 /// views: in dataset order, no more than most_checked_views.
-CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views,
-                           const std::optional<KnownTransform>& known = {});
+CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views, const FrameHints& hints = {});
 
 }  // namespace radiafit::tools

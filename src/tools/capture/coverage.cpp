@@ -12,6 +12,11 @@ Coverage& Coverage::operator+=(const Coverage& other) {
     return *this;
 }
 
+bool Coverage::inverted(uint64_t pixels) const {
+    const Coverage black{pixels - object, mesh - both, mesh};
+    return black.overlap() > 0.5 && black.overlap() > 2 * overlap() && share() < 0.5;
+}
+
 Coverage count_pixels(const Rasterizer& raster, const std::vector<uint8_t>& mask) {
     Coverage count;
     for (size_t pixel = 0; pixel < raster.pixels().size(); ++pixel) {

@@ -19,6 +19,8 @@ struct Coverage {
     double share() const { return object ? double(both) / double(object) : 0; }
     /// What both have over what either has, 1 where mesh and masks agree.
     double overlap() const { return object + mesh > both ? double(both) / double(object + mesh - both) : 0; }
+    /// Whether black rather than white is where the mesh shows, in masks of that many pixels.
+    bool inverted(uint64_t pixels) const;
     Coverage& operator+=(const Coverage& other);
 };
 

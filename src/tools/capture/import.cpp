@@ -245,7 +245,8 @@ std::vector<uint8_t> held_out_by_calibration(const Calibration& model) {
 void move_origin(Calibration& model, const Vec3d& origin) {
     for (CalibratedImage& image : model.images)
         image.camera.cam_from_world_translation += image.camera.cam_from_world_rotation * origin;
-    if (model.known_transform) model.known_transform->shift += model.known_transform->linear * origin - origin;
+    if (model.hints.known_transform)
+        model.hints.known_transform->shift += model.hints.known_transform->linear * origin - origin;
 }
 
 /// format: of the calibration, as the command line has it.
@@ -260,12 +261,12 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     MeshPlacement placement =
         parse_placement(options.mesh_turn, options.mesh_scale, options.mesh_shift, options.flip_faces);
     if (options.apply_transform) {
-        if (!model.known_transform)
+        if (!model.hints.known_transform)
             throw UserError(fmt::format("{}: has no applied_transform: leave {} out", model.cameras_file.string(),
                                         option_name("apply-transform")));
-        placement = placement.then({model.known_transform->linear, model.known_transform->shift, false});
-        model.known_transform.reset();
-    } else if (model.known_transform) {
+        placement = placement.then({model.hints.known_transform->linear, model.hints.known_transform->shift, false});
+        model.hints.known_transform.reset();
+    } else if (model.hints.known_transform) {
         model.remarks.push_back(
             fmt::format("{}: its frame is another's by applied_transform: a mesh in that one, such as "
                         "COLMAP's own, takes {}",

@@ -12,6 +12,10 @@ namespace radiafit::tools {
 namespace {
 
 [[noreturn]] void fail_black_masks(const std::vector<Photograph>& photographs, const ImportOptions& options) {
+    if (std::ranges::all_of(photographs, [](const Photograph& p) { return p.mask.empty(); }))
+        throw UserError(fmt::format(
+            "{}: the photographs are transparent throughout: export them without alpha, or opaque where the object is",
+            options.images.string()));
     const auto largest = std::ranges::max_element(photographs, {}, &Photograph::largest_mask_value);
     throw UserError(fmt::format(
         "{}: the masks are black throughout, the largest value is {} of 255, in {}: white is to "
@@ -30,7 +34,8 @@ std::string cure_of(const MeshPlacement& given, const Vec3d& origin, const Mispl
                     const ImportOptions& options) {
     const std::string text = describe_placement(placed(given, origin, found));
     if (text.empty()) return "leave the options out that place the mesh";
-    return "give " + text + (options.apply_transform ? ", and leave " + option_name("apply-transform") + " out" : "");
+    return "give " + text + (found.guessed ? " (about: outlines and cameras suggest it)" : "") +
+           (options.apply_transform ? ", and leave " + option_name("apply-transform") + " out" : "");
 }
 
 /// Whatever the photographs show: no camera that is outside sees the right side of it.
@@ -71,7 +76,7 @@ void check_parts(const std::vector<Photograph>& photographs, const MeshFile& fil
         if (p.has_mask == masked) coverage += p.coverage;
     report.coverage = coverage.share();
     if (masked && coverage.object == 0) fail_black_masks(photographs, options);
-    CaptureCheck check = check_capture(mesh, views, model.known_transform);
+    CaptureCheck check = check_capture(mesh, views, model.hints);
     if (!check.misplacement && !options.least_coverage && is_inside_out(file, model))
         throw UserError(fmt::format(
             "{}: a closed surface whose faces turn inward, seen from outside: {} ({} 0 takes it as it is)",

@@ -56,6 +56,7 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
     Calibration calibration;
     calibration.origin = file.filename().string();
     calibration.cameras_file = calibration.images_file = file;
+    calibration.hints.poses = llff_poses;
     std::vector<std::string> names = list_images(images);
     if (names.size() != matrix.rows) {
         const fs::path list = file.parent_path() / view_list;

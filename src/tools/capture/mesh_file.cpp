@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "base/text_file.h"
 #include "capture/file_names.h"
 #include "capture/gltf_mesh.h"
 #include "capture/obj_mesh.h"
@@ -33,11 +34,20 @@ struct BitsHash {
     }
 };
 
+/// Whether an editor, or a tool of another system, saved a PLY of text other than is usual.
+bool is_unusual_ply_text(std::string_view content) {
+    using namespace std::string_view_literals;
+    for (const std::string_view begin : {"\xef\xbb\xbf"sv, "\xff\xfe"sv, "\xfe\xff"sv, "p\0l\0y\0"sv, "\0p\0l\0y"sv})
+        if (content.starts_with(begin)) return true;
+    return content.starts_with("ply\r") && content.find('\n') == std::string_view::npos;
+}
+
 RawMesh read_any(const std::filesystem::path& file) {
     std::string content = read_file(file, "mesh file");
     if (content.empty())
         throw UserError(fmt::format("{}: empty mesh: the file has no bytes: export it again", file.string()));
     const std::string ending = lower_ending(file);
+    if (ending == ".ply" && is_unusual_ply_text(content)) content = plain_text(std::move(content), file);
     if (is_ply(content)) return read_ply_mesh(file, std::move(content));
     if (content.starts_with("glTF") || ending == ".gltf") return read_gltf_mesh(file, std::move(content));
     if (ending == ".obj") return read_obj_mesh(file, std::move(content));

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -23,34 +25,21 @@ constexpr size_t point_count = 4000;     // at which colours are compared; for g
 constexpr size_t guessed_points = 1200;
 constexpr size_t neighbours = 2;  // of each view
 
-/// What a calibration may have been meant to say.
-enum class Poses { as_given, centres, inverse, opengl, inverse_opengl };
-
 struct Try {
     Mat3d linear = Mat3d::Identity();
     Vec3d shift = Vec3d::Zero();
     bool turned_over = false;
-    Poses poses = Poses::as_given;
-    bool turned = false;  ///< its axes
-    bool plain = true;    ///< of a kind that outlines alone may suggest
+    std::function<Camera(const Camera&)> other_pose = {};  ///< none: as given
+    bool turned = false;                                   ///< its axes
+    bool guessed = false;
+    bool plain = true;  ///< of a kind that outlines alone may suggest
     std::string what, why, cure;
 };
 
-void set_pose(Camera& camera, Poses poses) {
-    Mat3d r = camera.cam_from_world_rotation;
-    Vec3d t = camera.cam_from_world_translation;
-    if (poses == Poses::centres) t = -(r * t);
-    if (poses == Poses::inverse || poses == Poses::inverse_opengl) {
-        r.transposeInPlace();
-        t = -(r * t);
-    }
-    if (poses == Poses::opengl || poses == Poses::inverse_opengl) {
-        const Vec3d axes(1, -1, -1);  // y up and z back, in place of down and forward
-        r = axes.asDiagonal() * r;
-        t = axes.asDiagonal() * t;
-    }
-    camera.cam_from_world_rotation = r;
-    camera.cam_from_world_translation = t;
+/// Of a camera whose centre is written where its translation belongs.
+Camera with_centre_read(Camera camera) {
+    camera.cam_from_world_translation = -(camera.cam_from_world_rotation * camera.cam_from_world_translation);
+    return camera;
 }
 
 /// Turns and, where `mirrored`, mirror images of the axes but for leaving them as they are, with the option's text.
@@ -74,14 +63,15 @@ std::vector<std::pair<Mat3d, std::string>> signed_permutations(bool mirrored) {
 
 class Search {
 public:
-    Search(const Mesh& mesh, std::span<const SmallView> views, const std::optional<KnownTransform>& known)
+    Search(const Mesh& mesh, std::span<const SmallView> views, const FrameHints& hints)
         : mesh_(mesh),
           views_(views),
           points_(surface_points(mesh, point_count)),
           fewer_points_(surface_points(mesh, guessed_points)),
           masked_(has_masks(views)),
           target_(looked_at(views)),
-          known_(known) {
+          known_(hints.known_transform),
+          poses_(hints.poses) {
         for (const Vec3f& p : mesh.positions) centroid_ += p.cast<double>();
         centroid_ /= double(mesh.vertex_count());
         given_ = measure({});
@@ -106,7 +96,8 @@ public:
         }
         if (!found) return {};
         const Try& t = found->first;
-        return Misplacement{t.what, t.why, t.cure, {t.linear, t.shift, t.turned_over}, given_, found->second, masked_};
+        return Misplacement{t.what,    t.why,  t.cure,        {t.linear, t.shift, t.turned_over},
+                            t.guessed, given_, found->second, masked_};
     }
 
 private:
@@ -143,14 +134,14 @@ private:
             point.normal = (attempt.linear * point.normal).normalized() * (attempt.turned_over ? -1 : 1);
         }
         s.views = views_;
-        if (attempt.poses != Poses::as_given) {
+        if (attempt.other_pose) {
             s.changed.assign(views_.begin(), views_.end());
-            for (SmallView& view : s.changed) set_pose(view.camera, attempt.poses);
+            for (SmallView& view : s.changed) view.camera = attempt.other_pose(view.camera);
             s.views = s.changed;
         }
         // Neighbours are those about what the cameras look at, which the mesh may be away from.
         const Vec3d centre =
-            attempt.poses == Poses::as_given && target_ ? *target_ : Vec3d(attempt.linear * centroid_ + attempt.shift);
+            !attempt.other_pose && target_ ? *target_ : Vec3d(attempt.linear * centroid_ + attempt.shift);
         s.pairs = neighbour_pairs(s.views, centre, neighbours);
         return s;
     }
@@ -179,7 +170,16 @@ private:
         constexpr double evidence = 0.3;
         const bool colours = agreement.colours.correlation() >= evidence;
         const bool outlines = masked_ && agreement.coverage.overlap() >= given_.coverage.overlap() + evidence;
-        if (attempt.plain || colours || outlines) tried_.emplace_back(std::move(attempt), agreement);
+        // From inside a huge mesh, its other side is always seen.
+        const bool contradicted = attempt.turned_over && cameras_inside() && !colours;
+        if ((attempt.plain && !contradicted) || colours || outlines) tried_.emplace_back(std::move(attempt), agreement);
+    }
+
+    bool cameras_inside() const {
+        Eigen::AlignedBox3f box;
+        for (const Vec3f& p : mesh_.positions) box.extend(p);
+        const auto inside = [&](const SmallView& view) { return box.contains(view.camera.center().cast<float>()); };
+        return 2 * std::ranges::count_if(views_, inside) > ptrdiff_t(views_.size());
     }
 
     bool is_better(double value) const {
@@ -195,18 +195,13 @@ private:
 
     void try_plain_mistakes() {
         attempt({.turned_over = true, .what = "with its faces turned over", .why = "they face inward", .cure = ""});
-        const auto try_poses = [&](Poses poses, const char* what, const char* why, const char* cure) {
-            attempt({.poses = poses, .plain = false, .what = what, .why = why, .cure = cure});
-        };
-        try_poses(Poses::centres, "with the cameras' translations taken for their centres",
-                  "they are camera centres C, where translations T = -R C belong", "write T = -R C");
-        try_poses(Poses::inverse, "with the cameras' poses inverted", "they take cameras to the world",
-                  "write those that take the world to cameras");
-        try_poses(Poses::opengl, "with the cameras' y and z axes reversed", "they have y up and z back, as OpenGL does",
-                  "write them with y down and z forward");
-        try_poses(Poses::inverse_opengl, "with the cameras' poses inverted, and their y and z axes reversed",
-                  "they take cameras to the world, with y up and z back as OpenGL does",
-                  "write those that take the world to cameras, with y down and z forward");
+        if (poses_ == colmap_poses)
+            attempt({.other_pose = with_centre_read,
+                     .plain = false,
+                     .what = "with the cameras' translations taken for their centres",
+                     .why = "they are camera centres C, where translations T = -R C belong",
+                     .cure = "write T = -R C"});
+        try_other_forms();
         if (known_)
             attempt({.linear = known_->linear,
                      .shift = known_->shift,
@@ -214,14 +209,41 @@ private:
                      .why = "it is in the frame from before",
                      .cure = known_->cure});
         for (const double unit : units) try_move(Mat3d::Identity(), "", unit, false);
+        for (const double unit : rare_units) try_move(Mat3d::Identity(), "", unit, false);
         for (const bool mirrored : {false, true})
             for (const auto& [turn, text] : signed_permutations(mirrored)) try_move(turn, text, 1, false);
         if (!target_) return;
         try_move(Mat3d::Identity(), "", 1, true);
         for (const double unit : units) try_move(Mat3d::Identity(), "", unit, true);
         if (const double scale = fitting_scale(); scale > 0) {
+            fitted_scale_ = scale;
             try_move(Mat3d::Identity(), "", scale, false);
             try_move(Mat3d::Identity(), "", scale, true);
+        }
+    }
+
+    /// Poses that another format writes so.
+    void try_other_forms() {
+        std::vector<PoseForm> forms = {{!poses_.to_world, poses_.axes}};
+        for (const CameraAxes axes : {CameraAxes::opencv, CameraAxes::opengl, CameraAxes::llff}) {
+            if (axes == poses_.axes || (axes == CameraAxes::llff && poses_ == colmap_poses)) continue;
+            forms.push_back({poses_.to_world, axes});
+            forms.push_back({!poses_.to_world, axes});
+        }
+        const auto direction = [](bool to_world) { return to_world ? "cameras to the world" : "the world to cameras"; };
+        for (const PoseForm form : forms) {
+            const bool inverted = form.to_world != poses_.to_world, turned = form.axes != poses_.axes;
+            const std::string axes = std::string("axes taken as ") + describe_axes(form.axes);
+            Try t;
+            t.other_pose = [form, given = poses_](const Camera& camera) { return read_otherwise(camera, given, form); };
+            t.plain = false;
+            t.what = inverted ? "with the cameras' poses inverted" + (turned ? ", and their " + axes : "")
+                              : "with the cameras' " + axes;
+            t.why = inverted ? std::string("they take ") + direction(form.to_world) : "they have";
+            if (turned) t.why += std::string(inverted ? ", with" : "") + " axes " + describe_axes(form.axes);
+            t.cure = inverted ? std::string("write those that take ") + direction(poses_.to_world) : "write them";
+            if (turned) t.cure += std::string(inverted ? "," : "") + " with axes " + describe_axes(poses_.axes);
+            attempt(std::move(t));
         }
     }
 
@@ -242,9 +264,11 @@ private:
     /// The mesh turned and scaled about the origin, then left there or moved to what the cameras look at.
     void try_move(const Mat3d& turn, const std::string& turn_text, double scale, bool moved) {
         Try t;
+        scale = rounded(scale);
         t.linear = scale * turn;
         t.turned = !turn_text.empty();
         t.plain = !t.turned;
+        t.guessed = scale == fitted_scale_;
         std::vector<std::string> what, why;
         if (!turn_text.empty()) {
             const bool mirrored = turn.determinant() < 0;
@@ -258,6 +282,7 @@ private:
         if (moved) {
             t.shift = *target_ - t.linear * centroid_;
             for (double& number : t.shift.reshaped()) number = rounded(number);
+            t.guessed = true;
             what.push_back("shifted to what the cameras look at");
             why.push_back("another origin");
         }
@@ -294,16 +319,20 @@ private:
     }
 
     static constexpr std::array<double, 4> units = {100.0, 1000.0, 0.01, 0.001};
+    static constexpr std::array<double, 8> rare_units = {10.0,   0.1,    1e4,        1e-4,
+                                                         0.0254, 0.3048, 1 / 0.0254, 1 / 0.3048};  // inches and feet
     const Mesh& mesh_;
     std::span<const SmallView> views_;
     std::vector<SurfacePoint> points_, fewer_points_;
     bool masked_;
     std::optional<Vec3d> target_;
     std::optional<KnownTransform> known_;
+    PoseForm poses_;
     Vec3d centroid_ = Vec3d::Zero();
     MeshAgreement given_;
-    bool guessing_ = false;  ///< what is given is not so bad: what isn't promising is not measured
-    double guess_ = 0;       ///< of what is given
+    double fitted_scale_ = 0;  ///< to the masks' areas; 0: not yet
+    bool guessing_ = false;    ///< what is given is not so bad: what isn't promising is not measured
+    double guess_ = 0;         ///< of what is given
     std::vector<std::pair<Try, MeshAgreement>> tried_;  ///< from the plainest mistake to the most involved
 };
 
@@ -315,9 +344,9 @@ bool fits_well(const MeshAgreement& agreement, bool masked) {
 }
 
 std::optional<Misplacement> find_misplacement(const Mesh& mesh, std::span<const SmallView> views,
-                                              const std::optional<KnownTransform>& known) {
+                                              const FrameHints& hints) {
     if (views.empty() || mesh.triangles.empty()) return {};
-    return Search(mesh, views, known).find();
+    return Search(mesh, views, hints).find();
 }
 
 }  // namespace radiafit::tools

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace radiafit::tools {
 namespace {
@@ -55,6 +57,16 @@ std::string describe_orientations(std::span<const PictureFacts> pictures, const 
                        count > most ? ", ..." : "", cure);
 }
 
+/// The largest value, if all are whole numbers and there are others than 0 and 1; else 0.
+float largest_whole_number(std::span<const float> values) {
+    float largest = 0;
+    for (const float value : values) {
+        if (!(value >= 0 && value == std::floor(value))) return 0;
+        largest = std::max(largest, value);
+    }
+    return largest > 1 ? largest : 0;
+}
+
 }  // namespace
 
 PictureFacts facts_of(std::string name, const ImageFile& image, const ColorReading& colors, bool unknown_is_linear) {
@@ -64,6 +76,11 @@ PictureFacts facts_of(std::string name, const ImageFile& image, const ColorReadi
     facts.ignored = colors.ignored;
     facts.remarks = image.remarks;
     facts.orientation = image.orientation;
+    if (const float largest = largest_whole_number(image.rgb32); largest > 0)
+        facts.ignored += fmt::format(
+            "{}floats that are whole numbers up to {:g} are taken as light of which 1 is white: if they were 8- or "
+            "16-bit values, export them as such",
+            facts.ignored.empty() ? "" : "; ", largest);
     const std::string kind = image.bits == 32 ? fmt::format("{} of floats", image.format)
                                               : fmt::format("{}-bit {}", image.bits, image.format);
     const std::string by = colors.by;

@@ -132,7 +132,9 @@ RawMesh read_stl_mesh(const std::filesystem::path& file, std::string content) {
         const auto begins = [&](const char* word) {
             return first != std::string::npos && content.compare(first, 5, word) == 0;
         };
-        if (!begins("solid") && !begins("SOLID"))
+        // Some programs begin binary files by this word, too; a cut one is no text then.
+        const bool text = begins("solid") || begins("SOLID");
+        if (!text || content.find('\0') != std::string::npos)
             throw UserError(fmt::format("{}: {} bytes, but its {} triangles take {}: copy or export the mesh again",
                                         file.string(), content.size(), promised_stl_triangles(content),
                                         stl_header_bytes + stl_triangle_bytes * promised_stl_triangles(content)));

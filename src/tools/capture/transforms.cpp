@@ -161,6 +161,10 @@ void set_focal_lengths(Camera& camera, const Frame& frame) {
     camera.fy = y ? focal_length(frame, y->first, y->second, camera.height) : camera.fx;
     camera.cx = frame.optional_number("cx").value_or(0.5 * camera.width);
     camera.cy = frame.optional_number("cy").value_or(0.5 * camera.height);
+    const auto is_share = [](double value) { return value > 0 && value < 1; };
+    if (is_share(camera.cx) && is_share(camera.cy) && std::min(camera.width, camera.height) > 2)
+        frame.fail(fmt::format("\"cx\" and \"cy\" are {:g} and {:g}, shares of the photograph where pixels belong",
+                               camera.cx, camera.cy));
 }
 
 /// Reads the pose from 3 or 4 rows of transform_matrix.
@@ -281,7 +285,7 @@ std::vector<CalibratedImage> read_frames(const fs::path& file, const fs::path& i
     for (size_t i = 0; i < frames->size(); ++i) result.push_back(read_frame((*frames)[i], whole, file, i, files));
     for (const ImageFinder* finder : {&files.photographs, &files.masks})
         for (std::string& remark : finder->remarks()) calibration.remarks.push_back(std::move(remark));
-    if (!calibration.known_transform) calibration.known_transform = read_applied_transform(whole, file);
+    if (!calibration.hints.known_transform) calibration.hints.known_transform = read_applied_transform(whole, file);
     return result;
 }
 
@@ -322,6 +326,7 @@ Calibration read_transforms(const TransformsFiles& files, const fs::path& images
     Calibration calibration;
     calibration.origin = files.main.filename().string();
     calibration.cameras_file = calibration.images_file = files.main;
+    calibration.hints.poses = transforms_poses;
     calibration.size_cure = fmt::format("give the photographs that were calibrated, at that size ({} scales them down)",
                                         option_name("max-size"));
     calibration.images = read_frames(files.main, images, calibration);
