@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -33,6 +35,20 @@ bool has_channel_gains(const Dataset& dataset) {
     for (const View& view : dataset.views)
         if (!view.gain.uniform()) return true;
     return false;
+}
+
+/// srgb_decode() of what a photograph of 8 bits holds, bytes in 255ths as floats: by a table where it is one of them.
+double light_of_byte(float stored) {
+    static const auto table = [] {
+        std::array<std::pair<float, double>, 256> entries;
+        for (size_t i = 0; i < entries.size(); ++i) {
+            const float value = float(257 * i) * ((1.0f / 255) / 257.0f);  // as TargetImage has it
+            entries[i] = {value, srgb_decode(double(value))};
+        }
+        return entries;
+    }();
+    const auto index = size_t(std::clamp(stored, 0.0f, 1.0f) * 255 + 0.5f);
+    return table[index].first == stored ? table[index].second : srgb_decode(double(stored));
 }
 
 // One thread's tools.
@@ -157,7 +173,7 @@ ImageFigures figures(const JudgedView& judged, const View& view, Encoding encodi
             f.stored.add(render - photograph);
             if (by_angle) by_angle->add(render - photograph);
             if (surface) parts[surface->of(seen[i])].stored.add(render - photograph);
-            if (encoding == Encoding::u8_srgb) f.linear.add(srgb_decode(render) - srgb_decode(photograph));
+            if (encoding == Encoding::u8_srgb) f.linear.add(srgb_decode(render) - light_of_byte(judged.photograph[c]));
         }
     }
     if (encoding != Encoding::u8_srgb) f.linear = f.stored;
