@@ -224,8 +224,8 @@ CaptureCheck check_capture(const Mesh& mesh, std::span<const SmallView> views, c
     }
     const SharedColours& all = single.all();
     constexpr double poor = 0.5, coarse = 20.0 / 255;
-    if (!check.masks_inverted && !check.misplacement && all.pairs && all.vary() && all.correlation() < poor &&
-        all.mean_difference() > coarse)
+    if (!check.masks_inverted && !check.misplacement && check.named.empty() && all.pairs && all.vary() &&
+        all.correlation() < poor && all.mean_difference() > coarse)
         check.notes.push_back(
             "neighbouring photographs show other colours at the same places of the mesh, and none of the usual "
             "mistakes explains it: check that poses, mesh and photographs belong together, their order, units and "
