@@ -17,37 +17,80 @@ namespace {
 
 namespace fs = std::filesystem;
 
+nlohmann::ordered_json json_of(const Finding& f, const std::vector<Judgement>& judgements) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Judgement& j : judgements) {
+        nlohmann::ordered_json one;
+        if (!j.rule->name.empty()) one["name"] = j.rule->name;
+        one["rule"] = j.rule->text;
+        if (!j.rule->until.empty()) one["until"] = j.rule->until;
+        if (!j.rule->changed.empty()) one["changed"] = j.rule->changed;
+        one["verdict"] = f.verdict(j);
+        one["by_the_rule"] = j.verdict();
+        one["reason"] = j.reason();
+        one["measures"] = j.json();
+        list.push_back(one);
+    }
+    return list;
+}
+
 nlohmann::ordered_json json_of(const Finding& f) {
     return {{"id", f.claim->id},
             {"section", f.claim->section},
             {"paper", f.claim->states},
-            {"rule", f.claim->rule},
+            {"rule", f.claim->rule.text},
+            {"since", f.claim->rule.since},
+            {"why_this_rule", f.claim->rule.reason},
+            {"scale", f.claim->rule.scale},
             {"profile", f.profile},
             {"verdict", f.verdict()},
             {"by_the_rule", f.by_the_rule()},
             {"reason", f.reason()},
-            {"sentence", f.judgement.sentence},
+            {"rule_is_younger_than_rows", f.rule_is_younger()},
+            {"sentence", f.evidence.sentence},
             {"measures", f.judgement.json()},
-            {"beside", f.judgement.beside},
-            {"renderer", f.judgement.renderer},
+            {"readings", json_of(f, f.readings)},
+            {"former", json_of(f, f.former)},
+            {"beside", f.evidence.beside},
+            {"renderer", f.evidence.renderer},
             {"run", f.run}};
 }
 
-/// One claim's part of the page: what the paper states, the rule, and what every run found.
+std::string told(const Finding& f, const Judgement& j) {
+    std::string text = fmt::format("**{}**", f.verdict(j));
+    if (const std::string reason = j.reason(); !reason.empty()) text += fmt::format(": {}", reason);
+    text += ".\n";
+    if (!j.measures.empty()) text += "\n" + j.table().markdown();
+    return text;
+}
+
+/// One claim's part of the page: what the paper states, the rules, and what every run found.
 std::string section_of(const Claim& claim, const std::vector<const Finding*>& findings) {
-    std::string text = fmt::format("## {}: {}\n\nThe paper, Section {}. Rule: {}.\n", claim.id, claim.states,
-                                   claim.section, claim.rule);
+    const Rule& rule = claim.rule;
+    std::string text =
+        fmt::format("## {}: {}\n\nThe paper, Section {}. Rule, since {}: {}.\n\nWhy this one: {}.\n\nScale: {}.\n",
+                    claim.id, claim.states, claim.section, rule.since, rule.text, rule.reason, rule.scale);
+    for (const Rule& reading : claim.readings)
+        text += fmt::format("\nAnother reading, {}: {}.\n", reading.name, reading.text);
+    for (const Rule& former : claim.former)
+        text += fmt::format("\nUntil {} the rule was: {}. It changed because {}.\n", former.until, former.text,
+                            former.changed);
     for (const Finding* finding : findings) {
         const Finding& f = *finding;
-        const Judgement& j = f.judgement;
         text += fmt::format("\n**{}**, {} profile{}", f.verdict(), f.profile,
-                            f.run.empty() ? "" : fmt::format("; {}; `{}`", j.renderer, f.run));
+                            f.run.empty() ? "" : fmt::format("; {}; `{}`", f.evidence.renderer, f.run));
         if (const std::string reason = f.reason(); !reason.empty()) text += fmt::format(". Why: {}", reason);
         text += ".\n";
+        if (f.rule_is_younger()) text += "\nThese rows are older than the rule.\n";
         if (!f.judged() && !f.run.empty()) text += fmt::format("By the rule alone: {}.\n", f.by_the_rule());
-        if (!j.sentence.empty()) text += "\n" + j.sentence + "\n";
-        if (!j.measures.empty()) text += "\n" + j.table().markdown();
-        if (!j.beside.empty()) text += fmt::format("\nBeside it:\n\n- {}\n", fmt::join(j.beside, "\n- "));
+        if (!f.evidence.sentence.empty()) text += "\n" + f.evidence.sentence + "\n";
+        if (!f.judgement.measures.empty()) text += "\n" + f.judgement.table().markdown();
+        for (const Judgement& j : f.readings)
+            text += fmt::format("\nBy the other reading, {}: {}", j.rule->name, told(f, j));
+        for (const Judgement& j : f.former)
+            text += fmt::format("\nBy the rule until {}: {}", j.rule->until, told(f, j));
+        if (!f.evidence.beside.empty())
+            text += fmt::format("\nBeside it:\n\n- {}\n", fmt::join(f.evidence.beside, "\n- "));
     }
     return text;
 }
@@ -60,13 +103,14 @@ void write_claims(Experiment& experiment) {
             "claims.json in `results` is of the standard configuration; say by --output where the verdicts go");
     const std::string& profile = experiment.profile();
 
-    nlohmann::ordered_json json = {{"format", "radiafit-claims"}, {"version", 2}, {"profile", profile}};
-    Table shown({"claim", "the paper states", "found", "verdict", "by the rule, at smaller scale"});
+    nlohmann::ordered_json json = {{"format", "radiafit-claims"}, {"version", 3}, {"profile", profile}};
+    Table shown({"claim", "the paper states", "found", "verdict", "by other rules", "by the rule, at smaller scale"});
     std::string sections;
     for (const ClaimFindings& found : find_claims(folders, profile)) {
         const Claim& claim = *found.claim;
         for (const ClaimFindings::Line& line : found.lines())
-            shown.add({claim.id, claim.states, line.found(), line.verdict(), line.at_smaller_scale()});
+            shown.add(
+                {claim.id, claim.states, line.found(), line.verdict(), line.by_other_rules(), line.at_smaller_scale()});
         for (const Finding* f : found.all()) json["claims"].push_back(json_of(*f));
         sections += "\n" + section_of(claim, found.all());
     }

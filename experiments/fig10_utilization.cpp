@@ -33,6 +33,7 @@ namespace rows = rows_of::fig10_utilization;
 struct Options {
     std::string dataset = "star";
     std::vector<std::string> passes{"paper", "combined"};
+    std::string storage = "fp32";  ///< of parameters; where it is another, the first passes are timed in 32 bits, too
     int repetitions = 9;
     FitRequest request;
     ReflectanceProblem reflectance;
@@ -47,6 +48,7 @@ struct Options {
         read_maps(c, request.model);
         read_option(c, request, "source");
         c.read("passes", passes, valid_option("passes"));
+        c.read("storage", storage, valid_option("storage"));
         c.read("repetitions", repetitions, limits::repetitions);
         c.finish();
     }
@@ -88,22 +90,11 @@ struct Peaks {
     CpuPeaks cpu;
 };
 
-/// Tallies of what body issues.
+/// Of what body issues.
 template <class E, class Body>
 Usage tally(E& engine, const Body& body) {
-    PassRunner& passes = engine.passes();
-    const uint64_t switches = passes.counters.framebuffer_switches;
-    passes.tally(true);
-    body();
-    passes.tally(false);
-    Usage usage{.tallies = passes.tallies(), .cleared_bytes = passes.cleared_bytes()};
-    usage.switches = passes.counters.framebuffer_switches - switches;
-    for (const auto& [label, tally] : usage.tallies)
-        if (!tally.cost)
-            throw UserError(fmt::format(
-                "{} declares no cost in src/core/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel",
-                label));
-    return usage;
+    const IterationCounts counts = count_passes(engine, body);
+    return {.tallies = counts.tallies, .cleared_bytes = engine.passes().cleared_bytes(), .switches = counts.switches};
 }
 
 /// Programs that compute penalties alone; the gradient's last step adds them to the sums over samples.
@@ -274,10 +265,16 @@ void fig10(Experiment& experiment) {
     }
 
     std::vector<Contest> contests;
-    for (const std::string& passes : o.passes)
-        if (maps) contests.push_back(light_field_map(dataset, *atlas, *rings, o.request.set("passes", passes)));
-    for (const std::string& passes : o.passes)
-        contests.push_back(lafortune(o.reflectance, o.request.set("passes", passes)));
+    const auto add = [&](const std::string& passes, const std::string& storage) {
+        o.request.set("passes", passes);
+        o.request.set("storage", storage);
+        const size_t before = contests.size();
+        if (maps) contests.push_back(light_field_map(dataset, *atlas, *rings, o.request));
+        contests.push_back(lafortune(o.reflectance, o.request));
+        for (size_t i = before; storage != o.storage && i < contests.size(); ++i) contests[i].passes += " in 32 bits";
+    };
+    for (const std::string& passes : o.passes) add(passes, o.storage);
+    if (o.storage != "fp32") add(o.passes.front(), "fp32");
     std::vector<Peaks> peaks;
     for (int r = 0; another_round(r, o.repetitions); ++r) {
         peaks.push_back({measure_gl_peaks(), measure_cpu_peaks()});

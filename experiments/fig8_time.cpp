@@ -40,6 +40,7 @@ struct Options {
     std::vector<int> share_iterations{25, 100};
     int repetitions = 9, software_iterations = 2;
     double software_seconds = 45;
+    std::string storage = "fp32";  ///< of OpenGL's parameters; where it is another, 32 bits are timed beside
     FitRequest request;
 
     explicit Options(Config& c) {
@@ -51,6 +52,7 @@ struct Options {
         c.read("iterations", request.iterations, iterations_after_the_first);
         c.read("share_iterations", share_iterations, limits::some_iterations);
         read_option(c, request, "source");
+        c.read("storage", storage, valid_option("storage"));
         c.read("repetitions", repetitions, limits::repetitions);
         c.read("software_iterations", software_iterations, iterations_after_the_first);
         c.read("software_seconds", software_seconds, budget_seconds);
@@ -102,6 +104,21 @@ End cpu_engine(const Dataset& dataset, FitRequest request, const std::string& di
     return end_of(solve(dataset, request));
 }
 
+/// One kind of OpenGL's passes, as rows name it.
+struct Passes {
+    std::string name, passes, storage;
+    int images_per_pass = 0;  ///< 0: as many as the passes take
+};
+
+/// image_by_image: and combined passes one image at a time, of which single iterations alone are timed.
+std::vector<Passes> passes_of(const Options& o, bool image_by_image) {
+    std::vector<Passes> all = {{"OpenGL (paper passes)", "paper", o.storage}};
+    if (image_by_image) all.push_back({"OpenGL (combined passes, image by image)", "combined", o.storage, 1});
+    all.push_back({"OpenGL (combined passes)", "combined", o.storage});
+    if (o.storage != "fp32") all.push_back({"OpenGL (paper passes in 32 bits)", "paper", "fp32"});
+    return all;
+}
+
 /// Whole fits by one contestant, [repetition].
 struct Runs {
     std::string method, optimizer;
@@ -146,11 +163,11 @@ void run_two_step(Runs& runs, const Dataset& dataset, FitRequest request, const 
     runs.cached_share.push_back(out.record_cached_share);
 }
 
-void run_opengl(Runs& runs, const Dataset& dataset, FitRequest request, const std::string& passes,
-                const End& expected) {
+void run_opengl(Runs& runs, const Dataset& dataset, FitRequest request, const Passes& passes, const End& expected) {
     request.set("optimizer", runs.optimizer);
     request.set("engine", "fragment");
-    request.set("passes", passes);
+    request.set("passes", passes.passes);
+    request.set("storage", passes.storage);
     request.iterations = runs.iterations;
     const FitOutcome out = solve(dataset, request);
     const End end = end_of(out);
@@ -172,15 +189,16 @@ struct Contestant {
 /// Single iterations of one kind of passes: as they are; and cut to one texel, which leaves the commands alone.
 class Iterations {
 public:
-    Iterations(const char* name, const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
-               FitRequest request, const char* passes, int images_per_pass)
-        : name(name), images_(dataset.folder / dataset_images_name), source_(request.source) {
-        request.set("passes", passes);
+    Iterations(const Passes& passes, const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
+               FitRequest request)
+        : name(passes.name), images_(dataset.folder / dataset_images_name), source_(request.source) {
+        request.set("passes", passes.passes);
+        request.set("storage", passes.storage);
         const auto make = [&](bool scissored) {
             request.set("source", scissored ? "device" : request.text("source"));
             FragmentOptions options = request.fragment_options();
             options.scissored = scissored;
-            options.images_per_pass = images_per_pass;
+            options.images_per_pass = passes.images_per_pass;
             auto engine = std::make_unique<FragmentEngine>(dataset, atlas, rings, dataset.split(false),
                                                            request.model_options(), options);
             const ProblemStatistics statistics = engine->count();
@@ -200,31 +218,7 @@ public:
     double switching(size_t r, bool descent) const {
         return direction_switching[r] + (descent ? 0 : line_switching[r]);
     }
-    struct Counts {
-        Work work;
-        uint64_t draws = 0, switches = 0;
-    };
-    /// What an iteration declares and issues; waits for each draw, so not while others are timed.
-    Counts count(bool descent) {
-        PassRunner& passes = whole_->passes();
-        const PassCounters before = passes.counters;
-        const ConjugateGradients& schedule = descent ? paper_descent : paper_gradients;
-        passes.tally(true);
-        schedule.move(*whole_, 1);
-        schedule.judge(*whole_, 1);
-        passes.tally(false);
-        Counts counts;
-        counts.draws = passes.counters.draws - before.draws;
-        counts.switches = passes.counters.framebuffer_switches - before.framebuffer_switches;
-        for (const auto& [label, tally] : passes.tallies()) {
-            if (!tally.cost)
-                throw UserError(fmt::format(
-                    "{} declares no cost in src/core/fragment/pass_costs.cpp; choose a dataset with 8 bits a channel",
-                    label));
-            counts.work += tally.work();
-        }
-        return counts;
-    }
+    IterationCounts count(bool descent) { return count_iteration(*whole_, descent); }
 
     std::string name;
     std::vector<IterationTime> times = {};                              ///< [repetition]
@@ -265,7 +259,7 @@ void write_work(const ResultFolder& results, std::vector<Iterations>& all) {
     CsvFile rows(results.path(), rows::work);
     for (Iterations& one : all)
         for (const std::string optimizer : optimizer_names) {
-            const Iterations::Counts counts = one.count(is_descent(optimizer));
+            const IterationCounts counts = one.count(is_descent(optimizer));
             rows.add({one.name, optimizer, counts.work.operations, counts.work.reads, counts.draws, counts.switches});
         }
     rows.commit();
@@ -328,15 +322,13 @@ std::vector<Contestant> contestants(const Options& o, const Dataset& dataset, bo
             if (iterations != request.iterations) two_step("full", most, iterations, {});
         request.iterations = opengl_iterations;
         const End by_gl = cpu_engine(dataset, request, "gl");
-        for (const std::string passes : {"paper", "combined"})
-            out.push_back({{.method = "OpenGL (" + passes + " passes)",
-                            .optimizer = optimizer,
-                            .threads = most,
-                            .iterations = opengl_iterations},
-                           true,
-                           [&dataset, request, passes, by_gl](Runs& runs) {
-                               run_opengl(runs, dataset, request, passes, by_gl);
-                           }});
+        for (const Passes& passes : passes_of(o, false))
+            out.push_back(
+                {{.method = passes.name, .optimizer = optimizer, .threads = most, .iterations = opengl_iterations},
+                 true,
+                 [&dataset, request, passes, by_gl](Runs& runs) {
+                     run_opengl(runs, dataset, request, passes, by_gl);
+                 }});
     }
     return out;
 }
@@ -392,10 +384,7 @@ void fig8(Experiment& experiment) {
     std::vector<Contestant> all = contestants(o, dataset, software);
     context->make_current();
     std::vector<Iterations> iterations;
-    iterations.emplace_back("OpenGL (paper passes)", dataset, atlas, rings, o.request, "paper", 0);
-    iterations.emplace_back("OpenGL (combined passes, image by image)", dataset, atlas, rings, o.request, "combined",
-                            1);
-    iterations.emplace_back("OpenGL (combined passes)", dataset, atlas, rings, o.request, "combined", 0);
+    for (const Passes& passes : passes_of(o, true)) iterations.emplace_back(passes, dataset, atlas, rings, o.request);
 
     double opengl_seconds = 0;
     for (int r = 0; another_round(r, o.repetitions); ++r) {

@@ -1,9 +1,14 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <span>
+#include <string>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/file.h"
 #include "fitting/fit_request.h"
 #include "fragment/fragment_engine.h"
@@ -92,6 +97,51 @@ double seconds_per_iteration(E& engine, int iterations) {
     }
     engine.summary();  // waits
     return clock.wall_s() / iterations;
+}
+
+/// What one iteration declares and issues, the same on any device.
+struct IterationCounts {
+    Work work = {};
+    uint64_t draws = 0, switches = 0;
+    std::map<std::string, PassTally> tallies = {};
+};
+
+/// Throws UserError for passes that declare no cost.
+inline void require_costs(const std::map<std::string, PassTally>& tallies) {
+    std::string missing;
+    for (const auto& [label, tally] : tallies)
+        if (!tally.cost) missing += (missing.empty() ? "" : "; ") + label;
+    if (!missing.empty())
+        throw UserError(
+            fmt::format("no cost is declared in src/core/fragment/pass_costs.cpp of {}; choose a dataset with 8 bits a "
+                        "channel, and storage fp32 or fp16",
+                        missing));
+}
+
+/// Of what `body` issues. Waits for each draw, so not while others are timed.
+template <class E, class Body>
+IterationCounts count_passes(E& engine, const Body& body) {
+    PassRunner& passes = engine.passes();
+    const PassCounters before = passes.counters;
+    passes.tally(true);
+    body();
+    passes.tally(false);
+    IterationCounts counts{.draws = passes.counters.draws - before.draws,
+                           .switches = passes.counters.framebuffer_switches - before.framebuffer_switches,
+                           .tallies = passes.tallies()};
+    require_costs(counts.tallies);
+    for (const auto& [label, tally] : counts.tallies) counts.work += tally.work();
+    return counts;
+}
+
+/// Of one iteration after the first.
+template <class E>
+IterationCounts count_iteration(E& engine, bool descent) {
+    const ConjugateGradients& schedule = descent ? paper_descent : paper_gradients;
+    return count_passes(engine, [&] {
+        schedule.move(engine, 1);
+        schedule.judge(engine, 1);
+    });
 }
 
 /// Reads a file into the page cache.

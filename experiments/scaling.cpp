@@ -145,9 +145,10 @@ struct Contestant {
     int side;
     size_t images;
     uint64_t texels = 0, samples = 0, parameters = 0;
-    std::function<Taken()> measure = {};  ///< of an iteration, or of distributing all images once
-    std::vector<double> seconds = {};     ///< [round]
-    std::vector<double> sweeps = {};      ///< [round] of these, in sweeps over images; empty where none stream
+    std::function<Taken()> measure = {};                 ///< of an iteration, or of distributing all images once
+    std::map<std::string, IterationCounts> counts = {};  ///< [optimizer], where passes declare what they cost
+    std::vector<double> seconds = {};                    ///< [round]
+    std::vector<double> sweeps = {};  ///< [round] of these, in sweeps over images; empty where none stream
 
     std::string name() const { return what == iteration ? engine : engine + ", " + what; }
     static constexpr const char *iteration = "iteration", *kept = "iteration, samples kept",
@@ -174,7 +175,10 @@ public:
         options.keep_samples = keep_samples.value_or(false);
         held->engine = std::make_unique<FragmentEngine>(dataset_, held->atlas, rings_, views(images),
                                                         request.model_options(), options);
-        add_opengl(part, "fragment " + passes, options.keep_samples, side, images, held, request);
+        Contestant& c = add_opengl(part, "fragment " + passes, options.keep_samples, side, images, held, request);
+        if (!keep_samples) return;
+        for (const char* optimizer : optimizer_names)
+            c.counts[optimizer] = count_iteration(*held->engine, is_descent(optimizer));
     }
 
     /// Compute shaders that distribute in every sweep, or, kept, read samples that stay on the device.
@@ -250,8 +254,8 @@ private:
     std::vector<uint32_t> views(int images) const { return spread_views(dataset_.split(false), images); }
     /// held: an engine, which has begun its fit, and what it needs.
     template <class Held>
-    void add_opengl(const std::string& part, const std::string& engine, bool keep_samples, int side, int images,
-                    const std::shared_ptr<Held>& held, const FitRequest& request) {
+    Contestant& add_opengl(const std::string& part, const std::string& engine, bool keep_samples, int side, int images,
+                           const std::shared_ptr<Held>& held, const FitRequest& request) {
         const ProblemStatistics statistics = held->engine->count();
         start_iterations(*held->engine, lfm_start(held->engine->layout(), statistics.mean, request.seed));
         Contestant& c = add(part, engine, keep_samples ? Contestant::kept : Contestant::iteration, side, images,
@@ -265,6 +269,7 @@ private:
             if (after.sweeps > before.sweeps) taken.sweeps = after.sweep_s - before.sweep_s;
             return taken;
         };
+        return c;
     }
     Contestant& add(const std::string& part, const std::string& engine, const std::string& what, int side, int images,
                     uint64_t parameters) {
@@ -388,6 +393,14 @@ void write_times(const ResultFolder& results, const std::vector<Contestant>& tim
     rows.commit();
 }
 
+void write_work(const ResultFolder& results, const std::vector<Contestant>& contestants) {
+    CsvFile rows(results.path(), rows::work);
+    for (const Contestant& c : contestants)
+        for (const auto& [optimizer, counts] : c.counts)
+            rows.add({c.part, c.engine, c.what, optimizer, counts.work.operations, counts.work.reads});
+    rows.commit();
+}
+
 /// What distribution costs, round by round: time with over time without.
 void add_ratios(const std::vector<Contestant>& times, Summary& summary) {
     const auto of = [&](const std::string& engine, const std::string& what) -> const std::vector<double>& {
@@ -428,6 +441,7 @@ void measure(Experiment& experiment) {
     Summary summary(results);
     write_memory(results, dataset, memory, summary);
     write_times(results, times, context->renderer(), experiment.cpu_name());
+    write_work(results, times);
     summary.add_slopes("seconds over samples", times, "samples", &Contestant::samples);
     summary.add_slopes("seconds over texels", times, "texels", &Contestant::texels);
     summary.add_slopes("seconds of sweeps over texels", times, "texels", &Contestant::texels, &Contestant::sweeps);

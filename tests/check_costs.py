@@ -32,7 +32,7 @@ ROW = re.compile(r'^ *\{"([\w/]+\.frag)", "([^"]*)", (\d+), \{([\d, ]*)\}, \{([\
 # What a variant leaves open, with two values for each.
 OPEN = {"VIEW_SIDE": (8, 16), "COLUMNS": (64, 37), "SIDE": (8, 11), "RECTANGLES": (64, 19), "ROWS": (64, 23), "BANDS": (5, 3),
         "ENTRIES": (15, 7), "SOURCE_SIDE": (8, 2), "TARGET_SIDE": (2, 1)}
-# Bytes of a texel behind each sampler at STORAGE=0; all others are RGBA32F or RGBA32UI. Images have 8 bits a channel; those
+# Bytes of a texel behind each sampler, of maps at STORAGE=0; all others are RGBA32F or RGBA32UI. Images have 8 bits a channel; those
 # of shaders/reflect, in linear light, 16, as COLOUR=16 says elsewhere.
 BYTES = {"drawn": 4, "image": 4, "items": 4}
 BYTES_REFLECT = {"image": 8, "items": 4, "inverse_samples": 4, "penalties": 4, "lengths": 4}
@@ -104,14 +104,16 @@ def loop_depths(blocks, merges, label):
     return depth
 
 
-def bytes_of_texels(name, defines):
-    """By sampler."""
+def bytes_of_texels(name, defines, text):
+    """By sampler, of a stage's text with what it includes."""
     reflect = name.startswith("reflect/")
     sizes = dict(BYTES_REFLECT if reflect else BYTES)
     colour, batch = dict(defines).get("COLOUR"), dict(defines).get("BATCH")
     sizes.update((BYTES_REFLECT_COLOUR if reflect else BYTES_COLOUR).get(colour, {}))
     if batch:  # what texels keep of each image (shaders/combine/colours.glsl)
         sizes["colours"] = int(batch) * int(colour) // 2
+    if dict(defines).get("STORAGE") in ("1", "2"):  # of halves
+        sizes.update({sampler: 8 for sampler in re.findall(r"\buniform MAPS (\w+)", text)})
     return sizes
 
 
@@ -207,7 +209,7 @@ def count_rows(shaders, rows):
             results[row] = error
     with tempfile.TemporaryDirectory(prefix="radiafit-costs-") as folder:
         paths, said = check_shaders.compile_spirv([(text, "frag") for _, text in texts], folder)
-        of_row = {}
+        of_row, text_of = {}, dict(texts)
         for (row, _), path in zip(texts, paths):
             of_row.setdefault(row, []).append(path)
         for (name, variant), both in of_row.items():
@@ -215,7 +217,8 @@ def count_rows(shaders, rows):
             try:
                 if None in both:
                     raise CostError(f"{label}: glslc: {said.strip()}")
-                found = [count(optimized(path, label), label, bytes_of_texels(name, given_by(variant))) for path in both]
+                found = [count(optimized(path, label), label, bytes_of_texels(name, given_by(variant), text_of[name, variant]))
+                         for path in both]
                 if found[0] != found[1]:
                     raise CostError(f"{label}: {found[0]} or {found[1]}, depending on what the variant leaves open; "
                                     f"put it into the variant (pass_variant in {TABLE})")

@@ -1,6 +1,7 @@
 #include "findings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -11,20 +12,32 @@
 namespace radiafit::harness {
 namespace {
 
-Judgement judge(const Claim& claim, const FinishedRun& run) {
-    Judgement j;
+Evidence find(const Claim& claim, const FinishedRun& run) {
+    Evidence e;
     try {
-        j = claim.judge(run);
-    } catch (const UserError& e) {  // a run of an older version, or a damaged one
-        j = {.not_run = e.what()};
+        e = claim.find(run);
+    } catch (const UserError& error) {  // a run of an older version, or a damaged one
+        e = {.not_run = error.what()};
     }
-    if (j.renderer.empty()) j.renderer = run.device();
+    if (e.renderer.empty()) e.renderer = run.device();
     // rows say "cpu, 2 threads"
-    if (const size_t at = j.renderer.find("cpu,"); at != std::string::npos)
-        j.renderer.replace(at, 3, run.cpu());
-    else if (is_software_renderer(j.renderer))
-        j.renderer += ", " + run.cpu();
-    return j;
+    if (const size_t at = e.renderer.find("cpu,"); at != std::string::npos)
+        e.renderer.replace(at, 3, run.cpu());
+    else if (is_software_renderer(e.renderer))
+        e.renderer += ", " + run.cpu();
+    return e;
+}
+
+Finding judged_by_all_rules(Finding finding) {
+    const auto all = [&](const std::vector<Rule>& rules) {
+        std::vector<Judgement> judgements;
+        for (const Rule& rule : rules) judgements.push_back(judge(rule, finding.evidence));
+        return judgements;
+    };
+    finding.judgement = judge(finding.claim->rule, finding.evidence);
+    finding.readings = all(finding.claim->readings);
+    finding.former = all(finding.claim->former);
+    return finding;
 }
 
 std::vector<Finding> findings_of(const Claim& claim, const std::string& profile, std::vector<RunRecord> runs,
@@ -32,18 +45,18 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
     std::vector<Finding> findings;
     for (RunRecord& record : runs) {
         const FinishedRun run(std::move(record), checkout);
-        findings.push_back({&claim, profile, run.name(), judge(claim, run)});
+        findings.push_back(judged_by_all_rules({&claim, profile, run.name(), find(claim, run)}));
     }
     if (!findings.empty()) return findings;
-    Judgement none{.not_run =
-                       fmt::format("no {0} results; make experiments PROFILE={0} ONLY={1}", profile, claim.experiment)};
-    return {{&claim, profile, "", none}};
+    Evidence none{.not_run =
+                      fmt::format("no {0} results; make experiments PROFILE={0} ONLY={1}", profile, claim.experiment)};
+    return {judged_by_all_rules({&claim, profile, "", none})};
 }
 
 /// Null if there is none.
 const Finding* of_renderer(const std::vector<Finding>& findings, const std::string& renderer) {
     const auto found =
-        std::ranges::find_if(findings, [&](const Finding& f) { return f.judgement.renderer == renderer; });
+        std::ranges::find_if(findings, [&](const Finding& f) { return f.evidence.renderer == renderer; });
     return found == findings.end() ? nullptr : &*found;
 }
 
@@ -64,9 +77,24 @@ std::vector<RunRecord> RunFolders::newest(const std::string& experiment, const s
     return runs.empty() ? newest_runs(reference, experiment, profile) : runs;
 }
 
-std::string Finding::verdict() const {
-    if (judged() || !judgement.not_run.empty()) return judgement.verdict();
+std::string Finding::verdict(const Judgement& by) const {
+    if (judged() || !by.not_run.empty()) return by.verdict();
     return "not comparable";
+}
+
+bool Finding::rule_is_younger() const {
+    // Names of runs begin with their day: 20261123T134329Z.
+    const std::string name = std::filesystem::path(run).filename().string();
+    std::string day = claim->rule.since;
+    std::erase(day, '-');
+    return !run.empty() && name.substr(0, day.size()) < day;
+}
+
+std::vector<std::string> Finding::other_verdicts() const {
+    std::vector<std::string> all;
+    for (const Judgement& j : readings) all.push_back(fmt::format("{}: {}", j.rule->name, verdict(j)));
+    for (const Judgement& j : former) all.push_back(fmt::format("by the rule until {}: {}", j.rule->until, verdict(j)));
+    return all;
 }
 
 std::string Finding::reason() const {
@@ -76,17 +104,24 @@ std::string Finding::reason() const {
 }
 
 std::string ClaimFindings::Line::found() const {
-    const Finding* told = judged && !judged->judgement.sentence.empty() ? judged : smaller;
-    std::string found = told ? told->judgement.sentence : "";
+    const Finding* told = judged && !judged->evidence.sentence.empty() ? judged : smaller;
+    std::string found = told ? told->evidence.sentence : "";
     if (!found.empty() && !told->judged()) found += fmt::format(" ({} profile)", told->profile);
     return found;
+}
+
+std::string ClaimFindings::Line::by_other_rules() const {
+    if (!judged) return "";
+    std::vector<std::string> all = judged->other_verdicts();
+    if (judged->rule_is_younger()) all.emplace_back("these rows are older than the rule");
+    return fmt::format("{}", fmt::join(all, "; "));
 }
 
 std::vector<ClaimFindings::Line> ClaimFindings::lines() const {
     std::vector<std::string> renderers;
     for (const Finding* f : all())
-        if (!f->run.empty() && !std::ranges::count(renderers, f->judgement.renderer))
-            renderers.push_back(f->judgement.renderer);
+        if (!f->run.empty() && !std::ranges::count(renderers, f->evidence.renderer))
+            renderers.push_back(f->evidence.renderer);
     if (renderers.empty()) renderers.emplace_back();
     std::vector<Line> lines;
     for (const std::string& renderer : renderers)

@@ -27,13 +27,21 @@ struct RunFolders {
 struct Finding {
     const Claim* claim;
     std::string profile, run;  ///< its folder; empty: there is none
-    Judgement judgement;
+    Evidence evidence;
+    Judgement judgement = {};                           ///< by the rule that decides
+    std::vector<Judgement> readings = {}, former = {};  ///< by the claim's other rules, in their order
 
     bool judged() const { return profile == judged_profile; }
-    std::string verdict() const;
+    std::string verdict() const { return verdict(judgement); }
+    /// Of any of the rules.
+    std::string verdict(const Judgement& by) const;
     /// What the rule says of the figures, whatever their scale.
     std::string by_the_rule() const { return judgement.verdict(); }
     std::string reason() const;
+    /// Whether the rule was registered on a later day than the rows are of.
+    bool rule_is_younger() const;
+    /// Verdicts of the other rules, in words: "as mathematics: undecided"; "by the rule until 2026-11-27: holds".
+    std::vector<std::string> other_verdicts() const;
 };
 
 /// All that is found of one claim; where nothing was run, one finding of the judged profile says so.
@@ -48,8 +56,10 @@ struct ClaimFindings {
         const Finding* smaller;  ///< at a smaller scale; null: there is none
         std::string found() const;
         std::string verdict() const { return judged ? judged->verdict() : "not run"; }
+        std::string by_other_rules()
+            const;  ///< as Finding::other_verdicts(), and that the rule is younger than the rows
         std::string at_smaller_scale() const { return smaller ? smaller->by_the_rule() : ""; }
-        const std::string& renderer() const { return (judged ? judged : smaller)->judgement.renderer; }
+        const std::string& renderer() const { return (judged ? judged : smaller)->evidence.renderer; }
     };
     /// One line for each renderer that either profile has figures of; one line if there are none.
     std::vector<Line> lines() const;

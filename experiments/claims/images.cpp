@@ -78,9 +78,9 @@ public:
     }
     size_t seeds() const { return rows(datasets_.front(), high).size(); }
 
-    void demand_star_and_bust(Judgement& j) const {
-        for (const char* name : {"star", "bust"})
-            j.demand(std::ranges::find(datasets_, name) != datasets_.end(), fmt::format("the {}", name));
+    void need_star_and_bust(Evidence& e) const {
+        for (const std::string name : {"star", "bust"})
+            e.premise("the " + name, std::ranges::find(datasets_, name) != datasets_.end(), "the " + name);
     }
 
 private:
@@ -88,22 +88,26 @@ private:
     std::vector<std::string> datasets_;
 };
 
-/// Whether conjugate gradients' weights were taken from several by views that no figure is of.
-bool weights_chosen(const FinishedRun& run, const std::string& dataset, const Method& method) {
+/// Whether a method's weights or refills were taken from several by views that no figure is of.
+bool chosen(const FinishedRun& run, const std::string& dataset, const char* method) {
     if (!run.has_table("choice.csv")) return false;
     const CsvTable trials = run.table("choice.csv");
     size_t count = 0;
     for (size_t i = 0; i < trials.row_count(); ++i)
-        count += trials.text(i, "dataset") == dataset && trials.text(i, "method") == method.name;
+        count += trials.text(i, "dataset") == dataset && trials.text(i, "method") == method;
     return count > 1;
 }
 
-void demand_chosen_weights(Judgement& j, const FinishedRun& run, const OneTerm& t,
-                           std::initializer_list<Method> methods) {
-    bool chosen = true;
-    for (const std::string& dataset : t.datasets())
-        for (const Method& method : methods) chosen = chosen && weights_chosen(run, dataset, method);
-    j.demand(chosen, "weights of smoothness that were chosen on validation views");
+bool all_chosen(const FinishedRun& run, const OneTerm& t, std::initializer_list<const char*> methods) {
+    return std::ranges::all_of(t.datasets(), [&](const std::string& dataset) {
+        return std::ranges::all_of(methods, [&](const char* method) { return chosen(run, dataset, method); });
+    });
+}
+
+void need_chosen_weights(Evidence& e, const FinishedRun& run, const OneTerm& t,
+                         std::initializer_list<const char*> methods) {
+    e.premise("weights chosen", all_chosen(run, t, methods),
+              "weights of smoothness that were chosen on validation views");
 }
 
 std::string map_sizes(const OneTerm& t, const Method& method) {
@@ -115,29 +119,32 @@ std::string map_sizes(const OneTerm& t, const Method& method) {
 
 std::string signed_text(double value) { return fmt::format("{:+.2f}", value); }
 
-Judgement above_pca(const FinishedRun& run) {
+Evidence above_pca(const FinishedRun& run) {
     const OneTerm t(run);
     constexpr Method published{"pca-published"}, refilled{"pca-refilled"};
     const std::pair<Method, const char*> rivals[] = {{published, "PCA as published"}, {refilled, "refilled PCA"}};
     const std::pair<Method, const char*> contenders[] = {
         {high, "chosen weights"}, {high_weak, "weights of 1e-4"}, {modern, "modern CG"}};
-    Judgement j;
+    Evidence e;
     std::vector<std::string> told;
     for (const std::string& dataset : t.datasets()) {
         std::vector<std::string> leads;
         for (const auto& [rival, name] : rivals) {
             const Figure lead = t.difference(dataset, high, rival, psnr),
                          less = t.difference(dataset, rival, high, ape);
-            j.measures.push_back({fmt::format("{}, PSNR above {}", dataset, name), lead, at_least(0), {}, "dB"});
-            j.measures.push_back({fmt::format("{}, APE below {}", dataset, name), less, at_least(0)});
-            leads.push_back(fmt::format("{} dB of PSNR against {} (average error {} of 255)", signed_text(lead.value),
-                                        name, signed_text(-less.value)));
+            const Figure held = t.difference(dataset, high, rival, held_psnr);
+            e.measure("training PSNR", fmt::format("{}, PSNR above {}", dataset, name), lead, "dB");
+            e.measure("training APE", fmt::format("{}, APE below {}", dataset, name), less, "of 255");
+            e.measure("held-out PSNR", fmt::format("{}, held-out images, PSNR above {}", dataset, name), held, "dB");
+            leads.push_back(fmt::format("{} dB of PSNR against {} (average error {} of 255; held-out images {} dB)",
+                                        signed_text(lead.value), name, signed_text(-less.value),
+                                        signed_text(held.value)));
         }
         for (const auto& [contender, what] : contenders) {
             const auto lead = [&](const Method& rival, const char* column) {
                 return signed_text(t.difference(dataset, contender, rival, column).value);
             };
-            j.beside.push_back(
+            e.beside.push_back(
                 fmt::format("{}, {}: {} dB against PCA as published and {} dB against refilled PCA on training images; "
                             "{} and {} dB on held-out ones",
                             dataset, what, lead(published, psnr), lead(refilled, psnr), lead(published, held_psnr),
@@ -145,14 +152,16 @@ Judgement above_pca(const FinishedRun& run) {
         }
         told.push_back(fmt::format("on the {} by {}", dataset, fmt::join(leads, " and ")));
     }
-    j.sentence = fmt::format(
+    e.sentence = fmt::format(
         "With one term, {}, the paper's conjugate gradients after {} iterations differ from factorization (PCA), in "
         "the images that were fitted, {}; means over {} objects of each shape.",
         map_sizes(t, high), t.text(high, "iterations"), fmt::join(told, "; "), t.seeds());
-    j.demand(t.all(high, "mode", "paper"), "the paper's conjugate gradients");
-    demand_chosen_weights(j, run, t, {high});
-    t.demand_star_and_bust(j);
-    return j;
+    e.premise("the paper's mode", t.all(high, "mode", "paper"), "the paper's conjugate gradients");
+    need_chosen_weights(e, run, t, {high.name});
+    e.premise("refills chosen", all_chosen(run, t, {"pca-refilled"}),
+              "refills of PCA that were chosen on validation views");
+    t.need_star_and_bust(e);
+    return e;
 }
 
 /// How the run's OpenGL rounds the 16-bit floats of its fits.
@@ -165,78 +174,67 @@ std::string rounding_of(const FinishedRun& run) {
                        rounding["blended sum"]);
 }
 
-Judgement half_as_good(const FinishedRun& run) {
+Evidence half_as_good(const FinishedRun& run) {
     const OneTerm t(run);
-    Judgement j{.renderer = t.text(low_fp16, "renderer")};
+    Evidence e{.renderer = t.text(low_fp16, "renderer")};
     constexpr double tolerance = 0.2;  // dB
     bool settled = true;
     std::vector<std::string> told;
     for (const std::string& dataset : t.datasets()) {
         const Figure difference = t.difference(dataset, low_fp16, low_brief, psnr);
-        j.measures.push_back({fmt::format("{}, OpenGL in 16 bits less the CPU in 32", dataset),
-                              difference,
-                              between(-tolerance, tolerance),
-                              {},
-                              "dB"});
+        e.measure("PSNR, 16 bits less 32", fmt::format("{}, OpenGL in 16 bits less the CPU in 32", dataset), difference,
+                  "dB");
         told.push_back(fmt::format("{:+.3f} dB of PSNR on the {}", difference.value, dataset));
         const double ahead = t.difference(dataset, low, low_brief, psnr).value;
         settled = settled && ahead <= tolerance;
-        j.beside.push_back(
+        e.beside.push_back(
             fmt::format("{}: APE differs by {:+.3f}; the CPU's PSNR after {} iterations is {} dB of that after {}",
                         dataset, t.difference(dataset, low_fp16, low_brief, ape).value, t.text(low, "iterations"),
                         signed_text(ahead), t.text(low_brief, "iterations")));
     }
-    j.sentence = fmt::format(
+    e.sentence = fmt::format(
         "Conjugate gradients by the paper's passes, parameters and sums in 16-bit floats, differ from the CPU's in 32 "
         "bits by {} after {} iterations with one term, {}; {}; means over {} objects of each shape.",
         fmt::join(told, " and "), t.text(low_fp16, "iterations"), map_sizes(t, low_fp16), rounding_of(run), t.seeds());
-    j.demand(
+    e.premise(
+        "the paper's passes",
         t.all(low_fp16, "passes", "paper") && t.all(low_fp16, "mode", "paper") && t.all(low_brief, "mode", "paper"),
         "the paper's passes and conjugate gradients");
-    j.demand(t.all(low_fp16, "storage", "fp16") && t.all(low_fp16, "sums", "fp16"), "16-bit floats throughout");
-    j.demand(t.all(low_fp16, "iterations", t.text(low_brief, "iterations")), "as many iterations on both sides");
-    j.demand(settled, fmt::format("fits that have settled: further iterations gain at most {} dB", tolerance));
-    t.demand_star_and_bust(j);
-    return j;
+    e.premise("16 bits", t.all(low_fp16, "storage", "fp16") && t.all(low_fp16, "sums", "fp16"),
+              "16-bit floats throughout");
+    e.premise("as many iterations", t.all(low_fp16, "iterations", t.text(low_brief, "iterations")),
+              "as many iterations on both sides");
+    e.premise("settled", settled,
+              fmt::format("fits that have settled: further iterations gain at most {} dB", tolerance));
+    t.need_star_and_bust(e);
+    return e;
 }
 
-Judgement resolution_matters(const FinishedRun& run) {
+Evidence resolution_matters(const FinishedRun& run) {
     const OneTerm t(run);
-    Judgement j;
+    Evidence e;
     std::vector<std::string> told;
     for (const std::string& dataset : t.datasets()) {
         const Figure gain = t.difference(dataset, high, low, psnr);
-        j.measures.push_back({fmt::format("{}, high less low resolution", dataset), gain, at_least(1), {}, "dB"});
+        e.measure("high less low", fmt::format("{}, high less low resolution", dataset), gain, "dB");
         told.push_back(fmt::format("{:.2f} dB of PSNR on the {}", gain.value, dataset));
-        j.beside.push_back(fmt::format("{}: {} dB on held-out images", dataset,
+        e.beside.push_back(fmt::format("{}: {} dB on held-out images", dataset,
                                        signed_text(t.difference(dataset, high, low, held_psnr).value)));
     }
-    j.sentence = fmt::format(
+    e.sentence = fmt::format(
         "With one term and the images that were fitted, {} instead of {} gain {}; means over {} objects of each shape.",
         map_sizes(t, high), map_sizes(t, low), fmt::join(told, " and "), t.seeds());
-    j.demand(t.all(high, "mode", "paper") && t.all(low, "mode", "paper"), "the paper's conjugate gradients");
-    demand_chosen_weights(j, run, t, {high, low});
-    t.demand_star_and_bust(j);
-    return j;
+    e.premise("the paper's mode", t.all(high, "mode", "paper") && t.all(low, "mode", "paper"),
+              "the paper's conjugate gradients");
+    need_chosen_weights(e, run, t, {high.name, low.name});
+    t.need_star_and_bust(e);
+    return e;
 }
 
 }  // namespace
 
-std::span<const Claim> images_claims() {
-    static constexpr Claim table[] = {
-        {"C8", "6.4, Fig. 9", "nonlinear optimization beats PCA at the same high resolution",
-         "PSNR higher and APE lower, one term, training images, the paper's mode, weights chosen on validation views, "
-         "than PCA as published and than PCA refilled; means over at least 3 seeds, on star and bust",
-         "fig9_error", above_pca},
-        {"C9", "6.4, Fig. 9", "the GPU at 16-bit floats about equals the CPU at low resolution",
-         "one term, training images, the paper's mode and passes, 16-bit storage and sums: PSNR differs by at most "
-         "0.2 dB after equally many iterations, past which the CPU's gains no more than that; means as for C8",
-         "fig9_error", half_as_good},
-        {"C21", "6.4", "errors at low resolution are much higher than at high",
-         "at least 1 dB of PSNR, one term, training images, the paper's mode, weights chosen for each resolution; "
-         "means as for C8",
-         "fig9_error", resolution_matters},
-    };
+std::span<const ClaimCode> images_claims() {
+    static constexpr ClaimCode table[] = {{"C8", above_pca}, {"C9", half_as_good}, {"C21", resolution_matters}};
     return table;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "gl/context.h"
 
@@ -12,7 +13,7 @@ namespace {
 constexpr size_t least_rounds = 9, least_seeds = 3;
 
 std::string number_text(double value, const std::string& unit) {
-    const double shown = unit == "%" ? 100 * value : value;
+    const double shown = unit == "%" || unit == "percentage points" ? 100 * value : value;
     if (shown == 0) return "0";
     const double size = std::abs(shown);
     return size >= 1000  ? fmt::format("{:.0f}", shown)
@@ -60,10 +61,12 @@ std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share);
 std::string with_interval(const Figure& figure) {
     const std::string value = fmt::format("{:.3g}", figure.value);
     if (!figure.interval) return value;
+    if (figure.interval->high == HUGE_VAL) return fmt::format("{} ({:.3g} or more)", value, figure.interval->low);
     return fmt::format("{} ({:.3g} to {:.3g})", value, figure.interval->low, figure.interval->high);
 }
 
 std::string Bound::text(const std::string& unit) const {
+    if (least == -HUGE_VAL && most == HUGE_VAL) return "";
     if (least == most) return with_unit(number_text(least, unit), unit);
     if (most == HUGE_VAL) return "at least " + with_unit(number_text(least, unit), unit);
     if (least == -HUGE_VAL) return "at most " + with_unit(number_text(most, unit), unit);
@@ -95,15 +98,43 @@ std::string Measure::interval_text() const {
     if (!figure.interval) return "too few repetitions";
     const auto [low, high] = *figure.interval;
     if (low == high) return "counted";
+    if (high == HUGE_VAL) return with_unit(number_text(low, unit), unit) + " or more";
     return with_unit(number_text(low, unit) + " to " + number_text(high, unit), unit);
 }
 
-void Judgement::demand_graphics_chip() {
-    demand(!is_software_renderer(renderer), "a graphics chip's time, and this renderer is the CPU itself");
+void Evidence::premise_graphics_chip() {
+    premise("graphics chip", !is_software_renderer(renderer),
+            "a graphics chip's time, and this renderer is the CPU itself");
+}
+
+Judgement judge(const Rule& rule, const Evidence& evidence) {
+    Judgement j{.rule = &rule, .not_run = evidence.not_run};
+    if (!j.not_run.empty()) return j;
+    for (const std::string& name : rule.premises) {
+        bool known = false;
+        for (const Premise& p : evidence.premises) {
+            if (p.name != name) continue;
+            known = true;
+            if (!p.met) j.unmet.push_back(p.words);
+        }
+        if (!known) throw std::logic_error(fmt::format("no premise '{}'", name));
+    }
+    for (const Rule::Asked& asked : rule.asked) {
+        const size_t before = j.measures.size();
+        for (const Measure& m : evidence.measures) {
+            if (m.name != asked.of) continue;
+            j.measures.push_back(m);
+            j.measures.back().bound = asked.bound;
+            j.measures.back().failing = asked.failing;
+        }
+        if (j.measures.size() == before && j.unmet.empty())
+            throw std::logic_error(fmt::format("no figure '{}'", asked.of));
+    }
+    if (rule.asked.empty()) j.measures = evidence.measures;
+    return j;
 }
 
 Outcome Judgement::outcome() const {
-    if (own) return *own;
     bool undecided = measures.empty();
     for (const Measure& m : measures) {
         if (m.outcome() == Outcome::fails) return Outcome::fails;
@@ -114,15 +145,15 @@ Outcome Judgement::outcome() const {
 
 std::string Judgement::verdict() const {
     if (!not_run.empty()) return "not run";
-    if (!unmet.empty() || !no_rule.empty()) return "not comparable";
+    if (!unmet.empty() || !rule->none.empty()) return "not comparable";
     return to_string(outcome());
 }
 
 std::string Judgement::reason() const {
     if (!not_run.empty()) return not_run;
-    if (!no_rule.empty()) return no_rule;
+    if (!rule->none.empty()) return rule->none;
     if (!unmet.empty()) return fmt::format("the claim is about {}", fmt::join(unmet, "; and about "));
-    if (outcome() != Outcome::undecided || own) return "";
+    if (outcome() != Outcome::undecided) return "";
     const bool few = std::ranges::any_of(measures, [](const Measure& m) { return !m.figure.interval; });
     return few ? "too few repetitions for an interval" : "the interval straddles the bound";
 }
@@ -131,10 +162,10 @@ nlohmann::ordered_json Judgement::json() const {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Measure& m : measures) {
         nlohmann::ordered_json one = {{"of", m.of}, {"value", number_or_null(m.figure.value)}};
-        if (m.figure.interval) one["interval"] = {m.figure.interval->low, m.figure.interval->high};
+        if (m.figure.interval) one["interval"] = {m.figure.interval->low, number_or_null(m.figure.interval->high)};
         one["asked"] = {number_or_null(m.bound.least), number_or_null(m.bound.most)};
         if (m.failing) one["failing"] = {number_or_null(m.failing->least), number_or_null(m.failing->most)};
-        one["outcome"] = no_rule.empty() ? to_string(m.outcome()) : "told";
+        one["outcome"] = rule->none.empty() ? to_string(m.outcome()) : "told";
         list.push_back(one);
     }
     return list;
@@ -143,8 +174,8 @@ nlohmann::ordered_json Judgement::json() const {
 Table Judgement::table() const {
     Table table({"measured", "value", "95 % interval", "asked for", "so it"});
     for (const Measure& m : measures)
-        table.add({m.of, m.value_text(), m.interval_text(), no_rule.empty() ? m.bound.text(m.unit) : "",
-                   no_rule.empty() ? to_string(m.outcome()) : ""});
+        table.add({m.of, m.value_text(), m.interval_text(), rule->none.empty() ? m.bound.text(m.unit) : "",
+                   rule->none.empty() ? to_string(m.outcome()) : ""});
     return table;
 }
 

@@ -36,44 +36,77 @@ std::string with_interval(const Figure& figure);  ///< "11.9 (11.2 to 12.6)"; th
 /// Where a figure has to lie.
 struct Bound {
     double least = -HUGE_VAL, most = HUGE_VAL;
-    std::string text(const std::string& unit) const;  ///< "at least 5", "10 to 30 %"
+    std::string text(const std::string& unit) const;  ///< "at least 5", "10 to 30 %"; empty: anywhere
 };
-inline Bound at_least(double x) { return {.least = x}; }
-inline Bound at_most(double x) { return {.most = x}; }
-inline Bound between(double low, double high) { return {low, high}; }
 
 enum class Outcome { holds, fails, undecided };
 const char* to_string(Outcome outcome);  ///< "holds", "does not hold", "undecided"
 
-/// A figure, and what the rule asks of it.
+/// A figure, and what a rule asks of it.
 struct Measure {
-    std::string of;  ///< what was measured: "star, CG"
+    std::string name;  ///< by which rules ask for it: "iterations"; several measures may have one
+    std::string of;    ///< what was measured: "star, SD's over CG's iterations"
     Figure figure;
-    Bound bound;                        ///< where it holds
-    std::optional<Bound> failing = {};  ///< where it does not; none: wherever it does not hold
     std::string unit = {};              ///< "%" shows a share times 100
+    Bound bound = {};                   ///< where it holds
+    std::optional<Bound> failing = {};  ///< where it does not; none: wherever it does not hold
     Outcome outcome() const;
     std::string value_text() const;     ///< "11.9"
     std::string interval_text() const;  ///< "11.2 to 12.6", or "too few repetitions", or "counted"
 };
 
-/// What a rule finds in the rows of one run.
-struct Judgement {
-    std::vector<Measure> measures = {};
-    std::vector<std::string> beside = {};  ///< what the rule does not ask for and a reader wants to know
-    std::vector<std::string> unmet = {};   ///< why the figures do not speak about the claim
-    std::optional<Outcome> own = {};       ///< of a rule that is more than "all measures hold"
-    std::string sentence = {};             ///< what was found, for a reader who knows only the paper
-    std::string renderer = {};             ///< of the figures; empty: what run.json says
-    std::string not_run = {};              ///< why there is nothing to judge
-    std::string no_rule = {};              ///< why no bound is set: the figures are only reported
+/// One reading of a claim, with what it asks for; see rules.toml.
+struct Rule {
+    struct Asked {
+        std::string of;  ///< Measure::name
+        Bound bound = {};
+        std::optional<Bound> failing = {};
+    };
+    std::string name;          ///< of another reading: "as mathematics"; else empty
+    std::string text = {};     ///< in words
+    std::string reason = {};   ///< why this is a fair reading of the paper's sentence
+    std::string scale = {};    ///< number of problems, images, repetitions
+    std::string since = {};    ///< the day on which it was registered: "2026-11-27"; of a former one empty
+    std::string until = {};    ///< of a former one, the day on which it was replaced
+    std::string changed = {};  ///< of a former one, why
+    std::string none = {};     ///< why no bound is set: the figures are only reported
+    std::vector<std::string> premises = {};  ///< Premise::name
+    std::vector<Asked> asked = {};           ///< none: all figures, and nothing of them
+};
 
-    /// What the rule asks of the run itself, such as a graphics chip.
-    void demand(bool given, const std::string& what) {
-        if (!given) unmet.push_back(what);
+/// Something that a run may have to be.
+struct Premise {
+    std::string name;   ///< by which rules ask for it: "graphics chip"
+    std::string words;  ///< behind "the claim is about "
+    bool met;
+};
+
+/// What a claim's code finds in the rows of one run, for whatever rules ask.
+struct Evidence {
+    std::vector<Measure> measures = {};
+    std::vector<std::string> beside = {};  ///< what no rule asks for and a reader wants to know
+    std::vector<Premise> premises = {};
+    std::string sentence = {};  ///< what was found, for a reader who knows only the paper
+    std::string renderer = {};  ///< of the figures; empty: what run.json says
+    std::string not_run = {};   ///< why there is nothing to judge
+
+    void measure(std::string name, std::string of, const Figure& figure, std::string unit = "") {
+        measures.push_back({std::move(name), std::move(of), figure, std::move(unit)});
+    }
+    /// A rule that asks for a premise that no code gives is refused when it judges.
+    void premise(std::string name, bool met, std::string words) {
+        premises.push_back({std::move(name), std::move(words), met});
     }
     /// For claims about a graphics chip's time.
-    void demand_graphics_chip();
+    void premise_graphics_chip();
+};
+
+/// What one rule says of the evidence.
+struct Judgement {
+    const Rule* rule = nullptr;
+    std::vector<Measure> measures = {};   ///< those that it asks for, with their bounds
+    std::vector<std::string> unmet = {};  ///< why the figures do not speak about the claim
+    std::string not_run = {};             ///< why there is nothing to judge
 
     /// By the measures alone.
     Outcome outcome() const;
@@ -85,5 +118,8 @@ struct Judgement {
     /// The measures for people.
     Table table() const;
 };
+
+/// Throws std::logic_error where the rule asks for a figure or a premise by a name that the evidence does not have.
+Judgement judge(const Rule& rule, const Evidence& evidence);
 
 }  // namespace radiafit::harness

@@ -21,6 +21,13 @@ inline std::string upper(const std::string& optimizer) { return is_descent(optim
 /// Texts that columns hold.
 using Where = std::vector<std::pair<const char*, std::string>>;
 
+inline bool has_rows_where(const CsvTable& t, const Where& where) {
+    for (size_t i = 0; i < t.row_count(); ++i)
+        if (std::ranges::all_of(where, [&](const auto& pair) { return t.text(i, pair.first) == pair.second; }))
+            return true;
+    return false;
+}
+
 /// Rows where they do. Throws UserError if there are none.
 inline std::vector<size_t> rows_where(const CsvTable& t, const Where& where) {
     std::vector<size_t> rows;
@@ -31,6 +38,14 @@ inline std::vector<size_t> rows_where(const CsvTable& t, const Where& where) {
     std::vector<std::string> texts;
     for (const auto& [column, text] : where) texts.push_back(text);
     throw UserError(fmt::format("no row of {}; run the experiment again", fmt::join(texts, ", ")));
+}
+
+/// The paper's ornament has 0.98 GB of images; what costs once an iteration is spread over them.
+inline void need_all_images(Evidence& e, const FinishedRun& run) {
+    constexpr double least = 350;
+    const double images = run.setting("reflectance_images");
+    e.premise("350 images", images == 0 || images >= least,
+              fmt::format("{:g} images of the ornament at least, not {:g}", least, images));
 }
 
 /// A figure by repetition: what is compared is taken within one round.

@@ -80,20 +80,37 @@ HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Li
             {{"data-verdict", line.verdict()}}};
 }
 
+/// What another rule says of the same rows.
+Html other_rule(const Finding& f, const Judgement& j) {
+    Html head = Html(j.rule->until.empty() ? fmt::format("By the other reading, {}: ", j.rule->name)
+                                           : fmt::format("By the rule until {}: ", j.rule->until));
+    head << verdict_mark(f.verdict(j));
+    if (const std::string reason = j.reason(); !reason.empty()) head << " " << reason << ".";
+    Html part = element("p", head);
+    if (!j.measures.empty())
+        part << element("details", element("summary", "Its figures") << scroll_box(
+                                       fmt::format("{}, by another rule", f.claim->id), html_table({}, j.table())));
+    return part;
+}
+
 Html finding_part(const Finding& f) {
     const Judgement& j = f.judgement;
+    const Evidence& e = f.evidence;
     Html about = verdict_mark(f.verdict());
     about << fmt::format(" {} profile", f.profile);
-    if (!f.run.empty()) about << "; " << j.renderer << "; " << element("code", f.run);
+    if (!f.run.empty()) about << "; " << e.renderer << "; " << element("code", f.run);
     Html part = element("p", about);
     if (const std::string reason = f.reason(); !reason.empty())
         part << element("p", element("b", "Why: ") << reason << ".");
     if (!f.judged() && !f.run.empty())
         part << element("p", Html("By the rule alone: ") << verdict_mark(f.by_the_rule()));
-    if (!j.sentence.empty()) part << element("p", j.sentence);
+    if (!e.sentence.empty()) part << element("p", e.sentence);
     if (!j.measures.empty()) part << scroll_box(fmt::format("{}, measured", f.claim->id), html_table({}, j.table()));
+    for (const auto* others : {&f.readings, &f.former})
+        for (const Judgement& other : *others) part << other_rule(f, other);
+    if (f.rule_is_younger()) part << element("p", "These rows are older than the rule.");
     Html beside;
-    for (const std::string& line : j.beside) beside << element("li", line);
+    for (const std::string& line : e.beside) beside << element("li", line);
     if (!beside.empty()) part << element("p", "Beside it:") << element("ul", beside);
     return element("div",
                    {{"class", "finding"},
@@ -132,7 +149,15 @@ Html claims_in_full(std::span<const ClaimFindings> claims) {
         article << element("p", {{"class", "source"}},
                            Html(fmt::format("The paper, Section {}; judged from ", claim.section))
                                << link(fmt::format("#{}", claim.experiment), claim.experiment));
-        article << element("p", element("b", "Rule: ") << claim.rule << ".");
+        article << element("p", element("b", fmt::format("Rule, since {}: ", claim.rule.since))
+                                    << claim.rule.text << ".");
+        article << element("p", element("b", "Why this one: ") << claim.rule.reason << ".");
+        article << element("p", element("b", "Scale: ") << claim.rule.scale << ".");
+        for (const Rule& rule : claim.readings)
+            article << element("p", element("b", fmt::format("Another reading, {}: ", rule.name)) << rule.text << ".");
+        for (const Rule& rule : claim.former)
+            article << element("p", element("b", fmt::format("Until {}: ", rule.until))
+                                        << rule.text << ". It changed because " << rule.changed << ".");
         for (const Finding& f : found.judged) article << finding_part(f);
         Html smaller;
         for (const Finding& f : found.smaller) smaller << finding_part(f);

@@ -27,9 +27,9 @@ ByRenderer of_software(const std::vector<Finding>& findings) {
     ByRenderer found;
     std::set<std::string> opengl;
     for (const Finding& f : findings) {
-        if (!is_software_renderer(f.judgement.renderer) || f.judgement.measures.empty()) continue;
-        found.emplace(f.judgement.renderer, &f);
-        opengl.insert(opengl_of(f.judgement.renderer));
+        if (!is_software_renderer(f.evidence.renderer) || f.judgement.measures.empty()) continue;
+        found.emplace(f.evidence.renderer, &f);
+        opengl.insert(opengl_of(f.evidence.renderer));
     }
     return opengl.size() < 2 ? ByRenderer() : found;
 }

@@ -58,6 +58,18 @@ inline const RowFileOf<Time> time{
      {"sweep_seconds", shown("{:.6g}").in("s"), "of these, sweeps over images; empty where none stream", &Time::sweep_seconds},
      {"renderer", shown(), "", &Time::renderer}}};
 
+struct Work {
+    std::string part, engine, what, optimizer;
+    uint64_t operations, reads;
+};
+inline const RowFileOf<Work> work{
+    "work.csv",
+    "What an iteration declares, with samples distributed in every sweep and with samples kept.",
+    {{"part engine what", key(), as_before, &Work::part, &Work::engine, &Work::what},
+     {"optimizer", key(), "sd or cg", &Work::optimizer},
+     {"operations", exact(), "components of arithmetic, as the passes declare them, times their fragments", &Work::operations},
+     {"reads", exact().in("texels"), "fetched, likewise", &Work::reads}}};
+
 struct Summary {
     std::string of, engine;
     double median;
@@ -76,7 +88,7 @@ inline const ExperimentEntry experiment{
     .about =
         "Sections 4.3, 6.3 and 6.6: memory over the number of parameters; time over the number of samples, and over the surface's texels where sums are gathered and scattered; what distributing in "
         "every sweep costs.",
-    .files = {&memory, &time, &summary},
+    .files = {&memory, &time, &work, &summary},
     .place = 60,
     .title = "Memory and time by the size of the problem",
     .section = "3.2, 4.3, 6.3, 6.6",

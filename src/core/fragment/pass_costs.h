@@ -34,7 +34,7 @@ struct PassCost {
 std::string pass_variant(const Defines& defines);
 /// The program's fragment stage and its variant, such as "gather/look_up.frag STORAGE=0 TERMS=1".
 std::string pass_label(const Program& program);
-/// What a fragment of it costs; null where none is declared: terms beyond the first, parameters in 16 bits, other
+/// What a fragment of it costs; null where none is declared: terms beyond the first, most passes in 16 bits, other
 /// batches.
 const PassCost* find_pass_cost(const Program& program);
 
