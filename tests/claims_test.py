@@ -4,6 +4,7 @@ finds in results/reference.
 
 Arguments: the program, the checkout.
 """
+import datetime
 import json
 import pathlib
 import re
@@ -11,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import unittest
 import zlib
 
@@ -30,13 +32,13 @@ class Report(ClaimsTest):
         self.assertIn("make experiments PROFILE=paper ONLY=fig7_convergence", judged["C1"]["reason"])
 
     def test_the_newest_run_of_each_device_and_the_reference(self):
-        bust = {"dataset": "bust", "sides": "own", "shared_texels": 0}
-        images = [{"covered_pixels": 10, "kept_pixels": 9, "facing_texels": 20}]
+        images = [{"covered_pixels": 100, "kept_pixels": 99, "facing_texels": 200}]
 
         def tables(samples):
             histogram = [{"samples": i, "texels": int(i == samples)} for i in range(samples + 1)]
-            return {"datasets": [bust, bust | {"dataset": "star"}]} | {
-                f"{name}_own_sides_{kind}": rows for name in ("star", "bust")
+            both = [(name, sides) for name in ("star", "bust") for sides in ("one", "own")]
+            return {"datasets": [{"dataset": name, "sides": sides, "shared_texels": 0} for name, sides in both]} | {
+                f"{name}{'_own_sides' if sides == 'own' else ''}_{kind}": rows for name, sides in both
                 for kind, rows in (("images", images), ("samples_per_texel", histogram))}
 
         self.add("table1_datasets", tables(9), time="20240103T000000Z")
@@ -51,6 +53,7 @@ class Report(ClaimsTest):
         self.assertEqual([row["run"].split("/")[2] for row in rows], ["cpu", "other", "cpu"])
         self.assertEqual([row["renderer"] for row in rows], ["C, 2 threads", "GPU", "C, 2 threads"])
         self.assertIn("the standard profile is not of the paper's scale", rows[2]["reason"])
+        self.assertEqual([row["rule_is_younger_than_rows"] for row in rows], [True, True, True], "of 2024 and 2025")
         # The same out of an archive, for a checkout that has none of these runs.
         with tarfile.open(self.root / "all.tar", "w") as archive:
             archive.add(self.root / "results", "results")
@@ -90,6 +93,36 @@ class Report(ClaimsTest):
         for run in runs:
             for dataset in json.loads(run.read_text())["datasets"]:
                 self.assertNotRegex(dataset["source"], r"(^| )/", run)
+
+    def test_rules_are_registered_before_the_rows_that_they_judge(self):
+        """By git: since when a rule reads as it does. A verdict by an older run says so."""
+        def git(*command):
+            result = subprocess.run(["git", "-C", self.checkout, *command], capture_output=True, text=True)
+            return result.stdout if result.returncode == 0 else ""
+
+        file = "experiments/claims/rules.toml"
+        commits = [line.split() for line in git("log", "--format=%H %ct", "--", file).splitlines()]
+        if not commits or git("rev-parse", "--is-shallow-repository").strip() == "true":
+            self.skipTest("no history here")
+        judged_by = ("rule", "premises", "asks", "since")
+        fixed = {}  # {claim: when}
+        now = tomllib.loads((self.checkout / file).read_text())
+        for commit, seconds in commits:  # the newest first
+            then = tomllib.loads(git("show", f"{commit}:{file}"))
+            for claim, rule in now.items():
+                if fixed.get(claim, (None, True))[1] and all(then.get(claim, {}).get(k) == rule[k] for k in judged_by):
+                    fixed[claim] = (int(seconds), True)
+                elif claim in fixed:
+                    fixed[claim] = (fixed[claim][0], False)
+        uncommitted = [claim for claim in now if claim not in fixed]
+        self.assertEqual(uncommitted, [], "rules that no commit holds judge no rows")
+        for claim, (seconds, _) in fixed.items():
+            day = datetime.datetime.fromtimestamp(seconds, datetime.timezone.utc).date()
+            self.assertGreaterEqual(now[claim]["since"], day, f"{claim} was changed on {day}: say so in since, and keep the former rule")
+        for row in json.loads((self.checkout / "results/reference/claims.json").read_text())["claims"]:
+            if row["run"] and not row["rule_is_younger_than_rows"]:
+                taken = datetime.datetime.strptime(row["run"].rsplit("/", 1)[1][:16] + "+0000", "%Y%m%dT%H%M%SZ%z").timestamp()
+                self.assertLess(fixed[row["id"]][0], taken, f"{row['id']} was registered after {row['run']}")
 
     def test_the_page_shows_the_reference(self):
         shutil.copytree(self.checkout / "results/reference", self.root / "results/reference")

@@ -14,17 +14,23 @@ from claims.anew import Run
 VALUES = convergence.VALUES | images.VALUES | scale.VALUES | time.VALUES
 
 
+def same(a, b):
+    return a == b if a is None or b is None else math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-12)
+
+
 def main(claims, *folders):
     compared, wrong = set(), 0
-    for c in [c for c in json.loads(pathlib.Path(claims).read_text())["claims"] if c["run"] and c["measures"]]:
+    for c in [c for c in json.loads(pathlib.Path(claims).read_text())["claims"] if c["run"]]:
         (folder,) = [pathlib.Path(f, c["run"]) for f in folders if pathlib.Path(f, c["run"]).exists()]
-        told = {m["of"]: m["value"] for m in c["measures"]}
-        for (of, value), mine in zip(told.items(), VALUES[c["id"]](Run(folder, told)), strict=True):
-            compared.add((c["id"], c["profile"], of))
-            if value != mine if value is None or mine is None else not math.isclose(value, mine, rel_tol=1e-9, abs_tol=1e-12):
-                wrong += 1
-                print(f"{c['id']}, {c['profile']} profile, {of}: {value} there, {mine} by the rows")
-    print(f"{len(compared)} values of {len({c for c, _, _ in compared})} claims, {wrong} differ")
+        rules = [c["measures"], *(r["measures"] for r in c["readings"] + c["former"])]
+        for i, (measures, values) in enumerate(zip(rules, VALUES[c["id"]], strict=True)):
+            told = {m["of"]: m["value"] for m in measures}
+            for (of, value), mine in zip(told.items(), values(Run(folder, told)) if told else (), strict=True):
+                compared.add((c["id"], c["profile"], i, of))
+                if not same(value, mine):
+                    wrong += 1
+                    print(f"{c['id']}, {c['profile']} profile, rule {i}, {of}: {value} there, {mine} by the rows")
+    print(f"{len(compared)} values of {len({c[0] for c in compared})} claims, by {len({c[:3] for c in compared})} rules, {wrong} differ")
     return bool(wrong or not compared)
 
 

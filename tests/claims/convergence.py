@@ -31,14 +31,17 @@ SUMMARY = [{"dataset": "star", "lambda": lam, "cap": 3000, "ratio_quartile1": 4,
             "cg_censored_share": 0.01, "sd_censored_share": 0.1} for lam in (0.0001, 0.001)]
 
 
-def ends(apart=0.2, lower=0.9, moving=0.0, vertices=120):
-    """Of each vertex's three problems: a share `apart` of the vertices has minima 2 % apart, CG below in a share `lower`."""
+def ends(apart=0.2, lower=0.9, moving=0.0, vertices=120, minima=(0.2, 0.9)):
+    """Of each vertex's three problems: a share `apart` of the vertices has ends 2 % apart, CG below in a share `lower`; minima: the
+    same of the minima."""
+    def error(v, apart, lower):
+        return (1.02 if v < lower * apart * vertices else 0.98) if v < apart * vertices else 1.001
+
     rows = []
     for v in range(vertices):
-        differs = v < apart * vertices
-        sd = (1.02 if v < lower * apart * vertices else 0.98) if differs else 1.001
+        end, sd = error(v, apart, lower), error(v, *minima)
         for channel in "rgb":
-            rows.append({"dataset": "star", "vertex": v, "channel": channel, "cg_error": 1, "sd_error": 1.5, "cg_at_rest": 1,
+            rows.append({"dataset": "star", "vertex": v, "channel": channel, "cg_error": 1, "sd_error": end, "cg_at_rest": 1,
                          "sd_at_rest": int(v % 2), "cg_minimum": 1, "sd_minimum": sd, "cg_minimum_at_rest": 1,
                          "sd_minimum_at_rest": int(v < (1 - moving) * vertices)})
     return rows
@@ -78,12 +81,17 @@ class Convergence(ClaimsTest):
         self.assertEqual(self.fig7("C1", problems((4, 6)))["verdict"], "undecided")
         self.assertEqual(self.fig7("C1", problems(cg=3))["verdict"], "holds")
 
-    def test_who_does_not_arrive_counts_as_arriving_at_the_cap(self):
+    def test_who_does_not_arrive_bounds_the_ratio(self):
         half = self.fig7("C1", problems((2, 2), missing=0.6))
-        self.assertEqual(half["measures"][0]["value"], 3000 / 20)
+        self.assertEqual(half["measures"][0]["value"], 3000 / 20, "at least")
+        self.assertIsNone(half["measures"][0]["interval"][1], "and anything above")
         self.assertTrue(any("60 % of SD's problems" in text for text in half["beside"]))
+        few = self.fig7("C1", problems((2, 2), missing=0.45))
+        self.assertEqual((few["measures"][0]["value"], few["verdict"]), (2, "undecided"), "the median may be one of those that did not")
         both = self.fig7("C1", problems((2, 2), cg=-1, missing=1))
-        self.assertEqual(both["measures"][0]["value"], 1)
+        self.assertEqual((both["measures"][0]["value"], both["verdict"]), (None, "undecided"), "nothing is known of any")
+        self.assertEqual((both["former"][0]["measures"][0]["value"], self.other(both)), (1, "does not hold"))
+        self.assertEqual((half["former"][0]["measures"][0]["value"], self.other(half)), (150, "undecided"))
 
     def test_premises(self):
         for other in ({"cap": 300}, {"tolerance": 1.1}, {"lambda": 0.001}):
@@ -126,11 +134,20 @@ class Convergence(ClaimsTest):
         self.assertEqual(self.fig7("C2", end_rows=ends(apart=0))["verdict"], "does not hold")
         self.assertEqual(self.fig7("C2", end_rows=ends(apart=0.05))["verdict"], "undecided")
         self.assertEqual(self.fig7("C2", end_rows=ends(vertices=90))["verdict"], "not comparable")
-        moving = self.fig7("C2", end_rows=ends(moving=0.5))
-        self.assertEqual(moving["verdict"], "not comparable")
-        self.assertIn("did not come to rest", moving["reason"])
-        self.assertIn("where both methods came to rest by themselves: of 180 problems 180 are more than 1 % apart, "
-                      "CG the lower in 180 of them", found["beside"])
+        self.assertIn("where both methods came to rest by themselves: of 180 problems 36 are more than 1 % apart, "
+                      "CG the lower in 33 of them", found["beside"])
+
+    def test_minima_are_another_reading(self):
+        found = self.fig7("C2")
+        self.assertEqual(found["readings"][0]["name"], "as mathematics")
+        for kind in ("readings", "former"):
+            self.assertEqual(self.other(found, kind), "holds")
+            apart = self.fig7("C2", end_rows=ends(minima=(0.2, 0.1)))
+            self.assertEqual((apart["verdict"], self.other(apart, kind)), ("holds", "does not hold"))
+            self.assertEqual(self.other(self.fig7("C2", end_rows=ends(minima=(0.05, 0.9))), kind), "undecided")
+            moving = self.fig7("C2", end_rows=ends(moving=0.5))
+            self.assertEqual((moving["verdict"], self.other(moving, kind)), ("holds", "not comparable"))
+            self.assertIn("did not come to rest", moving[kind][0]["reason"])
 
     def stopping(self, residual, change, free=40, **config):
         return self.finding("C16", "stopping", stopped(residual, change, free),
@@ -138,20 +155,28 @@ class Convergence(ClaimsTest):
 
     def test_idle_before_arrival(self):
         early, never, late = (0.8, 2.0, 0.1), (0.0, 1.0, 0), (0.2, 1.5, 0)
-        found = self.stopping({8: early, 1: never}, {8: early, 1: early})
+        found = self.stopping({8: never, 1: early}, {8: never, 1: early})
         self.assertEqual(found["verdict"], "holds")
-        self.assertIn("residual below 8/255", found["measures"][0]["of"])
-        self.assertIn("output change below 1/255", found["measures"][2]["of"])
-        self.assertAlmostEqual(found["measures"][1]["value"], 0.2)
-        alone = self.stopping({8: never}, {8: early})
+        self.assertIn("residual below 1/255", found["measures"][0]["of"])
+        self.assertAlmostEqual(found["measures"][2]["value"], 0.2)
+        alone = self.stopping({1: never}, {1: early})
         self.assertEqual(alone["verdict"], "does not hold")
-        self.assertIn("the rule of the output change alone: holds", alone["beside"])
-        self.assertIn("the rule of the residual alone: does not hold", alone["beside"])
-        self.assertEqual(self.stopping({8: early}, {8: late})["verdict"], "does not hold", "the median problem arrives")
-        self.assertEqual(self.stopping({8: early}, {8: (0.55, 1.5, 0)})["verdict"], "undecided")
-        self.assertEqual(self.stopping({8: early}, {8: (0.8, 1.01, 0.01)})["verdict"], "does not hold", "good enough")
-        self.assertEqual(self.stopping({8: early}, {8: early}, free=-1)["verdict"], "not comparable")
-        self.assertEqual(self.stopping({8: early}, {8: early}, tolerance=1.1)["verdict"], "not comparable")
+        self.assertIn("the rule of the output change alone, at 1/255: holds", alone["beside"])
+        self.assertIn("the rule of the residual alone, at 1/255: does not hold", alone["beside"])
+        self.assertEqual(self.stopping({1: early}, {1: late})["verdict"], "does not hold", "the median problem arrives")
+        self.assertEqual(self.stopping({1: early}, {1: (0.55, 1.5, 0)})["verdict"], "undecided")
+        self.assertEqual(self.stopping({1: early}, {1: (0.8, 1.01, 0.01)})["verdict"], "does not hold", "good enough")
+        self.assertEqual(self.stopping({1: early}, {1: early}, free=-1)["verdict"], "not comparable")
+        self.assertEqual(self.stopping({1: early}, {1: early}, tolerance=1.1)["verdict"], "not comparable")
+        self.assertEqual(self.stopping({8: early}, {1: early})["verdict"], "not comparable", "no such threshold")
+
+    def test_any_threshold_was_enough_before(self):
+        early, never = (0.8, 2.0, 0.1), (0.0, 1.0, 0)
+        found = self.stopping({8: early, 1: never}, {8: early, 1: early})
+        self.assertEqual((found["verdict"], self.other(found)), ("does not hold", "holds"))
+        of = [m["of"] for m in found["former"][0]["measures"]]
+        self.assertIn("residual below 8/255", of[0])
+        self.assertIn("output change below 1/255", of[1])
 
 
 # Values anew.
@@ -166,28 +191,45 @@ def arrivals(run, above, below, comparable=False):  # ratios of iterations, data
     return [out[name] for name in sorted(out)]
 
 
+def bounded(run):  # the least that each ratio may be, of the problems of which either arrives
+    out, cap = defaultdict(list), run.config["cap"]
+    for r in run.rows("problems"):
+        sd, cg = float(r["sd"]), float(r["cg_paper"])
+        if float(r["lambda"]) == run.config["lambda"] and max(sd, cg) >= 0:
+            out[r["dataset"]].append((cap if sd < 0 else max(1, sd)) / max(1, cg) if cg >= 0 else 0)
+    return [median(out[name]) for name in sorted(out)]
+
+
+def pairs_apart(pairs):
+    apart = [(cg, sd) for cg, sd in pairs if max(cg, sd) > 1.01 * min(cg, sd)]
+    return len(apart) / max(1, len(pairs)), sum(cg < sd for cg, sd in apart) / len(apart) if apart else None
+
+
+def ends_of(run):
+    return pairs_apart([[float(r[f"{o}_error"]) for o in ("cg", "sd")] for r in run.rows("ends")])
+
+
 def minima(run):
-    ends = [[float(r[f"{o}_minimum"]) for o in ("cg", "sd")] for r in run.rows("ends")
-            if float(r["cg_minimum_at_rest"]) and float(r["sd_minimum_at_rest"])]
-    apart = [(cg, sd) for cg, sd in ends if max(cg, sd) > 1.01 * min(cg, sd)]
-    return len(apart) / max(1, len(ends)), sum(cg < sd for cg, sd in apart) / len(apart) if apart else None
+    return pairs_apart([[float(r[f"{o}_minimum"]) for o in ("cg", "sd")] for r in run.rows("ends")
+                        if float(r["cg_minimum_at_rest"]) and float(r["sd_minimum_at_rest"])])
 
 
-def stopping(run):  # the thresholds that were chosen are in the measures' names: "residual below 0.5/255, ..."
-    for i, of in enumerate(run.told):
+def stopping(run):  # the thresholds are in the measures' names: "residual below 0.5/255, the median problem's last error ..."
+    for of in run.told:
         rule, levels = of.split("/255")[0].rsplit(" below ", 1)
         problems = [r for r in run.rows("problems", optimizer="cg", rule=rule) if float(r["levels"]) == float(levels)]
         arrived = sorted(math.inf if float(r["arrived_at"]) < 0 else float(r["arrived_at"]) for r in problems)
         last = arrived[len(arrived) // 2] - 1
         running = sum(float(r["stopped_at"]) < 0 or float(r["stopped_at"]) > last for r in problems) / len(problems)
-        yield running if i % 2 else median(float(r["error_over_best"]) for r in problems)
+        yield running if "still running" in of else median(float(r["error_over_best"]) for r in problems)
 
 
+# Of each claim, by its rule, then by its other readings and by its former rules.
 VALUES = {
-    "C1": lambda run: map(median, arrivals(run, "sd", "cg_paper")),
-    "C2": minima,
-    "C16": stopping,
-    "C19": lambda run: map(median, arrivals(run, "cg_paper", "varpro", comparable=True)),
-    "C22": lambda run: (lambda qs: [q[2] / q[0] for q in qs] + [max(q[1] for q in qs) / min(q[1] for q in qs)])(
-        [quantiles(r, n=4, method="inclusive") for r in arrivals(run, "sd", "cg_paper")]),
+    "C1": (bounded, lambda run: map(median, arrivals(run, "sd", "cg_paper"))),
+    "C2": (ends_of, minima, minima),
+    "C16": (stopping, stopping),
+    "C19": (lambda run: map(median, arrivals(run, "cg_paper", "varpro", comparable=True)),),
+    "C22": (lambda run: (lambda qs: [q[2] / q[0] for q in qs] + [max(q[1] for q in qs) / min(q[1] for q in qs)])(
+        [quantiles(r, n=4, method="inclusive") for r in arrivals(run, "sd", "cg_paper")]),),
 }

@@ -48,5 +48,9 @@ class ClaimsTest(ProgramTest):
         self.add(experiment, tables, **more)
         return self.judge()[1][claim]
 
+    def other(self, finding, kind="former", place=0):
+        """What another rule of the claim says: a former one, or one of the readings."""
+        return finding[kind][place]["by_the_rule"]
+
     def verdict(self, claim, experiment, tables, **more):
         return self.finding(claim, experiment, tables, **more)["verdict"]

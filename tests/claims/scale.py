@@ -2,7 +2,7 @@
 from collections import defaultdict
 from statistics import median
 
-from claims.anew import ratio, slope
+from claims.anew import BOTH, ratio, slope
 from claims.fixture import GPU, LLVMPIPE, ClaimsTest
 
 SIZES = (1e5, 2e5, 4e5, 8e5, 1.6e6)
@@ -51,43 +51,61 @@ def memory(power=1.0, excess=1.0, sides=(8, 12, 16, 24, 32), triangles=6094, lay
             for passes in ("paper", "combined") for storage in ("fp32", "fp16") for side in sides]
 
 
+def declared(operations=1.05, reads=1.02):
+    """work.csv: of iterations with distribution, over those with samples kept."""
+    return [{"part": "distribution", "engine": "fragment paper", "what": what, "optimizer": optimizer,
+             "operations": 1000 * (operations if what == "iteration" else 1), "reads": 100 * (reads if what == "iteration" else 1)}
+            for what in ("iteration", "iteration, samples kept") for optimizer in ("sd", "cg")]
+
+
 class Scaling(ClaimsTest):
-    def scaling(self, claim, time=None, **changed):
-        return self.finding(claim, "scaling", {"memory": memory(**changed), "time": time or distribution()})
+    def scaling(self, claim, time=None, work=None, **changed):
+        tables = {"memory": memory(**changed), "time": time or distribution(), "work": work or declared()}
+        return self.finding(claim, "scaling", tables)
 
     def test_distribution_in_every_sweep(self):
-        def finding(**changed):
-            return self.scaling("C13", distribution(**changed))
+        row = self.scaling("C13", distribution(renderer=LLVMPIPE))
+        self.assertEqual(row["verdict"], "holds", "counts")
+        self.assertEqual([m["value"] for m in row["measures"]], [1.05, 1.05, 1.02, 1.02])
+        self.assertIn("1.05 times the operations and 1.02 times the texture reads (SD)", row["sentence"])
+        self.assertEqual(self.scaling("C13", work=declared(operations=1.2))["verdict"], "does not hold")
+        self.assertEqual(self.scaling("C13", work=declared(reads=1.2))["verdict"], "does not hold")
+        old = self.finding("C13", "scaling", {"memory": memory(), "time": distribution()})
+        self.assertEqual(old["verdict"], "not comparable")
+        self.assertIn("did not count", old["reason"])
 
-        row = finding(spread=0.01)
-        self.assertEqual(row["verdict"], "holds")
+    def test_the_time_of_distribution_decided_before(self):
+        def former(**changed):
+            return self.other(self.scaling("C13", distribution(**changed)))
+
+        row = self.scaling("C13", distribution(spread=0.01))
+        self.assertEqual(self.other(row), "holds")
         self.assertEqual(row["renderer"], GPU)
-        self.assertAlmostEqual(row["measures"][0]["value"], 1.05)
-        self.assertIn("1.05", row["sentence"])
+        self.assertAlmostEqual(row["former"][0]["measures"][0]["value"], 1.05)
         self.assertIn("on the CPU, 3 times", row["sentence"])
-        self.assertEqual([m["of"].split(",")[1] for m in row["measures"]],
+        self.assertEqual([m["of"].split(",")[1] for m in row["former"][0]["measures"]],
                          [" the paper's passes", " compute shaders that gather", " compute shaders that scatter"])
-        self.assertEqual(finding(ratio=1.2, spread=0.01)["verdict"], "does not hold")
-        self.assertEqual(finding(compute=3)["verdict"], "does not hold")
-        self.assertEqual(finding(ratio=1.1, spread=0.1)["verdict"], "undecided")
-        self.assertEqual(finding(rounds=8)["verdict"], "undecided")
-        self.assertEqual(finding(renderer=LLVMPIPE)["verdict"], "not comparable")
+        self.assertEqual(former(ratio=1.2, spread=0.01), "does not hold")
+        self.assertEqual(former(compute=3), "does not hold")
+        self.assertEqual(former(ratio=1.1, spread=0.1), "undecided")
+        self.assertEqual(former(rounds=8), "undecided")
+        self.assertEqual(former(renderer=LLVMPIPE), "not comparable")
 
     def test_memory(self):
         row = self.scaling("C14")
-        self.assertEqual(row["verdict"], "holds")
-        self.assertEqual(len(row["measures"]), 6)
+        self.assertEqual((row["verdict"], self.other(row)), ("holds", "holds"))
+        self.assertEqual((len(row["measures"]), len(row["former"][0]["measures"])), (5, 6))
         self.assertIn("143.5 MB for 6094 triangles", row["sentence"])
         self.assertTrue(any("resident memory grew by 1.12" in text for text in row["beside"]))
         self.assertEqual(self.scaling("C14", power=1.08)["verdict"], "does not hold")
         self.assertEqual(self.scaling("C14", power=0.8)["verdict"], "holds", "an upper bound")
         self.assertEqual(self.scaling("C14", excess=1.06)["verdict"], "does not hold")
         self.assertEqual(self.scaling("C14", excess=0.9)["verdict"], "holds")
-        self.assertEqual(self.scaling("C14", layout=151e6)["verdict"], "does not hold")
-        self.assertEqual(self.scaling("C14", layout=134e6)["verdict"], "does not hold")
+        for layout in (151e6, 134e6):
+            row = self.scaling("C14", layout=layout)
+            self.assertEqual((row["verdict"], self.other(row)), ("holds", "does not hold"), "an accounting that was sought")
         row = self.scaling("C14", triangles=1280, layout=30e6)
-        self.assertEqual(row["verdict"], "not comparable", "of another mesh the paper states nothing")
-        self.assertEqual(len(row["measures"]), 5)
+        self.assertEqual((row["verdict"], self.other(row)), ("holds", "not comparable"), "of another mesh the paper states nothing")
         self.assertEqual(self.scaling("C14", sides=(12, 16, 24, 32))["verdict"], "not comparable")
         self.assertEqual(self.scaling("C14", sides=(8, 12, 16))["verdict"], "not comparable")
 
@@ -108,10 +126,12 @@ class Scaling(ClaimsTest):
         self.assertEqual(finding(0.9, 0.4)["verdict"], "does not hold")
         self.assertEqual(finding(0.9, 0.2, spread=0.1)["verdict"], "undecided")
         self.assertEqual(finding(0.9, 0.1, rounds=8)["verdict"], "undecided")
-        row = finding(1.0, 0.3, apart=0.25)  # sweeps are what is judged; whole iterations stand beside
-        self.assertAlmostEqual(row["measures"][0]["value"], 0.75)
-        self.assertAlmostEqual(row["measures"][2]["value"], 0.05)
-        self.assertIn("are 1 (", row["beside"][0])
+        row = finding(1.0, 0.3, apart=0.25)  # whole iterations are judged; sweeps are another reading, and were the rule
+        self.assertEqual(row["verdict"], "does not hold")
+        for kind in ("readings", "former"):
+            self.assertEqual(self.other(row, kind), "holds")
+            self.assertAlmostEqual(row[kind][0]["measures"][0]["value"], 0.75)
+            self.assertAlmostEqual(row[kind][0]["measures"][2]["value"], 0.05)
         sizes = [n**0.8 for n in SIZES]
         power = {**dict.fromkeys(ENGINES, 0.9), "compute scatter": 0.1}
         self.assertEqual(self.scaling("C15", rows_of_times("texels", "texels", sizes, power))["verdict"], "not comparable")
@@ -123,13 +143,20 @@ class Scaling(ClaimsTest):
             return self.scaling("C18", rows_of_times("samples", "samples", sizes, power, spread=spread, rounds=rounds), **changed)
 
         row = finding(spread=0.02)
-        self.assertEqual(row["verdict"], "holds")
-        self.assertEqual(len(row["measures"]), 4)
-        self.assertAlmostEqual(row["measures"][0]["value"], 1)
-        self.assertEqual(finding(power=0.3)["verdict"], "holds", "an upper bound can't be failed by being cheaper")
-        self.assertEqual(finding(power=1.2, spread=0.02)["verdict"], "does not hold")
-        self.assertEqual(finding(power={**dict.fromkeys(ENGINES, 1.0), "fragment combined": 1.2})["verdict"], "does not hold")
-        self.assertEqual(finding(power=1.08, spread=0.1)["verdict"], "undecided")
+        self.assertEqual((row["verdict"], self.other(row)), ("holds", "holds"))
+        self.assertEqual((len(row["measures"]), len(row["former"][0]["measures"])), (7, 4))
+        self.assertAlmostEqual(row["measures"][0]["value"], 0, places=6, msg="on the line")
+        self.assertAlmostEqual(row["measures"][3]["value"], 1, places=1, msg="nothing but samples cost")
+        self.assertAlmostEqual(row["former"][0]["measures"][0]["value"], 1)
+        bent = finding(power=1.3)
+        self.assertEqual((bent["verdict"], self.other(bent)), ("does not hold", "does not hold"))
+        cheap = finding(power=0.5)
+        self.assertEqual((cheap["verdict"], self.other(cheap)), ("does not hold", "holds"), "it could not fail by being no line")
+        flat = finding(power=0.0)
+        self.assertEqual((flat["verdict"], self.other(flat)), ("does not hold", "holds"), "no cost of samples at all")
+        one = finding(power={**dict.fromkeys(ENGINES, 1.0), "fragment combined": 1.3})
+        self.assertEqual((one["verdict"], self.other(one)), ("does not hold", "does not hold"))
+        self.assertEqual(self.other(finding(power=1.08, spread=0.1)), "undecided")
         self.assertEqual(finding(rounds=8)["verdict"], "undecided")
         self.assertEqual(finding(SIZES[:4])["verdict"], "not comparable")
         self.assertEqual(finding([n**0.9 for n in SIZES])["verdict"], "not comparable", "less than a factor of 16")
@@ -143,33 +170,47 @@ class Scaling(ClaimsTest):
 
 
 class Samples(ClaimsTest):
-    def verdict_of(self, median=26, facing=1500, shared=0, names=("star", "bust")):
+    def found(self, median=26, facing=1500, shared=0, names=("star", "bust"), kept=970, without=10, fixed=30):
+        """median, facing, shared: of sides by projected size; kept (of 1000 pixels), without (a sample), fixed (the median texel's
+        samples): of one side for all, on the bust."""
         tables = {"datasets": [{"dataset": name, "sides": sides,
                                 "shared_texels": shared if (name, sides) == ("bust", "own") else 1 - (sides == "own")}
                                for name in names for sides in ("one", "own")]}  # fmt: skip
         for name in names:
-            for files, texels, middle in ((name, 500, 3), (name + "_own_sides", facing, median if name == "bust" else 30)):
-                tables[files + "_images"] = [{"image": i, "covered_pixels": 1000, "kept_pixels": 700,
+            one = (kept, without, fixed) if name == "bust" else (970, 10, 30)
+            for files, texels, pixels, none, middle in ((name, 500, *one),
+                                                        (name + "_own_sides", facing, 700, 10, median if name == "bust" else 30)):
+                tables[files + "_images"] = [{"image": i, "covered_pixels": 1000, "kept_pixels": pixels,
                                               "facing_texels": texels + i - 2} for i in range(5)]  # fmt: skip
                 tables[files + "_samples_per_texel"] = [{"samples": n, "texels": count} for n, count in
-                                                        ((0, 10), (9, 20), (middle, 300), (90, 50))]  # fmt: skip
+                                                        ((0, none), (9, 20), (middle, 300), (90, 50))]  # fmt: skip
         return self.finding("C17", "table1_datasets", tables)
 
     def test_pixels_and_texels(self):
-        row = self.verdict_of()
+        row = self.found()
         self.assertEqual(row["verdict"], "holds")
-        self.assertIn("no texel takes two pixels", row["sentence"])
-        self.assertIn("26 on the bust (1.50 texels per pixel)", row["sentence"])
+        self.assertIn("of the bust's pixels 97 % reach a texel, 2.63 % of its texels have no sample, and the median texel has 30",
+                      row["sentence"])
         self.assertIn("star, sides by projected size: 1.5 texels per covered pixel in the median image, 30 samples in the "
                       "median texel; 30.0 % of the pixels are dropped, because no texel takes them; 2.6 % of the texels have "
-                      "no sample, 7.9 % fewer than 10", row["beside"])  # fmt: skip
+                      "no sample, 7.9 % fewer than 10; 0 times a texel took two pixels of one image", row["beside"])  # fmt: skip
         self.assertIn("star, one side for all: 0.5 texels", " ".join(row["beside"]))
-        self.assertEqual(self.verdict_of(median=8)["verdict"], "does not hold")
-        self.assertEqual(self.verdict_of(shared=1)["verdict"], "does not hold")
-        row = self.verdict_of(facing=900)
-        self.assertEqual(row["verdict"], "not comparable")
-        self.assertIn("bust has 0.9", row["reason"])
-        self.assertEqual(self.verdict_of(names=("bust",))["verdict"], "not comparable")
+        for changed in ({"kept": 940}, {"without": 30}, {"fixed": 8}):
+            self.assertEqual(self.found(**changed)["verdict"], "does not hold", changed)
+        self.assertEqual(self.found(names=("bust",))["verdict"], "not comparable")
+
+    def test_own_sides_decided_before(self):
+        def former(**changed):
+            return self.other(self.found(**changed))
+
+        self.assertEqual(former(), "holds")
+        self.assertEqual(former(kept=100), "holds")
+        self.assertEqual(former(median=8), "does not hold")
+        self.assertEqual(former(shared=1), "does not hold")
+        row = self.found(facing=900)
+        self.assertEqual((row["verdict"], self.other(row)), ("holds", "not comparable"))
+        self.assertIn("bust has 0.9", row["former"][0]["reason"])
+        self.assertEqual(former(names=("bust",)), "not comparable")
 
 
 # Values anew.
@@ -182,9 +223,12 @@ def memory_slopes(run):
     return [slope(lines[name]) for name in sorted(lines)]
 
 
-def memory_values(run):
+def held_over_planned(run):
+    return max(float(r["opengl_bytes"]) / float(r["planned_bytes"]) for r in run.rows("memory"))
+
+
+def layout(run):
     rows = run.rows("memory")
-    yield from (max(float(r["opengl_bytes"]) / float(r["planned_bytes"]) for r in rows), *memory_slopes(run))
     if abs(float(rows[0]["triangles"]) / 6093 - 1) <= 0.01:
         yield float([r for r in rows if r["side"] == "8"][-1]["paper_layout_bytes"]) / 1e6
 
@@ -200,19 +244,73 @@ def timed(run, part, *engines):  # those of the engines that the run has
     return [e for e in engines if run.rows("time", part=part, engine=e)]
 
 
-def samples(run):
-    for row in run.rows("datasets", sides="own"):
-        texels = [int(r["texels"]) for r in run.rows(row["dataset"] + "_own_sides_samples_per_texel")]
-        yield from (next(i for i in range(len(texels)) if sum(texels[: i + 1]) >= sum(texels) / 2), float(row["shared_texels"]))
+def middle(texels):
+    return next(i for i in range(len(texels)) if sum(texels[: i + 1]) >= sum(texels) / 2)
 
 
+def own_sides(run):
+    rows = run.rows("datasets", sides="own")
+    texels = [[int(r["texels"]) for r in run.rows(row["dataset"] + "_own_sides_samples_per_texel")] for row in rows]
+    return [*map(middle, texels), *(float(row["shared_texels"]) for row in rows)]
+
+
+def one_side(run):
+    names = [r["dataset"] for r in run.rows("datasets", sides="one") if r["dataset"] in ("star", "bust")]
+    texels = [[int(r["texels"]) for r in run.rows(name + "_samples_per_texel")] for name in names]
+    for name in names:
+        images = run.rows(name + "_images")
+        yield sum(float(r["kept_pixels"]) for r in images) / sum(float(r["covered_pixels"]) for r in images)
+    yield from (t[0] / sum(t) for t in texels)
+    yield from map(middle, texels)
+
+
+def lines(run):
+    for engine in ("cpu", "fragment paper", "fragment combined"):
+        rounds = defaultdict(dict)
+        for r in run.rows("time", part="samples", engine=engine, what="iteration"):
+            rounds[r["repetition"]][float(r["samples"])] = float(r["seconds"])
+        yield list(rounds.values())
+
+
+def line(points):  # a and b of a + b x, by least squares of relative errors
+    w = {x: 1 / y**2 for x, y in points.items()}
+    one, x1, x2 = (sum(w[x] * x**k for x in points) for k in range(3))
+    y1, xy = (sum(w[x] * x**k * y for x, y in points.items()) for k in range(2))
+    b = (one * xy - x1 * y1) / (one * x2 - x1**2)
+    return (y1 - b * x1) / one, b
+
+
+def cost(run):
+    for rounds in lines(run):
+        points = {x: median(r[x] for r in rounds) for x in rounds[0]}
+        a, b = line(points)
+        yield max(abs(a + b * x - y) / y for x, y in points.items())
+    for rounds in lines(run):
+        yield median(line(r)[1] * max(r) / r[max(r)] for r in rounds)
+    yield max(memory_slopes(run))
+
+
+def redistribution(run):
+    for column in ("operations", "reads"):
+        for o in BOTH:
+            anew, kept = (float(run.rows("work", engine="fragment paper", what=what, optimizer=o)[0][column])
+                          for what in ("iteration", "iteration, samples kept"))
+            yield anew / kept
+
+
+def of_engines(run, part, engines, column="seconds"):
+    return [time_slope(run, part, e, column) for e in timed(run, part, *engines)]
+
+
+GATHER_SCATTER = ("fragment paper", "fragment combined", "compute scatter")
+SWEEPS = lambda run: of_engines(run, "texels", GATHER_SCATTER, "sweep_seconds")  # noqa: E731
 VALUES = {
-    "C13": lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine=e, what=what)
-                                for what in ("iteration", "iteration, samples kept")))
-                        for e in timed(run, "distribution", "fragment paper", "compute gather", "compute scatter")),
-    "C14": memory_values,
-    "C15": lambda run: (time_slope(run, "texels", e, "sweep_seconds")
-                        for e in timed(run, "texels", "fragment paper", "fragment combined", "compute scatter")),
-    "C17": samples,
-    "C18": lambda run: (*(time_slope(run, "samples", e) for e in ("cpu", "fragment paper", "fragment combined")), max(memory_slopes(run))),
+    "C13": (redistribution, lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine=e, what=what)
+                                                 for what in ("iteration", "iteration, samples kept")))
+                                         for e in timed(run, "distribution", "fragment paper", "compute gather", "compute scatter"))),
+    "C14": (lambda run: (held_over_planned(run), *memory_slopes(run)),
+            lambda run: (held_over_planned(run), *memory_slopes(run), *layout(run))),
+    "C15": (lambda run: of_engines(run, "texels", GATHER_SCATTER), SWEEPS, SWEEPS),
+    "C17": (one_side, own_sides),
+    "C18": (cost, lambda run: (*of_engines(run, "samples", ("cpu", "fragment paper", "fragment combined")), max(memory_slopes(run)))),
 }
