@@ -24,8 +24,8 @@ OUTPUT ?= build/report
 COUNT ?= 3
 SEED ?= 1
 
-.PHONY: build python test check chip odr clang fuzz faults sanitized experiments report compare bench radiafit-bench peers smoke configure packages \
-    format format-check archive clean
+.PHONY: build python test check chip odr clang fuzz faults sanitized experiments report article compare bench radiafit-bench peers smoke configure \
+    packages format format-check archive clean
 .NOTPARALLEL:
 
 # How each command begins: $(call configure,PART,OPTIONS) installs a part of the list of packages, and configures, always, so
@@ -119,6 +119,14 @@ report:
 	@$(compile) --target claims report
 	@for name in claims report; do $(BUILD)/experiments/$$name --profile $(PROFILE) \
 	    $(if $(RUNS),--set 'results="$(RUNS)"' --output $(OUTPUT)) || exit; done
+
+# Our article on what the paper's claims come to: its numbers and figures are drawn from results/reference; docs/experiments.md.
+article:
+	$(call configure,article)
+	@$(compile) --target fig7_convergence fig8_time fig9_error solvers
+	@python3 -B docs/article/fill.py --programs $(BUILD)/experiments
+	@cd build/article && pandoc --defaults ../../docs/article/layout.yaml article.md -o article.pdf
+	@echo "the article: build/article/article.pdf"
 
 # What differs from the runs that came with the checkout; docs/compare.md.
 compare:

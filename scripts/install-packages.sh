@@ -39,13 +39,14 @@ check) packages="$test strace $clang vulkan-validationlayers" ;;
 fuzz) packages="$build libgtest-dev clang-16 libclang-rt-16-dev" ;;
 bench) packages="$experiments libbenchmark-dev" ;;
 peers) packages="$experiments python3-numpy python3-torch" ;;
+article) packages="$experiments pandoc texlive-latex-recommended texlive-fonts-recommended librsvg2-bin" ;;
 format) packages="clang-format" ;;
 radiafit-bench) packages="$compiler $core" ;;
 capture) packages=colmap ;;                    # datasets/scripts/capture.sh, beside a built radiafit
 bare-root) packages="git mmdebstrap uidmap" ;; # scripts/bare-root.sh; the rest is for the root
 *)
     echo "install-packages.sh has no part '$part'; choose experiments, build, python, test-programs, test, faults, clang," \
-        "check, fuzz, bench, peers, format, radiafit-bench, capture or bare-root" >&2
+        "check, fuzz, bench, peers, article, format, radiafit-bench, capture or bare-root" >&2
     exit 2
     ;;
 esac

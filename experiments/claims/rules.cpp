@@ -1,117 +1,115 @@
 #include "rules.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
+#include "base/toml.h"
 #include "rules_text.h"
 
 namespace radiafit::harness {
 namespace {
 
-std::string date_text(const toml::date& d) { return fmt::format("{:04}-{:02}-{:02}", d.year, d.month, d.day); }
+using Json = nlohmann::json;
 
 /// A table of rules.toml, of which every entry has to be asked for.
 class Entries {
 public:
-    Entries(const toml::table& table, std::string where) : table_(table), where_(std::move(where)) {}
-    ~Entries() = default;
+    Entries(const Json& table, std::string where) : table_(table), where_(std::move(where)) {
+        if (!table_.is_object()) fail("is no table");
+    }
 
     std::string text(const char* key) {
-        const toml::node* node = take(key);
-        if (!node) return "";
-        if (const auto day = node->value<toml::date>()) return date_text(*day);
-        const auto value = node->value<std::string>();
-        if (!value) fail(fmt::format("'{}' is no text", key));
-        return *value;
+        const Json* value = take(key);
+        if (value && !value->is_string()) fail(fmt::format("'{}' is no text", key));
+        return value ? value->get<std::string>() : "";
     }
     std::string needed(const char* key) {
         std::string value = text(key);
         if (value.empty()) fail(fmt::format("lacks '{}'", key));
         return value;
     }
-    const toml::array* array(const char* key) {
-        const toml::node* node = take(key);
-        if (node && !node->is_array()) fail(fmt::format("'{}' is no list", key));
-        return node ? node->as_array() : nullptr;
+    std::optional<double> number(const std::string& key) {
+        const Json* value = take(key);
+        if (value && !value->is_number()) fail(fmt::format("'{}' is no number", key));
+        return value ? std::optional(value->get<double>()) : std::nullopt;
+    }
+    /// Empty where there is none.
+    Json list(const std::string& key) {
+        const Json* value = take(key);
+        if (value && !value->is_array()) fail(fmt::format("'{}' is no list", key));
+        return value ? *value : Json::array();
     }
     void finish() const {
-        for (const auto& [key, node] : table_)
-            if (std::ranges::find(taken_, std::string(key)) == taken_.end())
-                fail(fmt::format("unknown '{}'", std::string(key)));
+        for (const auto& [key, value] : table_.items())
+            if (!std::ranges::count(taken_, key)) fail(fmt::format("unknown '{}'", key));
     }
     [[noreturn]] void fail(const std::string& what) const {
         throw std::logic_error(fmt::format("rules.toml: {}: {}", where_, what));
     }
 
 private:
-    const toml::node* take(const char* key) {
-        taken_.emplace_back(key);
-        return table_.get(key);
+    const Json* take(const std::string& key) {
+        taken_.push_back(key);
+        const auto found = table_.find(key);
+        return found == table_.end() ? nullptr : &*found;
     }
-    const toml::table& table_;
+    const Json& table_;
     std::string where_;
     std::vector<std::string> taken_;
 };
 
 /// "at_least", "at_most" or "between", behind a prefix.
-std::optional<Bound> read_bound(const toml::table& t, const std::string& prefix, const Entries& where) {
-    const auto number = [&](const char* key) { return t[prefix + key].value<double>(); };
-    if (const toml::array* ends = t[prefix + "between"].as_array()) {
-        if (ends->size() != 2) where.fail("'between' takes two numbers");
-        return Bound{(*ends)[0].value<double>().value(), (*ends)[1].value<double>().value()};
-    }
-    const auto least = number("at_least"), most = number("at_most");
+std::optional<Bound> read_bound(Entries& entries, const std::string& prefix) {
+    const Json ends = entries.list(prefix + "between");
+    const auto least = entries.number(prefix + "at_least"), most = entries.number(prefix + "at_most");
+    if (ends.size() == 2) return Bound{ends[0].get<double>(), ends[1].get<double>()};
+    if (!ends.empty()) entries.fail("'between' takes two numbers");
     if (!least && !most) return {};
     return Bound{least.value_or(-HUGE_VAL), most.value_or(HUGE_VAL)};
 }
 
 /// What rules of every kind have.
-Rule read_rule(Entries& entries) {
+Rule read_rule(Entries& entries, const std::string& where) {
     Rule rule;
     rule.text = entries.needed("rule");
     rule.none = entries.text("none");
-    if (const toml::array* premises = entries.array("premises"))
-        for (const toml::node& premise : *premises) rule.premises.push_back(premise.value<std::string>().value());
-    const toml::array* asks = entries.array("asks");
-    if (!asks) entries.fail("lacks 'asks'");
-    for (const toml::node& node : *asks) {
-        const toml::table* t = node.as_table();
-        if (!t || !(*t)["of"].is_string()) entries.fail("an entry of 'asks' names no figure");
-        const auto bound = read_bound(*t, "", entries);
-        if (!bound && rule.none.empty()) entries.fail("an entry of 'asks' has no bound");
-        rule.asked.push_back(
-            {*(*t)["of"].value<std::string>(), bound.value_or(Bound()), read_bound(*t, "fails_", entries)});
+    rule.premises = entries.list("premises").get<std::vector<std::string>>();
+    for (const Json& table : entries.list("asks")) {
+        Entries one(table, where + ", asks");
+        Rule::Asked asked{.of = one.needed("of")};
+        const auto bound = read_bound(one, "");
+        if (!bound && rule.none.empty()) one.fail("has no bound");
+        asked.bound = bound.value_or(Bound());
+        asked.failing = read_bound(one, "fails_");
+        one.finish();
+        rule.asked.push_back(std::move(asked));
     }
     if (rule.asked.empty() && rule.none.empty()) entries.fail("asks for nothing");
     return rule;
 }
 
-const toml::table& table_of(const toml::node& node, const Entries& where) {
-    if (!node.is_table()) where.fail("is no table");
-    return *node.as_table();
-}
-
-Claim read_claim(const std::string& id, const toml::table& table) {
+Claim read_claim(const std::string& id, const Json& table) {
     Entries entries(table, id);
     Claim claim{.id = id,
                 .section = entries.needed("section"),
                 .states = entries.needed("states"),
                 .experiment = entries.needed("experiment"),
-                .rule = read_rule(entries),
+                .rule = read_rule(entries, id),
                 .find = nullptr};
     claim.rule.since = entries.needed("since");
     claim.rule.reason = entries.needed("reason");
     claim.rule.scale = entries.needed("scale");
     const auto others = [&](const char* key, std::vector<Rule>& to, const auto& more) {
-        const toml::array* list = entries.array(key);
-        for (size_t i = 0; list && i < list->size(); ++i) {
-            Entries one(table_of((*list)[i], entries), fmt::format("{}, {}", id, key));
-            Rule rule = read_rule(one);
+        for (const Json& other : entries.list(key)) {
+            const std::string where = fmt::format("{}, {}", id, key);
+            Entries one(other, where);
+            Rule rule = read_rule(one, where);
             more(one, rule);
             one.finish();
             to.push_back(std::move(rule));
@@ -127,17 +125,16 @@ Claim read_claim(const std::string& id, const toml::table& table) {
 }
 
 std::vector<Claim> read_claims() {
-    const toml::table all = toml::parse(rules_text);
     std::vector<ClaimCode> code;
     for (const auto topic :
          {convergence_claims(), images_claims(), time_claims(), utilization_claims(), scale_claims()})
         code.insert(code.end(), topic.begin(), topic.end());
+    const Json rules = parse_toml(rules_text);
     std::vector<Claim> claims;
-    for (const auto& [id, node] : all) {
-        claims.push_back(read_claim(std::string(id), table_of(node, Entries(all, std::string(id)))));
-        const auto found =
-            std::ranges::find(code, claims.back().id, [](const ClaimCode& c) { return std::string(c.id); });
-        if (found == code.end()) throw std::logic_error("rules.toml: no code for " + claims.back().id);
+    for (const auto& [id, table] : rules.items()) {
+        claims.push_back(read_claim(id, table));
+        const auto found = std::ranges::find(code, id, [](const ClaimCode& c) { return std::string(c.id); });
+        if (found == code.end()) throw std::logic_error("rules.toml: no code for " + id);
         claims.back().find = found->find;
     }
     if (claims.size() != code.size()) throw std::logic_error("rules.toml: a claim has no rule");
