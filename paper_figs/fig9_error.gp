@@ -7,11 +7,12 @@ count = words(names)
 lower = int((count + 1) / 2)  # rows of panels by terms, two datasets in each
 height = 680 + 260 * lower
 if (terminal eq 'svg') {
-    set terminal svg size 1400,height font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 1280,height font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 1400,height font 'DejaVu Sans,11'
+    set terminal pngcairo size 1280,height font 'DejaVu Sans,11'
 }
 set output output
+size = terminal eq 'svg' ? 0.65 : 0.9
 down(pixels) = 1 - real(pixels) / height
 awk(program) = system(sprintf("awk -F, '%s' '%s'", program, errors))
 of(dataset, method, weights) = \
@@ -28,11 +29,13 @@ brief = cell('cg-low-brief', 'chosen', 12)
 array method[9] = ['pca-published', 'pca-refilled', 'cg-high', 'cg-high', 'cg-high', 'cg-modern-high', 'cg-low', 'cg-low-brief', \
     'cg-low-fp16']
 array weights[9] = ['', '', '0.0001', '0.001', 'chosen', 'chosen', 'chosen', 'chosen', 'chosen']
-array what[9] = ['PCA as published', sprintf('PCA, refilled %s times', cell('pca-refilled', '', 13)), 'CG, {/Symbol l} = 10^{–4}', \
-    'CG, {/Symbol l} = 10^{–3}', 'CG, {/Symbol l} chosen', 'modern CG, {/Symbol l} chosen', 'CG, CPU, 32 bits', \
+array what[9] = ['PCA as published', sprintf('PCA, refilled %s times', cell('pca-refilled', '', 13)), 'CG, λ = 10^{–4}', \
+    'CG, λ = 10^{–3}', 'CG, λ chosen', 'modern CG, λ chosen', 'CG, CPU, 32 bits', \
     sprintf('the same, %s iterations', brief), sprintf('CG, OpenGL, 16 bits, %s it.', brief)]
 place(i) = -i - (i > 6)
+# Datasets are told apart by shape and colour.
 array color[3] = ['#0072b2', '#d55e00', '#009e73']
+array shape[3] = [7, 4, 9]
 array title[4] = ['PSNR, training images', 'PSNR, held-out images', 'APE, training images', 'APE, held-out images']
 array column_of[4] = [16, 18, 17, 19]
 # one range for both figures of a kind
@@ -50,7 +53,7 @@ stats sprintf("< awk -F, '$3 == \"pca-refilled\" || $3 == \"cg-low\" || $3 == \"
 
 set multiplot title "{/:Bold Figure 9: error of factorization (PCA) and of nonlinear optimization (CG, conjugate gradients)}\n" \
     . caption . sprintf("\nCG: the paper's mode, %s iterations (modern CG %s); OpenGL: the paper's passes, storage and sums in 16 bits\n" \
-    . "{/Symbol l}: weights of smoothness, of surface maps and of view maps, chosen on validation images:\n" \
+    . "λ: weights of smoothness, of surface maps and of view maps, chosen on validation images:\n" \
     . "high resolution: %s; low: %s", \
     cell('cg-high', 'chosen', 12), cell('cg-modern-high', 'chosen', 12), chosen('cg-high'), chosen('cg-low'))
 set border 3
@@ -62,20 +65,20 @@ set bmargin at screen down(540)
 set yrange [place(9) - 0.7:0.5]
 set ytics scale 0 (sprintf('%s:', texels('cg-high')) 0, sprintf('%s:', texels('cg-low')) -7)
 do for [i=1:9] { set ytics add (what[i] place(i)) }
-set label 10 'one term; a point for each object (seed of the generator):' at screen 0.185,down(140)
+set label 10 'one term; a point for each object (seed of the generator):' at screen 0.205,down(139)
 do for [d=1:count] {
-    set label d word(names, d) at screen 0.50 + 0.06 * (d - 1),down(140) tc rgb color[d] point pt 7 lc rgb color[d] offset 1,0
+    set label d word(names, d) at screen 0.56 + 0.07 * (d - 1),down(139) point pt shape[d] ps 1.2 * size lc rgb color[d] offset 1.2,0
 }
 do for [p=1:4] {
     kind = p < 3 ? 1 : 2
-    set lmargin at screen 0.185 + 0.205 * (p - 1)
-    set rmargin at screen 0.185 + 0.205 * (p - 1) + 0.19
+    set lmargin at screen 0.205 + 0.199 * (p - 1)
+    set rmargin at screen 0.205 + 0.199 * (p - 1) + 0.18
     set title title[p]
     set xlabel (kind == 1 ? 'dB' : 'mean |difference|, 0 to 255') offset 0,0.4
     set xrange [from[kind]:to[kind]]
     plot for [d=1:count] for [i=1:9] of(word(names, d), method[i], weights[i]) \
         using ($5 == 1 ? column(column_of[p]) : NaN):(place(i) + 0.15 * (count + 1 - 2 * d)) \
-        with points pt 7 ps 0.9 lc rgb color[d]
+        with points pt shape[d] ps size lw 1.5 lc rgb color[d]
     unset label
     set format y ''
     set ytics scale 0 ('' 0)
@@ -92,7 +95,7 @@ set xtics 1
 set xlabel 'terms K' offset 0,0.4
 set xrange [0.7:terms_max + 0.3]
 set yrange [psnr_min - 0.5:psnr_max + 0.5]
-do for [i=1:3] { set label i shown_as[i] at screen 0.06 + 0.14 * (i - 1),down(618) point pt point[i] offset 1,0 }
+do for [i=1:3] { set label i shown_as[i] at screen 0.06 + 0.14 * (i - 1),down(618) point pt point[i] ps 1.2 * size offset 1.2,0 }
 do for [d=1:count] {
     seed = awk(sprintf('$1 == "%s" {print $2; exit}', word(names, d)))
     do for [part=1:2] {
@@ -106,7 +109,7 @@ do for [d=1:count] {
         set ylabel (across == 0 ? 'PSNR, dB' : '')
         plot for [i=1:3] of(word(names, d), shown[i], shown_weights[i]) \
             using (strcol(2) eq seed ? $5 : NaN):(column(part == 1 ? 16 : 18)) \
-            with linespoints pt point[i] lw 1.5 lc rgb '#000000' dt i
+            with linespoints pt point[i] ps 1.2 * size lw 1.5 lc rgb '#000000' dt i
         unset label
     }
 }

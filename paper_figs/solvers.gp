@@ -1,46 +1,51 @@
-# Solvers side by side: time per vertex until its three problems are within 1.01 of the least error.
+# Solvers side by side, the quickest first: time per vertex until its three problems are within 1.01 of the least error.
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
-table = rows . '/solvers.csv'
-stats table using ($7 / $4 * 1e3) every ::1 nooutput name 'ms'
-stats table using 4 every ::1 nooutput name 'vertices'
+# Rows by their time per vertex, which is what is drawn.
+table = sprintf("< tail -n +2 '%s/solvers.csv' | awk -F, '{print $7 / $4 \",\" $0}' | sort -g -t , -k 1,1 | cut -d , -f 2-", rows)
+stats table using ($7 / $4 * 1e3) nooutput name 'ms'
+stats table using 4 nooutput name 'vertices'
 most_vertices = vertices_max
-height = int(232 + 27 * ms_records)
+height = int(260 + 28 * ms_records)
 if (terminal eq 'svg') {
-    set terminal svg size 1000,height font 'DejaVu Sans,13' background 'white'
+    set terminal svg size 1280,height font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 1000,height font 'DejaVu Sans,11'
+    set terminal pngcairo size 1280,height font 'DejaVu Sans,11'
 }
 set output output
-array color[5] = ['#d55e00', '#0072b2', '#56b4e9', '#009e73', '#cc79a7']
-array family[5] = ['two-step', 'Ceres, line search', 'Ceres, trust region', 'alternating least squares', 'variable projection']
-array start[5] = [0.06, 0.18, 0.36, 0.55, 0.77]
-kind(solver, setting) = solver eq 'two-step' ? 1 : solver eq 'als' ? 4 : solver eq 'varpro' ? 5 : strstrt(setting, 'lbfgs') + strstrt(setting, 'nonlinear') > 0 ? 2 : 3
-name(solver, setting) = solver eq 'two-step' ? setting : solver eq 'als' ? 'ALS' : solver eq 'varpro' ? solver : setting
+size = terminal eq 'svg' ? 0.85 : 1.3
+down(pixels) = 1 - real(pixels) / height
+array what[3] = ["radiafit's own", 'Ceres, line search', 'Ceres, trust region']
+array color[3] = ['#d55e00', '#0072b2', '#009e73']
+array full[3] = [7, 5, 9]   # shapes: filled
+array empty[3] = [6, 4, 8]  # and hollow
+kind(solver, setting) = solver ne 'ceres' ? 1 : strstrt(setting, 'lbfgs') + strstrt(setting, 'nonlinear') > 0 ? 2 : 3
+spelt(setting) = setting eq 'lbfgs' ? 'L-BFGS' : setting eq 'adam' ? 'Adam' : setting eq 'cg modern' ? 'modern CG' : \
+    setting eq 'cg paper' ? "the paper's CG" : setting eq 'sd' ? "the paper's SD" : setting eq 'nonlinear-cg' ? 'nonlinear CG' : setting
+name(solver, setting) = solver eq 'ceres' ? 'Ceres ' . spelt(setting) : solver eq 'als' ? 'alternating least squares' : \
+    solver eq 'varpro' ? 'variable projection' : spelt(setting)
 span(ms) = ms < 999.5 ? sprintf('%.3g ms', ms) : sprintf('%.3g s', ms / 1e3)
-low = 10 ** floor(log10(ms_min * 0.7))
-set title "{/:Bold Solvers of light field maps: time per vertex to 1.01 × the least error}\n" . caption . "\n "
-set lmargin 27
+times(factor) = factor < 999.5 ? sprintf('×%.3g', factor) : sprintf('×%.0f', factor)
+set multiplot layout 1,1 title "{/:Bold Solvers of light field maps: time per vertex to 1.01 × the least error}\n" . caption \
+    . "\nours: the paper has no such figure" margins 0.205,0.67,100.0 / height,down(126)
 set logscale x
-set rmargin 40  # for the longest bars' labels
-set xrange [low:ms_max * 1.3]
+set xrange [ms_min / 2:ms_max * 1.5]
 set yrange [ms_records - 0.4:-0.6]
 set format x '%g'
-set xlabel "CPU time per vertex (its three problems), ms; samples in memory; ×: against cg modern on the same vertices\nproblems that don't reach it count with all their time; whiskers: least and most of the repetitions\npale: so slow that there was time for few vertices, or for one run, whose spread is not known"
-set grid x lc rgb '#dddddd'
+set xlabel "CPU time per vertex (its three problems), ms, logarithmic; samples in memory; ×: against modern CG on the same vertices\nproblems that do not reach it count with all their time; whiskers: least and most of the repetitions\nhollow: so slow that there was time for few vertices, or for one run, whose spread is not known"
+set grid x lt 1 lc rgb '#dddddd'
 set border 3
 set tics nomirror
 set ytics scale 0
-set style fill solid noborder
 unset key
-do for [k=1:5] { set label k '■ ' . family[k] at screen start[k], screen 1 - 64.0 / height tc rgb color[k] }
+do for [k=1:3] { set label k what[k] at screen 0.22 + 0.19 * (k - 1), screen down(107) point pt full[k] ps size lc rgb color[k] offset 1.2,0 }
 sure(vertices, repetitions) = vertices == most_vertices && repetitions > 1
 of(k, value) = kind(strcol(1), strcol(2)) == k ? value : NaN
-few(vertices, repetitions) = (vertices < most_vertices ? sprintf('; %d vertices', vertices) : '') . (repetitions == 1 ? '; one run' : '')
-plot for [k=1:5] table using (of(k, sure($4, $18) ? sqrt(low * $7 / $4 * 1e3) : NaN)):0:(low):($7 / $4 * 1e3):($0 - 0.36):($0 + 0.36):ytic(name(strcol(1), strcol(2))) \
-         every ::1 with boxxyerror lc rgb color[k], \
-     for [k=1:5] table using (of(k, sure($4, $18) ? NaN : sqrt(low * $7 / $4 * 1e3))):0:(low):($7 / $4 * 1e3):($0 - 0.36):($0 + 0.36) \
-         every ::1 with boxxyerror lc rgb color[k] fs transparent solid 0.35 noborder, \
-     table using ($18 > 1 ? $7 / $4 * 1e3 : NaN):0:($8 / $4 * 1e3):($9 / $4 * 1e3) every ::1 with xerrorbars pt -1 lc rgb '#333333', \
-     table using ($9 / $4 * 1e3):0:(sprintf('  %s, ×%.3g; %.3g%% reach it%s', span($7 / $4 * 1e3), $10, 100 * $6, few($4, $18))) \
-         every ::1 with labels left font ',10'
+few(vertices, repetitions) = (vertices < most_vertices ? sprintf('; %d vert%s', vertices, vertices == 1 ? 'ex' : 'ices') : '') . (repetitions == 1 ? '; one run' : '')
+plot table using (ms_min / 2):0:($8 / $4 * 1e3 - ms_min / 2):(0):ytic(name(strcol(1), strcol(2))) with vectors nohead dt 3 lc rgb '#999999', \
+     table using ($18 > 1 ? $7 / $4 * 1e3 : NaN):0:($8 / $4 * 1e3):($9 / $4 * 1e3) with xerrorbars pt -1 lc rgb '#333333', \
+     for [k=1:3] table using (of(k, sure($4, $18) ? $7 / $4 * 1e3 : NaN)):0 with points pt full[k] ps size lc rgb color[k], \
+     for [k=1:3] table using (of(k, sure($4, $18) ? NaN : $7 / $4 * 1e3)):0 with points pt empty[k] ps size lw 1.5 lc rgb color[k], \
+     table using ($9 / $4 * 1e3):0:(sprintf('%s, %s; %.3g %% reach it%s', span($7 / $4 * 1e3), times($10), 100 * $6, few($4, $18))) \
+         with labels left offset 1.5,0
+unset multiplot

@@ -6,23 +6,24 @@ datasets = rows . '/datasets.csv'
 text(i, column) = system(sprintf("awk -F, -v row=%d -v column='%s' 'NR == 1 {for (i = 1; i <= NF; ++i) if ($i == column) at = i} NR == row + 1 {print $at}' '%s'", i, column, datasets))
 field(i, column) = real(text(i, column))
 n = int(system(sprintf("awk 'END {print NR - 1}' '%s'", datasets)))
+width = n < 3 ? 820 : n * 256 > 1280 ? 256 * n : 1280
 if (terminal eq 'svg') {
-    set terminal svg size 410 * n,800 font 'DejaVu Sans,13' background 'white'
+    set terminal svg size width,820 font 'DejaVu Sans,13' background 'white'
 } else {
-    set terminal pngcairo size 410 * n,800 font 'DejaVu Sans,11'
+    set terminal pngcairo size width,820 font 'DejaVu Sans,11'
 }
 set output output
-set multiplot title "{/:Bold Datasets, and how many samples their texels get}\n" . caption
-left(i) = (i - 1.0) / n + 0.04
-right(i) = real(i) / n - 0.02
+set multiplot title "{/:Bold Datasets, and how many samples their texels get}\n" . caption . "\nred, dashed: 10 samples; grey, dotted: the median"
+left(i) = 0.025 + 0.97 * (i - 1.0) / n + 0.03
+right(i) = 0.025 + 0.97 * real(i) / n - 0.01
 count(x) = x < 9999.5 ? sprintf('%d', x) : x < 999999.5 ? sprintf('%.3g thousand', x / 1e3) : sprintf('%.3g million', x / 1e6)
 do for [i=1:n] {
     name = text(i, 'dataset')
     own_sides = text(i, 'sides') eq 'own'
     set lmargin at screen left(i)
     set rmargin at screen right(i)
-    set tmargin at screen 0.82
-    set bmargin at screen 0.48
+    set tmargin at screen 0.76
+    set bmargin at screen 0.515
     unset border
     unset tics
     unset key
@@ -30,7 +31,7 @@ do for [i=1:n] {
     unset label
     set size ratio -1
     set autoscale
-    set title sprintf("{/:Bold %s}%s: %d triangles,\n%d images, %.1f MB;\n%s problems, %s parameters", name, own_sides ? ', sides by size' : '', field(i, 'triangles'), \
+    set title sprintf("{/:Bold %s}%s\n%d triangles,\n%d images, %.1f MB;\n%s problems,\n%s parameters", name, own_sides ? ', sides by size' : '', field(i, 'triangles'), \
         field(i, 'images'), field(i, 'image_bytes') / 1e6, count(field(i, 'problems')), count(field(i, 'parameters')))
     unset xlabel
     unset ylabel
@@ -39,17 +40,19 @@ do for [i=1:n] {
     file = rows . '/' . name . (own_sides ? '_own_sides' : '') . '_samples_per_texel.csv'
     stats file using 2 every ::1 nooutput name 'texels'
     set size noratio
-    set tmargin at screen 0.365
+    set tmargin at screen 0.375
     set bmargin at screen 0.09
     set border 3
-    set xtics nomirror
     set ytics nomirror
-    set grid lc rgb '#dddddd'
-    set title sprintf("%.2f texels per covered pixel; %.0f %% of\nthe pixels are taken; a texel gets %g samples\n(median), and %.1f %% of them get none", \
+    set grid lt 1 lc rgb '#e4e4e4'
+    set title sprintf("%.2f texels per covered pixel;\n%.0f %% of the pixels are taken;\na texel gets %g samples\n(median), %.1f %% get none", \
         field(i, 'texels_per_pixel'), 100 * field(i, 'kept_share'), middle, 100 * field(i, 'without_samples_share'))
     set xlabel 'samples of a texel'
     if (i == 1) { set ylabel 'texels with at most so many, %' offset 1 }
-    set xrange [0:(middle < 10 ? 30 : 3 * middle)]
+    most = middle < 10 ? 30 : 3 * middle
+    set xrange [0:most]
+    step = most > 250 ? 100 : most > 100 ? 50 : most > 40 ? 20 : 10
+    set xtics step nomirror
     set yrange [0:100]
     set arrow from 10,0 to 10,100 nohead dt 2 lc rgb '#d55e00'
     set label '10' at 10,100 offset 0.4,-0.6 tc rgb '#d55e00'
