@@ -129,7 +129,7 @@ std::vector<Claim> read_claims() {
     for (const auto topic :
          {convergence_claims(), images_claims(), time_claims(), utilization_claims(), scale_claims()})
         code.insert(code.end(), topic.begin(), topic.end());
-    const Json rules = parse_toml(rules_text);
+    const Json rules = Json::parse(json_of_toml(rules_text));
     std::vector<Claim> claims;
     for (const auto& [id, table] : rules.items()) {
         claims.push_back(read_claim(id, table));

@@ -94,7 +94,7 @@ inline const ExperimentEntry experiment{
         "The star, exactly 100 iterations: a Radeon 9700 is “more than 5 times” faster than a 2 GHz Pentium 4, both by steepest descent and by conjugate gradients. Context switches take about half "
         "of steepest descent's time and almost 66 % of conjugate gradients', streaming of images about 20 %. The bars' values are not in our text.",
     .figure =
-        "Horizontal bars for each optimizer on the CPU and in OpenGL: left the seconds of a fit on a logarithmic axis, right the shares of distribution, optimization, streaming, computation and "
+        "For each optimizer, on the CPU and in OpenGL: left dots, the seconds of a fit on a logarithmic axis; right bars, the shares of distribution, optimization, streaming, computation and "
         "switching.",
     .tables = {"times.csv"}};
 

@@ -66,7 +66,7 @@ inline const ExperimentEntry experiment{
     .paper =
         "One term, the star: nonlinear optimization is better than factorization (PCA) at the same high resolution, 144 texels in a surface map on average and 256 in a view map. At a low resolution "
         "the CPU in 32 bits and the GPU in 16 bits are “very similar to each other”, their errors “much higher”. The values of PSNR and of the average pixel error are not in our text.",
-    .figure = "Bars of PSNR and of the average pixel error of each method, on training and on held-out images of star and bust; below, PSNR by the number of terms.",
+    .figure = "Dots: PSNR and the average pixel error of each method, on training and on held-out images of star and bust; below, PSNR by the number of terms.",
     .tables = {"fig9_error.md"}};
 
 }  // namespace radiafit::harness::rows_of::fig9_error

@@ -48,7 +48,7 @@ inline const ExperimentEntry experiment{
     .title = "From the paper's passes to cached samples",
     .section = "6.5, 6.6",
     .paper = "Combining passes by multiple render targets and longer programs would cut the cost of context switches and redundant texture reads. No values are given.",
-    .figure = "Bars of milliseconds per image and sweep, from the paper's passes down to samples kept on the CPU.",
+    .figure = "Dots: milliseconds per image and sweep, from the paper's passes down to samples kept on the CPU.",
     .tables = {"ladder.csv"}};
 
 }  // namespace radiafit::harness::rows_of::passes

@@ -87,7 +87,7 @@ inline const ExperimentEntry experiment{
     .files = {&problems, &vertices, &repetitions, &solvers},
     .place = 130,
     .title = "Solvers side by side",
-    .figure = "Bars of processor time per vertex until its three problems are within 1 % of the least error, one for each solver, on a logarithmic axis.",
+    .figure = "Dots: the processor time per vertex until its three problems are within 1 % of the least error, one for each solver, on a logarithmic axis.",
     .tables = {"solvers.csv"}};
 
 }  // namespace radiafit::harness::rows_of::solvers

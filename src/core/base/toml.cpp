@@ -31,9 +31,9 @@ nlohmann::json to_json(const toml::node& node) {
 
 }  // namespace
 
-nlohmann::json parse_toml(std::string_view text) {
+std::string json_of_toml(std::string_view text) {
     try {
-        return to_json(toml::parse(text));
+        return to_json(toml::parse(text)).dump();
     } catch (const toml::parse_error& e) {
         throw std::logic_error(fmt::format("line {}: {}", e.source().begin.line, e.description()));
     }
