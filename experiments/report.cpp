@@ -32,7 +32,17 @@ struct Section {
     const char* id;
     const char* title;
     Html inside;
+    bool folded = false;  ///< until the reader unfolds it, a link leads into it, or the page is printed
 };
+
+Html section_of(const Section& section) {
+    const std::string title = fmt::format("{}-title", section.id);
+    Html heading = element("h2", {{"id", title}}, section.title);
+    Html inside = section.folded
+                      ? element("details", {{"class", "fold"}}, element("summary", heading) << section.inside)
+                      : std::move(heading << section.inside);
+    return element("section", {{"id", section.id}, {"aria-labelledby", title}}, inside);
+}
 
 std::vector<RunRecord> all_shown(const RunFolders& folders, const std::string& profile) {
     std::vector<RunRecord> runs;
@@ -52,7 +62,7 @@ Html contents(const std::vector<Section>& sections) {
                        << element("ol", list) << element("p", "Figures and tables:") << element("ul", figures));
 }
 
-Html introduction(const std::string& profile) {
+Html introduction(const std::string& profile, std::span<const ClaimFindings> claims) {
     Html header = element("h1", "The paper’s claims, figures and tables, measured again");
     header << element(
         "p",
@@ -68,6 +78,7 @@ Html introduction(const std::string& profile) {
                       Html(fmt::format("Drawn on {}, {} profile, by revision {}. Drawn again by ",
                                        utc_now().substr(0, 10), profile, git_revision()))
                           << command_line(profile == "standard" ? "make report" : "make report PROFILE=" + profile));
+    header << claims_counts(claims);
     return element("header", header);
 }
 
@@ -79,24 +90,22 @@ std::string page(Experiment& experiment, const RunFolders& folders, const fs::pa
         {"claims", "The claims", claims_summary(claims)},
         {"figures", "Figures and tables", exhibits_part(folders, profile, claims, scratch)},
         {"performance-profile", "Performance profile of the solvers",
-         performance_part(folders, profile, scratch / "profile")},
-        {"rules", "Every claim: rule, figures and reason", claims_in_full(claims)},
-        {"comparison", "Against the reference", comparison_part(folders)},
-        {"environment", "Machines, builds and runs", environment_part(runs, folders.checkout)},
+         performance_part(folders, profile, scratch / "profile"), true},
+        {"rules", "Every claim: rules, figures and reason", claims_in_full(claims), true},
+        {"comparison", "Against the reference", comparison_part(folders), true},
+        {"environment", "Machines, builds and runs", environment_part(runs, folders.checkout), true},
     };
     if (Html renderers = renderers_part(claims); !renderers.empty())
-        sections.insert(sections.begin() + 4, {"renderers", "What software renderers say", std::move(renderers)});
+        sections.insert(sections.begin() + 4, {"renderers", "What software renderers say", std::move(renderers), true});
     Html main;
-    for (const Section& section : sections)
-        main << element("section", {{"id", section.id}, {"aria-labelledby", fmt::format("{}-title", section.id)}},
-                        element("h2", {{"id", fmt::format("{}-title", section.id)}}, section.title) << section.inside);
+    for (const Section& section : sections) main << section_of(section);
     const fs::path texts = experiment.root() / "experiments" / "page";
     Html head = empty_element("meta", {{"charset", "utf-8"}});
     head << empty_element("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}})
          << empty_element("meta", {{"name", "color-scheme"}, {"content", "light dark"}})
          << element("title", "radiafit: report") << style_sheet(read_file(texts / "page.css", "style sheet"));
     Html body = element("a", {{"class", "skip"}, {"href", "#main"}}, "To the claims");
-    body << introduction(profile) << contents(sections) << element("main", {{"id", "main"}}, main)
+    body << introduction(profile, claims) << contents(sections) << element("main", {{"id", "main"}}, main)
          << script(read_file(texts / "page.js", "script"));
     return html_page(head, body);
 }

@@ -147,6 +147,18 @@ class Report(ClaimsTest):
         self.assertEqual(json.loads((self.root / "judged/claims.json").read_text()), shipped)
 
 
+    def test_the_readme_counts_the_reference(self):
+        newest = {}
+        for row in json.loads((self.checkout / "results/reference/claims.json").read_text())["claims"]:
+            if row["profile"] == "paper":
+                newest[row["id"]] = max(newest.get(row["id"], row), row, key=lambda r: r["run"].rsplit("/", 1)[-1])
+        verdicts = [row["verdict"] for row in newest.values()]
+        text = " ".join((self.checkout / "README.md").read_text().split())
+        counts = re.search(r"of 23, (\d+) hold, (\d+) do not, (\d+) are undecided and (\d+) wait for a graphics chip or for rows", text)
+        self.assertEqual([int(n) for n in counts.groups()], [verdicts.count(v) for v in ("holds", "does not hold", "undecided")] +
+                         [sum(v in ("not comparable", "not run") for v in verdicts)])
+
+
 if __name__ == "__main__":
     program, checkout = take_arguments(2)
     ClaimsTest.program, ClaimsTest.checkout = program, pathlib.Path(checkout)

@@ -170,7 +170,7 @@ Evidence iteration_ratio(const FinishedRun& run) {
         "conjugate gradients in the median problem at lambda = {:g}, and half as many times CG's sweeps over the "
         "images{}.",
         fmt::join(found, ", "), lambda,
-        at_others.empty() ? "" : fmt::format("; it depends on lambda: {}", fmt::join(at_others, ", ")));
+        at_others.empty() ? "" : fmt::format("; with that cap {}", fmt::join(at_others, ", ")));
     return e;
 }
 

@@ -29,21 +29,9 @@ std::string run_name(const Finding& f) { return std::filesystem::path(f.run).fil
 /// Names of runs begin with their time.
 const Finding& newest(const ClaimFindings& claim) { return *std::ranges::max_element(claim.judged, {}, run_name); }
 
-Html counts(std::span<const ClaimFindings> claims) {
-    Html list;
-    for (const auto& [verdict, meaning] : verdicts) {
-        const auto count =
-            std::ranges::count_if(claims, [&](const ClaimFindings& c) { return newest(c).verdict() == verdict; });
-        Html item = element("b", {{"class", "count"}}, std::to_string(count));
-        item << " " << verdict_mark(verdict) << " " << element("small", meaning);
-        list << element("li", item);
-    }
-    return element("ul", {{"class", "counts"}}, list);
-}
-
 /// The figures that a verdict is of, so many at most.
 Html measured(const Finding* finding) {
-    constexpr size_t most = 4;
+    constexpr size_t most = 2;
     if (!finding) return {};
     const auto& measures = finding->judgement.measures;
     Html list;
@@ -58,10 +46,28 @@ Html measured(const Finding* finding) {
     return list.empty() ? list : element("ul", {{"class", "figures"}}, list);
 }
 
-HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Line& line, bool name_renderer) {
+/// Verdicts by other runs than the newest, machine by machine.
+Html other_machines(const ClaimFindings& claim, const ClaimFindings::Line& shown) {
+    Html list;
+    size_t count = 0;
+    for (const ClaimFindings::Line& line : claim.lines()) {
+        if (line.judged == shown.judged || !line.judged) continue;
+        list << element("li", verdict_mark(line.verdict()) << " " << element("small", line.renderer()));
+        ++count;
+    }
+    if (count == 0) return {};
+    return element("details",
+                   element("summary", count == 1 ? "another machine" : fmt::format("{} other machines", count))
+                       << element("ul", list));
+}
+
+HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Line& line) {
     const Finding* told = line.judged && !line.judged->judgement.measures.empty() ? line.judged : line.smaller;
     Html mark = verdict_mark(line.verdict());
-    if (name_renderer) mark << element("small", line.renderer());
+    if (line.judged && !line.judged->run.empty()) mark << " " << element("small", line.renderer());
+    if (const std::string others = line.by_other_rules(); !others.empty())
+        mark << element("p", element("small", others));
+    mark << other_machines(claim, line);
     Html figures = measured(told);
     if (told && !told->judged()) figures << element("small", fmt::format("{} profile", told->profile));
     const Finding* reasoned = line.judged ? line.judged : line.smaller;
@@ -124,16 +130,27 @@ Html finding_part(const Finding& f) {
 
 }  // namespace
 
+Html claims_counts(std::span<const ClaimFindings> claims) {
+    Html list;
+    for (const auto& [verdict, meaning] : verdicts) {
+        const auto count =
+            std::ranges::count_if(claims, [&](const ClaimFindings& c) { return newest(c).verdict() == verdict; });
+        Html item = element("b", {{"class", "count"}}, std::to_string(count));
+        item << " " << verdict_mark(verdict) << " " << element("small", meaning);
+        list << element("li", item);
+    }
+    return element("ul", {{"class", "counts"}}, list);
+}
+
 Html claims_summary(std::span<const ClaimFindings> claims) {
     std::vector<HtmlRow> rows;
     for (size_t i = 0; i < claims.size(); ++i) {
-        auto lines = claims[i].lines();
-        // Beside a judged result, those at a smaller scale are shown by claims_in_full() only.
-        if (std::ranges::any_of(lines, [](const auto& line) { return line.judged; }))
-            std::erase_if(lines, [](const auto& line) { return !line.judged; });
-        for (const auto& line : lines) rows.push_back(row_of(claims[i], i, line, lines.size() > 1));
+        const auto lines = claims[i].lines();
+        const Finding* best = &newest(claims[i]);
+        const auto shown = std::ranges::find(lines, best, &ClaimFindings::Line::judged);
+        rows.push_back(row_of(claims[i], i, shown == lines.end() ? lines.front() : *shown));
     }
-    Html part = counts(claims);
+    Html part;
     part << html_table(
         "Each claim, judged at the paper's scale; in brackets intervals of 95 %. Rules and reasons: the claim's link.",
         {"Claim", "The paper states", "Section", "Verdict", "Measured", "By the rule, at smaller scale", "Why"}, rows,

@@ -87,8 +87,8 @@ Html paper_says(const ExperimentEntry& entry) {
 
 Html article_of(const ExperimentEntry& entry, const RunFolders& folders, const std::string& profile,
                 std::span<const ClaimFindings> claims, const fs::path& scratch) {
-    Html article = element("h3", entry.title);
-    article << paper_says(entry) << claims_of(claims, entry.name);
+    Html article = paper_says(entry);
+    article << claims_of(claims, entry.name);
     const std::vector<RunRecord> runs = shown_runs(folders, entry.name, profile);
     Html others;
     size_t other_count = 0;
@@ -109,7 +109,8 @@ Html article_of(const ExperimentEntry& entry, const RunFolders& folders, const s
     article << element("p", {{"class", "source"}},
                        Html("Made anew by ")
                            << command_line(command_of(entry, runs.empty() ? profile : runs.front().profile)));
-    return element("article", {{"class", "exhibit"}, {"id", entry.name}}, article);
+    return element("article", {{"class", "exhibit"}, {"id", entry.name}},
+                   element("details", {{"class", "fold"}}, element("summary", element("h3", entry.title)) << article));
 }
 
 }  // namespace

@@ -52,9 +52,12 @@ function filterable(table) {
 function unfold() {
   const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
   for (let at = target; at; at = at.parentElement) if (at instanceof HTMLDetailsElement) at.open = true;
+  target?.querySelector(":scope > details.fold")?.setAttribute("open", "");
+  target?.scrollIntoView();
 }
 
 document.querySelectorAll("table.sortable").forEach(sortable);
 document.querySelectorAll("table.claims").forEach(filterable);
 addEventListener("hashchange", unfold);
+addEventListener("beforeprint", () => document.querySelectorAll("details.fold").forEach((fold) => { fold.open = true; }));
 unfold();

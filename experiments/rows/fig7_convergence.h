@@ -97,7 +97,8 @@ inline const ExperimentEntry experiment{
         "On three randomly chosen problems conjugate gradients “often” need “an order of magnitude fewer iterations”: “Optim 2” about 25 against about 250. They usually find “a better local "
         "minimum”. The figure's curves are not in our text.",
     .figure =
-        "A column of four plots for each of star and bust: the error of three problems by iteration, conjugate gradients solid and steepest descent dashed; the share of all problems by how many times "
+        "A column of four plots for each of star and bust: the error of three problems by iteration, conjugate gradients solid and steepest descent dashed; the share of all problems by how many "
+        "times "
         "the iterations steepest descent needs; the share of problems within 1 % of the best error by iteration, for every solver; and how far apart the two methods' ends lie.",
     .tables = {"summary.csv"}};
 
