@@ -142,6 +142,11 @@ class DocCommands(ProgramTest):
                     continue
                 self.shell(command)
                 ran += 1
+            elif command.startswith("scripts/replicate/"):  # runs make experiments, which is tested elsewhere
+                script = CHECKOUT / command.split()[0]
+                self.assertTrue(os.access(script, os.X_OK), f"{name}: {command}")
+                config = re.search(r"^replicate (\w+)", script.read_text(), re.M)[1]
+                self.assertTrue((CHECKOUT / f"experiments/{config}.toml").exists(), f"{name}: {command}")
             elif not NO_COMMAND.match(command) and command:
                 self.fail(f"{name}: how is this tested? {command}")
         return ran
