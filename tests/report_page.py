@@ -123,7 +123,13 @@ def check_page(test, path, claims):
         for key in ("paper", "rule", "reason", "sentence"):
             test.assertIn(re.sub(r"\s+", " ", finding[key]), article)
     rows = page.one("table", id="claims-table").table()
-    test.assertEqual({row["Claim"] for row in rows}, {finding["id"] for finding in claims})
+    test.assertEqual([row["Claim"] for row in rows], list(dict.fromkeys(finding["id"] for finding in claims)), "a line of each")
+    for finding in claims:
+        if finding["run"]:
+            article = page.one("article", id=finding["id"]).text()
+            for other in finding["readings"] + finding["former"]:
+                for key in ("rule", "reason"):
+                    test.assertIn(re.sub(r"\s+", " ", other[key]), article)
     verdicts = {}
     for finding in claims:
         if finding["profile"] == "paper":

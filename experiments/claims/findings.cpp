@@ -111,7 +111,7 @@ std::string ClaimFindings::Line::found() const {
 }
 
 std::string ClaimFindings::Line::by_other_rules() const {
-    if (!judged) return "";
+    if (!judged || !judged->judgement.not_run.empty()) return "";
     std::vector<std::string> all = judged->other_verdicts();
     if (judged->rule_is_younger()) all.emplace_back("these rows are older than the rule");
     return fmt::format("{}", fmt::join(all, "; "));
