@@ -19,7 +19,9 @@ import zlib
 from claims.convergence import *  # noqa: F403
 from claims.fixture import ClaimsTest
 from claims.images import *  # noqa: F403
+from claims.samples import *  # noqa: F403
 from claims.scale import *  # noqa: F403
+from claims.stopping import *  # noqa: F403
 from claims.time import *  # noqa: F403
 from cli_fixture import snapshot, take_arguments
 
@@ -155,6 +157,8 @@ class Report(ClaimsTest):
         verdicts = [row["verdict"] for row in newest.values()]
         text = " ".join((self.checkout / "README.md").read_text().split())
         counts = re.search(r"of 23, (\d+) hold, (\d+) do not, (\d+) are undecided and (\d+) wait for a graphics chip or for rows", text)
+        older = sum(row["rule_is_younger_than_rows"] for row in newest.values())
+        self.assertEqual(int(re.search(r"(\d+) of the verdicts are still of rows older than their rule", text)[1]), older)
         self.assertEqual([int(n) for n in counts.groups()], [verdicts.count(v) for v in ("holds", "does not hold", "undecided")] +
                          [sum(v in ("not comparable", "not run") for v in verdicts)])
 

@@ -8,10 +8,10 @@ import math
 import pathlib
 import sys
 
-from claims import convergence, images, scale, time
+from claims import convergence, images, samples, scale, stopping, time
 from claims.anew import Run
 
-VALUES = convergence.VALUES | images.VALUES | scale.VALUES | time.VALUES
+VALUES = {claim: values for topic in (convergence, images, samples, scale, stopping, time) for claim, values in topic.VALUES.items()}
 
 
 def same(a, b):

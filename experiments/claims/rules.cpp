@@ -126,8 +126,8 @@ Claim read_claim(const std::string& id, const Json& table) {
 
 std::vector<Claim> read_claims() {
     std::vector<ClaimCode> code;
-    for (const auto topic :
-         {convergence_claims(), images_claims(), time_claims(), utilization_claims(), scale_claims()})
+    for (const auto topic : {convergence_claims(), stopping_claims(), samples_claims(), images_claims(), time_claims(),
+                             utilization_claims(), scale_claims()})
         code.insert(code.end(), topic.begin(), topic.end());
     const Json rules = Json::parse(json_of_toml(rules_text));
     std::vector<Claim> claims;

@@ -28,6 +28,8 @@ struct ClaimCode {
     Find find;
 };
 std::span<const ClaimCode> convergence_claims();  ///< how fast, and to which ends, optimizers converge
+std::span<const ClaimCode> stopping_claims();     ///< when problems stop
+std::span<const ClaimCode> samples_claims();      ///< how pixels reach texels
 std::span<const ClaimCode> images_claims();       ///< how good the pictures are
 std::span<const ClaimCode> time_claims();         ///< where the time goes
 std::span<const ClaimCode> utilization_claims();  ///< what the fragment stage does with it

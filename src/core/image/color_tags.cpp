@@ -3,35 +3,25 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <utility>
+
 namespace radiafit {
 namespace {
 
-/// Empty: unspecified, or a number that is no primaries'.
-std::array<double, 8> chromaticities_of(int primaries) {
-    switch (primaries) {
-        case 1:
-            return srgb_chromaticities;
-        case 4:
-            return {0.67, 0.33, 0.21, 0.71, 0.14, 0.08, 0.310, 0.316};
-        case 5:
-            return {0.64, 0.33, 0.29, 0.60, 0.15, 0.06, 0.3127, 0.329};
-        case 6:
-        case 7:
-            return {0.63, 0.34, 0.31, 0.595, 0.155, 0.07, 0.3127, 0.329};
-        case 8:
-            return {0.681, 0.319, 0.243, 0.692, 0.145, 0.049, 0.310, 0.316};
-        case 9:
-            return {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.329};
-        case 11:
-            return {0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.314, 0.351};
-        case 12:
-            return {0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.3127, 0.329};
-        case 22:
-            return {0.63, 0.34, 0.295, 0.605, 0.155, 0.077, 0.3127, 0.329};
-        default:
-            return {};
-    }
-}
+using Chromaticities = std::array<double, 8>;
+
+/// By number; others are unspecified, or no primaries'.
+constexpr std::pair<int, Chromaticities> numbered_primaries[] = {
+    {1, srgb_chromaticities},
+    {4, {0.67, 0.33, 0.21, 0.71, 0.14, 0.08, 0.310, 0.316}},
+    {5, {0.64, 0.33, 0.29, 0.60, 0.15, 0.06, 0.3127, 0.329}},
+    {6, {0.63, 0.34, 0.31, 0.595, 0.155, 0.07, 0.3127, 0.329}},
+    {7, {0.63, 0.34, 0.31, 0.595, 0.155, 0.07, 0.3127, 0.329}},
+    {8, {0.681, 0.319, 0.243, 0.692, 0.145, 0.049, 0.310, 0.316}},
+    {9, {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.329}},
+    {11, {0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.314, 0.351}},
+    {12, {0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.3127, 0.329}},
+    {22, {0.63, 0.34, 0.295, 0.605, 0.155, 0.077, 0.3127, 0.329}}};
 
 }  // namespace
 
@@ -42,8 +32,8 @@ std::string take_numbers(const ColorNumbers& numbers, const char* by, ColorTags&
     if (curve == log100 || curve == log316) return "a picture of logarithms";
     tags = {};
     tags.numbers_by = by;
-    tags.chromaticities = chromaticities_of(numbers.primaries);
-    if (tags.chromaticities == srgb_chromaticities) tags.chromaticities = {};
+    for (const auto& [number, chromaticities] : numbered_primaries)
+        if (number == numbers.primaries && chromaticities != srgb_chromaticities) tags.chromaticities = chromaticities;
     if (curve == linear) tags.gamma = 1;
     if (curve == gamma22) tags.gamma = 1 / 2.2;
     if (curve == gamma28) tags.gamma = 1 / 2.8;

@@ -33,7 +33,9 @@ ImageHeader read_heif_header(const std::filesystem::path& file, std::string_view
     header.width = picture.width;
     header.height = picture.height;
     header.bits_per_pixel = uint64_t(picture.bits) * (picture.alpha ? 4 : 3);
-    if (!picture.profile.empty())
+    if (picture.profile_unreadable)
+        header.colors.damage = "it cannot be read";
+    else if (!picture.profile.empty())
         take_profile(picture.profile, header.colors);
     else if (!picture.numbers)
         header.colors.srgb = "HEIF's default";  // Source: ISO/IEC 23000-22, 7.3.6.4

@@ -94,6 +94,7 @@ public:
             Rasterizer& raster = rasters[size_t(worker)];
             samples_[i] = draw_and_observe(views_[i], raster);
             if (views_[i].mask.empty()) return;
+            shown_[i].reserve(raster.pixels().size());
             for (const auto& pixel : raster.pixels()) shown_[i].push_back(pixel.triangle != no_triangle);
         });
         for (const auto& [a, b] : pairs_) {

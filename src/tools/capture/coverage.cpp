@@ -4,6 +4,20 @@
 #include <cmath>
 
 namespace radiafit::tools {
+namespace {
+
+Coverage count(size_t pixels, const std::vector<uint8_t>& mask, const auto& sees_mesh) {
+    Coverage count;
+    for (size_t i = 0; i < pixels; ++i) {
+        const bool object = mask.empty() || mask[i], seen = sees_mesh(i);
+        count.object += object;
+        count.mesh += seen;
+        count.both += object && seen;
+    }
+    return count;
+}
+
+}  // namespace
 
 Coverage& Coverage::operator+=(const Coverage& other) {
     object += other.object;
@@ -18,15 +32,11 @@ bool Coverage::inverted(uint64_t pixels) const {
 }
 
 Coverage count_pixels(const Rasterizer& raster, const std::vector<uint8_t>& mask) {
-    Coverage count;
-    for (size_t pixel = 0; pixel < raster.pixels().size(); ++pixel) {
-        const bool object = mask.empty() || mask[pixel];
-        const bool seen = raster.pixels()[pixel].triangle != no_triangle;
-        count.object += object;
-        count.mesh += seen;
-        count.both += object && seen;
-    }
-    return count;
+    return count(raster.pixels().size(), mask, [&](size_t i) { return raster.pixels()[i].triangle != no_triangle; });
+}
+
+Coverage count_pixels(const std::vector<uint8_t>& shown, const std::vector<uint8_t>& mask) {
+    return count(shown.size(), mask, [&](size_t i) { return shown[i] != 0; });
 }
 
 std::optional<Vec3d> meeting_point(std::span<const Camera> cameras, std::span<const Vec2d> aims) {

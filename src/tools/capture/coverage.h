@@ -26,6 +26,8 @@ struct Coverage {
 
 /// raster has drawn the mesh; mask: of its size, not 0 = object; empty: all.
 Coverage count_pixels(const Rasterizer& raster, const std::vector<uint8_t>& mask);
+/// shown: which pixels see the mesh, not 0 = they do.
+Coverage count_pixels(const std::vector<uint8_t>& shown, const std::vector<uint8_t>& mask);
 
 /// The point that cameras look at: of least summed squared distance to the rays through `aims`, in pixels of each, or
 /// to the optical axes where there are none. None where they are parallel.

@@ -8,20 +8,10 @@
 namespace radiafit::tools {
 namespace {
 
-Coverage count(const std::vector<uint8_t>& shown, const std::vector<uint8_t>& mask) {
-    Coverage coverage;
-    for (size_t i = 0; i < mask.size(); ++i) {
-        coverage.object += mask[i] != 0;
-        coverage.mesh += shown[i] != 0;
-        coverage.both += mask[i] && shown[i];
-    }
-    return coverage;
-}
-
 std::string describe_inverted(std::span<const SmallView> views, std::span<const std::vector<uint8_t>> shown) {
     std::vector<std::string> names;
     for (size_t i = 0; i < views.size(); ++i)
-        if (!views[i].mask.empty() && count(shown[i], views[i].mask).inverted(views[i].mask.size()))
+        if (!views[i].mask.empty() && count_pixels(shown[i], views[i].mask).inverted(views[i].mask.size()))
             names.push_back(views[i].name);
     if (names.empty()) return "";
     constexpr size_t most = 8;
@@ -40,9 +30,9 @@ std::string describe_shifted(std::span<const SmallView> views, std::span<const s
     for (size_t i = 1; i + 1 < views.size(); ++i) {
         const size_t size = views[i].mask.size();
         if (size == 0 || views[i - 1].mask.size() != size || views[i + 1].mask.size() != size) continue;
-        given += count(shown[i], views[i].mask);
-        before += count(shown[i], views[i - 1].mask);
-        behind += count(shown[i], views[i + 1].mask);
+        given += count_pixels(shown[i], views[i].mask);
+        before += count_pixels(shown[i], views[i - 1].mask);
+        behind += count_pixels(shown[i], views[i + 1].mask);
         ++compared;
     }
     if (compared < least_views) return "";

@@ -42,7 +42,7 @@ void take_colors(const heif_image_handle* handle, HeifPicture& out) {
     std::string profile(std::min(size, largest_profile + 1), '\0');
     if (size <= largest_profile &&
         heif_image_handle_get_raw_color_profile(handle, profile.data()).code != heif_error_Ok)
-        out.damage = "its colour profile cannot be read";
+        out.profile_unreadable = true;
     else
         out.profile = std::move(profile);
 }

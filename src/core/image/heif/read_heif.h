@@ -17,6 +17,7 @@ struct HeifPicture {
     int bits = 8;                    ///< of a channel as stored; above 8 the image has 16, spread over their range
     bool alpha = false;
     std::string profile;  ///< the bytes of its ICC profile, of which none are read beyond largest_profile; or empty
+    bool profile_unreadable = false;      ///< there is one
     std::optional<ColorNumbers> numbers;  ///< of a file without a profile
     RawImage image;                       ///< if asked for
     std::string other;                    ///< why it is of a kind that is not read, or empty
