@@ -39,12 +39,12 @@ uint64_t pca_bytes(const LfmOptions&, const VertexShape&) { absent(); }
 VertexSolver als_solver(const LfmOptions&, const AlsOptions&) { absent(); }
 VertexSolver varpro_solver(const LfmOptions&, const VarproOptions&) { absent(); }
 VertexSolver ceres_solver(const LfmOptions&, const CeresOptions&) { absent(); }
-CeresTexelFit ceres_texel(const TexelModel&, std::span<const ShadedSample>, std::span<const float>,
-                          const CeresTexelOptions&) {
+std::unique_ptr<CeresTexelSolver> ceres_texel_solver(const TexelModel&, const CeresTexelOptions&) { absent(); }
+std::vector<float> mean_solver(const TriangleAtlas&, const LfmLayout&, const SampleList&) { absent(); }
+std::vector<PcaFit> pca_solver(const RingResampler&, const LfmLayout&, std::span<const int>,
+                               const std::function<void()>&) {
     absent();
 }
-std::vector<float> mean_solver(const TriangleAtlas&, const LfmLayout&, const SampleList&) { absent(); }
-PcaFit pca_solver(const RingResampler&, const LfmLayout&, int, const std::function<void()>&) { absent(); }
 ResamplingCounts& ResamplingCounts::operator+=(const ResamplingCounts&) { absent(); }
 RingResampler::RingResampler(const Dataset&, const TriangleAtlas&, const VertexRings&, const TileViews&, int) {
     absent();

@@ -123,10 +123,11 @@ void ceres(benchmark::State& state, CeresTexelOptions::Linear linear) {
     constexpr size_t count = 128;
     CeresTexelOptions options;
     options.linear = linear;
+    const auto solver = ceres_texels<Text>(options);
     const auto solve = [&](size_t i) {
         LafortuneModel::Parameters start;
         std::copy(scene.starts[i].begin(), scene.starts[i].end(), start.begin());
-        return ceres_texel<Text>(scene.texels[i], start, options);
+        return solver->solve(scene.texels[i], start);
     };
     double iterations = 0, error = 0, ours = 0, good = 0;
     for (size_t i = 0; i < count; i += 8) {

@@ -35,7 +35,7 @@ inline const RowFileOf<Error> errors{
      {"held_psnr_db", decibels("{:.4f}"), "of held-out images", &Error::held_psnr_db},
      {"held_ape", columns::errors("{:.4f}").in("1/255"), "of held-out images", &Error::held_ape},
      {"invented_share", shares("{:.5f}"), "of PCA's matrix that no image shows", &Error::invented_share},
-     {"seconds", times("{:.3f}"), "of the fit", &Error::seconds},
+     {"seconds", times("{:.3f}"), "of the fit; PCA as published and refilled are fitted in one go, and have the time of both", &Error::seconds},
      {"surface_texels", exact("{:.1f}").in("texels"), "of a surface map, mean over triangles", &Error::surface_texels},
      {"texels_per_pixel", exact().in("texels"), "that triangles have for a pixel of their largest projection, where their maps differ in side; 0: they do not", &Error::texels_per_pixel},
      {"renderer", shown(), "", &Error::renderer}}};

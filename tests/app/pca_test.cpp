@@ -91,7 +91,7 @@ struct Fan {
         resampler().resample(vertex, field);
         return field;
     }
-    PcaFit fit(int terms, int refills = 0) const { return pca_solver(resampler(), layout(terms), refills); }
+    PcaFit fit(int terms, int refills = 0) const { return pca_solver(resampler(), layout(terms), {{refills}}).front(); }
     LfmLayout layout(int terms) const { return {rings, atlas, view_side, terms}; }
     Vec2d center(size_t column) const {
         const uint32_t texel = reachable_view_texels(view_side)[column];

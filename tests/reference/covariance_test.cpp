@@ -149,7 +149,7 @@ TEST(TexelErrorBars, ScatterOfManyFitsIsAsFarAsTheySay) {
         std::vector<ShadedSample> noisy = exact;
         for (ShadedSample& s : noisy)
             for (float& target : s.target) target += float(noise * gauss(rng));
-        const CeresTexelFit fit = ceres_texel(model, noisy, truth, {.tolerance = 1e-10});
+        const CeresTexelFit fit = ceres_texel_solver(model, {.tolerance = 1e-10})->solve(noisy, truth);
         const TexelErrorBars bars = texel_error_bars(model, fit.parameters, noisy, {});
         EXPECT_NEAR(bars.noise, noise, 0.2 * noise);
         EXPECT_EQ(bars.covariance.deficient, 0);

@@ -7,8 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
+#include <unordered_map>
 
+#include "base/pack.h"
 #include "model/small_solve.h"
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
@@ -56,13 +59,18 @@ void evaluate(Samples<Text> samples, const typename TexelLocal<Text>::Parameters
     }
 }
 
+/// Of one texel after another that have so many samples.
 template <class Text>
 class WholeCost final : public ceres::CostFunction {
 public:
-    explicit WholeCost(Samples<Text> samples) : samples_(samples) {
-        set_num_residuals(3 * int(samples.size()));
-        mutable_parameter_block_sizes()->push_back(TexelLocal<Text>::parameters);
+    static constexpr int first = 0, count = TexelLocal<Text>::parameters;  ///< of the parameters that Ceres sees
+
+    explicit WholeCost(size_t samples) {
+        set_num_residuals(3 * int(samples));
+        mutable_parameter_block_sizes()->push_back(count);
     }
+    void take(Samples<Text> samples) { samples_ = samples; }
+    void complete(typename TexelLocal<Text>::Parameters&) const {}
     bool Evaluate(const double* const* block, double* residuals, double** jacobians) const override {
         typename TexelLocal<Text>::Parameters p;
         std::copy_n(block[0], p.size(), p.begin());
@@ -80,11 +88,19 @@ class ProjectedCost final : public ceres::CostFunction {
 public:
     using Model = TexelLocal<Text>;
     static constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), C = B + Q;
+    static constexpr int first = 3 * int(B), count = int(Q);
     using Coefficients = std::array<std::array<double, B>, 3>;  ///< [channel][basis]
 
-    explicit ProjectedCost(Samples<Text> samples) : samples_(samples), columns_(samples.size()) {
-        set_num_residuals(3 * int(samples.size()));
-        if (Q > 0) mutable_parameter_block_sizes()->push_back(int(Q));
+    explicit ProjectedCost(size_t samples) : columns_(samples) {
+        set_num_residuals(3 * int(samples));
+        mutable_parameter_block_sizes()->push_back(int(Q));
+    }
+    void take(Samples<Text> samples) { samples_ = samples; }
+    /// Sets the coefficients to the best for the shape.
+    void complete(typename Model::Parameters& p) const {
+        const Coefficients a = coefficients(p.data() + first);
+        for (size_t k = 0; k < B; ++k)
+            for (size_t c = 0; c < 3; ++c) p[3 * k + c] = a[c][k];
     }
 
     bool Evaluate(const double* const* block, double* residuals, double** jacobians) const override {
@@ -171,149 +187,259 @@ private:
 
 /// As ceres::TinySolver asks for it. Beyond a bound the model is that at the bound.
 template <class Text>
-struct TinyFunction {
+class TinyFunction {
+public:
     using Scalar = double;
     using Model = TexelLocal<Text>;
     enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Model::parameters };
 
-    static typename Model::Parameters within(const double* x) {
+    void take(Samples<Text> samples) { samples_ = samples; }
+    int NumResiduals() const { return 3 * int(samples_.size()); }
+    bool operator()(const double* x, double* residuals, double* jacobian) const {
         typename Model::Parameters p;
         for (int i = 0; i < Model::parameters; ++i)
             p[size_t(i)] = std::clamp(x[i], Model::bounds(i)[0], Model::bounds(i)[1]);
-        return p;
-    }
-    int NumResiduals() const { return 3 * int(samples.size()); }
-    bool operator()(const double* x, double* residuals, double* jacobian) const {
-        const typename Model::Parameters p = within(x);
         const size_t rows = size_t(NumResiduals());
-        evaluate<Text>(samples, p, residuals, jacobian, 1, rows);
+        evaluate<Text>(samples_, p, residuals, jacobian, 1, rows);
         for (size_t i = 0; jacobian && i < p.size(); ++i)
             if (p[i] != x[i]) std::fill_n(jacobian + i * rows, rows, 0.0);
         return true;
     }
 
-    Samples<Text> samples;
+private:
+    Samples<Text> samples_;
 };
 
+/// The same in 32-bit floats, eight samples side by side; the last eight are filled up with samples of weight 0.
 template <class Text>
-CeresTexelOutcome<Text> solve_tiny(Samples<Text> samples, const typename TexelLocal<Text>::Parameters& start,
-                                   const CeresTexelOptions& options) {
-    using Function = TinyFunction<Text>;
-    const Function function{samples};
-    ceres::TinySolver<Function> solver;
-    std::vector<double> residuals(3 * samples.size());
-    function(start.data(), residuals.data(), nullptr);
-    double cost = 0;
-    for (const double r : residuals) cost += 0.5 * r * r;
-    solver.options.max_num_iterations = options.iterations;
-    solver.options.function_tolerance = options.tolerance * cost;  // TinySolver's is absolute
-    solver.options.cost_threshold = 0;
-    solver.options.gradient_tolerance = 1e-14;
-    solver.options.parameter_tolerance = 1e-12;
-    solver.options.initial_trust_region_radius = options.initial_radius;
-    typename ceres::TinySolver<Function>::Parameters x;
-    std::copy(start.begin(), start.end(), x.data());
-    const auto& summary = solver.Solve(function, &x);
-    const bool finite = std::isfinite(summary.final_cost);
-    const bool stopped = summary.iterations < options.iterations;
-    return {finite ? Function::within(x.data()) : start, finite ? summary.final_cost : cost, summary.iterations,
-            !finite   ? Status::not_finite
-            : stopped ? Status::stationary
-                      : Status::max_iterations};
-}
+class TinyPackFunction {
+public:
+    using Scalar = float;
+    using Lanes = typename Text::template with<Pack>;
+    using Model = TexelLocal<Lanes>;
+    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Model::parameters };
+
+    void take(Samples<Text> samples) {
+        eights_.clear();
+        for (size_t first = 0; first < samples.size(); first += Pack::size) {
+            Eight& eight = eights_.emplace_back();
+            for (size_t lane = 0; lane < size_t(Pack::size); ++lane) {
+                const bool there = first + lane < samples.size();
+                const auto& sample = samples[there ? first + lane : first];
+                for (size_t k = 0; k < size_t(Text::term_count); ++k) eight.terms.x[k].set(int(lane), sample.term[k]);
+                for (size_t c = 0; c < 3; ++c) eight.target[c].set(int(lane), sample.target[c]);
+                eight.root.set(int(lane), there ? std::sqrt(sample.weight) : 0.0f);
+            }
+        }
+    }
+    int NumResiduals() const { return 3 * Pack::size * int(eights_.size()); }
+    bool operator()(const float* x, float* residuals, float* jacobian) const {
+        constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), N = size_t(Model::parameters);
+        const size_t rows = size_t(NumResiduals());
+        typename Model::Parameters p;
+        for (size_t i = 0; i < N; ++i)
+            p[i] = Pack(std::clamp(x[i], float(Model::bounds(int(i))[0]), float(Model::bounds(int(i))[1])));
+        if (jacobian) std::fill_n(jacobian, N * rows, 0.0f);
+        const auto shape = Model::shape_of(p);
+        for (const Eight& eight : eights_) {
+            std::array<Pack, B + Q> q;
+            if (jacobian) {
+                q = Model::columns(shape, eight.terms);
+            } else {
+                const auto basis = Lanes::basis(shape, eight.terms);
+                std::copy_n(basis.x, B, q.begin());
+            }
+            for (size_t c = 0; c < 3; ++c, residuals += Pack::size) {
+                Pack value(0.0f);
+                for (size_t k = 0; k < B; ++k) value += p[3 * k + c] * q[k];
+                store(residuals, eight.root * (value - eight.target[c]));
+                if (!jacobian) continue;
+                for (size_t k = 0; k < B; ++k) store(jacobian + (3 * k + c) * rows, eight.root * q[k]);
+                const Pack lobe = eight.root * p[3 * (B - 1) + c];
+                for (size_t i = 0; i < Q; ++i) store(jacobian + (3 * B + i) * rows, lobe * q[B + i]);
+                jacobian += Pack::size;
+            }
+        }
+        for (size_t i = 0; jacobian && i < N; ++i)
+            if (p[i][0] != x[i]) std::fill_n(jacobian - rows + i * rows, rows, 0.0f);
+        return true;
+    }
+
+private:
+    struct Eight {
+        typename Model::Terms terms;
+        Pack target[3];
+        Pack root;  ///< of the weight
+    };
+    static void store(float* to, const Pack& x) { std::memcpy(to, &x.v, sizeof x.v); }
+
+    std::vector<Eight> eights_;
+};
+
+/// What is left of one texel's solver for the next one that has as many samples.
+template <class Text, class Cost>
+class CeresProblem {
+public:
+    explicit CeresProblem(size_t samples) : cost_(samples), problem_(options()) {
+        double* x = parameters_.data() + Cost::first;
+        problem_.AddResidualBlock(&cost_, nullptr, x);
+        for (int i = 0; i < Cost::count; ++i) {
+            problem_.SetParameterLowerBound(x, i, TexelLocal<Text>::bounds(Cost::first + i)[0]);
+            problem_.SetParameterUpperBound(x, i, TexelLocal<Text>::bounds(Cost::first + i)[1]);
+        }
+    }
+    CeresTexelOutcome<Text> solve(Samples<Text> samples, const typename TexelLocal<Text>::Parameters& start,
+                                  const ceres::Solver::Options& options) {
+        parameters_ = start;
+        cost_.take(samples);
+        ceres::Solver::Summary summary;
+        ceres::Solve(options, &problem_, &summary);
+        cost_.complete(parameters_);
+        return {parameters_, summary.final_cost, int(summary.iterations.size()) - 1,
+                ceres_status(summary.termination_type, Status::not_finite)};
+    }
+
+private:
+    static ceres::Problem::Options options() {
+        ceres::Problem::Options o;
+        o.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+        return o;
+    }
+    typename TexelLocal<Text>::Parameters parameters_{};
+    Cost cost_;
+    ceres::Problem problem_;
+};
+
+template <class Text, class Cost>
+class ByCeres final : public CeresTexels<Text> {
+public:
+    explicit ByCeres(const CeresTexelOptions& options) {
+        silence_ceres();
+        options_.linear_solver_type =
+            options.linear == CeresTexelOptions::Linear::dense_qr ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
+        options_.initial_trust_region_radius = options.initial_radius;
+        options_.max_num_iterations = options.iterations;
+        options_.function_tolerance = options.tolerance;
+        options_.gradient_tolerance = 1e-14;
+        options_.parameter_tolerance = 1e-12;
+        options_.num_threads = 1;
+        options_.logging_type = ceres::SILENT;
+    }
+
+private:
+    CeresTexelOutcome<Text> solve_some(Samples<Text> samples,
+                                       const typename TexelLocal<Text>::Parameters& start) override {
+        auto& problem = problems_[samples.size()];
+        if (!problem) problem = std::make_unique<CeresProblem<Text, Cost>>(samples.size());
+        return problem->solve(samples, start, options_);
+    }
+
+    ceres::Solver::Options options_;
+    std::unordered_map<size_t, std::unique_ptr<CeresProblem<Text, Cost>>> problems_;  ///< by their number of samples
+};
+
+template <class Text, class Function>
+class ByTinySolver final : public CeresTexels<Text> {
+public:
+    explicit ByTinySolver(const CeresTexelOptions& options) : options_(options) {}
+
+private:
+    using Scalar = typename Function::Scalar;
+    CeresTexelOutcome<Text> solve_some(Samples<Text> samples,
+                                       const typename TexelLocal<Text>::Parameters& start) override {
+        function_.take(samples);
+        typename ceres::TinySolver<Function>::Parameters x;
+        for (size_t i = 0; i < start.size(); ++i) x[Eigen::Index(i)] = Scalar(start[i]);
+        residuals_.resize(size_t(function_.NumResiduals()));
+        function_(x.data(), residuals_.data(), nullptr);
+        Scalar cost = 0;
+        for (const Scalar r : residuals_) cost += r * r / 2;
+        solver_.options.max_num_iterations = options_.iterations;
+        solver_.options.function_tolerance = Scalar(options_.tolerance) * cost;  // TinySolver's is absolute
+        solver_.options.cost_threshold = 0;
+        solver_.options.gradient_tolerance = Scalar(1e-14);
+        solver_.options.parameter_tolerance = Scalar(1e-12);
+        solver_.options.initial_trust_region_radius = Scalar(options_.initial_radius);
+        const auto& summary = solver_.Solve(function_, &x);
+        if (!std::isfinite(summary.final_cost)) return {start, double(cost), summary.iterations, Status::not_finite};
+        typename TexelLocal<Text>::Parameters p;
+        for (size_t i = 0; i < p.size(); ++i)
+            p[i] = std::clamp(double(x[Eigen::Index(i)]), TexelLocal<Text>::bounds(int(i))[0],
+                              TexelLocal<Text>::bounds(int(i))[1]);
+        return {p, double(summary.final_cost), summary.iterations,
+                summary.iterations < options_.iterations ? Status::stationary : Status::max_iterations};
+    }
+
+    CeresTexelOptions options_;
+    Function function_;
+    ceres::TinySolver<Function> solver_;
+    std::vector<Scalar> residuals_;
+};
 
 }  // namespace
 
 template <class Text>
-CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count>> samples,
-                                    const typename TexelLocal<Text>::Parameters& start,
-                                    const CeresTexelOptions& options) {
-    using Model = TexelLocal<Text>;
-    using Method = CeresTexelOptions::Method;
-    CeresTexelOutcome<Text> out{start};
-    if (samples.empty()) return out;
-    silence_ceres();
-    if (options.method == Method::tiny) {
-        out = solve_tiny<Text>(samples, start, options);
-        out.parameters = Model::canonical(out.parameters);
-        return out;
-    }
-    const bool projected = options.method == Method::projected && Model::shape > 0;  // else the whole is linear
-    const ProjectedCost<Text> shape_cost(samples);
-    const WholeCost<Text> whole_cost(samples);
-    double* x = out.parameters.data() + (projected ? 3 * Model::basis : 0);
-    const int first = projected ? 3 * Model::basis : 0;
-    ceres::Problem::Options problem_options;
-    problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::Problem problem(problem_options);
-    const ceres::CostFunction& cost = projected ? static_cast<const ceres::CostFunction&>(shape_cost) : whole_cost;
-    problem.AddResidualBlock(const_cast<ceres::CostFunction*>(&cost), nullptr, x);
-    for (int i = first; i < Model::parameters; ++i) {
-        problem.SetParameterLowerBound(x, i - first, Model::bounds(i)[0]);
-        problem.SetParameterUpperBound(x, i - first, Model::bounds(i)[1]);
-    }
-    ceres::Solver::Options o;
-    o.linear_solver_type =
-        options.linear == CeresTexelOptions::Linear::dense_qr ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
-    o.initial_trust_region_radius = options.initial_radius;
-    o.max_num_iterations = options.iterations;
-    o.function_tolerance = options.tolerance;
-    o.gradient_tolerance = 1e-14;
-    o.parameter_tolerance = 1e-12;
-    o.num_threads = 1;
-    o.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(o, &problem, &summary);
-    if (projected) {
-        const auto a = shape_cost.coefficients(x);
-        for (size_t k = 0; k < size_t(Model::basis); ++k)
-            for (size_t c = 0; c < 3; ++c) out.parameters[3 * k + c] = a[c][k];
-    }
-    out.parameters = Model::canonical(out.parameters);
-    out.error = summary.final_cost;
-    out.iterations = int(summary.iterations.size()) - 1;
-    out.status = ceres_status(summary.termination_type, Status::not_finite);
+CeresTexelOutcome<Text> CeresTexels<Text>::solve(Samples samples, const Parameters& start) {
+    if (samples.empty()) return {start};
+    CeresTexelOutcome<Text> out = solve_some(samples, start);
+    out.parameters = TexelLocal<Text>::canonical(out.parameters);
     return out;
 }
 
-#define EACH(NAME)                                                                              \
-    template CeresTexelOutcome<texel_text::NAME<double>> ceres_texel<texel_text::NAME<double>>( \
-        std::span<const TexelSample<texel_text::NAME<double>::term_count>>,                     \
-        const TexelLocal<texel_text::NAME<double>>::Parameters&, const CeresTexelOptions&);
+template <class Text>
+std::unique_ptr<CeresTexels<Text>> ceres_texels(const CeresTexelOptions& options) {
+    using Method = CeresTexelOptions::Method;
+    if (options.method == Method::tiny) return std::make_unique<ByTinySolver<Text, TinyFunction<Text>>>(options);
+    if (options.method == Method::tiny_pack)
+        return std::make_unique<ByTinySolver<Text, TinyPackFunction<Text>>>(options);
+    if constexpr (TexelLocal<Text>::shape > 0)  // else the whole is linear
+        if (options.method == Method::projected) return std::make_unique<ByCeres<Text, ProjectedCost<Text>>>(options);
+    return std::make_unique<ByCeres<Text, WholeCost<Text>>>(options);
+}
+
+#define EACH(NAME)                                        \
+    template class CeresTexels<texel_text::NAME<double>>; \
+    template std::unique_ptr<CeresTexels<texel_text::NAME<double>>> ceres_texels(const CeresTexelOptions&);
 RADIAFIT_TEXEL_MODELS(EACH)
 #undef EACH
 
 namespace {
 
 template <class Text>
-CeresTexelFit fit(std::span<const ShadedSample> samples, std::span<const float> start,
-                  const CeresTexelOptions& options) {
-    using Model = TexelLocal<Text>;
-    std::vector<TexelSample<Text::term_count>> texel(samples.size());
-    for (size_t i = 0; i < samples.size(); ++i) {
-        const ShadedSample& s = samples[i];
-        const auto terms = Text::sample_terms({double(s.u.x()), double(s.u.y()), double(s.u.z())},
-                                              {double(s.v.x()), double(s.v.y()), double(s.v.z())});
-        for (int k = 0; k < Text::term_count; ++k) texel[i].term[size_t(k)] = float(terms.x[k]);
-        std::copy_n(s.target, 3, texel[i].target.begin());
-        texel[i].weight = s.weight;
+class OfShaded final : public CeresTexelSolver {
+public:
+    explicit OfShaded(const CeresTexelOptions& options) : texels_(ceres_texels<Text>(options)) {}
+    CeresTexelFit solve(std::span<const ShadedSample> samples, std::span<const float> start) override {
+        using Model = TexelLocal<Text>;
+        samples_.resize(samples.size());
+        for (size_t i = 0; i < samples.size(); ++i) {
+            const ShadedSample& s = samples[i];
+            const auto terms = Text::sample_terms({double(s.u.x()), double(s.u.y()), double(s.u.z())},
+                                                  {double(s.v.x()), double(s.v.y()), double(s.v.z())});
+            for (int k = 0; k < Text::term_count; ++k) samples_[i].term[size_t(k)] = float(terms.x[k]);
+            std::copy_n(s.target, 3, samples_[i].target.begin());
+            samples_[i].weight = s.weight;
+        }
+        typename Model::Parameters p;
+        for (int i = 0; i < Model::parameters; ++i)
+            p[size_t(i)] = std::clamp(double(start[size_t(i)]), Model::bounds(i)[0], Model::bounds(i)[1]);
+        const auto out = texels_->solve(samples_, p);
+        return {{out.parameters.begin(), out.parameters.end()}, out.error, out.iterations, out.status};
     }
-    typename Model::Parameters p;
-    for (int i = 0; i < Model::parameters; ++i)
-        p[size_t(i)] = std::clamp(double(start[size_t(i)]), Model::bounds(i)[0], Model::bounds(i)[1]);
-    const auto out = ceres_texel<Text>(texel, p, options);
-    return {{out.parameters.begin(), out.parameters.end()}, out.error, out.iterations, out.status};
-}
+
+private:
+    std::unique_ptr<CeresTexels<Text>> texels_;
+    std::vector<TexelSample<Text::term_count>> samples_;
+};
 
 }  // namespace
 
-CeresTexelFit ceres_texel(const TexelModel& model, std::span<const ShadedSample> samples, std::span<const float> start,
-                          const CeresTexelOptions& options) {
+std::unique_ptr<CeresTexelSolver> ceres_texel_solver(const TexelModel& model, const CeresTexelOptions& options) {
 #define EACH(NAME) \
-    if (model.name == std::string_view(#NAME)) return fit<texel_text::NAME<double>>(samples, start, options);
+    if (model.name == std::string_view(#NAME)) return std::make_unique<OfShaded<texel_text::NAME<double>>>(options);
     RADIAFIT_TEXEL_MODELS(EACH)
 #undef EACH
-    throw std::invalid_argument("ceres_texel: an unknown model");
+    throw std::invalid_argument("ceres_texel_solver: an unknown model");
 }
 
 }  // namespace radiafit::fits

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct CeresTexelOptions {
     enum class Method {
         whole,      ///< Ceres' trust region over all parameters
         projected,  ///< over the shape alone: variable projection by hand, with Kaufman's Jacobian
-        tiny        ///< ceres::TinySolver over all parameters, without Ceres' problems and allocations
+        tiny,       ///< ceres::TinySolver over all parameters, without Ceres' problems and allocations
+        tiny_pack   ///< the same in 32-bit floats, eight samples side by side
     } method = Method::whole;
     enum class Linear { dense_qr, dense_normal_cholesky } linear = Linear::dense_normal_cholesky;
     int iterations = 50;
@@ -30,13 +32,24 @@ struct CeresTexelOutcome {
     Status status = Status::no_samples;
 };
 
-/// Ceres on one texel of a texel-local model: one residual block of all samples and channels, the parameters in one
-/// block within the model's bounds, the Jacobian from the shared text. TinySolver knows no bounds: beyond them its
-/// model stays as it is at the bound. `Text`: texel_text::NAME<double>. From `start`, which must be within bounds.
+/// Ceres on the texels of a texel-local model, one after another: one residual block of all samples and channels, the
+/// parameters in one block within the model's bounds, the Jacobian from the shared text. TinySolver knows no bounds:
+/// beyond them its model stays as it is at the bound. Problems and memory are used again. `Text`:
+/// texel_text::NAME<double>.
 template <class Text>
-CeresTexelOutcome<Text> ceres_texel(std::span<const TexelSample<Text::term_count>> samples,
-                                    const typename TexelLocal<Text>::Parameters& start,
-                                    const CeresTexelOptions& options);
+class CeresTexels {
+public:
+    using Samples = std::span<const TexelSample<Text::term_count>>;
+    using Parameters = typename TexelLocal<Text>::Parameters;
+    virtual ~CeresTexels() = default;
+    /// From `start`, which must be within bounds.
+    CeresTexelOutcome<Text> solve(Samples samples, const Parameters& start);
+
+private:
+    virtual CeresTexelOutcome<Text> solve_some(Samples samples, const Parameters& start) = 0;  ///< in any gauge
+};
+template <class Text>
+std::unique_ptr<CeresTexels<Text>> ceres_texels(const CeresTexelOptions& options);
 
 /// The same for a model by its name and samples as they come from a dataset; start [model.parameters].
 struct CeresTexelFit {
@@ -45,7 +58,12 @@ struct CeresTexelFit {
     int iterations = 0;
     Status status = Status::no_samples;
 };
-CeresTexelFit ceres_texel(const TexelModel& model, std::span<const ShadedSample> samples, std::span<const float> start,
-                          const CeresTexelOptions& options);
+class CeresTexelSolver {
+public:
+    virtual ~CeresTexelSolver() = default;
+    virtual CeresTexelFit solve(std::span<const ShadedSample> samples, std::span<const float> start) = 0;
+};
+/// Throws std::invalid_argument for a model that there isn't.
+std::unique_ptr<CeresTexelSolver> ceres_texel_solver(const TexelModel& model, const CeresTexelOptions& options);
 
 }  // namespace radiafit::fits

@@ -6,45 +6,50 @@
 namespace radiafit::fits {
 namespace {
 
-TruncatedSvd factorize(Eigen::MatrixXd& a, const Eigen::MatrixXd& invented, int terms, int refills) {
-    TruncatedSvd svd = truncated_svd(a, terms);
-    for (int i = 0; i < refills; ++i) {
-        a = (invented.array() > 0).select(svd.g * svd.h.transpose(), a);
-        refine(a, svd);
+/// Where a vertex's terms of one channel lie in the parameters.
+void put(const TruncatedSvd& svd, const LfmLayout& layout, const std::vector<uint32_t>& view_texels, size_t vertex,
+         size_t channel, std::vector<float>& parameters) {
+    const size_t stride = layout.stride();
+    float* surface = parameters.data() + layout.offset(vertex) + channel;
+    float* view = parameters.data() + layout.view_offset(vertex) + channel;
+    for (Eigen::Index k = 0; k < layout.terms(); ++k) {
+        for (Eigen::Index i = 0; i < svd.g.rows(); ++i) surface[size_t(i) * stride] = float(svd.g(i, k));
+        for (size_t i = 0; i < view_texels.size(); ++i)
+            view[view_texels[i] * stride] = float(svd.h(Eigen::Index(i), k));
+        surface += 4;
+        view += 4;
     }
-    return svd;
 }
 
 }  // namespace
 
-PcaFit pca_solver(const RingResampler& resampler, const LfmLayout& layout, int refills,
-                  const std::function<void()>& vertex_done) {
-    const std::vector<uint32_t>& view_texels = resampler.view_texels();
-    const size_t stride = layout.stride();
-    PcaFit fit;
-    fit.parameters.assign(layout.size(), 0.0f);
+std::vector<PcaFit> pca_solver(const RingResampler& resampler, const LfmLayout& layout, std::span<const int> refills,
+                               const std::function<void()>& vertex_done) {
+    std::vector<PcaFit> fits(refills.size());
+    for (PcaFit& fit : fits) fit.parameters.assign(layout.size(), 0.0f);
     std::vector<ResamplingCounts> counts(layout.problem_count());
     std::vector<DenseLightField> scratch(static_cast<size_t>(thread_count()));
     parallel_for(layout.problem_count(), 1, [&](size_t v, int worker) {
         DenseLightField& field = scratch[size_t(worker)];
         const bool seen = resampler.resample(v, field);
         for (size_t c = 0; c < 3 && seen; ++c) {
-            const TruncatedSvd svd = factorize(field.channel[c], field.invented, layout.terms(), refills);
-            float* surface = fit.parameters.data() + layout.offset(v) + c;
-            float* view = fit.parameters.data() + layout.view_offset(v) + c;
-            for (Eigen::Index k = 0; k < layout.terms(); ++k) {
-                for (Eigen::Index i = 0; i < svd.g.rows(); ++i) surface[size_t(i) * stride] = float(svd.g(i, k));
-                for (size_t i = 0; i < view_texels.size(); ++i)
-                    view[view_texels[i] * stride] = float(svd.h(Eigen::Index(i), k));
-                surface += 4;
-                view += 4;
+            Eigen::MatrixXd& a = field.channel[c];
+            TruncatedSvd svd = truncated_svd(a, layout.terms());
+            int done = 0;
+            for (size_t i = 0; i < refills.size(); ++i) {
+                for (; done < refills[i]; ++done) {
+                    a = (field.invented.array() > 0).select(svd.g * svd.h.transpose(), a);
+                    refine(a, svd);
+                }
+                put(svd, layout, resampler.view_texels(), v, c, fits[i].parameters);
             }
         }
         counts[v] = field.counts;
         if (vertex_done) vertex_done();
     });
-    for (const ResamplingCounts& c : counts) fit.resampling += c;
-    return fit;
+    for (PcaFit& fit : fits)
+        for (const ResamplingCounts& c : counts) fit.resampling += c;
+    return fits;
 }
 
 }  // namespace radiafit::fits

@@ -142,25 +142,75 @@ FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vec
     return request;
 }
 
+namespace {
+
+/// What the solvers of one dataset and one kind of maps share.
+struct Setting {
+    const Stopwatch clock;
+    FitRequest request;
+    TriangleAtlas atlas;
+    VertexRings rings;
+
+    Setting(const Dataset& dataset, const FitRequest& asked, const std::vector<uint32_t>& views)
+        : request(with_sides(asked, dataset, views)),
+          atlas(surface_atlas(dataset.mesh, request.model)),
+          rings(dataset.mesh),
+          sides_s_(request.model.sides == asked.model.sides ? 0 : clock.wall_s()) {}
+
+    /// Once the task is solved.
+    void complete(const FitTask& task, const FitRequest& asked) const {
+        FitOutcome& out = task.out;
+        out.fit.options = task.options;
+        describe_request(asked, out.fit);
+        set_dataset(out.fit, task.dataset);
+        out.times.distribution += sides_s_;
+        out.times.total = clock.wall_s() - out.times.outside;
+    }
+
+private:
+    double sides_s_;
+};
+
+}  // namespace
+
 FitOutcome solve(const Dataset& dataset, const FitRequest& asked, const SharedSamples* samples,
                  const IterationHook& each_iteration, const std::vector<uint32_t>* views) {
     asked.check();
     require_light_field(dataset);
     const std::vector<uint32_t> training = views ? *views : fitted_views(dataset, asked);
-    const Stopwatch clock;
-    const FitRequest request = with_sides(asked, dataset, training);
-    const double sides_s = request.model.sides == asked.model.sides ? 0 : clock.wall_s();
-    const TriangleAtlas atlas = surface_atlas(dataset.mesh, request.model);
-    const VertexRings rings(dataset.mesh);
+    const Setting setting(dataset, asked, training);
     FitOutcome out;
-    FitTask task(dataset, request, atlas, rings, training, each_iteration, samples, out);
-    find_solver(request.solver).solve(task);
-    out.fit.options = task.options;
-    describe_request(asked, out.fit);
-    set_dataset(out.fit, dataset);
-    out.times.distribution += sides_s;
-    out.times.total = clock.wall_s() - out.times.outside;
+    FitTask task(dataset, setting.request, setting.atlas, setting.rings, training, each_iteration, samples, out);
+    find_solver(asked.solver).solve(task);
+    setting.complete(task, asked);
     return out;
+}
+
+std::vector<FitOutcome> solve_by_refills(const Dataset& dataset, const FitRequest& asked,
+                                         std::span<const int> refills) {
+    asked.check();
+    require_light_field(dataset);
+    const std::vector<uint32_t> training = fitted_views(dataset, asked);
+    const Setting setting(dataset, asked, training);
+    const SharedSamples samples = distribute(dataset, setting.atlas, setting.request, training);
+    std::vector<FitRequest> requests(refills.size(), setting.request);
+    std::vector<FitOutcome> outcomes(refills.size());
+    const IterationHook no_hook;
+    std::vector<std::unique_ptr<FitTask>> owned;
+    std::vector<FitTask*> tasks;
+    for (size_t i = 0; i < refills.size(); ++i) {
+        requests[i].refills = refills[i];
+        owned.push_back(std::make_unique<FitTask>(dataset, requests[i], setting.atlas, setting.rings, training, no_hook,
+                                                  &samples, outcomes[i]));
+        tasks.push_back(owned.back().get());
+    }
+    solve_pca(tasks);
+    for (size_t i = 0; i < tasks.size(); ++i) {
+        FitRequest own = asked;
+        own.refills = refills[i];
+        setting.complete(*tasks[i], own);
+    }
+    return outcomes;
 }
 
 }  // namespace radiafit::fits

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,10 @@ FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vec
 /// views; engines that redistribute every pass ignore it.
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples = nullptr,
                  const IterationHook& each_iteration = {}, const std::vector<uint32_t>* views = nullptr);
+
+/// Fits of the pca solver with so many refills each, ascending, from one resampling; each has the time of all.
+std::vector<FitOutcome> solve_by_refills(const Dataset& dataset, const FitRequest& request,
+                                         std::span<const int> refills);
 
 struct ReflectanceOutcome : FitRun {
     ReflectanceFit fit;

@@ -126,8 +126,8 @@ void solve_fragment(TexelTask& task) {
     take_sweeps(engine.times(), clock.wall_s(), task.dataset, task.out);
 }
 
-/// body(first texel, how many, their samples): eight texels at a time, or what is left of a block, on all cores.
-/// Returns the seconds that reading and shading took, per core.
+/// body(worker, first texel, how many, their samples): eight texels at a time, or what is left of a block, on all
+/// cores. Returns the seconds that reading and shading took, per core.
 template <class Body>
 double for_eights(const TexelProblem& problem, const std::function<void()>& block_done, const Body& body) {
     constexpr size_t eight = 8;
@@ -148,7 +148,7 @@ double for_eights(const TexelProblem& problem, const std::function<void()>& bloc
                     problem.loader.load(begin + uint32_t(first + i), samples.of(first + i), shaded[i]);
             }
             load_s[size_t(worker)] += clock.wall_s();
-            body(begin + first, std::min(eight, count - first), shaded);
+            body(worker, begin + first, std::min(eight, count - first), shaded);
         }
         if (block_done) block_done();
     });
@@ -179,7 +179,7 @@ std::vector<float> starts_of(const TexelProblem& problem) {
     const TexelSolvers& solvers = texel_solvers(*problem.options.model);
     const size_t n = size_t(problem.options.model->parameters);
     std::vector<float> out(problem.source.texel_count() * n);
-    for_eights(problem, {}, [&](size_t first, size_t count, const auto& shaded) {
+    for_eights(problem, {}, [&](int, size_t first, size_t count, const auto& shaded) {
         std::copy_n(solvers.start(shaded).begin(), count * n, &out[first * n]);
     });
     return out;
@@ -220,27 +220,30 @@ void solve_texel_two_step(TexelTask& task) {
 
 namespace {
 
-TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, CeresTexelOptions::Method method,
+TexelResult fit_by_ceres(const TexelProblem& problem, const TexelTask& task, CeresTexelOptions::Method method,
                          const std::function<void()>& progress) {
     const TexelModel& model = *task.options.model;
+    std::vector<std::unique_ptr<CeresTexelSolver>> solvers;
+    for (int i = 0; i < thread_count(); ++i)
+        solvers.push_back(ceres_texel_solver(model, {.method = method, .iterations = task.request.iterations}));
     const size_t texels = problem.source.texel_count(), n = size_t(model.parameters);
     TexelResult out;
     out.parameters.resize(texels * n);
     out.status.assign(texels, Status::no_samples);
     out.iterations.assign(texels, 0);
     out.samples.assign(texels, 0);
-    const double load_s = for_eights(problem, progress, [&](size_t first, size_t count, const auto& shaded) {
-        const std::vector<float> start = task.solvers().start(shaded);
-        for (size_t i = 0; i < count; ++i) {
-            const size_t t = first + i;
-            const CeresTexelFit fit = ceres_texel(model, shaded[i], {&start[i * n], n},
-                                                  {.method = method, .iterations = task.request.iterations});
-            std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
-            out.iterations[t] = uint32_t(fit.iterations);
-            out.samples[t] = uint32_t(shaded[i].size());
-            out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
-        }
-    });
+    const double load_s =
+        for_eights(problem, progress, [&](int worker, size_t first, size_t count, const auto& shaded) {
+            const std::vector<float> start = task.solvers().start(shaded);
+            for (size_t i = 0; i < count; ++i) {
+                const size_t t = first + i;
+                const CeresTexelFit fit = solvers[size_t(worker)]->solve(shaded[i], {&start[i * n], n});
+                std::copy(fit.parameters.begin(), fit.parameters.end(), &out.parameters[t * n]);
+                out.iterations[t] = uint32_t(fit.iterations);
+                out.samples[t] = uint32_t(shaded[i].size());
+                out.status[t] = shaded[i].empty() ? Status::no_samples : fit.status;
+            }
+        });
     out.error = task.solvers().errors(problem, out.parameters, &out.load_s);
     out.load_s += load_s;
     for (size_t t = 0; t < texels; ++t) out.sample_iterations += uint64_t(out.samples[t]) * out.iterations[t];
@@ -250,7 +253,7 @@ TexelResult ceres_texels(const TexelProblem& problem, const TexelTask& task, Cer
 void solve_by_ceres(TexelTask& task, CeresTexelOptions::Method method) {
     with_samples(task, [&](const TexelSource& source) {
         solve_source(source, task, [&](const TexelProblem& problem, const auto& progress) {
-            return ceres_texels(problem, task, method, progress);
+            return fit_by_ceres(problem, task, method, progress);
         });
     });
 }
@@ -260,6 +263,7 @@ void solve_by_ceres(TexelTask& task, CeresTexelOptions::Method method) {
 void solve_texel_ceres(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::whole); }
 void solve_texel_ceres_varpro(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::projected); }
 void solve_texel_tiny(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::tiny); }
+void solve_texel_tiny_pack(TexelTask& task) { solve_by_ceres(task, CeresTexelOptions::Method::tiny_pack); }
 
 SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views) {
     return gather(dataset, *texel_atlas(dataset, request.model.surface_side), request, views);

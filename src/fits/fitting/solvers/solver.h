@@ -95,11 +95,14 @@ void solve_ceres(FitTask& task);
 void solve_als(FitTask& task);
 void solve_varpro(FitTask& task);
 void solve_pca(FitTask& task);
+/// Of requests that differ in their refills alone, fewest first, from one resampling.
+void solve_pca(std::span<FitTask* const> tasks);
 void solve_texel_stream(TexelTask& task);
 void solve_texel_two_step(TexelTask& task);
 void solve_texel_ceres(TexelTask& task);
 void solve_texel_ceres_varpro(TexelTask& task);
 void solve_texel_tiny(TexelTask& task);
+void solve_texel_tiny_pack(TexelTask& task);
 
 /// Where optimizers begin [texels][parameters]: for every texel the best of the model's starts.
 std::vector<float> starts_of(const TexelProblem& problem);
