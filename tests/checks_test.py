@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """The checks can fail: each is given a small tree that breaks one rule, and must name it."""
+import gzip
+import json
 import pathlib
 import shutil
 import subprocess
@@ -10,6 +12,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import check_costs
 import check_docs
+import check_figures
 import check_layers
 import check_names
 import check_shaders
@@ -68,6 +71,109 @@ class Docs(Tree):
                 self.assertEqual(self.errors("first\n" + text + "\n"), [expected])
         self.write("docs/other.md", "[a](gone.md)\n")
         self.assertEqual(self.errors("first\n"), ["docs/other.md:1: no such file: gone.md"])
+
+
+class Figures(Tree):
+    def setUp(self):
+        super().setUp()
+        self.add("20260101T000000Z-a", "solver,seconds,share\nours,0.0271,0.917\ntheirs,0.5,0.9984\n")
+
+    def add(self, run, rows, profile="paper", cpu="AMD EPYC (family 26 model 2)", packed=False):
+        folder = f"results/reference/solvers/machine/{run}"
+        about = {"program": "solvers", "profile": profile, "cpu": cpu, "machine": {"cpu_id": "AuthenticAMD family 26 model 2"}, "wall_s": 60}
+        self.write(f"{folder}/run.json", json.dumps(about))
+        if packed:
+            with gzip.open(self.root / folder / "solvers.csv.gz", "wt", encoding="utf-8") as file:
+                file.write(rows)
+        else:
+            self.write(f"{folder}/solvers.csv", rows)
+
+    def page(self, text, *lines, rows="rows: solvers paper family 26"):
+        """README.md with `text` and a comment of `lines` behind it."""
+        comment = "\n".join([*([rows] if rows else []), *lines])
+        self.write("README.md", f"# Of `solvers`, on family 26\n\n{text}\n<!-- figures\n{comment}\n-->\n")
+
+    def errors(self, write=False):
+        return check_figures.check(self.root, write)[0]
+
+    def test_numbers_of_rows_pass(self):
+        self.page("Ours takes 27.1 ms and\n91.7 % arrive; theirs 0.50 s, 18 times as long, 18,000 a day, half of a second, in 2 runs, 1 minute, "
+                  "1,234 GB, within 1 %. The paper says 5 times.",
+                  'one(name) = solvers(solver=name)',
+                  'ours = one("ours")',
+                  '27.1 ms and 91.7 %: (1000 * ours.seconds, 100 * ours.share)',
+                  '0.50 s: one("theirs").seconds',
+                  '18 times: one("theirs").seconds / ours.seconds',
+                  '18,000: 1000 * one("theirs").seconds / ours.seconds as 2',
+                  'half of a second: one("theirs").seconds == 0.5',
+                  '2 runs: len(solvers.all("share"))',
+                  '1 minute: sum(run.wall_s for run in newest("paper", "family 26")) / 60',
+                  '1,234 GB: given', '1 %: given', '5 times: paper')
+        self.assertEqual(self.errors(), [])
+        self.assertEqual(check_figures.check(self.root)[1:], (8, 1))
+
+    def test_wrong_numbers_are_named_and_written(self):
+        self.page("It takes 27.0 ms, then 27.0 ms, of 92 %, 91.70 %.",
+                  '27.0 ms: 1000 * solvers(solver="theirs").seconds', '27.0 ms: 1000 * solvers(solver="ours").seconds',
+                  '92 %: solvers(solver="ours").share as %', '91.70 %: solvers(solver="theirs").share as %')
+        self.assertEqual(self.errors(), ["README.md:3: 27.0 (27.0 ms): the rows say 27.1", "README.md:3: 27.0 (27.0 ms): the rows say 500.0",
+                                         "README.md:3: 91.70 (91.70 %): the rows say 99.84"])
+        self.assertEqual(self.errors(write=True), [])
+        text = (self.root / "README.md").read_text(encoding="utf-8")
+        self.assertIn("It takes 500.0 ms, then 27.1 ms, of 92 %, 99.84 %.", text)
+        self.assertIn('\n27.1 ms: 1000 * solvers(solver="ours").seconds\n', text)
+
+    def test_the_newest_run_of_a_profile_and_a_machine_counts(self):
+        self.page("It takes 3 s.", '3 s: solvers(solver="ours").seconds')
+        self.add("20260102T000000Z-b", "solver,seconds\nours,3\n", packed=True)
+        self.add("20260103T000000Z-c", "solver,seconds\nours,4\n", profile="standard")
+        self.add("20260104T000000Z-d", "solver,seconds\nours,5\n", cpu="AMD EPYC (family 261)")
+        (self.root / "results/reference/solvers/machine/20260104T000000Z-d/run.json").write_text(
+            '{"program": "solvers", "profile": "paper", "cpu": "AMD EPYC (family 261)"}', encoding="utf-8")
+        self.assertEqual(self.errors(), [])
+
+    def test_what_is_missing_is_named(self):
+        for lines, expected in [
+            (["0.03 s: solvers(solver='other').seconds"], "has no row with solver = other"),
+            (["0.03 s: solvers(solver='ours').hours"], "has no column hours"),
+            (["0.03 s: solvers.seconds"], "has 2 rows for seconds"),
+            (["0.03 s: others.seconds"], "NameError: name 'others' is not defined"),
+            (["0.03 s: solvers(solver='ours'"], "SyntaxError"),
+            (["0.03 s: solvers(solver='ours').solver"], "no number: ours"),
+            (["0.03 s: (1, 2)"], "1 numbers, but 2 values"),
+            (["0.03 s: 1 > 2"], "the rows no longer bear it out"),
+            (["0.04 s: 1"], "'0.04 s' does not stand above, or not in this order"),
+            (["an hour: given", "0.03 s: given"], "'0.03 s' does not stand above, or not in this order"),
+            (["0.03 s: once"], "the section does not say 'measured once'"),
+            (["0.03 s: tests/a.py"], "tests/a.py has no 0.03"),
+            (["0.03 s"], "no 'text: expression': 0.03 s"),
+        ]:
+            with self.subTest(lines=lines):
+                self.write("tests/a.py", "0.031\n")
+                self.page("It takes 0.03 s or an hour.", *lines)
+                self.assertIn(expected, "\n".join(self.errors()))
+        for rows, expected in [("rows: solvers paper family 25", "no run of solvers at the paper profile on 'family 25'"),
+                               ("rows: solvers smoke family 26", "no run of solvers at the smoke profile"),
+                               ("rows: peers paper family 26", "no run of peers"),
+                               ("rows: solvers paper EPYC", "the section does not say 'EPYC'")]:
+            with self.subTest(rows=rows):
+                self.page("It takes 0.03 s.", "0.03 s: given", rows=rows)
+                self.assertIn(expected, "\n".join(self.errors()))
+
+    def test_numbers_that_no_comment_accounts_for_are_named(self):
+        for text, number in [("It takes 3 s.", "3"), ("It takes 3 to\n5 minutes.", "3"), ("5.0 and 7 dB", "7"), ("It is ten times as fast.", "ten times"),
+                             ("64,000 fits/s", "64,000"), ("It comes to 24.97.", "24.97"), ("- 3 GB", "3"),
+                             ("| solver | time |\n|---|---|\n| 7 | 3 |\n", "3")]:
+            with self.subTest(text=text):
+                self.write("docs/a.md", text + "\n")
+                self.assertIn(f"no rows are named for '{number}'", "\n".join(self.errors()))
+        for text in ("3 solvers", "`3 s`", "```\n3 s\n```", "    sleep 3 s", "## 3 s", "[a](3.5.md)", "version 1.2.3", "| time |\n|---|\n| a |"):
+            with self.subTest(text=text):
+                self.write("docs/a.md", text + "\n")
+                self.assertEqual(self.errors(), [])
+        self.write("docs/a.md", "It takes 3 s.\n<!-- figures\n*: given\n-->\n\nIt takes 3 s.\n")
+        self.assertEqual(len(self.errors()), 1)
+        self.assertTrue(self.errors()[0].startswith("docs/a.md:6: "), self.errors())
 
 
 class Layers(Tree):
