@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "base/atomic_file.h"
+#include "base/instructions.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
@@ -23,6 +24,7 @@
 #include "report/csv.h"
 #include "report/csv_file.h"
 #include "report/table.h"
+#include "texel_arrival.h"
 
 namespace radiafit::harness {
 namespace {
@@ -36,6 +38,8 @@ struct Options {
     double read_noise = 0.002, shot_noise = 0.01;
     int lm_iterations = 50, cg_iterations = 50, sd_iterations = 250, fragment_iterations = 25;
     double sharp = 15, within = 1.05, recovered = 1e-3;
+    std::vector<int> arrival_newton = {2, 4, 8, 20}, arrival_gradient = {10, 40, 100};
+    ArrivalOptions arrival;
 
     explicit Options(Config& c) {
         c.read("read_noise", read_noise, limits::noise);
@@ -47,6 +51,10 @@ struct Options {
         c.read("sharp", sharp, exponents);
         c.read("within", within, limits::tolerance);
         c.read("recovered", recovered, distances);
+        c.read("arrival_blocks", arrival.every, limits::repetitions);
+        c.read("arrival_newton", arrival_newton, limits::some_iterations);
+        c.read("arrival_gradient", arrival_gradient, limits::some_iterations);
+        c.read("arrival_repetitions", arrival.repetitions, limits::repetitions);
         c.finish();
     }
 };
@@ -74,6 +82,7 @@ std::vector<Entrant> entrants_of(const Options& o, int side, bool noisy) {
     out.push_back({"Ceres", request_of("ceres", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"Ceres varpro", request_of("ceres-varpro", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"TinySolver", request_of("tinysolver", "cg", "modern", o.lm_iterations, side)});
+    out.push_back({"TinySolver in floats", request_of("tinysolver-float", "cg", "modern", o.lm_iterations, side)});
     out.push_back({"LM", request_of("stream", "lm", "modern", o.lm_iterations, side)});
     out.push_back({"Lambertian", request_of("stream", "lm", "modern", o.lm_iterations, side)});
     out.back().request.set("model", "lambert");
@@ -84,6 +93,28 @@ std::vector<Entrant> entrants_of(const Options& o, int side, bool noisy) {
         out.push_back({"cg modern OpenGL", request_of("stream", "cg", "modern", o.fragment_iterations, side)});
         out.back().request.set("engine", "fragment");
     }
+    return out;
+}
+
+/// The same methods on their way, but for the Lambertian model and OpenGL.
+std::vector<Climber> climbers_of(const Options& o, int side) {
+    constexpr int lanes = 8;
+    const char *base = compiled_instructions(), *widest = widest_instructions();
+    const auto newton = [&](const char* solver) { return request_of(solver, "cg", "modern", 1, side); };
+    const FitRequest lm = request_of("stream", "lm", "modern", 1, side);
+    std::vector<Climber> out;
+    out.push_back({"LM", lm, o.arrival_newton, {"32 and 64", lanes, widest}});
+    if (std::string_view(base) != widest)
+        out.push_back({fmt::format("LM, {}", base), lm, o.arrival_newton, {"32 and 64", lanes, base}, true});
+    out.push_back({"TinySolver in floats", newton("tinysolver-float"), o.arrival_newton, {"32", 1, base}});
+    out.push_back({"TinySolver", newton("tinysolver"), o.arrival_newton, {"64", 1, base}});
+    out.push_back({"Ceres", newton("ceres"), o.arrival_newton, {"64", 1, debian_instructions}});
+    out.push_back({"Ceres varpro", newton("ceres-varpro"), o.arrival_newton, {"64", 1, debian_instructions}});
+    for (const NamedRule& ours : named_rules())
+        out.push_back({ours.name,
+                       request_of("stream", ours.method->name, ours.mode, 1, side),
+                       o.arrival_gradient,
+                       {"32", lanes, widest}});
     return out;
 }
 
@@ -237,6 +268,18 @@ private:
     Table table_;
 };
 
+void write_arrivals(const std::filesystem::path& folder, const std::vector<rows::Arrival>& arrivals) {
+    CsvFile csv(folder, rows::arrivals);
+    Table table({"method", "iterations", "arrived", "seconds"});
+    for (const rows::Arrival& r : arrivals) {
+        csv.add(r);
+        table.add({r.method, std::to_string(r.iterations), fmt::format("{:.1f} %", 100 * r.arrived_share),
+                   fmt::format("{:.3g}", r.seconds)});
+    }
+    csv.commit();
+    log_info("texels within 1 % of the least error that any fit left them, on one thread\n" + table.text());
+}
+
 Images images_of(const Experiment& experiment, const Options& o, bool noisy) {
     OrnamentOptions ornament;
     if (noisy) {
@@ -260,6 +303,7 @@ void reflectance(Experiment& experiment) {
     std::string opengl;
     ResultFolder results = experiment.open_results(experiment.cpu_device());
     Files files(results.path());
+    std::vector<rows::Arrival> arrivals;
     for (const bool noisy : {false, true}) {
         const Images images = images_of(experiment, o, noisy);
         const Dataset& dataset = images.dataset;
@@ -275,8 +319,10 @@ void reflectance(Experiment& experiment) {
             files.add(images, entrant, outcome.gl_renderer.empty() ? cpu : outcome.gl_renderer, outcome, ceres,
                       shared.seconds, o);
         }
+        if (noisy) arrivals = texel_arrivals(dataset, shared, climbers_of(o, dataset.normal_map.side), o.arrival);
     }
     files.commit();
+    write_arrivals(results.path(), arrivals);
     experiment.finish(results,
                       fmt::format("ornament, {} scale; {}{}", experiment.profile(), experiment.cpu_device(), opengl));
 }

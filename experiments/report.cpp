@@ -1,7 +1,7 @@
 // One page of everything that the experiments found: each claim with its verdict, every figure and table beside what
-// the paper says of it, a performance profile of the solvers, what differs from the reference, and with what it was all
-// made. Nothing is measured here: claims are judged, and figures drawn, from the runs that there are. The page needs no
-// other file.
+// the paper says of it, our solvers beside others', a performance profile, what differs from the reference, and with
+// what it was all made. Nothing is measured here: claims are judged, and figures drawn, from the runs that there are.
+// The page needs no other file.
 #include <fmt/format.h>
 
 #include <set>
@@ -19,6 +19,7 @@
 #include "page/pieces.h"
 #include "page/profile_part.h"
 #include "page/renderers_part.h"
+#include "page/rivals_part.h"
 
 namespace radiafit::harness {
 namespace {
@@ -88,6 +89,7 @@ std::string page(Experiment& experiment, const RunFolders& folders, const fs::pa
     const std::vector<RunRecord> runs = all_shown(folders, profile);
     std::vector<Section> sections = {
         {"claims", "The claims", claims_summary(claims)},
+        {"rivals", "Against other solvers", rivals_part(folders, profile)},
         {"figures", "Figures and tables", exhibits_part(folders, profile, claims, scratch)},
         {"performance-profile", "Performance profile of the solvers",
          performance_part(folders, profile, scratch / "profile"), true},
@@ -96,7 +98,7 @@ std::string page(Experiment& experiment, const RunFolders& folders, const fs::pa
         {"environment", "Machines, builds and runs", environment_part(runs, folders.checkout), true},
     };
     if (Html renderers = renderers_part(claims); !renderers.empty())
-        sections.insert(sections.begin() + 4, {"renderers", "What software renderers say", std::move(renderers), true});
+        sections.insert(sections.begin() + 5, {"renderers", "What software renderers say", std::move(renderers), true});
     Html main;
     for (const Section& section : sections) main << section_of(section);
     const fs::path texts = experiment.root() / "experiments" / "page";

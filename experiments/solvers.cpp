@@ -11,10 +11,12 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/instructions.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "cpu/lfm_engine.h"
+#include "engineering.h"
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "fitting/solvers/solver.h"
@@ -77,6 +79,7 @@ using Solve = std::function<void(size_t vertex, std::span<V> p, VertexRun& run)>
 
 struct Contestant {
     std::string solver, setting;
+    Engineering how;
     Solve solve;
     double spent_s = 0;
     std::vector<VertexRun> runs;                ///< of the last repetition; fewer than all vertices for a slow one
@@ -142,22 +145,33 @@ constexpr const char* ceres_name = "ceres";
 std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, const std::vector<Vertex>& vertices,
                                     TwoStep& two_step) {
     std::vector<Contestant> out;
-    const auto add = [&](const char* solver, const std::string& setting, const Solve& solve) {
+    const auto add = [&](const char* solver, const std::string& setting, const Engineering& how, const Solve& solve) {
         Contestant& c = out.emplace_back();
-        c.solver = solver, c.setting = setting, c.solve = solve;
+        c.solver = solver, c.setting = setting, c.how = how, c.solve = solve;
     };
-    const auto reference = [&](const char* solver, const std::string& setting, const VertexSolver& solve) {
-        add(solver, setting,
+    const auto reference = [&](const char* solver, const std::string& setting, const Engineering& how,
+                               const VertexSolver& solve) {
+        add(solver, setting, how,
             [solve, &vertices](size_t v, std::span<V> p, VertexRun& run) { solve(vertices[v].gathered, p, run); });
     };
+    constexpr int channels = 3;
     for (const NamedRule& ours : named_rules())
-        add("two-step", ours.name, [&two_step, rule = ours.rule, &o](size_t v, std::span<V> p, VertexRun& run) {
-            two_step.solve(v, {.rule = rule, .iterations = o.cap}, p, run);
-        });
-    reference("varpro", "", varpro_solver(model, {.iterations = o.cap}));
-    reference("als", "", als_solver(model, {.iterations = o.cap}));
+        add("two-step", ours.name, {"32", channels, compiled_instructions()},
+            [&two_step, rule = ours.rule, &o](size_t v, std::span<V> p, VertexRun& run) {
+                two_step.solve(v, {.rule = rule, .iterations = o.cap}, p, run);
+            });
+    const VertexSolver varpro = varpro_solver(model, {.iterations = o.cap});
+    reference("varpro", "", {"32 and 64", channels, widest_instructions()}, varpro);
+    if (run_avx512() && std::string_view(compiled_instructions()) != widest_instructions())
+        reference("varpro", compiled_instructions(), {"32 and 64", channels, compiled_instructions()},
+                  [varpro](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
+                      const BaseInstructions only;
+                      varpro(vertex, p, run);
+                  });
+    reference("als", "", {"64", channels, compiled_instructions()}, als_solver(model, {.iterations = o.cap}));
     for (const CeresSetting& s : ceres_settings())
-        reference(ceres_name, s.name, ceres_solver(model, {.setting = s.name, .iterations = o.cap}));
+        reference(ceres_name, s.name, {"64", 1, debian_instructions},
+                  ceres_solver(model, {.setting = s.name, .iterations = o.cap}));
     return out;
 }
 
@@ -360,9 +374,27 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
                 "per vertex, to its end"});
     for (const Summary& s : table) {
         const Contestant& c = *s.contestant;
-        rows.add({c.solver, c.setting, 1, c.vertices(), 3 * c.vertices(), s.reached_share, s.seconds, s.least, s.most,
-                  s.to_modern.all, s.to_modern.median, s.to_varpro.all, s.to_varpro.median, s.iterations,
-                  s.final_over_best, s.setup, s.to_end, c.to_101.size()});
+        rows.add({c.solver,
+                  c.setting,
+                  1,
+                  c.vertices(),
+                  3 * c.vertices(),
+                  s.reached_share,
+                  s.seconds,
+                  s.least,
+                  s.most,
+                  s.to_modern.all,
+                  s.to_modern.median,
+                  s.to_varpro.all,
+                  s.to_varpro.median,
+                  s.iterations,
+                  s.final_over_best,
+                  s.setup,
+                  s.to_end,
+                  c.to_101.size(),
+                  c.how.precision,
+                  c.how.together,
+                  c.how.instructions});
         const auto per_vertex = [&](double seconds) { return fmt::format("{:.3g} ms", 1e3 * s.per_vertex(seconds)); };
         text.add({c.name(), std::to_string(c.vertices()), per_vertex(s.seconds),
                   c.to_101.size() > 1 ? fmt::format("{:.1f} %", 50 * (s.most - s.least) / s.seconds) : "one run",

@@ -23,7 +23,7 @@ kind(solver, setting) = solver ne 'ceres' ? 1 : strstrt(setting, 'lbfgs') + strs
 spelt(setting) = setting eq 'lbfgs' ? 'L-BFGS' : setting eq 'adam' ? 'Adam' : setting eq 'cg modern' ? 'modern CG' : \
     setting eq 'cg paper' ? "the paper's CG" : setting eq 'sd' ? "the paper's SD" : setting eq 'nonlinear-cg' ? 'nonlinear CG' : setting
 name(solver, setting) = solver eq 'ceres' ? 'Ceres ' . spelt(setting) : solver eq 'als' ? 'alternating least squares' : \
-    solver eq 'varpro' ? 'variable projection' : spelt(setting)
+    solver eq 'varpro' ? 'variable projection' . (setting eq '' ? '' : ', ' . setting) : spelt(setting)
 span(ms) = ms < 999.5 ? sprintf('%.3g ms', ms) : sprintf('%.3g s', ms / 1e3)
 times(factor) = factor < 999.5 ? sprintf('×%.3g', factor) : sprintf('×%.0f', factor)
 set multiplot layout 1,1 title "{/:Bold Solvers of light field maps: time per vertex to 1.01 × the least error}\n" . caption \

@@ -23,6 +23,10 @@ class SmokeReport(ProgramTest):
             self.good("--config", f"experiments/{name}.toml", "--profile", "smoke", program=program)
         claims = json.loads((self.root / "results/claims-smoke.json").read_text())["claims"]
         page = check_page(self, self.root / "results/report/smoke/index.html", claims)
+        rivals = page.one("section", id="rivals")
+        self.assertEqual(len(list(rivals.all("table"))), 2, rivals.text())
+        for solver in ("variable projection", "Ceres’ L-BFGS", "Levenberg–Marquardt, the default", "Ceres’ TinySolver in floats"):
+            self.assertIn(solver, rivals.text())
         for name in NAMES:
             with self.subTest(name):
                 article = page.one("article", id=name)

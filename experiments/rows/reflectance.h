@@ -61,12 +61,36 @@ inline const RowFileOf<Part> pictures{
      {"held_psnr_db", decibels("{:.4f}"), "", &Part::held_psnr_db},
      {"held_ape", errors("{:.4f}").in("1/255"), "", &Part::held_ape}}};
 
+struct Arrival {
+    std::string method;
+    int iterations;
+    size_t texels;
+    double arrived_share, seconds, seconds_least, seconds_most;
+    size_t repetitions;
+    std::string precision;
+    int together;
+    std::string instructions;
+};
+inline const RowFileOf<Arrival> arrivals{
+    "arrival.csv",
+    "One row for each method and most iterations that it may take, on some of the texels of the noisy images, by one thread: what the report's table of rivals is of.",
+    {{"method", key(), "", &Arrival::method},
+     {"iterations", key(), "at most", &Arrival::iterations},
+     {"texels", work(), "with enough samples", &Arrival::texels},
+     {"arrived_share", ColumnType{{ColumnKind::absolute, 0.01}, "{:.5f}", "share"}, "of them within 1 % of the least error that any fit left them", &Arrival::arrived_share},
+     {"seconds seconds_least seconds_most", shown("{:.5g}").in("s"), "of all of them, from samples at hand to parameters and their errors: median, least and most of the repetitions",
+      &Arrival::seconds, &Arrival::seconds_least, &Arrival::seconds_most},
+     {"repetitions", shown(), "", &Arrival::repetitions},
+     {"precision", shown(), "of its arithmetic: 32 or 64 bits, or 32 bits with sums in 64", &Arrival::precision},
+     {"together", shown(), "problems that a register holds side by side", &Arrival::together},
+     {"instructions", shown(), "that its loops are compiled for; Ceres' own are those of Debian's library", &Arrival::instructions}}};
+
 inline const ExperimentEntry experiment{
     .name = "reflectance",
     .about =
         "Sections 4.2 and 6.5: Lafortune's nine parameters per texel on the ornament: which solver finds the truth, which as low an error as Ceres, of the optimizers, Ceres, its TinySolver, and "
-        "variable projection given to Ceres, by sharpness of the lobe, and how many texels it fits in a second.",
-    .files = {&fits, &times, &pictures},
+        "variable projection given to Ceres, by sharpness of the lobe, and how many texels it fits in a second; and after what time which share of the texels has arrived.",
+    .files = {&fits, &times, &pictures, &arrivals},
     .place = 110,
     .title = "Lafortune's model on the ornament",
     .section = "4.2",

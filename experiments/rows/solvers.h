@@ -62,6 +62,9 @@ struct Solver {
     double reached_share, seconds_to_101, seconds_to_101_least, seconds_to_101_most, times_cg_modern, times_cg_modern_median, times_varpro, times_varpro_median, iterations_median,
         final_over_best_median, seconds_setup, seconds_total;
     size_t repetitions;
+    std::string precision;
+    int together;
+    std::string instructions;
 };
 inline const RowFileOf<Solver> solvers{
     "solvers.csv",
@@ -79,7 +82,10 @@ inline const RowFileOf<Solver> solvers{
      {"final_over_best_median", errors("{:.6g}"), "the error at the end over the best error", &Solver::final_over_best_median},
      {"seconds_setup", shown("{:.6g}").in("s"), "of preparing the solver", &Solver::seconds_setup},
      {"seconds_total", shown("{:.6g}").in("s"), "to the end, median", &Solver::seconds_total},
-     {"repetitions", shown(), "", &Solver::repetitions}}};
+     {"repetitions", shown(), "", &Solver::repetitions},
+     {"precision", shown(), "of its arithmetic: 32 or 64 bits, or 32 bits with sums in 64", &Solver::precision},
+     {"together", shown(), "problems that a register holds side by side", &Solver::together},
+     {"instructions", shown(), "that its loops are compiled for; Ceres' own are those of Debian's library", &Solver::instructions}}};
 
 inline const ExperimentEntry experiment{
     .name = "solvers",

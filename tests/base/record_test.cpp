@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/instructions.h"
 #include "base/parallel.h"
 #include "temporary_folder.h"
 
@@ -127,6 +128,20 @@ TEST(Machine, WhatCannotBeReadIsEmpty) {
     const auto json = nlohmann::json::parse(record_json(record)).at("machine");
     for (const char* name : {"mhz", "mhz_max", "memory_bytes", "load"}) EXPECT_TRUE(json.at(name).is_null()) << name;
     EXPECT_EQ(json.at("governor"), "");
+}
+
+TEST(Instructions, OnlyTheBaseWhileOneAsksForIt) {
+    const bool before = run_avx512();
+    const std::string widest = widest_instructions();
+    EXPECT_EQ(widest == "AVX-512", before);
+    {
+        const BaseInstructions base;
+        EXPECT_STREQ(widest_instructions(), compiled_instructions());
+        { const BaseInstructions again; }
+        EXPECT_STREQ(widest_instructions(), compiled_instructions()) << "the first one still lives";
+    }
+    EXPECT_EQ(run_avx512(), before);
+    EXPECT_EQ(widest_instructions(), widest);
 }
 
 }  // namespace

@@ -2,10 +2,15 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <string_view>
 
 namespace radiafit {
+
+namespace {
+std::atomic<bool> base_alone = false;
+}
 
 bool run_avx512() {
 #if RADIAFIT_TWO_INSTRUCTION_SETS
@@ -13,13 +18,30 @@ bool run_avx512() {
         const char* asked = std::getenv("RADIAFIT_INSTRUCTIONS");
         return __builtin_cpu_supports("x86-64-v4") && !(asked && std::string_view(asked) == "base");
     }();
-    return yes;
+    return yes && !base_alone.load(std::memory_order_relaxed);
 #elif defined(__AVX512F__)
     return true;
 #else
     return false;
 #endif
 }
+
+BaseInstructions::BaseInstructions() : before_(base_alone.exchange(true)) {}
+BaseInstructions::~BaseInstructions() { base_alone = before_; }
+
+const char* compiled_instructions() {
+#if defined(__AVX512F__)
+    return "AVX-512";
+#elif defined(__AVX2__)
+    return "AVX2";
+#elif defined(__x86_64__)
+    return "SSE2";
+#else
+    return "";
+#endif
+}
+
+const char* widest_instructions() { return run_avx512() ? "AVX-512" : compiled_instructions(); }
 
 #if defined(__AVX2__)
 namespace {

@@ -13,8 +13,26 @@ namespace radiafit {
 
 /// Whether with_widest_vectors() runs loops as AVX-512: where the whole program is compiled for it, or the processor
 /// has it. Not where the environment variable RADIAFIT_INSTRUCTIONS is `base` when this is first called and loops are
-/// compiled twice.
+/// compiled twice, nor while there is a BaseInstructions.
 bool run_avx512();
+
+/// For comparisons: while one lives, loops that are compiled twice run as the rest of the program. To be made and
+/// destroyed while no other thread runs such loops.
+class BaseInstructions {
+public:
+    BaseInstructions();
+    ~BaseInstructions();
+    BaseInstructions(const BaseInstructions&) = delete;
+    BaseInstructions& operator=(const BaseInstructions&) = delete;
+
+private:
+    bool before_;
+};
+
+/// What the program is compiled for, and what with_widest_vectors() runs as now: "AVX-512", "AVX2", "SSE2", or
+/// "" on other processors.
+const char* compiled_instructions();
+const char* widest_instructions();
 
 #if RADIAFIT_TWO_INSTRUCTION_SETS
 namespace detail {

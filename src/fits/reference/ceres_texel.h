@@ -18,6 +18,7 @@ struct CeresTexelOptions {
         tiny,       ///< ceres::TinySolver over all parameters, without Ceres' problems and allocations
         tiny_pack   ///< the same in 32-bit floats, eight samples side by side
     } method = Method::whole;
+    /// The normal equations are the quicker ones here, with the same errors (`make bench`).
     enum class Linear { dense_qr, dense_normal_cholesky } linear = Linear::dense_normal_cholesky;
     int iterations = 50;
     double tolerance = 1e-6;      ///< of the cost's relative change: TexelFitOptions'
