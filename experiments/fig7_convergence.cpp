@@ -30,7 +30,7 @@ struct Options {
     std::vector<double> other_lambdas = {1e-3, 1e-2};
     double tolerance = 1.01;
     int vertices = 0, cap = 3000, other_cap = 1000, rival_iterations = 400, ends = 60, ends_cap = 30000, problems = 3;
-    int seed = 7;
+    int seed = 7, object = 1;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_light_field_shape);
@@ -44,6 +44,7 @@ struct Options {
         c.read("ends", ends, limits::repetitions);
         c.read("ends_cap", ends_cap, caps);
         c.read("problems", problems, shown_problems);
+        c.read("object", object, limits::draw_seed);
         c.read("seed", seed, limits::draw_seed);
         c.finish();
         if (ends_cap < cap) c.reject("ends_cap", "needs at least `cap`");
@@ -246,7 +247,7 @@ void fig7(Experiment& experiment) {
     ResultFolder results = experiment.open_results(experiment.cpu_device());
     Files files(results.path());
     for (const std::string& shape : o.datasets) {
-        const Dataset dataset = experiment.dataset(shape);
+        const Dataset dataset = experiment.dataset(shape, {}, {}, uint64_t(o.object));
         const VertexBench bench(dataset, o.model, o.vertices, o.seed);
         const auto run = [&](double lambda, bool judged) {
             Contest contest(o, bench, dataset.name, lambda, judged);

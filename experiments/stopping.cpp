@@ -28,7 +28,8 @@ struct Options {
     std::string dataset = "star";
     LfmOptions model;
     std::vector<double> levels = {8, 4, 2, 1, 0.5};
-    int vertices = 0, seed = 1, cg_iterations = 100, sd_iterations = 1000, cap = 1000, rival_iterations = 400;
+    int vertices = 0, object = 1, seed = 1, cg_iterations = 100, sd_iterations = 1000, cap = 1000,
+        rival_iterations = 400;
     double tolerance = 1.01;
 
     explicit Options(Config& c) {
@@ -36,6 +37,7 @@ struct Options {
         read_maps(c, model);
         c.read("levels", levels, thresholds);
         c.read("vertices", vertices, drawn_vertices);
+        c.read("object", object, limits::draw_seed);
         c.read("seed", seed, limits::draw_seed);
         c.read("cg_iterations", cg_iterations, limits::some_iterations);
         c.read("sd_iterations", sd_iterations, limits::some_iterations);
@@ -194,7 +196,7 @@ void write(const ResultFolder& results, const Options& o, const std::vector<Sett
 
 void stopping(Experiment& experiment) {
     const Options o(experiment.config());
-    const Dataset dataset = experiment.dataset(o.dataset);
+    const Dataset dataset = experiment.dataset(o.dataset, {}, {}, uint64_t(o.object));
     const VertexBench bench(dataset, o.model, o.vertices, o.seed);
     ResultFolder results = experiment.open_results(experiment.cpu_device());
     const std::vector<Setting> all = settings(o);

@@ -27,11 +27,13 @@ namespace rows = rows_of::table1_datasets;
 struct Options {
     std::vector<std::string> datasets = {"star", "bust", "ornament"};
     int surface_side = 8, view_side = 8, terms = 1;
+    int object = 1;
     double texels_per_pixel = 1;
 
     explicit Options(Config& c) {
         c.read("datasets", datasets, check_shape);
         c.read("surface_side", surface_side, limits::map_side);
+        c.read("object", object, limits::draw_seed);
         c.read("texels_per_pixel", texels_per_pixel, limits::texels_per_pixel);
         c.read("view_side", view_side, limits::map_side);
         c.read("terms", terms, limits::terms);
@@ -222,7 +224,7 @@ void table1(Experiment& experiment) {
         histogram_rows.commit();
     };
     for (const std::string& shape : o.datasets) {
-        const Dataset dataset = experiment.dataset(shape);
+        const Dataset dataset = experiment.dataset(shape, {}, {}, uint64_t(o.object));
         FitRequest here = request;
         if (dataset.light_moves()) here.model.surface_side = dataset.normal_map.side;
         add(shape, dataset, here);

@@ -98,7 +98,12 @@ std::vector<std::string> Finding::other_verdicts() const {
 }
 
 std::string Finding::reason() const {
-    const std::string reason = judgement.reason();
+    std::string reason = judgement.reason();
+    const auto& premises = judgement.rule->premises;
+    if (judgement.not_run.empty() && std::ranges::count(premises, "graphics chip") > 0 &&
+        is_software_renderer(evidence.renderer))
+        reason += fmt::format("; where there is such a chip, `make experiments PROFILE={} ONLY={}` decides it",
+                              judged_profile, claim->experiment);
     if (judged() || !judgement.not_run.empty()) return reason;
     return fmt::format("the {} profile is not of the paper's scale{}{}", profile, reason.empty() ? "" : "; ", reason);
 }

@@ -10,6 +10,7 @@
 
 #include "base/rng.h"
 #include "convex_hull.h"
+#include "reference/subset_interpolation.h"
 
 namespace radiafit {
 using namespace fits;
@@ -161,6 +162,50 @@ TEST(Triangulation, PointsOnOneLineAndFewerThanThree) {
     EXPECT_THROW(Triangulation({}), std::invalid_argument);
     const std::vector<Vec2d> bad = {{0, 0}, {1, std::nan("")}};
     EXPECT_THROW(Triangulation{bad}, std::invalid_argument);
+}
+
+// Random subsets, from nearly all of the points down to a few, and those that lack a whole side: interpolated values of
+// a function that is not linear are those of the subset's own triangulation.
+TEST(SubsetInterpolation, IsWhatTheSubsetsOwnTriangulationSays) {
+    Rng rng(9);
+    std::vector<std::vector<Vec2d>> sets = {{Vec2d(0.3, 0.4)}, {Vec2d(0, 0), Vec2d(1, 1), Vec2d(0.5, 0.5)}};
+    for (int count : {4, 10, 60, 200}) sets.push_back(random_points(count, rng));
+    sets.push_back(random_points(30, rng));  // some points twice
+    for (int i = 0; i < 10; ++i) sets.back().push_back(sets.back()[size_t(i)]);
+    std::vector<Vec2d> places;
+    for (int i = 0; i < 400; ++i) places.emplace_back(rng.uniform(-0.3, 1.3), rng.uniform(-0.3, 1.3));
+    const auto value = [](const Vec2d& p) { return std::sin(9 * p.x()) + p.y() * p.y(); };
+    size_t compared = 0;
+    for (const std::vector<Vec2d>& points : sets) {
+        const SubsetInterpolation interpolation(points, places);
+        for (int trial = 0; trial < 60; ++trial) {
+            const double share = trial < 20 ? 0.97 : trial < 40 ? 0.8 : 0.3, cut = trial % 4 == 0 ? 0.7 : 2;
+            std::vector<uint32_t> subset;
+            std::vector<Vec2d> own;
+            for (uint32_t i = 0; i < points.size(); ++i)
+                if (points[i].x() + 0.2 * points[i].y() < cut && rng.uniform(0, 1) < share) {
+                    subset.push_back(i);
+                    own.push_back(points[i]);
+                }
+            if (subset.empty()) continue;
+            const Triangulation direct(own);
+            const auto weights = interpolation.of(subset);
+            ASSERT_EQ(weights.size(), places.size());
+            for (size_t k = 0; k < places.size(); ++k) {
+                const Triangulation::Weights expected = direct.at(places[k]);
+                double a = 0, b = 0;
+                for (size_t j = 0; j < 3; ++j) {
+                    ASSERT_LT(weights[k].point[j], subset.size());
+                    a += weights[k].weight[j] * value(own[weights[k].point[j]]);
+                    b += expected.weight[j] * value(own[expected.point[j]]);
+                }
+                ASSERT_EQ(weights[k].inside, expected.inside) << points.size() << " " << trial << " " << k;
+                ASSERT_NEAR(a, b, 1e-9) << points.size() << " " << trial << " " << k;
+                ++compared;
+            }
+        }
+    }
+    EXPECT_GT(compared, 100000U);
 }
 
 }  // namespace

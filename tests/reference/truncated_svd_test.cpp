@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
+#include <cmath>
 
 #include "base/rng.h"
 
@@ -27,6 +28,14 @@ TEST(TruncatedSvd, AgreesWithTheFullDecomposition) {
     matrices.push_back(random_matrix(20, 2, rng) * random_matrix(2, 15, rng));  // rank 2
     matrices.push_back(matrices.back().transpose());
     matrices.push_back(MatrixXd::Constant(20, 15, -0.3));
+    // large enough for orthogonal iteration: values that fall off, that don't, that lack rank, and that are all zero
+    for (const double falls : {0.5, 0.999}) {
+        matrices.push_back(random_matrix(120, 90, rng));
+        for (Index i = 0; i < 90; ++i) matrices.back().col(i) *= std::pow(falls, double(i));
+    }
+    matrices.push_back(random_matrix(80, 2, rng) * random_matrix(2, 70, rng));
+    matrices.push_back(matrices.back().transpose());
+    matrices.push_back(MatrixXd::Zero(60, 70));
     for (const MatrixXd& a : matrices)
         for (int terms : {1, 2, 3, 6}) {
             SCOPED_TRACE(std::to_string(a.rows()) + " x " + std::to_string(a.cols()) + ", " + std::to_string(terms));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "model/lfm.h"
 
@@ -51,28 +52,29 @@ bool RingResampler::resample(size_t vertex, DenseLightField& out) const {
     return true;
 }
 
-RingResampler::Mixing RingResampler::mixing_of(size_t vertex, const ImageSet& set) const {
+SubsetInterpolation RingResampler::interpolation(size_t vertex, uint32_t tile) const {
     std::vector<Vec2d> directions;
-    for (uint32_t image : set)
+    for (const uint32_t image : tiles_->images_of(tile))
         directions.emplace_back(
             view_coordinate(frames_[vertex], atlas_->mesh().positions[vertex], cameras_[image]).data());
-    const Triangulation triangulation(directions);
-    Mixing mixing;
-    for (const Vec2d& center : view_centers_) mixing.push_back(triangulation.at(center));
-    return mixing;
+    return {std::move(directions), view_centers_};
 }
 
 void RingResampler::interpolate_tile(size_t vertex, uint32_t tile, size_t first_row,
                                      std::map<ImageSet, Mixing>& mixings, DenseLightField& out) const {
     const auto images = tiles_->images_of(tile);
+    std::optional<SubsetInterpolation> interpolated;
     ImageSet set;
+    std::vector<uint32_t> positions;              // of the set in the tile's images
     std::vector<const TileViews::Texel*> texels;  // of the set
     for (uint32_t local = 0; local < atlas_->tile(tile).texels(); ++local) {
         set.clear();
+        positions.clear();
         texels.clear();
         for (size_t i = 0; i < images.size(); ++i)
             if (const TileViews::Texel& texel = tiles_->of(tile, i)[local]; texel.seen) {
                 set.push_back(images[i]);
+                positions.push_back(uint32_t(i));
                 texels.push_back(&texel);
             }
         if (set.empty()) continue;
@@ -80,7 +82,10 @@ void RingResampler::interpolate_tile(size_t vertex, uint32_t tile, size_t first_
         out.seen[first_row + local] = 1;
         // Mostly one set for the whole ring, more along what hides a part of it.
         auto found = mixings.find(set);
-        if (found == mixings.end()) found = mixings.emplace(set, mixing_of(vertex, set)).first;
+        if (found == mixings.end()) {
+            if (!interpolated) interpolated.emplace(interpolation(vertex, tile));
+            found = mixings.emplace(set, interpolated->of(positions)).first;
+        }
         for (size_t column = 0; column < view_centers_.size(); ++column) {
             const Triangulation::Weights& w = found->second[column];
             for (int c = 0; c < 3; ++c) {

@@ -8,8 +8,8 @@
 #include "geometry/vertex_rings.h"
 #include "model/penalty.h"
 #include "reference/resampling_counts.h"
+#include "reference/subset_interpolation.h"
 #include "reference/tile_views.h"
-#include "reference/triangulation.h"
 
 namespace radiafit::fits {
 
@@ -46,7 +46,8 @@ private:
     using ImageSet = std::vector<uint32_t>;
     /// For every column, which of a set's images to mix.
     using Mixing = std::vector<Triangulation::Weights>;
-    Mixing mixing_of(size_t vertex, const ImageSet& set) const;
+    /// Of a tile's images, as they lie in the vertex's view map.
+    SubsetInterpolation interpolation(size_t vertex, uint32_t tile) const;
     void interpolate_tile(size_t vertex, uint32_t tile, size_t first_row, std::map<ImageSet, Mixing>& mixings,
                           DenseLightField& out) const;
     /// first_rows: of the ring's tiles, and where the last one ends.

@@ -164,7 +164,7 @@ size_t Triangulation::strip_of(double y) const {
 }
 
 Triangulation::Weights Triangulation::at(const Vec2d& place) const {
-    if (strips_.empty()) return nearest_on_border(place);
+    if (strips_.empty()) return nearest(points_, border_, place);
     for (const auto& [box, i] : strips_[strip_of(place.y())]) {
         if (!box.contains(place)) continue;
         const Triangle& t = triangles_[i];
@@ -176,17 +176,18 @@ Triangulation::Weights Triangulation::at(const Vec2d& place) const {
         const double a0 = std::max(wa, 0.0), b0 = std::max(wb, 0.0), c0 = std::max(wc, 0.0);
         return {t, {a0 / (a0 + b0 + c0), b0 / (a0 + b0 + c0), c0 / (a0 + b0 + c0)}, true};
     }
-    return nearest_on_border(place);
+    return nearest(points_, border_, place);
 }
 
-Triangulation::Weights Triangulation::nearest_on_border(const Vec2d& place) const {
+Triangulation::Weights Triangulation::nearest(std::span<const Vec2d> points, std::span<const Segment> segments,
+                                              const Vec2d& place) {
     Weights best{};
     double least = std::numeric_limits<double>::infinity();
-    for (const Segment& s : border_) {
-        const Vec2d along = points_[s[1]] - points_[s[0]];
+    for (const Segment& s : segments) {
+        const Vec2d along = points[s[1]] - points[s[0]];
         const double length = along.squaredNorm();
-        const double u = length > 0 ? std::clamp(along.dot(place - points_[s[0]]) / length, 0.0, 1.0) : 0;
-        const double distance = (points_[s[0]] + u * along - place).squaredNorm();
+        const double u = length > 0 ? std::clamp(along.dot(place - points[s[0]]) / length, 0.0, 1.0) : 0;
+        const double distance = (points[s[0]] + u * along - place).squaredNorm();
         if (distance >= least) continue;
         least = distance;
         best = {{s[0], s[1], s[0]}, {1 - u, u, 0}, false};

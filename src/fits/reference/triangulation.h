@@ -29,6 +29,9 @@ public:
         bool inside;  ///< in a triangle; else outside the hull: the weights are those of the hull's nearest point
     };
     Weights at(const Vec2d& place) const;
+    /// At the nearest point of some segments between points.
+    static Weights nearest(std::span<const Vec2d> points, std::span<const std::array<uint32_t, 2>> segments,
+                           const Vec2d& place);
 
 private:
     static constexpr size_t strip_count = 32;
@@ -38,7 +41,6 @@ private:
     };
 
     size_t strip_of(double y) const;
-    Weights nearest_on_border(const Vec2d& place) const;
 
     std::vector<Vec2d> points_;
     std::vector<std::array<uint32_t, 3>> triangles_;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rng.h"
+
 namespace radiafit::fits {
 namespace {
 
@@ -36,9 +38,35 @@ Eigen::MatrixXd gram(const Eigen::MatrixXd& rows) {
     return out;
 }
 
-/// Eigenvectors of a symmetric matrix's largest eigenvalues, descending: [size][count]. Only its lower half is read.
-Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& symmetric, Eigen::Index count) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& narrow) {
+    return Eigen::HouseholderQR<Eigen::MatrixXd>(narrow).householderQ() *
+           Eigen::MatrixXd::Identity(narrow.rows(), narrow.cols());
+}
+
+/// Eigenvectors of a Gram matrix's largest eigenvalues, descending: [size][count]. Only its lower half is read. By
+/// orthogonal iteration with some vectors more than asked for, which takes a few products where eigenvalues fall off
+/// as those of photographs do; where they don't, by all eigenvectors.
+Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& gram, Eigen::Index count) {
+    constexpr Eigen::Index more = 6, small = 32;
+    constexpr int most_rounds = 40;
+    const Eigen::Index size = gram.rows(), block = count + more;
+    Rng rng(1);
+    Eigen::MatrixXd v(size, block);
+    for (double& x : v.reshaped()) x = double(rng.uniform(-1, 1));
+    const auto symmetric = gram.selfadjointView<Eigen::Lower>();
+    for (int round = 0; size > std::max(small, 2 * block) && round < most_rounds; ++round) {
+        v = orthonormal(v);
+        Eigen::MatrixXd image = symmetric * v;
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> within(v.transpose() * image);  // Rayleigh and Ritz
+        const Eigen::MatrixXd turn = within.eigenvectors().rowwise().reverse();
+        const Eigen::VectorXd values = within.eigenvalues().reverse();
+        v *= turn;
+        image *= turn;
+        const double off = (image.leftCols(count) - v.leftCols(count) * values.head(count).asDiagonal()).norm();
+        if (off <= 1e-13 * values[0]) return v.leftCols(count);
+        v = std::move(image);
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
     return eigen.eigenvectors().rowwise().reverse().leftCols(count);
 }
 
@@ -61,8 +89,7 @@ TruncatedSvd truncated_svd(const Eigen::MatrixXd& a, int terms) {
 
 void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd) {
     const Eigen::Index terms = svd.h.cols(), count = std::min({terms, a.rows(), a.cols()});
-    const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>((a * svd.h).leftCols(count)).householderQ() *
-                              Eigen::MatrixXd::Identity(a.rows(), count);
+    const Eigen::MatrixXd q = orthonormal((a * svd.h).leftCols(count));
     const Eigen::MatrixXd b = a.transpose() * q;  // A's nearest within the span of q is q b^T
     Eigen::MatrixXd v = Eigen::MatrixXd::Zero(a.cols(), terms);
     v.leftCols(count) = left_singular_vectors(b);
