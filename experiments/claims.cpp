@@ -56,6 +56,22 @@ nlohmann::ordered_json json_of(const Finding& f) {
             {"run", f.run}};
 }
 
+/// A run of other settings: what the rules' bounds say of its figures.
+nlohmann::ordered_json json_of_varied(const Finding& f) {
+    nlohmann::ordered_json readings = nlohmann::ordered_json::array();
+    for (const Judgement& j : f.readings)
+        readings.push_back(
+            {{"name", j.rule->name}, {"by_the_measures", to_string(j.outcome())}, {"measures", j.json()}});
+    return {{"id", f.claim->id},
+            {"settings", f.settings},
+            {"by_the_measures", f.by_the_measures()},
+            {"sentence", f.evidence.sentence},
+            {"measures", f.judgement.json()},
+            {"readings", readings},
+            {"renderer", f.evidence.renderer},
+            {"run", f.run}};
+}
+
 std::string told(const Finding& f, const Judgement& j) {
     std::string text = fmt::format("**{}**", f.verdict(j));
     if (const std::string reason = j.reason(); !reason.empty()) text += fmt::format(": {}", reason);
@@ -65,7 +81,8 @@ std::string told(const Finding& f, const Judgement& j) {
 }
 
 /// One claim's part of the page: what the paper states, the rules, and what every run found.
-std::string section_of(const Claim& claim, const std::vector<const Finding*>& findings) {
+std::string section_of(const ClaimFindings& found) {
+    const Claim& claim = *found.claim;
     const Rule& rule = claim.rule;
     std::string text =
         fmt::format("## {}: {}\n\nThe paper, Section {}. Rule, since {}: {}.\n\nWhy this one: {}.\n\nScale: {}.\n",
@@ -75,7 +92,7 @@ std::string section_of(const Claim& claim, const std::vector<const Finding*>& fi
     for (const Rule& former : claim.former)
         text += fmt::format("\nUntil {} the rule was: {}. It changed because {}.\n", former.until, former.text,
                             former.changed);
-    for (const Finding* finding : findings) {
+    for (const Finding* finding : found.all()) {
         const Finding& f = *finding;
         text += fmt::format("\n**{}**, {} profile{}", f.verdict(), f.profile,
                             f.run.empty() ? "" : fmt::format("; {}; `{}`", f.evidence.renderer, f.run));
@@ -92,6 +109,13 @@ std::string section_of(const Claim& claim, const std::vector<const Finding*>& fi
         if (!f.evidence.beside.empty())
             text += fmt::format("\nBeside it:\n\n- {}\n", fmt::join(f.evidence.beside, "\n- "));
     }
+    for (const Finding& f : found.varied) {
+        text += fmt::format("\nWith {}, {}; `{}`: by the measures **{}**.\n\n{}\n\n{}", f.settings, f.evidence.renderer,
+                            f.run, f.by_the_measures(), f.evidence.sentence, f.judgement.table().markdown());
+        for (const Judgement& j : f.readings)
+            text += fmt::format("\nBy the other reading, {}: **{}**.\n\n{}", j.rule->name, to_string(j.outcome()),
+                                j.table().markdown());
+    }
     return text;
 }
 
@@ -104,6 +128,8 @@ void write_claims(Experiment& experiment) {
     const std::string& profile = experiment.profile();
 
     nlohmann::ordered_json json = {{"format", "radiafit-claims"}, {"version", 3}, {"profile", profile}};
+    json["claims"] = nlohmann::ordered_json::array();
+    json["varied"] = nlohmann::ordered_json::array();
     Table shown({"claim", "the paper states", "found", "verdict", "by other rules", "by the rule, at smaller scale"});
     std::string sections;
     for (const ClaimFindings& found : find_claims(folders, profile)) {
@@ -112,7 +138,8 @@ void write_claims(Experiment& experiment) {
             shown.add(
                 {claim.id, claim.states, line.found(), line.verdict(), line.by_other_rules(), line.at_smaller_scale()});
         for (const Finding* f : found.all()) json["claims"].push_back(json_of(*f));
-        sections += "\n" + section_of(claim, found.all());
+        for (const Finding& f : found.varied) json["varied"].push_back(json_of_varied(f));
+        sections += "\n" + section_of(found);
     }
     const fs::path verdicts =
         experiment.results() /

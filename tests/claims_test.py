@@ -17,6 +17,7 @@ import unittest
 import zlib
 
 from claims.convergence import *  # noqa: F403
+from claims.convergence import CONFIG, SUMMARY, ends, problems
 from claims.fixture import ClaimsTest
 from claims.images import *  # noqa: F403
 from claims.samples import *  # noqa: F403
@@ -71,6 +72,27 @@ class Report(ClaimsTest):
         (self.root / "results/table1_datasets").rename(self.root / "results/reference/table1_datasets")
         self.assertEqual([row["verdict"] for row in self.judge()[0] if row["id"] == "C17"],
                          ["does not hold", "holds", "not run"])
+
+    def test_runs_of_other_objects_and_weights_are_told_and_judge_nothing(self):
+        def run(ratios, day, standard=False, **config):
+            tables = {"problems": problems(ratios), "summary": SUMMARY, "ends": ends()}
+            self.add("fig7_convergence", tables, time=f"2024010{day}T000000Z", standard=standard, **{**CONFIG, **config})
+
+        run((10, 12), 1, standard=True)
+        run((20, 24), 2, object=2)  # an older one
+        run((2, 4), 3, object=2)
+        run((2, 4), 4, vertices=5)  # of the same object and weight
+        rows, judged = self.judge()
+        self.assertEqual(judged["C1"]["verdict"], "holds")
+        told = json.loads((self.root / "results/claims.json").read_text())["varied"]
+        self.assertEqual({(v["id"], v["settings"]) for v in told}, {(claim, "object = 2") for claim in ("C1", "C2", "C19", "C22")})
+        (c1,) = [v for v in told if v["id"] == "C1"]
+        self.assertEqual(c1["by_the_measures"], "does not hold")
+        self.assertIn("20240103", c1["run"])
+        self.assertEqual([r["name"] for v in told if v["id"] == "C2" for r in v["readings"]], ["as mathematics"])
+        report = (self.root / "paper_figs/claims.md").read_text()
+        self.assertIn("with object = 2: does not hold", report)
+        self.assertIn("\nWith object = 2, ", report)
 
     def test_rows_that_are_missing_cut_or_altered(self):
         whole = b"dataset,sides,shared_texels\nstar,one,0\n"

@@ -53,6 +53,38 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
     return {judged_by_all_rules({&claim, profile, "", none})};
 }
 
+/// "object = 2, lambda = 0.001": what decides the problems, where it is another than the standard run's.
+std::string differing(const RunRecord& run, const RunRecord& standard) {
+    std::vector<std::string> all;
+    for (const char* key : {"object", "lambda"})
+        if (const auto own = run.config.find(key); own != run.config.end()) {
+            const auto usual = standard.config.find(key);
+            // rows from before there were other objects are of the first one
+            if (own->second != (usual == standard.config.end() ? "1" : usual->second))
+                all.push_back(fmt::format("{} = {}", key, own->second));
+        }
+    return fmt::format("{}", fmt::join(all, ", "));
+}
+
+/// Of the reference's, or the user's own, runs with other objects or weights.
+std::vector<Finding> varied_findings(const Claim& claim, const RunFolders& folders) {
+    const std::vector<RunRecord> standard = folders.newest(claim.experiment, judged_profile);
+    std::vector<RunRecord> runs = varied_runs(folders.results, claim.experiment, judged_profile);
+    if (runs.empty()) runs = varied_runs(folders.reference, claim.experiment, judged_profile);
+    std::vector<Finding> findings;
+    for (RunRecord& record : runs) {
+        if (standard.empty()) break;
+        const std::string settings = differing(record, standard.front());
+        if (settings.empty()) continue;
+        const FinishedRun run(std::move(record), folders.checkout);
+        Finding finding{&claim, judged_profile, run.name(), find(claim, run)};
+        if (!finding.evidence.not_run.empty()) continue;
+        finding.settings = settings;
+        findings.push_back(judged_by_all_rules(std::move(finding)));
+    }
+    return findings;
+}
+
 /// Null if there is none.
 const Finding* of_renderer(const std::vector<Finding>& findings, const std::string& renderer) {
     const auto found =
@@ -119,6 +151,11 @@ std::string ClaimFindings::Line::by_other_rules() const {
     if (!judged || !judged->judgement.not_run.empty()) return "";
     std::vector<std::string> all = judged->other_verdicts();
     if (judged->rule_is_younger()) all.emplace_back("these rows are older than the rule");
+    for (const Finding* other : varied) {
+        all.push_back(fmt::format("with {}: {}", other->settings, other->by_the_measures()));
+        for (const Judgement& j : other->readings)
+            all.push_back(fmt::format("with {}, {}: {}", other->settings, j.rule->name, to_string(j.outcome())));
+    }
     return fmt::format("{}", fmt::join(all, "; "));
 }
 
@@ -129,8 +166,11 @@ std::vector<ClaimFindings::Line> ClaimFindings::lines() const {
             renderers.push_back(f->evidence.renderer);
     if (renderers.empty()) renderers.emplace_back();
     std::vector<Line> lines;
-    for (const std::string& renderer : renderers)
-        lines.push_back({of_renderer(judged, renderer), of_renderer(smaller, renderer)});
+    for (const std::string& renderer : renderers) {
+        Line& line = lines.emplace_back(Line{of_renderer(judged, renderer), of_renderer(smaller, renderer)});
+        for (const Finding& other : varied)
+            if (other.evidence.renderer == renderer) line.varied.push_back(&other);
+    }
     return lines;
 }
 
@@ -151,6 +191,7 @@ std::vector<ClaimFindings> find_claims(const RunFolders& folders, const std::str
         if (profile != judged_profile)  // from the results alone: runs of the checkout are for the judged profile
             one.smaller =
                 findings_of(claim, profile, newest_runs(folders.results, claim.experiment, profile), folders.checkout);
+        one.varied = varied_findings(claim, folders);
     }
     return found;
 }

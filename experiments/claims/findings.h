@@ -37,9 +37,13 @@ struct Finding {
     std::string verdict(const Judgement& by) const;
     /// What the rule says of the figures, whatever their scale.
     std::string by_the_rule() const { return judgement.verdict(); }
+    /// The same whatever the run is, for those of other settings.
+    std::string by_the_measures() const { return to_string(judgement.outcome()); }
     std::string reason() const;
     /// Whether the rule was registered on a later day than the rows are of.
     bool rule_is_younger() const;
+    /// Of a run of other settings: what differs, "object = 2"; else empty.
+    std::string settings = {};
     /// Verdicts of the other rules, in words: "as mathematics: undecided"; "by the rule until 2026-11-27: holds".
     std::vector<std::string> other_verdicts() const;
 };
@@ -49,21 +53,23 @@ struct ClaimFindings {
     const Claim* claim;
     std::vector<Finding> judged;   ///< of each device
     std::vector<Finding> smaller;  ///< of another profile, which was asked for; none if that is the judged one
+    std::vector<Finding> varied;   ///< of other objects and other weights: by the measures alone, nothing is judged
 
     /// A summary for one renderer: what was found at the paper's scale or, for want of that, at a smaller one.
     struct Line {
         const Finding* judged;   ///< null: there is none
         const Finding* smaller;  ///< at a smaller scale; null: there is none
+        std::vector<const Finding*> varied = {};
         std::string found() const;
         std::string verdict() const { return judged ? judged->verdict() : "not run"; }
-        std::string by_other_rules()
-            const;  ///< as Finding::other_verdicts(), and that the rule is younger than the rows
+        /// As Finding::other_verdicts(), that the rule is younger than the rows, and what rows of other settings say.
+        std::string by_other_rules() const;
         std::string at_smaller_scale() const { return smaller ? smaller->by_the_rule() : ""; }
         const std::string& renderer() const { return (judged ? judged : smaller)->evidence.renderer; }
     };
     /// One line for each renderer that either profile has figures of; one line if there are none.
     std::vector<Line> lines() const;
-    /// The judged ones first.
+    /// The judged ones first; the varied ones left out.
     std::vector<const Finding*> all() const;
 };
 

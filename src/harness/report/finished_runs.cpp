@@ -39,11 +39,12 @@ bool holds_rows(const fs::path& folder) {
     return std::ranges::any_of(run_files(folder), [](const std::string& name) { return name.ends_with(".csv"); });
 }
 
-/// None where the folder holds no run, another profile's, or one of other settings.
-std::optional<RunRecord> standard_run(const fs::path& folder, const std::string& profile) {
+/// None where the folder holds no run, another profile's, or one that isn't of the checkout's settings where it should
+/// be, or is where it should not.
+std::optional<RunRecord> run_of(const fs::path& folder, const std::string& profile, bool standard = true) {
     try {
         RunRecord run = read_run(folder);
-        if (run.standard && run.profile == profile) return run;
+        if (run.standard == standard && run.profile == profile) return run;
     } catch (const UserError&) {  // of an older version, or damaged
     }
     return std::nullopt;
@@ -122,10 +123,24 @@ std::vector<RunRecord> newest_runs(const fs::path& root, const std::string& expe
         std::vector<fs::path> runs = folders_in(device);
         std::ranges::reverse(runs);  // names start with the time in a form that sorts
         for (const fs::path& folder : runs)
-            if (auto run = standard_run(folder, profile)) {
+            if (auto run = run_of(folder, profile)) {
                 result.push_back(*std::move(run));
                 break;
             }
+    }
+    return result;
+}
+
+std::vector<RunRecord> varied_runs(const fs::path& root, const std::string& experiment, const std::string& profile) {
+    std::vector<RunRecord> result;
+    for (const fs::path& device : folders_in(root / experiment)) {
+        std::vector<fs::path> runs = folders_in(device);
+        std::ranges::reverse(runs);
+        for (const fs::path& folder : runs) {
+            auto run = run_of(folder, profile, false);
+            if (run && std::ranges::none_of(result, [&](const RunRecord& other) { return other.alike(*run); }))
+                result.push_back(*std::move(run));
+        }
     }
     return result;
 }

@@ -49,4 +49,8 @@ std::vector<RunRecord> find_runs(const std::filesystem::path& folder);
 std::vector<RunRecord> newest_runs(const std::filesystem::path& root, const std::string& experiment,
                                    const std::string& profile);
 
+/// The newest run of each device and each set of other settings than the checkout's, such as another object's.
+std::vector<RunRecord> varied_runs(const std::filesystem::path& root, const std::string& experiment,
+                                   const std::string& profile);
+
 }  // namespace radiafit::harness

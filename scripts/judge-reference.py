@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""Judges the claims anew from results/reference, after rows were added there: writes results/reference/claims.json, the table of
+docs/claims.md (of each claim the newest run's line), and README's counts. What changed is for the committer to read.
+Usage: scripts/judge-reference.py [BUILD]      the build folder with experiments/claims in it; build/release"""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def judged(program):
+    """claims.json and claims.md over a copy of the reference, whose runs are then named as in any other checkout."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for name in ("experiments", "paper_figs"):
+            (root / name).mkdir()
+        shutil.copy(ROOT / "experiments/claims.toml", root / "experiments")
+        shutil.copytree(ROOT / "results/reference", root / "results/reference")
+        subprocess.run([program, "--config", "experiments/claims.toml", "--set", 'results="results/reference"', "--output", "judged"],
+                       cwd=root, check=True, capture_output=True)  # fmt: skip
+        return (root / "judged/claims.json").read_text(), (root / "judged/claims.md").read_text()
+
+
+def newest_of(claims):
+    """The judged rows of each claim's newest run."""
+    newest = {}
+    for row in claims:
+        if row["profile"] == "paper":
+            newest[row["id"]] = max(newest.get(row["id"], row), row, key=lambda r: r["run"].rsplit("/", 1)[-1])
+    return newest
+
+
+def replaced(path, pattern, text):
+    before = path.read_text(encoding="utf-8")
+    after, count = re.subn(pattern, lambda _: text, before, flags=re.S)
+    if count != 1:
+        sys.exit(f"{path}: {count} places look like {pattern}; expected one")
+    path.write_text(after, encoding="utf-8")
+
+
+def main():
+    build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release").resolve()
+    verdicts, report = judged(build / "experiments/claims")
+    (ROOT / "results/reference/claims.json").write_text(verdicts, encoding="utf-8")
+    newest = newest_of(json.loads(verdicts)["claims"])
+    lines = [" ".join(line.split()) for line in report.splitlines() if re.match(r"\| C\d+ ", line)]
+    table = []
+    for claim, row in newest.items():
+        (line, *_) = [x for x in lines if x.startswith(f"| {claim} |") and (not row["sentence"] or row["sentence"] in x)]
+        table.append(line)
+    replaced(ROOT / "docs/claims.md", r"(?<=\n)\| C1 \|.*\| C23 \|[^\n]*\n", "\n".join(table) + "\n")
+    found = [row["verdict"] for row in newest.values()]
+    hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))
+    counts = f"of 23, {hold} hold, {fail} do not, {undecided} are undecided and {23 - hold - fail - undecided} wait"
+    replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ are undecided and \d+ wait", counts)
+    older = sum(row["rule_is_younger_than_rows"] for row in newest.values())
+    replaced(ROOT / "README.md", r"\d+ of the verdicts are still of rows older", f"{older} of the verdicts are still of rows older")
+    print(f"{counts} for a graphics chip or rows; {older} by rows older than their rule")
+    print("now: python3 -B tests/check_figures.py --write && git diff")
+
+
+if __name__ == "__main__":
+    main()
