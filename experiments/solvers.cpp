@@ -365,7 +365,7 @@ void report(Experiment& experiment, const Options& o, const std::vector<Contesta
         table.back().to_modern = ratio(c, named("two-step cg modern"));
         table.back().to_varpro = ratio(c, named("varpro"));
     }
-    std::ranges::stable_sort(table, {}, [](const Summary& s) { return s.to_modern.all; });
+    std::ranges::stable_sort(table, {}, [](const Summary& s) { return s.per_vertex(s.seconds); });
 
     ResultFolder results = experiment.open_results(experiment.cpu_device());
     CsvFile rows(results.path(), rows::solvers);

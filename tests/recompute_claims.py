@@ -20,16 +20,17 @@ def same(a, b):
 
 def main(claims, *folders):
     compared, wrong = set(), 0
-    for c in [c for c in json.loads(pathlib.Path(claims).read_text())["claims"] if c["run"]]:
+    document = json.loads(pathlib.Path(claims).read_text())
+    for c in [c for c in document["claims"] + document["varied"] if c["run"]]:
         (folder,) = [pathlib.Path(f, c["run"]) for f in folders if pathlib.Path(f, c["run"]).exists()]
-        rules = [c["measures"], *(r["measures"] for r in c["readings"] + c["former"])]
-        for i, (measures, values) in enumerate(zip(rules, VALUES[c["id"]], strict=True)):
+        rules = [c["measures"], *(r["measures"] for r in c["readings"] + c.get("former", []))]
+        for i, (measures, values) in enumerate(zip(rules, VALUES[c["id"]], strict="former" in c)):
             told = {m["of"]: m["value"] for m in measures}
             for (of, value), mine in zip(told.items(), values(Run(folder, told)) if told else (), strict=True):
-                compared.add((c["id"], c["profile"], i, of))
+                compared.add((c["id"], c.get("profile", c.get("settings")), i, of))
                 if not same(value, mine):
                     wrong += 1
-                    print(f"{c['id']}, {c['profile']} profile, rule {i}, {of}: {value} there, {mine} by the rows")
+                    print(f"{c['id']}, {c.get('settings') or c['profile'] + ' profile'}, rule {i}, {of}: {value} there, {mine} by the rows")
     print(f"{len(compared)} values of {len({c[0] for c in compared})} claims, by {len({c[:3] for c in compared})} rules, {wrong} differ")
     return bool(wrong or not compared)
 
