@@ -1,7 +1,7 @@
 #version 450 core
 // Tiles of one corner's surface maps, with what the corner's vertex holds for the whole tile: its place among the
 // problems and the values of its view maps in this image (constant over the ring, Section 5.2.1).
-// VALUES of them, from `term` on, travel as flat varyings; 0 leaves the fragment to fetch them.
+// VALUES of them, from `term` on, travel as flat varyings; 0 leaves the fragment to fetch them, and no texture is read here.
 #include "distribute/tile.glsl"
 #include "gather/maps.glsl"
 #ifndef VALUES

@@ -10,11 +10,16 @@
 
 uniform sampler2DArray residuals;
 uniform int corner;
+#if VALUES > 0
+const int term = 0;  // map.vert has looked up the one that is wanted
+#else
+uniform int term;
+#endif
 layout(location = 0) out vec4 gradient;
 
 void main() {
     vec4 sample_at = texelFetch(residuals, ivec3(ivec2(gl_FragCoord.xy), corner), 0);
-    vec3 r = sample_at.rgb, h = view_value(0);
+    vec3 r = sample_at.rgb, h = view_value(term);
 #ifdef DIAGONAL
     gradient = vec4(LOSS_WEIGHTED(r * r, sample_at.a * h * h), 0.0);
 #else

@@ -1,8 +1,9 @@
 #version 450 core
-// variants: PRODUCT=-,1 DIAGONAL=-,1 SQUARE=-,1 MAXIMUM=-,1 TERMS=1,2 STORAGE=0,1
+// variants: PRODUCT=-,1 DIAGONAL=-,1 SQUARE=-,1 MAXIMUM=-,1 TERMS=1,2 STORAGE=0,1 TURNS=-,7
 // First level of the gather of Section 5.2.1 inside the tiles of one corner, at most 16 look-ups: a fragment sums ENTRIES
 // texels of one tile, row after row. Band k of the target holds every tile's k-th share, each in ROWS rows; tiles that the
-// mesh didn't draw loop over nothing and leave zero.
+// mesh didn't draw loop over nothing and leave zero. TURNS, in place of ENTRIES: so many entries for every fragment; those beyond its
+// share, and all of a tile that isn't drawn, are looked up and left out, as hardware without branches must.
 // SQUARE: of a residual's loss. MAXIMUM: the largest instead of the sum. PRODUCT: the sum of r g_k ("multiplying the surface
 // map gradient texture by the surface map texture and summing all products"); with DIAGONAL of g_k^2 where a sample is.
 #include "model/prelude.glsl"
@@ -26,6 +27,11 @@ uniform int term;
 layout(location = 0) out vec4 total;
 
 const int texels = SIDE * (SIDE + 1) / 2;
+#ifdef TURNS
+const int share = TURNS;
+#else
+const int share = ENTRIES;
+#endif
 
 // Cell number k of a tile: row j begins after j SIDE - j (j - 1) / 2 others. The half keeps rounding away from whole rows.
 ivec2 cell_of(int k) {
@@ -38,12 +44,22 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     int band = at.y / ROWS;
     uint tile = texelFetch(drawn, ivec2(at.x, at.y - band * ROWS), 0).r;
+    ivec2 cell = cell_of(band * share);
+    int entries = tile == 0u ? 0 : min(share, texels - band * share);
+#ifdef TURNS
+    ivec3 frame = tile_frame(max(int(tile), 1) - 1, SIDE);
+    const int turns = share;
+#else
     ivec3 frame = tile_frame(int(tile) - 1, SIDE);
-    ivec2 cell = cell_of(band * ENTRIES);
-    int entries = tile == 0u ? 0 : min(ENTRIES, texels - band * ENTRIES);
+    int turns = entries;
+#endif
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < entries; ++i) {
+    for (int i = 0; i < turns; ++i) {
+#ifdef TURNS
+        ivec2 place = frame.xy + frame.z * (i < entries ? cell : ivec2(0));
+#else
         ivec2 place = frame.xy + frame.z * cell;
+#endif
         vec4 x = texelFetch(source, ivec3(place, corner), 0);
 #ifdef PRODUCT
         vec3 g = load(texelFetch(surface_maps, ivec3(place, corner * TERMS + term), 0));
@@ -56,6 +72,9 @@ void main() {
 #endif
 #ifdef SQUARE
         x = vec4(LOSS_VALUE(x.rgb * x.rgb), x.a);
+#endif
+#ifdef TURNS
+        x = i < entries ? x : vec4(0.0);
 #endif
 #ifdef MAXIMUM
         sum = vec4(x.r > sum.r ? x.r : sum.r, x.g > sum.g ? x.g : sum.g, x.b > sum.b ? x.b : sum.b, 0.0);

@@ -1,7 +1,8 @@
 #version 450 core
-// variants: ELEMENTS=map_elements UPDATE=* VIEW_MAPS=-,1 STORAGE=0,1
-// variants: ELEMENTS=texel_elements UPDATE=* STORAGE=0,1
-// One update of an optimizer, for every element of some vectors: reads and writes its own texel only.
+// variants: ELEMENTS=map_elements UPDATE=* VIEW_MAPS=-,1 STORAGE=0,1 ONLY=-,0
+// variants: ELEMENTS=texel_elements UPDATE=* STORAGE=0,1 ONLY=-,0
+// One update of an optimizer, for every element of some vectors: reads and writes its own texel only, of all the vectors that it
+// changes or of one.
 #include "optimize/dialect.glsl"
 #include "optimize/numbers.glsl"
 #include "optimize/ELEMENTS.glsl"
@@ -9,7 +10,9 @@
 uniform MAPS vectors[VECTORS];
 uniform int number_indices[MOST_REGISTERS];
 uniform vec4 constants;
-layout(location = 0) out STORED written[WRITTEN];
+#define RESULT STORED
+#define RESULTS WRITTEN
+#include "common/output.glsl"
 void main() {
     Elements e;
     for (int k = 0; k < VECTORS; ++k) e.x[k] = load(texelFetch(vectors[k], element_place(), 0));
@@ -19,5 +22,7 @@ void main() {
     Constants of_all;
     for (int k = 0; k < MOST_CONSTANTS; ++k) of_all.x[k] = constants[k];
     UPDATE(e, of_problem, of_all);
-    for (int k = 0; k < WRITTEN; ++k) written[k] = store(e.x[k]);
+    STORED stored[WRITTEN];
+    for (int k = 0; k < WRITTEN; ++k) stored[k] = store(e.x[k]);
+    WRITE(stored);
 }

@@ -4,7 +4,7 @@
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
 #define RESULTS 2
-#include "reflect/output.glsl"
+#include "common/output.glsl"
 
 #define ADD(s) add(s, results)
 void add(Sample s, inout vec4 results[RESULTS]) {

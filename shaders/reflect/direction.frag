@@ -14,7 +14,7 @@ uniform MAPS parameters;
 #else
 #define RESULTS MAP_COUNT
 #endif
-#include "reflect/output.glsl"
+#include "common/output.glsl"
 
 #define ADD(s) add(s, p, results)
 void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {

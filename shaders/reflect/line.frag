@@ -10,7 +10,7 @@
 uniform MAPS parameters;
 uniform MAPS direction;
 #define RESULTS 1
-#include "reflect/output.glsl"
+#include "common/output.glsl"
 
 #define ADD(s) add(s, p, d, results)
 void add(Sample s, Parameters p, Parameters d, inout vec4 results[RESULTS]) {

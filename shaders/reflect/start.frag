@@ -10,7 +10,7 @@
 #define FIRST 0
 #define RESULTS 1
 #endif
-#include "reflect/output.glsl"
+#include "common/output.glsl"
 #define PLAIN (BASIS_COUNT - 1)
 #define NUMBERS (PLAIN * (PLAIN + 1) / 2 + 3 * PLAIN + CANDIDATES * (BASIS_COUNT + 3))
 #if SHAPE_COUNT > 0

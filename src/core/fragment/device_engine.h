@@ -97,7 +97,7 @@ public:
     void make_room(const Room& room) {
         const int64_t before = Numbers::device_bytes();
         const size_t wanted = size_t(room.vector_count());
-        if (wanted != vectors_.size()) drop_targets();
+        if (wanted != vectors_.size()) drop_targets();  // names of textures come again
         while (vectors_.size() > wanted) vectors_.pop_back();
         while (vectors_.size() < wanted) vectors_.push_back(make_vector());
         for (size_t v = vector::first_own; v < wanted; ++v) vectors_[v].clear();
@@ -139,18 +139,28 @@ public:
 
 protected:
     DeviceEngine() = default;
+    void make_spares() {
+        while (spares_.size() < size_t(most_written)) spares_.push_back(make_vector());
+    }
+    void exchange_spares(Update which, std::span<const int> vectors) {
+        for (size_t k = 0; k < size_t(updates[int(which)].written) && !spares_.empty(); ++k)
+            std::swap(vectors_[size_t(vectors[k])], spares_[k]);
+    }
     void count_bytes() { bytes_ = uint64_t(Numbers::device_bytes() - allocated_before_); }
 
     int64_t allocated_before_ = Numbers::device_bytes();
     std::unique_ptr<Numbers> numbers_;
     std::vector<Vector> vectors_;          ///< those of optim/verbs.h, then the optimizer's
+    /// Where passes may not read what they write: as many as any update writes, which takes these and exchanges them
+    /// for what it has written. Else none.
+    std::vector<Vector> spares_;
     std::vector<uint32_t> sample_counts_;  ///< [problems], or of each three of a vertex; from count()
     int first_term_ = 0, last_term_ = 1 << 30;
 
 private:
     virtual Vector make_vector() const = 0;
     virtual void make_products(int count) = 0;
-    virtual void drop_targets() {}  ///< framebuffers that hold vectors of an optimizer
+    virtual void drop_targets() {}  ///< framebuffers that hold vectors
     virtual std::vector<float> trial_errors() const = 0;
     void read(int which, std::span<float> out) const {
         std::ranges::fill(out, 0.0f);

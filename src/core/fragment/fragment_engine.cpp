@@ -6,7 +6,9 @@
 
 namespace radiafit {
 
-std::string to_string(Passes passes) { return passes == Passes::paper ? "paper" : "combined"; }
+std::string to_string(Passes passes) {
+    return passes == Passes::paper ? "paper" : passes == Passes::r300 ? "r300" : "combined";
+}
 
 FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atlas, const VertexRings& rings,
                                std::vector<uint32_t> views, const LfmOptions& options,
@@ -20,7 +22,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
       mesh_(atlas, fragment_options.cull),
       run_(mesh_),
       problems_(shape_, fragment_options.sums),
-      gathers_(shape_, fragment_options.storage),
+      gathers_(shape_, fragment_options.storage, fragment_options.passes == Passes::r300),
       vertices_(GL_RGBA32F, shape_.grid.columns, shape_.grid.rows, 4) {
     const auto frames = vertex_frames(atlas.mesh());
     std::vector<float> layers[4];
@@ -33,13 +35,15 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     for (int layer = 0; layer < 4; ++layer) problems_.write(vertices_, layer, layers[layer]);
 
     numbers_ = std::make_unique<ProblemNumbers>(run_, 3 * shape_.grid.columns, shape_.grid.rows,
-                                                3 * rings.vertex_count(), std::vector<uint32_t>(), "vertices");
+                                                3 * rings.vertex_count(), std::vector<uint32_t>(), "vertices",
+                                                fragment_options.passes == Passes::r300);
     make_room({});
+    if (fragment_options.passes == Passes::r300) make_spares();
     const Storage storage = fragment_options.storage;
     gradient_sums_ = MapSums(shape_, fragment_options.sums);
     square_sums_ = MapSums(shape_, fragment_options.sums);
-    map_passes_ =
-        std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, *numbers_, vectors_, options_, storage);
+    map_passes_ = std::make_unique<MapPasses>(shape_, mesh_, run_, gathers_, problems_, *numbers_, vectors_, spares_,
+                                              options_, storage);
 
     const auto [width, height] = images_.largest();
     const PassResources resources{shape_,
@@ -48,6 +52,7 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
                                   gathers_,
                                   problems_,
                                   vertices_,
+                                  fragment_options.passes,
                                   storage,
                                   fragment_options.sums,
                                   options.lookup,
@@ -56,10 +61,10 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
                                   images_.bits(),
                                   fragment_options.images_per_pass,
                                   fragment_options.keep_samples ? images_.views().size() : 0};
-    if (fragment_options.keep_samples && fragment_options.passes != Passes::paper)
-        throw std::invalid_argument("samples are kept by the paper's passes only");
+    if (fragment_options.keep_samples && fragment_options.passes == Passes::combined)
+        throw std::invalid_argument("combined passes keep no samples");
     image_passes_ =
-        fragment_options.passes == Passes::paper ? make_paper_passes(resources) : make_combined_passes(resources);
+        fragment_options.passes == Passes::combined ? make_combined_passes(resources) : make_paper_passes(resources);
     images_.set_batch(image_passes_->batch());
     count_bytes();
 }
@@ -138,7 +143,7 @@ void FragmentEngine::dot(std::initializer_list<DotProduct> products) {
 }
 
 void FragmentEngine::step(Step which, const Turn& turn) {
-    problems_.bind_to(numbers_->program(which, turn));
+    for (const Program& program : numbers_->programs(which, turn)) problems_.bind_to(program);
     numbers_->step(which, turn);
 }
 

@@ -33,6 +33,7 @@ public:
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants) {
         map_passes_->update(which, vectors, numbers, constants);
+        exchange_spares(which, vectors);
     }
     Line read_line() const override;
 

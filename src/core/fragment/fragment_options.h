@@ -18,9 +18,15 @@ enum class Storage {
 /// of residuals of order one in a ring.
 enum class Sums { fp32, fp16 };
 
-/// How sums over the samples of images are cut into programs: as the paper has it, one image and one render target a
-/// pass; or several images and targets in one program.
-enum class Passes { paper, combined };
+/// How the work is cut into programs.
+enum class Passes {
+    paper,  ///< as the paper has it: one image a pass, and over images one render target; a few programs go beyond that
+    /// The paper's as its chip, the Radeon 9700 (R300), could bind them: one render target in every pass, none of which
+    /// is read in it; textures looked up by fragment programs alone, in loops of constant length, and with one term at
+    /// most 16 texels.
+    r300,
+    combined  ///< several images and targets in one program
+};
 std::string to_string(Passes passes);
 
 struct FragmentOptions {
@@ -32,7 +38,7 @@ struct FragmentOptions {
     TargetSpace space = TargetSpace::stored;
     /// What texels take of each image stays on the device from the first sweep on, a map of the surface for each, and
     /// later sweeps don't distribute again: memory is O(S), and images are needed in the first sweep only. Of light
-    /// field maps with the paper's passes.
+    /// field maps with the paper's passes, or r300's.
     bool keep_samples = false;
     /// Images that combined passes take together; 0: as many as they can. Of light field maps at most 4, or what
     /// varyings have room for; of reflectance as many as 256 MiB hold, but 4 at least, and over a grid there are two

@@ -78,7 +78,7 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     const int bits = ImageStream(dataset, StreamSource::disk, fragment_options.space).bits();
     const uint64_t stored = fragment_options.storage == Storage::fp32 ? float4 : half4;
     const uint64_t summed = fragment_options.sums == Sums::fp32 ? float4 : half4;
-    const bool combined = fragment_options.passes == Passes::combined;
+    const bool combined = fragment_options.passes == Passes::combined, r300 = fragment_options.passes == Passes::r300;
     constexpr int usual_varyings = 124;  // components; what today's devices have at least
     const int together = combined_batch(options.terms, bits, usual_varyings, fragment_options.images_per_pass);
     const uint64_t batch = combined ? uint64_t(together) : 1;
@@ -91,6 +91,9 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     if (room.vectors > 0)
         plan.add("vectors of the optimizer", fmt::format("{} x as many", room.vectors),
                  uint64_t(room.vectors) * terms * (3 * layout + map_texels), stored);
+    if (r300)
+        plan.add("spares that updates write", fmt::format("{} x as many", most_written),
+                 uint64_t(most_written) * terms * (3 * layout + map_texels), stored);
     for (const char* name : {"gradient sums", "diagonal sums"})
         plan.add(name, maps, terms * (3 * layout + map_texels), summed);
     plan.add("L p, products", fmt::format("2 x (3 x {} x {} + view maps)", atlas.width(), atlas.height()),
@@ -101,10 +104,10 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("mesh", fmt::format("{} triangles, attributes and indices", triangles),
              triangles * 3 * (3 * 12 + 4 + 12 + 4), 1);
     plan.add("vertex frames", fmt::format("4 x {} x {}", grid.columns, grid.rows), 4 * problems, float4);
-    plan.add("state of problems",
-             fmt::format("(4 + 3 x {}) x {} x {}", ProblemNumbers::layers(room), grid.columns, grid.rows),
-             (4 + 3 * uint64_t(ProblemNumbers::layers(room))) * problems, float4);
-    plan.add("summary of problems", "levels", ProblemNumbers::summary_texels(3 * grid.columns, grid.rows), 16);
+    const int state_layers = 3 * (r300 ? 2 : 1) * ProblemNumbers::layers(room);  // three problems a vertex
+    plan.add("state of problems", fmt::format("(4 + {}) x {} x {}", state_layers, grid.columns, grid.rows),
+             (4 + uint64_t(state_layers)) * problems, float4);
+    plan.add("summary of problems", "levels", ProblemNumbers::summary_texels(3 * grid.columns, grid.rows, r300), 16);
     plan.add("dot products", fmt::format("{} x {} x {}", room.product_count(), grid.columns, grid.rows),
              uint64_t(room.product_count()) * problems, float4);
     plan.add("sums of problems over samples", fmt::format("5 x {} x {}", grid.columns, grid.rows), 5 * problems,

@@ -26,8 +26,10 @@ std::vector<int> Gathers::tile_bands(int texels, int entries) {
     return levels;
 }
 
-Gathers::Gathers(const MapShape& shape, Storage storage)
-    : marks_(TilePlaces(*shape.atlas)), tile_sums_(GL_RGBA32F, marks_.places().columns, marks_.places().rows, 3) {
+Gathers::Gathers(const MapShape& shape, Storage storage, bool constant_loops)
+    : constant_loops_(constant_loops),
+      marks_(TilePlaces(*shape.atlas)),
+      tile_sums_(GL_RGBA32F, marks_.places().columns, marks_.places().rows, 3) {
     for (int corner = 0; corner < 3; ++corner) tile_targets_.push_back(Framebuffer({{&tile_sums_, corner}}));
     const Defines defines = shape.defines(storage), product = defines + Defines{{"PRODUCT", ""}};
     tile_gather_ = make_tile_gather(shape, tile_entries,
@@ -48,13 +50,15 @@ Gathers::TileGather Gathers::make_tile_gather(const MapShape& shape, int entries
     TileGather gather;
     for (size_t i = 0; i < variants.size(); ++i)
         gather.first[i] = Program::draw("common/whole.vert", "gather/tile_texels.frag",
-                                        variants[i] + band_rows + Defines{{"ENTRIES", std::to_string(entries)}});
+                                        variants[i] + band_rows +
+                                            Defines{{constant_loops_ ? "TURNS" : "ENTRIES", std::to_string(entries)}});
     for (int bands : tile_bands(int(shape.atlas->texels_per_tile()), entries)) {
         Bands level;
         level.sums = Texture(GL_RGBA32F, columns, rows * bands, 1);
         level.target = Framebuffer({{&level.sums, 0}});
         gather.levels.push_back(std::move(level));
-        const Defines defines = band_rows + Defines{{"BANDS", std::to_string(bands)}};
+        Defines defines = band_rows + Defines{{"BANDS", std::to_string(bands)}};
+        if (constant_loops_) defines.push_back({"TURNS", std::to_string(std::min(16, bands))});
         std::array<Program, 2> programs;
         for (int maximum = 0; maximum < 2; ++maximum)
             programs[size_t(maximum)] = Program::draw("common/whole.vert", "gather/band_sum.frag",
@@ -133,12 +137,13 @@ void Gathers::gather_tiles(PassRunner& run, TileGather& gather, const Program& f
     };
     first.bind("drawn", marks_.texture());
     first.set("corner", corner);
-    run.draw_whole(target(0), first, run.tile_texels());
+    run.draw_whole(target(0), first, constant_loops_ ? 0 : run.tile_texels());
     for (size_t i = 0; i < gather.levels.size(); ++i) {
         const Texture& bands = gather.levels[i].sums;
         const Program& program = gather.further[i][maximum];
         program.bind("source", bands);
-        run.draw_whole(target(i + 1), program, uint64_t(bands.width()) * bands.height());  // a band is an entry once
+        const uint64_t entries = uint64_t(bands.width()) * uint64_t(bands.height());  // a band is one once
+        run.draw_whole(target(i + 1), program, constant_loops_ ? 0 : entries);
     }
 }
 

@@ -20,7 +20,8 @@ public:
     /// Levels of a gather inside tiles but the last, which has one: bands that each leaves of a tile.
     static std::vector<int> tile_bands(int texels, int entries);
 
-    Gathers(const MapShape& shape, Storage storage);
+    /// constant_loops: every fragment looks up as many entries, those that it doesn't have being left out of the sum.
+    Gathers(const MapShape& shape, Storage storage, bool constant_loops);
 
     /// Which tiles count; to be called whenever the mesh draws others than before.
     void mark_tiles(const SlsMesh& mesh) { marks_.update(mesh); }
@@ -64,6 +65,7 @@ private:
     void make_ring_levels(const MapShape& shape);
     void make_view_levels(const MapShape& shape);
 
+    bool constant_loops_;
     TileMarks marks_;
     Texture tile_sums_;
     std::vector<Framebuffer> tile_targets_;  ///< [corner]

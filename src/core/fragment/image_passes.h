@@ -49,6 +49,7 @@ struct PassResources {
     Gathers& gathers;
     ProblemTextures& problems;
     const Texture& vertices;  ///< 4 layers: position, tangent, bitangent, normal
+    Passes passes;
     Storage storage;
     Sums sums;
     ViewLookup lookup;
@@ -62,7 +63,7 @@ struct PassResources {
 void set_camera_centre(const Program& program, const Camera& camera);
 
 /// Section 5 as printed: one image at a time; item buffer; residuals in SLS for each corner; gradients by blending
-/// and gather. One render target a pass.
+/// and gather. One render target a pass, but for footprints, which with Passes::r300 have two passes.
 std::unique_ptr<ImagePasses> make_paper_passes(const PassResources& resources);
 /// Images that a combined pass takes at a time; images_per_pass: see FragmentOptions.
 int combined_batch(int terms, int bits, int varying_components, int images_per_pass);

@@ -6,13 +6,14 @@ namespace radiafit {
 
 MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers,
                      ProblemTextures& problems, const ProblemNumbers& numbers, std::vector<MapVector>& vectors,
-                     const LfmOptions& options, Storage storage)
+                     const std::vector<MapVector>& spares, const LfmOptions& options, Storage storage)
     : shape_(shape),
       run_(run),
       gathers_(gathers),
       problems_(problems),
       numbers_(numbers),
       vectors_(vectors),
+      spares_(spares),
       mesh_(mesh),
       options_(options),
       storage_(storage) {
@@ -38,7 +39,7 @@ MapPasses::MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run
     precondition_ = pass("precondition.frag");
     floored_ = pass("precondition.frag", {{"FLOORED", ""}});
     dot_ = pass("dot.frag");
-    for (const Update which : {Update::update_direction, Update::advance}) update_pair(which);
+    for (const Update which : {Update::update_direction, Update::advance}) update_pairs(which);
 }
 
 MapPasses::Pair MapPasses::make(
@@ -59,21 +60,24 @@ MapPasses::Pair MapPasses::make(
     return pair;
 }
 
-const MapPasses::Pair& MapPasses::update_pair(Update which) {
-    Pair& pair = updates_[which];
-    if (!pair.program[surface])
-        pair = make([&](const std::string& vertex_file, const Defines& defines) {
-            return make_update(which, vertex_file, "map_elements", defines);
-        });
-    return pair;
+const std::vector<MapPasses::Pair>& MapPasses::update_pairs(Update which) {
+    std::vector<Pair>& pairs = updates_[which];
+    if (pairs.empty())
+        for (const Defines& result : result_defines(updates[int(which)].written, !spares_.empty()))
+            pairs.push_back(make([&](const std::string& vertex_file, const Defines& defines) {
+                return make_update(which, vertex_file, "map_elements", defines + result);
+            }));
+    return pairs;
 }
 
-const MapPasses::Targets& MapPasses::targets(std::span<const int> vectors) {
-    Targets& targets = targets_[vector_list(vectors)];
+const MapPasses::Targets& MapPasses::targets(std::span<const MapVector* const> vectors) {
+    TextureList names{};
+    std::ranges::transform(vectors, names.begin(), [](const MapVector* x) { return x->surface().name(); });
+    Targets& targets = targets_[names];
     if (!targets[surface].empty()) return targets;
     const auto add = [&](Site site, const auto& of) {
         std::vector<Target> colours;
-        for (const int v : vectors) colours.push_back(of(vectors_[size_t(v)]));
+        for (const MapVector* x : vectors) colours.push_back(of(*x));
         targets[site].push_back(Framebuffer(colours));
     };
     for (int corner = 0; corner < 3; ++corner)
@@ -131,7 +135,7 @@ void MapPasses::finish_gradient(const MapVector& x, const MapSums& sums, int fir
         laplacian(x, term);
         gather_pass(penalty_error_, problems_.sum_target(Sum::penalty), Gather::sum, term);
         for (const Program& program : gradient_.program) program.set("fitted", term >= first_term && term < last_term);
-        store_pass(gradient_, targets({{vector::trial_g}}), term);
+        store_pass(gradient_, targets({{&vectors_[vector::trial_g]}}), term);
     }
 }
 
@@ -140,7 +144,8 @@ void MapPasses::finish_precondition(const MapSums& squares) {
     run_.clear(problems_.largest_target);
     for (int term = 0; term < shape_.terms(); ++term)
         gather_pass(precondition_, problems_.largest_target, Gather::maximum, term);
-    for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, targets({{vector::fresh}}), term);
+    for (int term = 0; term < shape_.terms(); ++term)
+        store_pass(floored_, targets({{&vectors_[vector::fresh]}}), term);
 }
 
 void MapPasses::finish_directional(const MapVector& x, const MapVector& d) {
@@ -167,12 +172,18 @@ void MapPasses::dot(const DotProduct& product) {
 void MapPasses::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                        std::initializer_list<float> constants) {
     const std::span<const int> list(vectors);
-    const Pair& pair = update_pair(which);
-    for (const Program& program : pair.program) numbers_.set_update(program, problems_.products(), numbers, constants);
-    for (size_t k = 0; k < list.size(); ++k) bind(pair, "vectors", vectors_[size_t(list[k])], k);
-    const Targets& written = targets(list.first(size_t(updates[int(which)].written)));
+    const size_t count = size_t(updates[int(which)].written);
+    std::array<const MapVector*, MOST_VECTORS> written{};
+    for (size_t k = 0; k < count; ++k) written[k] = spares_.empty() ? &vectors_[size_t(list[k])] : &spares_[k];
+    const std::vector<Pair>& pairs = update_pairs(which);
     gl().TextureBarrier();
-    for (int term = 0; term < shape_.terms(); ++term) store_pass(pair, written, term);
+    for (size_t i = 0; i < pairs.size(); ++i) {
+        for (const Program& program : pairs[i].program)
+            numbers_.set_update(program, problems_.products(), numbers, constants);
+        for (size_t k = 0; k < list.size(); ++k) bind(pairs[i], "vectors", vectors_[size_t(list[k])], k);
+        const Targets& to = targets(std::span(written).subspan(i, count / pairs.size()));
+        for (int term = 0; term < shape_.terms(); ++term) store_pass(pairs[i], to, term);
+    }
     gl().TextureBarrier();
 }
 

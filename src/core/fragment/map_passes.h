@@ -10,13 +10,13 @@ namespace radiafit {
 
 /// The passes over N-texel arrays that come once per sweep, not once per image: penalties, the finished gradient and
 /// preconditioner, dot products and updates. One render target a pass but for updates, which write as many arrays as
-/// they change.
+/// they change, in place; or, where there are spares, each by itself into one of those.
 class MapPasses {
 public:
     /// vectors: those of optim/verbs.h, and the optimizer's behind them.
     MapPasses(const MapShape& shape, const SlsMesh& mesh, PassRunner& run, Gathers& gathers, ProblemTextures& problems,
-              const ProblemNumbers& numbers, std::vector<MapVector>& vectors, const LfmOptions& options,
-              Storage storage);
+              const ProblemNumbers& numbers, std::vector<MapVector>& vectors, const std::vector<MapVector>& spares,
+              const LfmOptions& options, Storage storage);
 
     /// trial_g = sums / S-bar + penalties at x, zero for terms outside [first_term, last_term); adds the penalties to
     /// Sum::penalty.
@@ -27,9 +27,10 @@ public:
     void finish_directional(const MapVector& x, const MapVector& d);
     /// Into the product's layer.
     void dot(const DotProduct& product);
+    /// The caller exchanges spares for what is written.
     void update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                 std::initializer_list<float> constants);
-    void drop_targets() { drop_optimizers(targets_); }  ///< of vectors that will be others
+    void drop_targets() { targets_.clear(); }  ///< of vectors that will be others
 
 private:
     enum Site { surface, view };
@@ -51,9 +52,9 @@ private:
     void store_pass(const Pair& pair, const Targets& targets, int term);
     void draw(const Pair& pair, int site, const Framebuffer& target, size_t corner = 0);
     Pair make(const std::function<Program(const std::string& vertex_file, const Defines& defines)>& program) const;
-    const Pair& update_pair(Update which);  ///< compiled when it is first asked for
+    const std::vector<Pair>& update_pairs(Update which);  ///< compiled when they are first asked for
     /// Render targets of these vectors together.
-    const Targets& targets(std::span<const int> vectors);
+    const Targets& targets(std::span<const MapVector* const> vectors);
 
     const MapShape& shape_;
     PassRunner& run_;
@@ -61,13 +62,14 @@ private:
     ProblemTextures& problems_;
     const ProblemNumbers& numbers_;
     std::vector<MapVector>& vectors_;
+    const std::vector<MapVector>& spares_;
     const SlsMesh& mesh_;
     LfmOptions options_;
     Storage storage_;
     Texture smoothed_[2], product_[2];  // [site]: 3 corners, or 1 layer of view maps
     std::vector<Framebuffer> smoothed_targets_[2], product_targets_[2];
-    std::map<VectorList, Targets> targets_;
-    std::map<Update, Pair> updates_;
+    std::map<TextureList, Targets> targets_;
+    std::map<Update, std::vector<Pair>> updates_;
     Pair laplacian_, penalty_error_, penalty_curvature_, gradient_, precondition_, floored_, dot_;
 };
 

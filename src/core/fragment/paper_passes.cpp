@@ -50,6 +50,7 @@ public:
                           bool quartic) override;
 
 private:
+    bool r300() const { return w_.passes == Passes::r300; }
     void begin_image(const ImageOnDevice& image, bool distribute);
     void look_up(const MapVector& x, const std::vector<Framebuffer>& targets);
     void keep(const ImageOnDevice& image);
@@ -66,10 +67,11 @@ private:
     Texture footprint_;                  // per vertex, in this image: weights of four view texels; the first of them
     Texture view_values_, view_slopes_;  // [terms] per vertex: h_k and dh_k in this image
     std::vector<Framebuffer> residual_targets_, product_targets_, value_targets_, slope_targets_;
-    Framebuffer footprint_target_;
-    Program footprint_program_, look_up_program_, target_program_, residual_program_, keep_program_;
+    std::vector<Framebuffer> footprint_targets_;
+    std::vector<Program> footprint_programs_;
+    Program look_up_program_, target_program_, residual_program_, keep_program_;
     std::vector<const Program*> taking_programs_{&target_program_};  // that find the pixels of texels
-    Program surface_program_[2], scatter_program_[2];                // [1]: squares for diag(J'J)
+    Program surface_program_[2], view_program_[2];                   // [1]: squares for diag(J'J)
     Program line_program_[4];
 };
 
@@ -81,7 +83,7 @@ PaperPasses::PaperPasses(const PassResources& resources)
       footprint_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows, 2),
       view_values_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows, resources.shape.terms()),
       view_slopes_(GL_RGBA32F, resources.shape.grid.columns, resources.shape.grid.rows, resources.shape.terms()),
-      footprint_target_({{&footprint_, 0}, {&footprint_, 1}}) {
+      footprint_targets_(result_targets({{&footprint_, 0}, {&footprint_, 1}}, r300())) {
     const int terms = w_.shape.terms();
     for (int corner = 0; corner < 3; ++corner) {
         residual_targets_.push_back(Framebuffer({{&residual_, corner}}));
@@ -92,9 +94,12 @@ PaperPasses::PaperPasses(const PassResources& resources)
         slope_targets_.push_back(Framebuffer({{&view_slopes_, term}}));
     }
     const Defines shape = w_.shape.defines(w_.storage);
-    const Defines all{{"VALUES", std::to_string(terms <= most_varying_terms() ? terms : 0)}}, one{{"VALUES", "1"}};
+    const Defines all{{"VALUES", std::to_string(!r300() && terms <= most_varying_terms() ? terms : 0)}},
+        one{{"VALUES", r300() ? "0" : "1"}};
     const Defines nearest = w_.lookup == ViewLookup::nearest ? Defines{{"NEAREST", ""}} : Defines{};
-    footprint_program_ = Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest);
+    for (const Defines& which : result_defines(2, r300()))
+        footprint_programs_.push_back(
+            Program::draw("common/whole.vert", "gather/footprint.frag", shape + nearest + which));
     look_up_program_ = Program::draw("common/whole.vert", "gather/look_up.frag", shape);
     target_program_ = Program::draw("gather/map.vert", "gather/residual.frag",
                                     shape + Defines{{"TARGET_ONLY", ""}, {"PROJECTED", ""}});
@@ -115,11 +120,14 @@ PaperPasses::PaperPasses(const PassResources& resources)
     for (int squares = 0; squares < 2; ++squares) {
         const Defines what = shape + (squares ? Defines{{"DIAGONAL", ""}} : Defines{});
         surface_program_[squares] = Program::draw("gather/map.vert", "gather/surface_gradient.frag", what + one);
-        scatter_program_[squares] = Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
+        view_program_[squares] =
+            r300() ? Program::draw("common/whole.vert", "gather/scatter.frag", what + Defines{{"GATHERED", ""}})
+                   : Program::draw("gather/scatter.vert", "gather/scatter.frag", what);
         const int m = w_.shape.grid.view_side;
-        scatter_program_[squares].set("layout_size", float(w_.shape.grid.columns * m), float(w_.shape.grid.rows * m));
-        scatter_program_[squares].bind("ring_sums", w_.problems.ring);
-        scatter_program_[squares].bind("footprints", footprint_);
+        view_program_[squares].set_if_used("layout_size", float(w_.shape.grid.columns * m),
+                                           float(w_.shape.grid.rows * m));
+        view_program_[squares].bind("ring_sums", w_.problems.ring);
+        view_program_[squares].bind("footprints", footprint_);
     }
     for (int quantity = 0; quantity < 4; ++quantity)
         line_program_[quantity] =
@@ -133,7 +141,7 @@ PaperPasses::PaperPasses(const PassResources& resources)
         program->bind_if_used("view_slopes", view_slopes_);
         program->bind_if_used("residuals", residual_);
     }
-    footprint_program_.bind("vertex_frames", w_.vertices);
+    for (const Program& program : footprint_programs_) program.bind("vertex_frames", w_.vertices);
     look_up_program_.bind("footprints", footprint_);
     for (const Program* program : taking_programs_) program->bind("items", items_.items());
 }
@@ -144,8 +152,10 @@ void PaperPasses::begin_image(const ImageOnDevice& image, bool distribute) {
         for (const Program* program : taking_programs_) SlsMesh::set_camera(*program, *image.camera);
         w_.run.draw_items(items_, *image.camera);
     }
-    set_camera_centre(footprint_program_, *image.camera);
-    w_.run.draw_whole(footprint_target_, footprint_program_);
+    for (size_t i = 0; i < footprint_programs_.size(); ++i) {
+        set_camera_centre(footprint_programs_[i], *image.camera);
+        w_.run.draw_whole(footprint_targets_[i], footprint_programs_[i]);
+    }
     w_.gathers.mark_tiles(w_.mesh);
 }
 
@@ -186,11 +196,12 @@ void PaperPasses::count(const std::vector<ImageOnDevice>& images) {
     }
 }
 
-// Figure 5: surface maps by blending, view maps by gathers and a scatter of one value per vertex.
+// Figure 5: surface maps by blending, view maps by gathers and a scatter of one value per vertex, or of r300 another
+// gather.
 void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
     const int terms = w_.shape.terms();
     const Program& surface = surface_program_[squares];
-    const Program& scatter = scatter_program_[squares];
+    const Program& view = view_program_[squares];
     for (int term = 0; term < terms; ++term) {
         surface.set("term", term);
         w_.run.blend();
@@ -203,7 +214,11 @@ void PaperPasses::gradient_of(const MapVector& x, MapSums& sums, bool squares) {
             w_.gathers.tile_products(w_.run, residual_, x.surface(), corner, term, squares);
         w_.gathers.rings(w_.run, w_.gathers.tile_sums(), w_.problems.ring_target, Gather::sum, false);
         w_.run.blend();
-        w_.run.draw_points(sums.view_targets[size_t(term)], scatter, w_.shape.layout->problem_count());
+        const Framebuffer& view_target = sums.view_targets[size_t(term)];
+        if (r300())
+            w_.run.draw_whole(view_target, view);
+        else
+            w_.run.draw_points(view_target, view, w_.shape.layout->problem_count());
         w_.run.no_blend();
     }
 }

@@ -7,6 +7,22 @@
 
 namespace radiafit {
 
+std::vector<Defines> result_defines(int results, bool one_target) {
+    if (!one_target || results == 1) return {Defines{}};
+    std::vector<Defines> each;
+    for (int i = 0; i < results; ++i) each.push_back({{"ONLY", std::to_string(i)}});
+    return each;
+}
+
+std::vector<Framebuffer> result_targets(const std::vector<Target>& results, bool one_target) {
+    std::vector<Framebuffer> targets;
+    if (one_target)
+        for (const Target& result : results) targets.push_back(Framebuffer({result}));
+    else
+        targets.push_back(Framebuffer(results));
+    return targets;
+}
+
 PassRunner::~PassRunner() {
     if (query_) gl().DeleteQueries(1, &query_);
 }

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "fragment/pass_costs.h"
 #include "fragment/sls_mesh.h"
@@ -22,6 +23,12 @@ struct PassTally {
     uint64_t written_bytes = 0, blended_bytes = 0;
     Work work() const { return cost ? Work(cost->fragment * fragments) += cost->entry * entries : Work(); }
 };
+
+/// Several results of one place: drawn by one program into as many targets, or by one program each, into one target
+/// (ONLY, shaders/common/output.glsl). What is defined for each program.
+std::vector<Defines> result_defines(int results, bool one_target);
+/// And the framebuffer of each.
+std::vector<Framebuffer> result_targets(const std::vector<Target>& results, bool one_target);
 
 /// Issues passes: one framebuffer, one program, one draw. Blending is off unless asked for.
 class PassRunner {

@@ -23,8 +23,9 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
     for (Texture* texture : {&inverse_samples_, &penalty_})
         *texture = Texture(GL_R32F, shape_.width(), shape_.height());
     numbers_ = std::make_unique<ProblemNumbers>(*run_, shape_.width(), shape_.height(), shape_.texels(), shape_.place,
-                                                "texels");
+                                                "texels", fragment_options.passes == Passes::r300);
     make_room({});
+    if (fragment_options.passes == Passes::r300) make_spares();
     const GLenum summed = sums_format(fragment_options.sums);
     sums_.gradient = TexelSumLayers(summed, shape_, shape_.maps());
     sums_.diagonal = TexelSumLayers(summed, shape_, shape_.diagonal_layers());
@@ -40,9 +41,9 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
                                        images_,
                                        storage_,
                                        has_largest_value(dataset.encoding) ? options_.clip_above : 0};
-    passes_ = fragment_options.passes == Passes::paper
-                  ? make_paper_texel_passes(resources)
-                  : make_combined_texel_passes(resources, fragment_options.images_per_pass);
+    passes_ = fragment_options.passes == Passes::combined
+                  ? make_combined_texel_passes(resources, fragment_options.images_per_pass)
+                  : make_paper_texel_passes(resources);
     images_.set_batch(passes_->batch());
 
     penalty_target_ = Framebuffer({{&penalty_}});
@@ -58,7 +59,7 @@ TexelFragmentEngine::TexelFragmentEngine(const Dataset& dataset, const Atlas& at
                           {"TERMS", std::to_string(shape_.maps())},
                           {"TOGETHER", ""},
                           {"VIEW_MAPS", ""}});  // as view maps, these are layers of one texture
-    for (const Update which : {Update::update_direction, Update::advance}) update_program(which);
+    for (const Update which : {Update::update_direction, Update::advance}) update_programs(which);
     for (const Program* program : {&penalty_program_, &penalty_curvature_, &gradient_}) set_bounds(*program);
     gradient_.bind("sample_sums", sums_.gradient.layers);
     precondition_.bind("sample_sums", sums_.diagonal.layers);
@@ -149,17 +150,22 @@ void TexelFragmentEngine::make_products(int count) {
     for (int layer = 0; layer < count; ++layer) product_targets_.push_back(Framebuffer({{&products_, layer}}));
 }
 
-const Program& TexelFragmentEngine::update_program(Update which) {
-    Program& program = updates_[which];
-    if (!program) program = make_update(which, "common/whole.vert", "texel_elements", shape_.defines(storage_));
-    return program;
+const std::vector<Program>& TexelFragmentEngine::update_programs(Update which) {
+    std::vector<Program>& programs = updates_[which];
+    if (programs.empty())
+        for (const Defines& result : result_defines(updates[int(which)].written, !spares_.empty()))
+            programs.push_back(
+                make_update(which, "common/whole.vert", "texel_elements", shape_.defines(storage_) + result));
+    return programs;
 }
 
-const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const int> vectors) {
-    std::vector<Framebuffer>& targets = targets_[vector_list(vectors)];
+const std::vector<Framebuffer>& TexelFragmentEngine::targets(std::span<const TexelVector* const> vectors) {
+    TextureList names{};
+    std::ranges::transform(vectors, names.begin(), [](const TexelVector* x) { return x->maps().name(); });
+    std::vector<Framebuffer>& targets = targets_[names];
     for (int map = int(targets.size()); map < shape_.maps(); ++map) {
         std::vector<Target> colours;
-        for (const int v : vectors) colours.push_back(vectors_[size_t(v)].target(map));
+        for (const TexelVector* x : vectors) colours.push_back(x->target(map));
         targets.push_back(Framebuffer(colours));
     }
     return targets;
@@ -185,8 +191,8 @@ void TexelFragmentEngine::gradient_pass(bool diagonal) {
     sweep([&](const std::vector<ImageOnDevice>& images) { passes_->gradient_pass(images, trial, diagonal); });
     penalty_pass(penalty_program_, trial);
     for (const Program* program : {&gradient_, &precondition_}) program->bind_if_used("parameters", trial.maps());
-    map_passes(gradient_, targets({{vector::trial_g}}));
-    if (diagonal) map_passes(precondition_, targets({{vector::fresh}}));
+    map_passes(gradient_, targets({{&vectors_[vector::trial_g]}}));
+    if (diagonal) map_passes(precondition_, targets({{&vectors_[vector::fresh]}}));
 }
 
 void TexelFragmentEngine::directional_pass() {
@@ -209,24 +215,31 @@ void TexelFragmentEngine::dot(std::initializer_list<DotProduct> products) {
 }
 
 void TexelFragmentEngine::step(Step which, const Turn& turn) {
-    const Program& program = numbers_->program(which, turn);
-    program.bind_if_used("gradient_sums", sums_.gradient.layers);
-    program.bind_if_used("inverse_samples", inverse_samples_);
-    program.bind_if_used("penalties", penalty_);
-    program.bind_if_used("line_sums", sums_.line.layers);
-    program.bind_if_used("products", products_);
+    for (const Program& program : numbers_->programs(which, turn)) {
+        program.bind_if_used("gradient_sums", sums_.gradient.layers);
+        program.bind_if_used("inverse_samples", inverse_samples_);
+        program.bind_if_used("penalties", penalty_);
+        program.bind_if_used("line_sums", sums_.line.layers);
+        program.bind_if_used("products", products_);
+    }
     numbers_->step(which, turn);
 }
 
 void TexelFragmentEngine::update(Update which, std::initializer_list<int> vectors, std::initializer_list<int> numbers,
                                  std::initializer_list<float> constants) {
     const std::span<const int> list(vectors);
-    const Program& program = update_program(which);
-    numbers_->set_update(program, products_, numbers, constants);
-    for (size_t k = 0; k < list.size(); ++k) program.bind("vectors", vectors_[size_t(list[k])].maps(), k);
+    const size_t count = size_t(updates[int(which)].written);
+    std::array<const TexelVector*, MOST_VECTORS> written{};
+    for (size_t k = 0; k < count; ++k) written[k] = spares_.empty() ? &vectors_[size_t(list[k])] : &spares_[k];
+    const std::vector<Program>& programs = update_programs(which);
     gl().TextureBarrier();
-    map_passes(program, targets(list.first(size_t(updates[int(which)].written))));
+    for (size_t i = 0; i < programs.size(); ++i) {
+        numbers_->set_update(programs[i], products_, numbers, constants);
+        for (size_t k = 0; k < list.size(); ++k) programs[i].bind("vectors", vectors_[size_t(list[k])].maps(), k);
+        map_passes(programs[i], targets(std::span(written).subspan(i, count / programs.size())));
+    }
     gl().TextureBarrier();
+    exchange_spares(which, list);
 }
 
 std::vector<float> TexelFragmentEngine::trial_errors() const {

@@ -51,12 +51,12 @@ private:
     void penalty_pass(const Program& program, const TexelVector& x);
     void set_bounds(const Program& program) const;
     void map_passes(const Program& program, const std::vector<Framebuffer>& targets);
-    const Program& update_program(Update which);  ///< compiled when it is first asked for
+    const std::vector<Program>& update_programs(Update which);  ///< compiled when they are first asked for
     /// Render targets of these vectors together, [map].
-    const std::vector<Framebuffer>& targets(std::span<const int> vectors);
+    const std::vector<Framebuffer>& targets(std::span<const TexelVector* const> vectors);
     TexelVector make_vector() const override { return {shape_, storage_}; }
     void make_products(int count) override;
-    void drop_targets() override { drop_optimizers(targets_); }
+    void drop_targets() override { targets_.clear(); }
     std::vector<float> trial_errors() const override;
 
     const Dataset* dataset_;
@@ -72,8 +72,8 @@ private:
     std::unique_ptr<TexelPasses> passes_;
     Framebuffer penalty_target_;
     std::vector<Framebuffer> product_targets_;
-    std::map<VectorList, std::vector<Framebuffer>> targets_;
-    std::map<Update, Program> updates_;
+    std::map<TextureList, std::vector<Framebuffer>> targets_;
+    std::map<Update, std::vector<Program>> updates_;
     Program penalty_program_, penalty_curvature_, gradient_, precondition_, dot_;
 };
 

@@ -12,7 +12,7 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
                                             const Room& room) {
     const TexelShape shape(atlas, *options.model);
     const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
-    const bool combined = fragment_options.passes == Passes::combined;
+    const bool combined = fragment_options.passes == Passes::combined, r300 = fragment_options.passes == Passes::r300;
     const int bits = ImageStream(dataset, StreamSource::disk, TargetSpace::linear).bits();
     constexpr uint64_t float4 = 16, half4 = 8;
     const uint64_t stored = fragment_options.storage == Storage::fp32 ? float4 : half4;
@@ -31,8 +31,9 @@ std::vector<PlannedArray> plan_texel_engine(const Dataset& dataset, const Atlas&
     layers("samples and albedo", 2, float4);
     layers("positions and normals", 2, float4);
     if (room.vectors > 0) layers("vectors of the optimizer", room.vectors * shape.maps(), stored);
-    layers("state of problems", ProblemNumbers::layers(room), float4);
-    const uint64_t summaries = ProblemNumbers::summary_texels(shape.width(), shape.height());
+    if (r300) layers("spares that updates write", most_written * shape.maps(), stored);
+    layers("state of problems", (r300 ? 2 : 1) * ProblemNumbers::layers(room), float4);
+    const uint64_t summaries = ProblemNumbers::summary_texels(shape.width(), shape.height(), r300);
     plan.push_back({"summary of problems", "levels", summaries, summaries * 16});
     layers("dot products, 1 / samples, penalty", room.product_count() + 2, 4);
     if (!combined) layers("residuals", 1, float4);

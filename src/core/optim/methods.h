@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,8 @@ inline constexpr UpdateShape updates[] = {
     RADIAFIT_UPDATES(RADIAFIT_ROW)
 #undef RADIAFIT_ROW
 };
+/// Vectors, by the update that writes most.
+inline constexpr int most_written = std::ranges::max(updates, {}, &UpdateShape::written).written;
 
 enum class Rule {
     steepest_descent = RULE_STEEPEST_DESCENT,

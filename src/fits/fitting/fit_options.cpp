@@ -269,8 +269,9 @@ std::vector<FitOption> make_fit_options() {
                                      "what finds each texel's pixels, for solvers that read a list of samples"))});
     add("OpenGL",
         {choice<Passes>("passes", &FitFacts::on_fragment, &FitRequest::passes,
-                        {{"paper", Passes::paper}, {"combined", Passes::combined}},
-                        "one per target of the paper, or as few as today's hardware needs"),
+                        {{"paper", Passes::paper}, {"r300", Passes::r300}, {"combined", Passes::combined}},
+                        "those of the paper, the same held to what its chip could bind, or as few as today's hardware "
+                        "needs"),
          choice<Storage>("storage", &FitFacts::on_fragment, &FitRequest::storage,
                          {{"fp32", Storage::fp32}, {"fp16", Storage::fp16}, {"fp16-truncate", Storage::fp16_truncate}},
                          "of parameters and of all vectors like them"),
