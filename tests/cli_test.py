@@ -319,7 +319,7 @@ class Engines(CommandLine):
         common = ["fit", "star", "--mode", "paper", "--iterations", "3"]
         self.good(*common, "--engine", "cpu", "--distributor", "gl", "-o", "cpu")
         expected = self.final_error("cpu")
-        for passes in ("paper", "combined"):
+        for passes in ("paper", "r300", "combined"):
             self.good(*common, "--engine", "fragment", "--passes", passes, "-o", passes)
             # float sums in another order, amplified by three steps of the line search
             self.assertLess(abs(self.final_error(passes) / expected - 1), 1e-3, passes)

@@ -81,7 +81,7 @@ refuse("plan tiny --engine {}", "foo", "engine '{}' does not exist; choose one o
 for option, names, answer in (
     ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, ceres-varpro, tinysolver, als, varpro, mean"),
     ("--optimizer", "gc ''", "choose one of cg, sd, lbfgs, adam, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
-    ("--passes", "combine", "choose one of paper, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
+    ("--passes", "combine", "choose one of paper, r300, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
     ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
     ("--source", "disc", "choose one of disk, disk-cold, memory, device"), ("--samples", "kept", "choose one of cached, redistributed"),
     ("--accumulate", "scatter", "choose one of gather, scatter-fixed, scatter-float"), ("--view", "linear", "choose one of bilinear, nearest"),

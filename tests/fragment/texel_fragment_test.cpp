@@ -15,6 +15,7 @@
 #include "shared_context.h"
 #include "synthetic/synthetic.h"
 #include "texel_fragment_scene.h"
+#include "watched_draws.h"
 
 namespace radiafit {
 using namespace harness;
@@ -316,6 +317,56 @@ TEST(TexelFragment, BothFormsOfPassesFitAlike) {
         }
 }
 
+// Only programs with several targets differ, which r300 has once for each. On a chip: fragment_test.cpp,
+// FragmentOfTheChip.
+TEST(TexelFragment, PassesOfTheChipFitTheBitsOfThePaperPasses) {
+    const bool software = SharedContext::use().software();
+    for (const auto& [grid, storage] :
+         {std::pair{false, Storage::fp32}, std::pair{false, Storage::fp16}, std::pair{true, Storage::fp32}}) {
+        const TexelDataset data({.grid = grid});
+        const TexelOptions options{.model = find_texel_model("lafortune"), .mode = Mode::paper, .mu = 1e-4f};
+        TexelFragmentEngine paper_engine(data.dataset, *data.atlas, data.views, options,
+                                         {.passes = Passes::paper, .storage = storage}),
+            chip_engine(data.dataset, *data.atlas, data.views, options, {.passes = Passes::r300, .storage = storage});
+        for (const Rule rule : storage == Storage::fp32 && !grid ? all_rules() : std::vector{Rule::cg_paper}) {
+            const OptimizerOptions optimizer{.rule = rule, .iterations = 4};
+            const Fitted paper = run(paper_engine, optimizer), r300 = run(chip_engine, optimizer);
+            ASSERT_EQ(paper.trace.rows.size(), r300.trace.rows.size());
+            for (size_t i = 0; i < paper.trace.rows.size(); ++i)
+                EXPECT_NEAR(paper.trace.rows[i].error, r300.trace.rows[i].error,
+                            (software ? 1e-12 : 1e-3) * paper.trace.rows[i].error);
+            EXPECT_LT(r300.trace.rows.back().error, 0.999 * r300.trace.rows.front().error);
+            if (!software) continue;
+            EXPECT_EQ(paper.parameters, r300.parameters) << "rule " << int(rule);
+            for (size_t i = 0; i < paper.outcomes.size(); ++i) {
+                ASSERT_EQ(paper.outcomes[i].error, r300.outcomes[i].error) << i;
+                ASSERT_EQ(paper.outcomes[i].status, r300.outcomes[i].status) << i;
+            }
+        }
+    }
+}
+
+TEST(TexelFragment, PassesOfTheChipBindWhatItCould) {
+    SharedContext::use();
+    for (const bool grid : {false, true})
+        for (const Passes passes : {Passes::paper, Passes::r300}) {
+            const WatchedDraws watched;
+            const TexelDataset data({.grid = grid});
+            TexelFragmentEngine engine(data.dataset, *data.atlas, data.views,
+                                       {.model = find_texel_model("lafortune"), .mode = Mode::paper},
+                                       {.passes = passes});
+            engine.passes().tally(true);
+            run(engine, {.rule = Rule::cg_paper, .iterations = 2});
+            const DrawCounts& counts = watched.counts();
+            EXPECT_GT(counts.draws, 100);
+            EXPECT_EQ(counts.unknown, 0);
+            EXPECT_EQ(counts.several_targets > 0, passes == Passes::paper);
+            EXPECT_EQ(counts.vertex_look_ups, 0);
+            EXPECT_EQ(counts.own_target_read > 0, passes == Passes::paper);
+            if (passes == Passes::r300) expect_costs_of_the_chip(engine.passes());
+        }
+}
+
 TEST(TexelFragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
     for (const bool grid : {false, true}) {
         const TexelDataset data({.grid = grid});
@@ -382,7 +433,7 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
     for (const bool grid : {false, true}) {
         const TexelDataset data({.grid = grid, .encoding = grid ? Encoding::u8_linear : Encoding::u16_linear});
         for (const TexelModel* model : texel_models())
-            for (const Passes passes : {Passes::paper, Passes::combined})
+            for (const Passes passes : {Passes::paper, Passes::r300, Passes::combined})
                 for (const auto& [storage, sums, resident] :
                      {std::tuple{Storage::fp32, Sums::fp32, false}, std::tuple{Storage::fp16, Sums::fp16, false},
                       std::tuple{Storage::fp32, Sums::fp32, true}})
@@ -420,7 +471,7 @@ TEST(TexelFragment, EveryAllocationThatFailsIsTold) {
     SharedContext::use();
     TexelOptions options;
     options.model = find_texel_model("lafortune");
-    for (const Passes passes : {Passes::paper, Passes::combined})
+    for (const Passes passes : {Passes::paper, Passes::r300, Passes::combined})
         EXPECT_GT(fail_each_allocation([&] {
                       TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options,
                                                  {.passes = passes, .keep_on_device = true});
@@ -435,7 +486,7 @@ TEST(TexelFragment, EveryPassDeclaresItsCost) {
     for (const auto& [grid, one_eye] : {std::pair{false, false}, std::pair{true, false}, std::pair{true, true}}) {
         const TexelDataset data({.grid = grid, .one_eye = one_eye});
         for (const char* name : {"lambert", "lafortune"})  // a model may be added without
-            for (const Passes passes : {Passes::paper, Passes::combined}) {
+            for (const Passes passes : {Passes::paper, Passes::r300, Passes::combined}) {
                 TexelOptions options;
                 options.model = find_texel_model(name);
                 TexelFragmentEngine engine(data.dataset, *data.atlas, data.views, options, {.passes = passes});

@@ -90,7 +90,7 @@ TEST(Iteration, AllocatesNothingAndReadsLittleBack) {
     Counted<&GlFunctions::GetTextureSubImage, read_backs>::begin();
     Counted<&GlFunctions::GetNamedBufferSubData, read_backs>::begin();
     for (const bool grid : {false, true})
-        for (const Passes passes : {Passes::paper, Passes::combined}) {
+        for (const Passes passes : {Passes::paper, Passes::r300, Passes::combined}) {
             const testing::TexelDataset data({.grid = grid});
             TexelFragmentEngine texels(data.dataset, *data.atlas, data.views, {.model = find_texel_model("lafortune")},
                                        {.passes = passes});

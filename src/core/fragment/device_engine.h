@@ -150,7 +150,7 @@ protected:
 
     int64_t allocated_before_ = Numbers::device_bytes();
     std::unique_ptr<Numbers> numbers_;
-    std::vector<Vector> vectors_;          ///< those of optim/verbs.h, then the optimizer's
+    std::vector<Vector> vectors_;  ///< those of optim/verbs.h, then the optimizer's
     /// Where passes may not read what they write: as many as any update writes, which takes these and exchanges them
     /// for what it has written. Else none.
     std::vector<Vector> spares_;

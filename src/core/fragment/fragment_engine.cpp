@@ -34,9 +34,9 @@ FragmentEngine::FragmentEngine(const Dataset& dataset, const TriangleAtlas& atla
     }
     for (int layer = 0; layer < 4; ++layer) problems_.write(vertices_, layer, layers[layer]);
 
-    numbers_ = std::make_unique<ProblemNumbers>(run_, 3 * shape_.grid.columns, shape_.grid.rows,
-                                                3 * rings.vertex_count(), std::vector<uint32_t>(), "vertices",
-                                                fragment_options.passes == Passes::r300);
+    numbers_ =
+        std::make_unique<ProblemNumbers>(run_, 3 * shape_.grid.columns, shape_.grid.rows, 3 * rings.vertex_count(),
+                                         std::vector<uint32_t>(), "vertices", fragment_options.passes == Passes::r300);
     make_room({});
     if (fragment_options.passes == Passes::r300) make_spares();
     const Storage storage = fragment_options.storage;

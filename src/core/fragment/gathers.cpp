@@ -49,9 +49,9 @@ Gathers::TileGather Gathers::make_tile_gather(const MapShape& shape, int entries
     const Defines band_rows{{"ROWS", std::to_string(rows)}};
     TileGather gather;
     for (size_t i = 0; i < variants.size(); ++i)
-        gather.first[i] = Program::draw("common/whole.vert", "gather/tile_texels.frag",
-                                        variants[i] + band_rows +
-                                            Defines{{constant_loops_ ? "TURNS" : "ENTRIES", std::to_string(entries)}});
+        gather.first[i] = Program::draw(
+            "common/whole.vert", "gather/tile_texels.frag",
+            variants[i] + band_rows + Defines{{constant_loops_ ? "TURNS" : "ENTRIES", std::to_string(entries)}});
     for (int bands : tile_bands(int(shape.atlas->texels_per_tile()), entries)) {
         Bands level;
         level.sums = Texture(GL_RGBA32F, columns, rows * bands, 1);

@@ -144,8 +144,7 @@ void MapPasses::finish_precondition(const MapSums& squares) {
     run_.clear(problems_.largest_target);
     for (int term = 0; term < shape_.terms(); ++term)
         gather_pass(precondition_, problems_.largest_target, Gather::maximum, term);
-    for (int term = 0; term < shape_.terms(); ++term)
-        store_pass(floored_, targets({{&vectors_[vector::fresh]}}), term);
+    for (int term = 0; term < shape_.terms(); ++term) store_pass(floored_, targets({{&vectors_[vector::fresh]}}), term);
 }
 
 void MapPasses::finish_directional(const MapVector& x, const MapVector& d) {

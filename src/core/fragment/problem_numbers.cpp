@@ -45,9 +45,9 @@ const std::vector<Program>& ProblemNumbers::programs(Step which, const Turn& tur
     std::vector<Program>& programs = programs_[{step_key(which, turn), own}];
     if (programs.empty())
         for (const Defines& result : result_defines(layers, one_target_))
-            programs.push_back(Program::draw("common/whole.vert", "optimize/step.frag",
-                                             defines_ + step_defines(which, turn) +
-                                                 Defines{{"OWN_LAYERS", std::to_string(own)}} + result));
+            programs.push_back(Program::draw(
+                "common/whole.vert", "optimize/step.frag",
+                defines_ + step_defines(which, turn) + Defines{{"OWN_LAYERS", std::to_string(own)}} + result));
     return programs;
 }
 
