@@ -1,4 +1,5 @@
 #version 450 core
+// variants: MAXIMUM=-,1 TURNS=-,3,16
 // A further level of the gather inside tiles: up to 16 of the BANDS bands of ROWS rows (see gather/tile_texels.frag) become
 // one. MAXIMUM: the largest instead of the sum. TURNS: so many entries for every fragment, whether it has as many or not.
 #ifndef BANDS
