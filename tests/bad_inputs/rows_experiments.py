@@ -83,7 +83,7 @@ refuse("fig8_time", "software_seconds", [-1], "software_seconds = -1: choose a n
 refuse("fig8_time", "source", ["disc"], "source 'disc' does not exist; choose one of disk, disk-cold, memory, device")
 refuse("fig10_utilization", "source", ["disc"], "source 'disc' does not exist")
 refuse("fig10_utilization", "passes", [[]], "passes = []: give one or more")
-refuse("fig10_utilization", "passes", [["paper", "papr"]], "passes 'papr' does not exist; choose one of paper, combined")
+refuse("fig10_utilization", "passes", [["paper", "papr"]], "passes 'papr' does not exist; choose one of paper, r300, combined")
 for key in ("images", "rounds", "cached_iterations"):
     refuse("passes", key, [0], f"{key} = 0: choose a whole number from 1")
 refuse("fig10_utilization", "repetitions", [0], "repetitions = 0: choose a whole number from 1")
