@@ -1,7 +1,7 @@
 #version 450 core
 // variants: WEIGHTED=-,1 NEAREST=-,1 ONLY=-,0,1
-// Where the camera falls in each vertex's view map: weights of four texels, and the first of them. WEIGHTED: weights times the root of what the vertex's samples in this
-// image weigh, so that its look-ups are, too.
+// Where the camera falls in each vertex's view map: the weights of four texels, and the first of them. WEIGHTED: weights times
+// the root of what the vertex's samples in this image weigh, so that its look-ups are, too.
 #include "gather/maps.glsl"
 #include "gather/footprint.glsl"
 uniform sampler2DArray vertex_frames;  // layers: position, tangent, bitangent, normal

@@ -1,8 +1,8 @@
 #version 450 core
 // variants: PROBLEMS=vertices,texels STEP=* OWN_LAYERS=0,2 ONLY=-,2
 // variants: PROBLEMS=vertices STEP=* OWN_LAYERS=0 LEFT_OUT=63 FIRST_STEP=0.5
-// One step of an optimizer, for every problem by itself: reads and writes its numbers only, all of them or one layer. LEFT_OUT, FIRST_STEP:
-// of Turn; constants, for they are 0 but in experiments.
+// One step of an optimizer, for every problem by itself: reads and writes its numbers only, all layers of them or one.
+// LEFT_OUT, FIRST_STEP: of Turn; constants, for they are 0 but in experiments.
 #include "optimize/dialect.glsl"
 #include "optimize/numbers.glsl"
 #include "optimize/PROBLEMS.glsl"

@@ -21,9 +21,9 @@ enum class Sums { fp32, fp16 };
 /// How the work is cut into programs.
 enum class Passes {
     paper,  ///< as the paper has it: one image a pass, and over images one render target; a few programs go beyond that
-    /// The paper's as its chip, the Radeon 9700 (R300), could bind them: one render target in every pass, none of which
-    /// is read in it; textures looked up by fragment programs alone, in loops of constant length, and with one term at
-    /// most 16 texels.
+    /// The paper's within what its chip, the Radeon 9700 (R300), could bind: one render target in every pass, which
+    /// isn't read in it; textures looked up by fragment programs alone, in loops of constant length, and with one term
+    /// at most 16 texels.
     r300,
     combined  ///< several images and targets in one program
 };

@@ -104,9 +104,9 @@ std::vector<PlannedArray> plan_fragment_engine(const Dataset& dataset, const Tri
     plan.add("mesh", fmt::format("{} triangles, attributes and indices", triangles),
              triangles * 3 * (3 * 12 + 4 + 12 + 4), 1);
     plan.add("vertex frames", fmt::format("4 x {} x {}", grid.columns, grid.rows), 4 * problems, float4);
-    const int state_layers = 3 * (r300 ? 2 : 1) * ProblemNumbers::layers(room);  // three problems a vertex
-    plan.add("state of problems", fmt::format("(4 + {}) x {} x {}", state_layers, grid.columns, grid.rows),
-             (4 + uint64_t(state_layers)) * problems, float4);
+    const int state_layers = (r300 ? 2 : 1) * ProblemNumbers::layers(room);  // of three problems a vertex
+    plan.add("state of problems", fmt::format("(4 + 3 x {}) x {} x {}", state_layers, grid.columns, grid.rows),
+             (4 + 3 * uint64_t(state_layers)) * problems, float4);
     plan.add("summary of problems", "levels", ProblemNumbers::summary_texels(3 * grid.columns, grid.rows, r300), 16);
     plan.add("dot products", fmt::format("{} x {} x {}", room.product_count(), grid.columns, grid.rows),
              uint64_t(room.product_count()) * problems, float4);
