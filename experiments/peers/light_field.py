@@ -52,6 +52,7 @@ class LightField:
         with open(f"{folder}/problems.json", encoding="utf-8") as file:
             about = json.load(file)
         a = {name: np.load(f"{folder}/{name}.npy") for name in about["arrays"]}
+        self.arrays, self.about = a, about
         self.dtype, self.objective, self.digest = dtype, about["objective"], about["dataset"]["digest"]
         self.start = [numbers(a["start_" + map], dtype) for map in ("surface", "view")]
         self.training = Split("training", a, about, dtype, scaled=True)
@@ -87,7 +88,7 @@ class LightField:
         return 0.5 * (data + smoothness) + self.bounds(surface[:, 0]) + self.bounds(view[:, :, 0])
 
     @torch.no_grad()
-    def psnr(self, surface, view):
+    def psnr(self, surface, view, samples=slice(None)):
         """Of held-out samples, in dB."""
-        values = self.held_out.products(surface, view).reshape(-1, 3, 3).sum(1).clamp(0, 1)
-        return -10 * torch.log10((values - self.radiance).square().mean()).item()
+        values = self.held_out.products(surface, view).reshape(-1, 3, 3)[samples].sum(1).clamp(0, 1)
+        return -10 * torch.log10((values - self.radiance[samples]).square().mean()).item()
