@@ -5,7 +5,7 @@
 #   PRESET=release|asan|tsan       see CMakePresets.json
 #   BUILD=FOLDER                   where to build
 #   COUNT=3, SEED=1                how much `make check` disturbs each command, and when
-#   PYTHON=/usr/bin/python3        of `make peers`: the one that has PyTorch
+#   PYTHON=/usr/bin/python3        of `make peers`: the one that has PyTorch and SciPy
 #   RUNS=FOLDER, OUTPUT=build/report  of `make report`: the runs to draw it from, and where it goes then
 #   BENCH_DATASET=, BENCH_FLAGS=   what `make bench` measures on, and flags of Google Benchmark
 #   PACKAGES=test                  of `make packages` and `make configure`: the part of scripts/install-packages.sh
@@ -150,11 +150,11 @@ radiafit-bench:
 	@cmake --build build/bench --parallel $(JOBS)
 	@echo "the program: build/bench/bin/radiafit-bench"
 
-# PyTorch on the CPU against our own fits, on exported problems; docs/results.md, peers.
+# PyTorch and SciPy on the CPU against our own fits, on exported problems; docs/results.md, peers.
 peers:
 	$(call configure,peers)
 	@$(compile) --target radiafit
-	@$(PYTHON) -B experiments/peers/torch_peers.py --radiafit $(BUILD)/bin/radiafit --profile $(PROFILE)
+	@$(PYTHON) -B experiments/peers/peers.py --radiafit $(BUILD)/bin/radiafit --profile $(PROFILE)
 
 smoke:
 	@$(MAKE) --no-print-directory experiments PROFILE=smoke
