@@ -212,10 +212,12 @@ class Smoke(ProgramTest):
         self.assertLessEqual({"cg modern", "cg paper", "sd", "lbfgs", "adam"},
                              {r["setting"] for r in rows if r["solver"] == "two-step"})
         self.assertEqual({r["solver"] for r in rows}, {"two-step", "als", "varpro", "ceres"})
-        times = [float(r["times_cg_modern"]) for r in rows]
+        times = [float(r["seconds_to_101"]) / int(r["vertices"]) for r in rows]
         self.assertEqual(times, sorted(times))
+        self.assertLessEqual({r["instructions"] for r in rows}, {"AVX-512", "AVX2", "SSE2", ""})
+        self.assertLessEqual({(r["precision"], r["together"]) for r in rows}, {("32", "3"), ("64", "3"), ("32 and 64", "3"), ("64", "1")})
         self.assertEqual([r["times_cg_modern"] for r in rows if r["setting"] == "cg modern"], ["1"])
-        self.assertEqual([r["times_varpro"] for r in rows if r["solver"] == "varpro"], ["1"])
+        self.assertEqual([r["times_varpro"] for r in rows if r["solver"] == "varpro" and not r["setting"]], ["1"])
         least = {}  # (vertex, channel): the least error of any solver
         for p in tables["problems"]:
             key = p["vertex"], p["channel"]
@@ -401,7 +403,7 @@ class Smoke(ProgramTest):
     def check_reflectance(self, tables):
         rows = {(r["images"], r["method"], r["group"]): r for r in tables["fits"]}
         methods = {r["method"] for r in tables["fits"]}
-        self.assertLessEqual({"Ceres", "Ceres varpro", "TinySolver", "LM", "Lambertian", "cg modern", "cg paper", "sd", "lbfgs", "adam", "cg modern OpenGL"}, methods)
+        self.assertLessEqual({"Ceres", "Ceres varpro", "TinySolver", "TinySolver in floats", "LM", "Lambertian", "cg modern", "cg paper", "sd", "lbfgs", "adam", "cg modern OpenGL"}, methods)
         for group in ("gold", "green"):
             for method in ("Ceres", "LM", "cg modern"):
                 self.assertLess(float(rows["noise-free", method, group]["worst_error_median"]), 1e-3)
@@ -425,6 +427,14 @@ class Smoke(ProgramTest):
         for row in tables["fits"]:
             other_model = row["group"] == "white" or row["method"] == "Lambertian"
             self.assertEqual((row["worst_error_median"] == "", row["recovered_share"] == ""), (other_model, other_model))
+        arrivals = {}  # method: shares by iterations
+        for row in tables["arrival"]:
+            self.assertTrue(0 < float(row["seconds_least"]) <= float(row["seconds"]) <= float(row["seconds_most"]))
+            arrivals.setdefault(row["method"], []).append(float(row["arrived_share"]))
+        self.assertLessEqual({"LM", "TinySolver", "TinySolver in floats", "Ceres", "cg modern"}, set(arrivals))
+        for method in ("LM", "TinySolver", "TinySolver in floats", "Ceres"):
+            self.assertEqual(arrivals[method], sorted(arrivals[method]))
+            self.assertGreater(arrivals[method][-1], 0.9)
         errors = {(r["images"], r["method"], r["part"]): r for r in tables["images"]}
         self.assertEqual({part for *_, part in errors}, {"all", "gold", "green", "white"})
         self.assertEqual({method for _, method, _ in errors}, methods)
