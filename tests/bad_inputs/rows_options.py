@@ -79,7 +79,7 @@ refuse("plan tiny --engine {}", "foo", "engine '{}' does not exist; choose one o
 
 # Names, with those that there are.
 for option, names, answer in (
-    ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, ceres-varpro, tinysolver, als, varpro, mean"),
+    ("--engine", "CPU", "choose one of cpu, fragment"), ("--solver", "strem", "stream, two-step, pca, ceres, ceres-varpro, tinysolver, tinysolver-float, als, varpro, mean"),
     ("--optimizer", "gc ''", "choose one of cg, sd, lbfgs, adam, lm"), ("--mode", "papers", "choose one of paper, modern (nearest: "),
     ("--passes", "combine", "choose one of paper, r300, combined"), ("--storage", "fp8", "choose one of fp32, fp16, fp16-truncate"),
     ("--sums", "fp16-truncate", "choose one of fp32, fp16"), ("--distributor", "gpu", "choose one of cpu, gl"),
@@ -120,7 +120,7 @@ rows += [
     ("fit flat --model lafortune --surface linear -o new", None, 2, "--surface means nothing to model lafortune"),
     ("fit tiny --optimizer lm -o new", None, 2, "optimizer lm fits texel-local models on the CPU"),
     ("fit flat --model lafortune --optimizer lm --engine fragment -o new", None, 2, "choose cg or sd, or --engine cpu"),
-    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca does not fit texel-local models", "choose one of stream, two-step, ceres, ceres-varpro, tinysolver for --model lafortune"),
+    ("fit flat --model lafortune --solver pca -o new", None, 2, "solver pca does not fit texel-local models", "choose one of stream, two-step, ceres, ceres-varpro, tinysolver, tinysolver-float for --model lafortune"),
     ("fit flat --model lafortune --solver als -o new", None, 2, "solver als does not fit texel-local models"),
     ("fit flat --model lafortune --solver varpro -o new", None, 2, "solver varpro does not fit texel-local models"),
     ("fit flat --model lambert --solver mean -o new", None, 2, "solver mean does not fit texel-local models"),
