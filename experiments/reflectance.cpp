@@ -103,18 +103,18 @@ std::vector<Climber> climbers_of(const Options& o, int side) {
     const auto newton = [&](const char* solver) { return request_of(solver, "cg", "modern", 1, side); };
     const FitRequest lm = request_of("stream", "lm", "modern", 1, side);
     std::vector<Climber> out;
-    out.push_back({"LM", lm, o.arrival_newton, {"32 and 64", lanes, widest}});
+    out.push_back({"LM", lm, o.arrival_newton, {in_32, lanes, widest}});
     if (std::string_view(base) != widest)
-        out.push_back({fmt::format("LM, {}", base), lm, o.arrival_newton, {"32 and 64", lanes, base}, true});
+        out.push_back({fmt::format("LM, {}", base), lm, o.arrival_newton, {in_32, lanes, base}, true});
     out.push_back({"TinySolver in floats", newton("tinysolver-float"), o.arrival_newton, {"32", 1, base}});
     out.push_back({"TinySolver", newton("tinysolver"), o.arrival_newton, {"64", 1, base}});
-    out.push_back({"Ceres", newton("ceres"), o.arrival_newton, {"64", 1, debian_instructions}});
-    out.push_back({"Ceres varpro", newton("ceres-varpro"), o.arrival_newton, {"64", 1, debian_instructions}});
+    out.push_back({"Ceres", newton("ceres"), o.arrival_newton, {"64", 1, ceres_instructions()}});
+    out.push_back({"Ceres varpro", newton("ceres-varpro"), o.arrival_newton, {"64", 1, ceres_instructions()}});
     for (const NamedRule& ours : named_rules())
         out.push_back({ours.name,
                        request_of("stream", ours.method->name, ours.mode, 1, side),
                        o.arrival_gradient,
-                       {"32", lanes, widest}});
+                       {in_32, lanes, widest}});
     return out;
 }
 
@@ -158,7 +158,7 @@ Verdict compare(const Group& group, const ReflectanceFit& fit, const Reflectance
     for (const TruthMaterial& material : truth.materials) comparisons.emplace_back(*fit.options.model, material);
     for (const uint32_t t : group.texels) {
         // what every method was given: distributors may differ in some pixels
-        if (fit.samples[t] < 9 || ceres.samples[t] < 9) continue;
+        if (fit.samples[t] < o.arrival.least_samples || ceres.samples[t] < o.arrival.least_samples) continue;
         const TruthComparison& comparison = comparisons[truth.material[t]];
         if (comparison.possible()) worst.push_back(comparison.worst({&fit.parameters[9 * t], 9}, truth.parameters[t]));
         iterations.push_back(fit.iterations[t]);

@@ -156,21 +156,21 @@ std::vector<Contestant> contestants(const Options& o, const LfmOptions& model, c
     };
     constexpr int channels = 3;
     for (const NamedRule& ours : named_rules())
-        add("two-step", ours.name, {"32", channels, compiled_instructions()},
+        add("two-step", ours.name, {in_32, channels, compiled_instructions()},
             [&two_step, rule = ours.rule, &o](size_t v, std::span<V> p, VertexRun& run) {
                 two_step.solve(v, {.rule = rule, .iterations = o.cap}, p, run);
             });
     const VertexSolver varpro = varpro_solver(model, {.iterations = o.cap});
-    reference("varpro", "", {"32 and 64", channels, widest_instructions()}, varpro);
+    reference("varpro", "", {in_64_but_schur, channels, widest_instructions()}, varpro);
     if (run_avx512() && std::string_view(compiled_instructions()) != widest_instructions())
-        reference("varpro", compiled_instructions(), {"32 and 64", channels, compiled_instructions()},
+        reference("varpro", compiled_instructions(), {in_64_but_schur, channels, compiled_instructions()},
                   [varpro](const LfmVertex& vertex, std::span<V> p, VertexRun& run) {
                       const BaseInstructions only;
                       varpro(vertex, p, run);
                   });
     reference("als", "", {"64", channels, compiled_instructions()}, als_solver(model, {.iterations = o.cap}));
     for (const CeresSetting& s : ceres_settings())
-        reference(ceres_name, s.name, {"64", 1, debian_instructions},
+        reference(ceres_name, s.name, {"64", 1, ceres_instructions()},
                   ceres_solver(model, {.setting = s.name, .iterations = o.cap}));
     return out;
 }

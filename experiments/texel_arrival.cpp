@@ -10,35 +10,20 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "samples/picked_texels.h"
 
 namespace radiafit::harness {
 namespace {
 
 using rows_of::reflectance::Arrival;
 
-/// The samples of one block out of so many; other texels have none.
-class SomeBlocks final : public TexelSource {
-public:
-    SomeBlocks(const TexelSource& source, int every) : source_(&source), every_(uint32_t(every)) {
-        TexelSamples samples;
-        for (uint32_t begin = 0; begin < texel_count(); begin += block) {
-            read(begin, samples);
-            count_ += samples.samples.size();
-        }
-    }
-    uint32_t texel_count() const override { return source_->texel_count(); }
-    uint64_t sample_count() const override { return count_; }
-    void read(uint32_t begin, TexelSamples& out) const override {
-        if (begin / block % every_ == 0) return source_->read(begin, out);
-        out.first.assign(std::min(block, texel_count() - begin) + 1, 0);
-        out.samples.clear();
-    }
-
-private:
-    const TexelSource* source_;
-    uint32_t every_;
-    uint64_t count_ = 0;
-};
+/// Those of one block out of so many.
+std::vector<uint32_t> some_blocks(uint32_t texels, int every) {
+    std::vector<uint32_t> some;
+    for (uint32_t t = 0; t < texels; ++t)
+        if (t / TexelSource::block % uint32_t(every) == 0) some.push_back(t);
+    return some;
+}
 
 /// One rung of a climber.
 struct Rung {
@@ -65,7 +50,8 @@ std::vector<Arrival> texel_arrivals(const Dataset& dataset, const SharedTexels& 
                                     const std::vector<Climber>& climbers, const ArrivalOptions& options) {
     const SetThreads one(1);
     SharedTexels some;
-    some.source = std::make_unique<SomeBlocks>(*samples.source, options.every);
+    some.texels = some_blocks(samples.source->texel_count(), options.every);
+    some.source = std::make_unique<PickedTexels>(*samples.source, some.texels);
     std::vector<Rung> rungs;
     for (const Climber& climber : climbers)
         for (const int iterations : climber.iterations) rungs.push_back({&climber, iterations});
@@ -85,9 +71,9 @@ std::vector<Arrival> texel_arrivals(const Dataset& dataset, const SharedTexels& 
         }
     progress.finish();
 
-    std::vector<uint32_t> fitted;  // texels that have more samples than a fit has unknowns
+    std::vector<uint32_t> fitted;
     for (uint32_t t = 0; t < counts.size(); ++t)
-        if (counts[t] >= 9) fitted.push_back(t);
+        if (counts[t] >= options.least_samples) fitted.push_back(t);
     std::vector<float> least(counts.size(), INFINITY);
     for (const Rung& rung : rungs)
         for (const uint32_t t : fitted) least[t] = std::fmin(least[t], rung.error[t]);

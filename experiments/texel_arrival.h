@@ -18,9 +18,10 @@ struct Climber {
 };
 
 struct ArrivalOptions {
-    int every = 16;           ///< of the blocks of 256 texels, one of so many is fitted
-    int repetitions = 3;      ///< of every fit, by turns
-    double tolerance = 1.01;  ///< a texel has arrived at so many times the least error that any fit left it
+    int every = 16;              ///< of the blocks of 256 texels, one of so many is fitted
+    int repetitions = 3;         ///< of every fit, by turns
+    uint32_t least_samples = 9;  ///< of a texel that counts: as many as there are unknowns
+    double tolerance = 1.01;     ///< a texel has arrived at so many times the least error that any fit left it
 };
 
 /// Which share of the texels each climber has brought home after so many iterations, and after what time, on one

@@ -51,8 +51,13 @@ def main():
     lines = [" ".join(line.split()) for line in report.splitlines() if re.match(r"\| C\d+ ", line)]
     table = []
     for claim, row in newest.items():
-        (line, *_) = [x for x in lines if x.startswith(f"| {claim} |") and (not row["sentence"] or row["sentence"] in x)]
-        table.append(line)
+        sentence = " ".join(row["sentence"].split())
+        own = [line for line in lines if line.startswith(f"| {claim} |") and sentence in line]
+        if not own:
+            sys.exit(f"claims.md has no line of {claim} that says: {sentence}")
+        table.append(own[0])
+    if len(newest) != 23:
+        sys.exit(f"{len(newest)} claims are judged, not 23")
     replaced(ROOT / "docs/claims.md", r"(?<=\n)\| C1 \|.*\| C23 \|[^\n]*\n", "\n".join(table) + "\n")
     found = [row["verdict"] for row in newest.values()]
     hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))

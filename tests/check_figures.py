@@ -199,7 +199,7 @@ class Page:
         expression, how = re.fullmatch(r"(.*?)(?: as (%?\d?))?", expression).groups("")
         values, printed = self.evaluated(expression), list(PRINTED.finditer(self.text, *match.span()))
         self.count += 1 if isinstance(values[0], bool) else len(printed)
-        if values == [True]:
+        if values[0] is True and len(values) == 1:
             return match.end()
         if values == [False]:
             self.error(match.start(), f"{piece}: the rows no longer bear it out: {expression}")

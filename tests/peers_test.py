@@ -215,7 +215,7 @@ class Solvers(Peers):
             self.assertEqual(r["times_ours"] == "", r["library"] == "SciPy")
             self.assertEqual(int(r["problems"]) < int(rows[-1]["problems"]), r["library"] == "SciPy")
             self.assertLessEqual(int(r["batch"]), int(r["problems"]))
-            self.assertEqual(r["precision"], {"SciPy": "float64", "PyTorch": "float32"}.get(r["library"], r["precision"]))
+            self.assertEqual(r["precision"], {"SciPy": "64", "PyTorch": "32"}.get(r["library"], r["precision"]))
         curves = list(csv.DictReader((run / "curves.csv").read_text().splitlines()))
         for r in rows:
             short = 0.2 if r["library"] == "SciPy" else 0.02

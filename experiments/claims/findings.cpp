@@ -53,24 +53,25 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
     return {judged_by_all_rules({&claim, profile, "", none})};
 }
 
-/// "object = 2, lambda = 0.001": what decides the problems, where it is another than the standard run's.
+/// "object = 2, vertices = 300": what differs from the standard run's settings, if the objects or their weight do.
 std::string differing(const RunRecord& run, const RunRecord& standard) {
     std::vector<std::string> all;
-    for (const char* key : {"object", "lambda"})
-        if (const auto own = run.config.find(key); own != run.config.end()) {
-            const auto usual = standard.config.find(key);
-            // rows from before there were other objects are of the first one
-            if (own->second != (usual == standard.config.end() ? "1" : usual->second))
-                all.push_back(fmt::format("{} = {}", key, own->second));
-        }
-    return fmt::format("{}", fmt::join(all, ", "));
+    bool others = false;
+    for (const auto& [key, own] : run.config) {
+        const auto usual = standard.config.find(key);
+        // rows from before there were other objects are of the first one
+        if (own == (usual != standard.config.end() ? usual->second : key == "object" ? "1" : own)) continue;
+        others = others || key == "object" || key == "lambda";
+        all.push_back(fmt::format("{} = {}", key, own));
+    }
+    return others ? fmt::format("{}", fmt::join(all, ", ")) : "";
 }
 
 /// Of the reference's, or the user's own, runs with other objects or weights.
 std::vector<Finding> varied_findings(const Claim& claim, const RunFolders& folders) {
     const std::vector<RunRecord> standard = folders.newest(claim.experiment, judged_profile);
     std::vector<RunRecord> runs = varied_runs(folders.results, claim.experiment, judged_profile);
-    if (runs.empty()) runs = varied_runs(folders.reference, claim.experiment, judged_profile);
+    if (runs.empty()) runs = varied_runs(folders.reference, claim.experiment, judged_profile);  // as newest() does
     std::vector<Finding> findings;
     for (RunRecord& record : runs) {
         if (standard.empty()) break;

@@ -48,13 +48,14 @@ std::string spelled(const std::string& solver) {
 Html table_of(const std::string& caption, const std::vector<Rival>& rivals, double unit) {
     std::vector<std::string> header = {"solver"};
     for (const double share : rival_shares) header.push_back(fmt::format("{:g} % arrive", 100 * share));
-    for (const char* what : {"arrive at all", "bits", "side by side", "instructions"}) header.emplace_back(what);
+    for (const char* what : {"arrive at all", "of", "bits", "side by side", "instructions"}) header.emplace_back(what);
     Table table(header);
     for (const Rival& rival : rivals) {
         std::vector<std::string> fields = {spelled(rival.solver)};
         for (const auto& seconds : rival.seconds)
             fields.push_back(seconds ? fmt::format("{:.3g}", *seconds / unit) : "never");
         fields.push_back(fmt::format("{:.1f} %", 100 * rival.arrived));
+        fields.push_back(std::to_string(rival.problems));
         fields.push_back(rival.precision);
         fields.push_back(std::to_string(rival.together));
         fields.push_back(rival.instructions);
@@ -86,20 +87,22 @@ Html part_of(const RunFolders& folders, const std::string& profile, const char* 
 Html rivals_part(const RunFolders& folders, const std::string& profile) {
     Html part = element(
         "p",
-        "What one thread needs for a problem until a share of them is within 1 % of the least error that any solver "
-        "found: at equal shares times can be compared, at each solver’s own share they cannot. Bits are those of "
-        "its arithmetic; side by side is how many problems a register holds. A ratio of two times is the algorithm’s "
-        "and the engineering’s at once. Whoever brings less than half home is left out.");
+        "Times of one thread at equal shares of problems that arrive, which is to come within 1 % of the least error "
+        "that any solver found: at each solver’s own share they could not be compared. Side by side is how many "
+        "problems a register holds. A ratio of two times is the algorithm’s and the engineering’s at once. Whoever "
+        "brings less than half home is left out.");
     part << part_of(folders, profile, "solvers", "vertices.csv", [&](const RunRecord& run) {
         const std::vector<Rival> rivals = vertex_rivals(read_rows(run, "vertices.csv"), read_rows(run, "solvers.csv"));
         return table_of(
-            "Light field maps: milliseconds for a vertex, whose three channels are its problems; of Ceres’ "
-            "settings the best",
+            "Light field maps: milliseconds within which so many vertices have arrived, each with all of its three "
+            "channels; of Ceres’ settings the best",
             rivals, 1e-3);
     });
     part << part_of(folders, profile, "reflectance", "arrival.csv", [&](const RunRecord& run) {
-        return table_of("Lafortune’s model: microseconds for a texel of the noisy ornament",
-                        texel_rivals(read_rows(run, "arrival.csv")), 1e-6);
+        return table_of(
+            "Lafortune’s model: microseconds for a texel of the noisy ornament, of fits by the fewest iterations tried "
+            "that bring so many home",
+            texel_rivals(read_rows(run, "arrival.csv")), 1e-6);
     });
     return part;
 }

@@ -111,7 +111,7 @@ def torch_contestants(o, problem, setup, goal, facts):
         curve = descend(problem, method, most, goal["target_db"])
         last = curve[-1]["iterations"]
         return Contestant("PyTorch", name, lambda: (descend(problem, method, last)[-1], setup), curve, goal,
-                          precision="float32", batch=batch, **facts)  # fmt: skip
+                          precision="32", batch=batch, **facts)  # fmt: skip
 
     tried, most = [], o["adam_steps"]
     for rate in o["learning_rates"]:
@@ -160,7 +160,7 @@ def scipy_contestants(o, problem, converged):
                           "psnr_db": problem.psnr(*maps, samples)})  # fmt: skip
             if curve[-1]["psnr_db"] >= goal["target_db"]:
                 break
-        c = Contestant("SciPy", name, None, curve, goal, precision="float64", batch=1, problems=len(each), renderer="cpu, 1 thread")
+        c = Contestant("SciPy", name, None, curve, goal, precision="64", batch=1, problems=len(each), renderer="cpu, 1 thread")
         c.times.append((curve[-1], setup))
         yield c
 

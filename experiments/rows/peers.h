@@ -44,7 +44,7 @@ inline const RowFile peers{
       "nothing anew, sorts their samples"},
      {"repetitions", shown(), ""},
      {"renderer", shown(), ""},
-     {"precision", shown(), "of the arithmetic: float32, sums of ours in float64; float64; or mixed: ours in float64, but for the matrices that it takes longest for"},
+     {"precision", shown(), "of the arithmetic, in bits"},
      {"batch", shown(),
       "problems whose numbers go through the arithmetic side by side: of PyTorch's Adam and L-BFGS all in one graph, of LM those of the largest batch; of ours a vertex's channels in one register; of "
       "SciPy one"},
@@ -57,7 +57,7 @@ inline const ExperimentEntry experiment{
         "PyTorch, with as many threads as our fits and in 32-bit floats: Adam with the quickest of several rates, which are tried beforehand, and L-BFGS, whose line search by the strong Wolfe "
         "conditions has one step length for all problems, both with all vertices in one graph of gathers and embeddings and gradients by autograd; and Levenberg-Marquardt, with a damping and a "
         "verdict for each problem, by `torch.linalg` over batches of vertices, the surface maps eliminated from each step (Schur complement), as it is and by variable projection, where the surface "
-        "maps then follow each trial of the view map in closed form. The 32-bit Cholesky factors are of damped matrices; in 64 bits the same steps take longer and end no lower.\n\n"
+        "maps then follow each trial of the view map in closed form. A batch goes on until its last problem is finished, so that PyTorch's times are upper bounds.\n\n"
         "SciPy's `least_squares`, in 64 bits, one thread and one problem after another, has analytic Jacobians: `lm`, which is MINPACK's, dense ones, and `trf` sparse ones, with hard bounds in place "
         "of their penalty. It takes a few problems alone, a vertex that is drawn and those around it: its rows say of how many they are, its PSNR is of the triangles between them, and stands beside "
         "that of our converged fit in the same triangles, of which it may fall short by 0.2 dB (`scipy_short_db`), as few problems that end in other minima tell. No time of few problems is scaled up "

@@ -78,12 +78,13 @@ inline const RowFileOf<Arrival> arrivals{
      {"iterations", key(), "at most", &Arrival::iterations},
      {"texels", work(), "with enough samples", &Arrival::texels},
      {"arrived_share", ColumnType{{ColumnKind::absolute, 0.01}, "{:.5f}", "share"}, "of them within 1 % of the least error that any fit left them", &Arrival::arrived_share},
-     {"seconds seconds_least seconds_most", shown("{:.5g}").in("s"), "of all of them, from samples at hand to parameters and their errors: median, least and most of the repetitions",
-      &Arrival::seconds, &Arrival::seconds_least, &Arrival::seconds_most},
+     {"seconds seconds_least seconds_most", shown("{:.5g}").in("s"),
+      "of all of them, from samples at hand to parameters and their errors, by a fit of so many iterations at most: median, least and most of the repetitions", &Arrival::seconds,
+      &Arrival::seconds_least, &Arrival::seconds_most},
      {"repetitions", shown(), "", &Arrival::repetitions},
-     {"precision", shown(), "of its arithmetic: 32 or 64 bits, or 32 bits with sums in 64", &Arrival::precision},
+     {"precision", shown(), "of its arithmetic, in bits", &Arrival::precision},
      {"together", shown(), "problems that a register holds side by side", &Arrival::together},
-     {"instructions", shown(), "that its loops are compiled for; Ceres' own are those of Debian's library", &Arrival::instructions}}};
+     {"instructions", shown(), "that its loops are compiled for; Ceres' own loops are those of Debian's library, the costs that it calls ours", &Arrival::instructions}}};
 
 inline const ExperimentEntry experiment{
     .name = "reflectance",

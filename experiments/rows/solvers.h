@@ -83,9 +83,9 @@ inline const RowFileOf<Solver> solvers{
      {"seconds_setup", shown("{:.6g}").in("s"), "of preparing the solver", &Solver::seconds_setup},
      {"seconds_total", shown("{:.6g}").in("s"), "to the end, median", &Solver::seconds_total},
      {"repetitions", shown(), "", &Solver::repetitions},
-     {"precision", shown(), "of its arithmetic: 32 or 64 bits, or 32 bits with sums in 64", &Solver::precision},
+     {"precision", shown(), "of its arithmetic, in bits", &Solver::precision},
      {"together", shown(), "problems that a register holds side by side", &Solver::together},
-     {"instructions", shown(), "that its loops are compiled for; Ceres' own are those of Debian's library", &Solver::instructions}}};
+     {"instructions", shown(), "that its loops are compiled for; Ceres' own loops are those of Debian's library, the costs that it calls ours", &Solver::instructions}}};
 
 inline const ExperimentEntry experiment{
     .name = "solvers",

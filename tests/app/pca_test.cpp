@@ -91,7 +91,10 @@ struct Fan {
         resampler().resample(vertex, field);
         return field;
     }
-    PcaFit fit(int terms, int refills = 0) const { return pca_solver(resampler(), layout(terms), {{refills}}).front(); }
+    PcaFit fit(int terms, int refills = 0) const { return fits(terms, {{refills}}).front(); }
+    std::vector<PcaFit> fits(int terms, std::span<const int> refills) const {
+        return pca_solver(resampler(), layout(terms), refills);
+    }
     LfmLayout layout(int terms) const { return {rings, atlas, view_side, terms}; }
     Vec2d center(size_t column) const {
         const uint32_t texel = reachable_view_texels(view_side)[column];
@@ -226,6 +229,18 @@ TEST(Pca, AVertexThatNoImageSeesKeepsZeros) {
         const auto first = fit.parameters.begin() + long(layout.offset(v));
         EXPECT_EQ(std::any_of(first, first + long(layout.block_size(v)), [](float x) { return x != 0; }), seen) << v;
     }
+}
+
+TEST(Pca, SeveralRefillsFromOneResamplingAreThoseOfSingleFits) {
+    const auto value = [](uint32_t tile, uint32_t local, const Vec2d& at, int) {
+        return (0.3 + 0.02 * local + 0.03 * tile) * (0.2 + at.x() * at.y());
+    };
+    const Fan fan(40, value, [](uint32_t tile, uint32_t, uint32_t image) { return (image + tile) % 5 < 2; });
+    const std::vector<PcaFit> several = fan.fits(2, {{0, 2, 2, 5}});
+    ASSERT_EQ(several.size(), 4U);
+    for (const auto& [place, refills] : {std::pair{0U, 0}, {1U, 2}, {2U, 2}, {3U, 5}})
+        EXPECT_EQ(several[place].parameters, fan.fit(2, refills).parameters) << refills;
+    EXPECT_NE(several[1].parameters, several[3].parameters);
 }
 
 // Directions differ from tile to tile, so what one tile lacks the others show.

@@ -133,10 +133,17 @@ TEST(Machine, WhatCannotBeReadIsEmpty) {
 TEST(Instructions, OnlyTheBaseWhileOneAsksForIt) {
     const bool before = run_avx512();
     const std::string widest = widest_instructions();
+    const auto runs_wide = [] {
+        bool wide = false;
+        with_widest_vectors([&] { wide = run_avx512(); });
+        return wide;
+    };
+    EXPECT_EQ(runs_wide(), before);
     EXPECT_EQ(widest == "AVX-512", before);
     {
         const BaseInstructions base;
         EXPECT_STREQ(widest_instructions(), compiled_instructions());
+        EXPECT_EQ(runs_wide(), std::string(compiled_instructions()) == "AVX-512");
         { const BaseInstructions again; }
         EXPECT_STREQ(widest_instructions(), compiled_instructions()) << "the first one still lives";
     }

@@ -1,6 +1,9 @@
 #include "reference/subset_interpolation.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
 
 namespace radiafit::fits {
 namespace {

@@ -46,18 +46,18 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& narrow) {
 /// Eigenvectors of a Gram matrix's largest eigenvalues, descending: [size][count]. Only its lower half is read. By
 /// orthogonal iteration with some vectors more than asked for, which takes a few products where eigenvalues fall off
 /// as those of photographs do; where they don't, by all eigenvectors.
-Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& gram, Eigen::Index count) {
+Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& of, Eigen::Index count) {
     constexpr Eigen::Index more = 6, small = 32;
     constexpr int most_rounds = 40;
-    const Eigen::Index size = gram.rows(), block = count + more;
+    const Eigen::Index size = of.rows(), block = count + more;
     Rng rng(1);
     Eigen::MatrixXd v(size, block);
     for (double& x : v.reshaped()) x = double(rng.uniform(-1, 1));
-    const auto symmetric = gram.selfadjointView<Eigen::Lower>();
+    const auto symmetric = of.selfadjointView<Eigen::Lower>();
     for (int round = 0; size > std::max(small, 2 * block) && round < most_rounds; ++round) {
         v = orthonormal(v);
         Eigen::MatrixXd image = symmetric * v;
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> within(v.transpose() * image);  // Rayleigh and Ritz
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> within(v.transpose() * image);  // the best within the span
         const Eigen::MatrixXd turn = within.eigenvectors().rowwise().reverse();
         const Eigen::VectorXd values = within.eigenvalues().reverse();
         v *= turn;
@@ -66,7 +66,7 @@ Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& gram, Eigen::Index cou
         if (off <= 1e-13 * values[0]) return v.leftCols(count);
         v = std::move(image);
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(of);
     return eigen.eigenvectors().rowwise().reverse().leftCols(count);
 }
 

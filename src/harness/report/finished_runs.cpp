@@ -39,8 +39,8 @@ bool holds_rows(const fs::path& folder) {
     return std::ranges::any_of(run_files(folder), [](const std::string& name) { return name.ends_with(".csv"); });
 }
 
-/// None where the folder holds no run, another profile's, or one that isn't of the checkout's settings where it should
-/// be, or is where it should not.
+/// None where the folder holds no run, another profile's, or one of the checkout's settings where others are asked for,
+/// and the other way round.
 std::optional<RunRecord> run_of(const fs::path& folder, const std::string& profile, bool standard = true) {
     try {
         RunRecord run = read_run(folder);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
+#include <stdexcept>
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -188,6 +189,8 @@ FitOutcome solve(const Dataset& dataset, const FitRequest& asked, const SharedSa
 
 std::vector<FitOutcome> solve_by_refills(const Dataset& dataset, const FitRequest& asked,
                                          std::span<const int> refills) {
+    if (!facts_of(asked).resamples || refills.empty() || !std::ranges::is_sorted(refills))
+        throw std::invalid_argument("solve_by_refills: a solver that resamples, some refills, fewest first");
     asked.check();
     require_light_field(dataset);
     const std::vector<uint32_t> training = fitted_views(dataset, asked);

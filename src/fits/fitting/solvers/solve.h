@@ -83,7 +83,8 @@ FitRequest with_sides(FitRequest request, const Dataset& dataset, const std::vec
 FitOutcome solve(const Dataset& dataset, const FitRequest& request, const SharedSamples* samples = nullptr,
                  const IterationHook& each_iteration = {}, const std::vector<uint32_t>* views = nullptr);
 
-/// Fits of the pca solver with so many refills each, ascending, from one resampling; each has the time of all.
+/// Fits of the pca solver with so many refills each, ascending, from one resampling; each has the time of all. Throws
+/// std::invalid_argument for another solver, and for refills that are none or not in order.
 std::vector<FitOutcome> solve_by_refills(const Dataset& dataset, const FitRequest& request,
                                          std::span<const int> refills);
 
@@ -98,6 +99,7 @@ struct ReflectanceOutcome : FitRun {
 /// Samples by texel that several fits share; `request` as those of the fits, as far as it means something here.
 struct SharedTexels {
     std::unique_ptr<TexelSource> source;
+    std::vector<uint32_t> texels = {};  ///< that the source is of, ascending; a fit is of these alone. Empty: all
     double seconds = 0;
 };
 SharedTexels distribute_texels(const Dataset& dataset, const FitRequest& request, const std::vector<uint32_t>& views);

@@ -59,7 +59,8 @@ template <class Solve>
 void solve_source(const TexelSource& source, TexelTask& task, const Solve& solve) {
     require_seen(source.sample_count() > 0, task.dataset, task.request);
     Stopwatch clock;
-    const TexelLoader loader(task.dataset, *task.out.atlas, task.views, task.options);
+    const TexelLoader all(task.dataset, *task.out.atlas, task.views, task.options);
+    const TexelLoader loader = task.shared && !task.shared->texels.empty() ? all.of(task.shared->texels) : all;
     Progress progress("texels", source.block_count());
     TexelResult result =
         solve(TexelProblem{source, loader, task.options, task.request.journal.get()}, [&] { progress.advance(); });
