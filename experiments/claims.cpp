@@ -46,6 +46,7 @@ nlohmann::ordered_json json_of(const Finding& f) {
             {"verdict", f.verdict()},
             {"by_the_rule", f.by_the_rule()},
             {"reason", f.reason()},
+            {"decided_by", f.decided_by()},
             {"rule_is_younger_than_rows", f.rule_is_younger()},
             {"sentence", f.evidence.sentence},
             {"measures", f.judgement.json()},
@@ -97,6 +98,7 @@ std::string section_of(const ClaimFindings& found) {
         text += fmt::format("\n**{}**, {} profile{}", f.verdict(), f.profile,
                             f.run.empty() ? "" : fmt::format("; {}; `{}`", f.evidence.renderer, f.run));
         if (const std::string reason = f.reason(); !reason.empty()) text += fmt::format(". Why: {}", reason);
+        if (const std::string run = f.decided_by(); !run.empty()) text += fmt::format(". What decides it: {}", run);
         text += ".\n";
         if (f.rule_is_younger()) text += "\nThese rows are older than the rule.\n";
         if (!f.judged() && !f.run.empty()) text += fmt::format("By the rule alone: {}.\n", f.by_the_rule());

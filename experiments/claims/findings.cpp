@@ -131,14 +131,17 @@ std::vector<std::string> Finding::other_verdicts() const {
 }
 
 std::string Finding::reason() const {
-    std::string reason = judgement.reason();
-    const auto& premises = judgement.rule->premises;
-    if (judgement.not_run.empty() && std::ranges::count(premises, "graphics chip") > 0 &&
-        is_software_renderer(evidence.renderer))
-        reason += fmt::format("; where there is such a chip, `make experiments PROFILE={} ONLY={}` decides it",
-                              judged_profile, claim->experiment);
+    const std::string reason = judgement.reason();
     if (judged() || !judgement.not_run.empty()) return reason;
     return fmt::format("the {} profile is not of the paper's scale{}{}", profile, reason.empty() ? "" : "; ", reason);
+}
+
+std::string Finding::decided_by() const {
+    const bool waits =
+        std::ranges::count(judgement.rule->premises, "graphics chip") > 0 && is_software_renderer(evidence.renderer);
+    if (!waits || !judgement.not_run.empty()) return "";
+    return fmt::format("`make experiments PROFILE={} ONLY={}` on a machine with a graphics chip", judged_profile,
+                       claim->experiment);
 }
 
 std::string ClaimFindings::Line::found() const {

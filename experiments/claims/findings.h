@@ -40,6 +40,8 @@ struct Finding {
     /// The same whatever the run is, for those of other settings.
     std::string by_the_measures() const { return to_string(judgement.outcome()); }
     std::string reason() const;
+    /// What would decide a claim that waits for a graphics chip; else empty.
+    std::string decided_by() const;
     /// Whether the rule was registered on a later day than the rows are of.
     bool rule_is_younger() const;
     /// Of a run of other settings: what differs, "object = 2"; else empty.

@@ -108,6 +108,8 @@ Html finding_part(const Finding& f) {
     Html part = element("p", about);
     if (const std::string reason = f.reason(); !reason.empty())
         part << element("p", element("b", "Why: ") << reason << ".");
+    if (const std::string run = f.decided_by(); !run.empty())
+        part << element("p", element("b", "What decides it: ") << run << ".");
     if (!f.judged() && !f.run.empty())
         part << element("p", Html("By the rule alone: ") << verdict_mark(f.by_the_rule()));
     if (!e.sentence.empty()) part << element("p", e.sentence);
