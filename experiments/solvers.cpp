@@ -15,6 +15,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "cpu/lfm_engine.h"
 #include "engineering.h"
 #include "experiment.h"
@@ -232,12 +233,6 @@ void run_all(const Options& o, std::vector<Contestant>& all, std::vector<Vertex>
             }
         }
     }
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const size_t n = values.size();
-    return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 /// Sums over the first `count` vertices, one for each repetition.

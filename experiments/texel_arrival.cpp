@@ -8,7 +8,7 @@
 
 #include "base/instructions.h"
 #include "base/log.h"
-#include "base/parallel.h"
+#include "base/scoped_threads.h"
 #include "base/statistics.h"
 #include "samples/picked_texels.h"
 
@@ -33,22 +33,11 @@ struct Rung {
     std::vector<float> error = {};     ///< of every texel
 };
 
-class SetThreads {
-public:
-    explicit SetThreads(int count) : before_(thread_count()) { set_thread_count(count); }
-    ~SetThreads() { set_thread_count(before_); }
-    SetThreads(const SetThreads&) = delete;
-    SetThreads& operator=(const SetThreads&) = delete;
-
-private:
-    int before_;
-};
-
 }  // namespace
 
 std::vector<Arrival> texel_arrivals(const Dataset& dataset, const SharedTexels& samples,
                                     const std::vector<Climber>& climbers, const ArrivalOptions& options) {
-    const SetThreads one(1);
+    const ScopedThreads one(1);
     SharedTexels some;
     some.texels = some_blocks(samples.source->texel_count(), options.every);
     some.source = std::make_unique<PickedTexels>(*samples.source, some.texels);

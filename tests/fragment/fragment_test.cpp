@@ -94,16 +94,7 @@ public:
         : noise_(awkward_mesh(c.levels), c.encoding),
           atlas_(noise_.dataset.mesh, c.surface_side),
           rings_(noise_.dataset.mesh) {
-        LfmOptions options;
-        options.terms = c.terms;
-        options.surface_side = c.surface_side;
-        options.view_side = c.view_side;
-        options.lookup = c.lookup;
-        options.loss = c.loss;
-        options.lambda_surface = 0.01f;
-        options.lambda_view = 0.02f;
-        options.upper = 0.5f;  // so that bounds matter
-        options.mode = mode;
+        const LfmOptions options = options_of(c, mode);
         const Sums sums = storage == Storage::fp16 ? Sums::fp16 : Sums::fp32;
         for (const Passes passes : {Passes::paper, Passes::r300})
             engines_.push_back(

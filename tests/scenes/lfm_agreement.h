@@ -178,6 +178,21 @@ inline std::vector<Rule> rules_of(const Case& c) {
     return {Rule::cg_modern, rules[c.name.size() % rules.size()]};
 }
 
+/// Of fits, with penalties.
+inline LfmOptions options_of(const Case& c, Mode mode) {
+    LfmOptions options;
+    options.terms = c.terms;
+    options.surface_side = c.surface_side;
+    options.view_side = c.view_side;
+    options.lookup = c.lookup;
+    options.loss = c.loss;
+    options.lambda_surface = 0.01f;
+    options.lambda_view = 0.02f;
+    options.upper = 0.5f;  // so that bounds matter
+    options.mode = mode;
+    return options;
+}
+
 /// Some iterations of every verb, penalties included, against the CPU engine in double.
 template <class Make>
 void agree_with_the_cpu_engine_over_iterations(const Case& c, const Make& make) {
@@ -190,16 +205,8 @@ void agree_with_the_cpu_engine_over_iterations(const Case& c, const Make& make) 
     const SampleList list =
         build_sample_list(dataset, atlas, all_views(), {&distributor}, TargetSpace::stored, nullptr);
     for (const Rule rule : rules_of(c)) {
-        LfmOptions options;
-        options.terms = c.terms;
-        options.surface_side = c.surface_side;
-        options.view_side = c.view_side;
-        options.lookup = c.lookup;
-        options.loss = c.loss;
-        options.lambda_surface = 0.01f;
-        options.lambda_view = 0.02f;
-        options.upper = 0.5f;  // so that bounds matter
-        options.mode = rule == Rule::cg_paper || rule == Rule::steepest_descent ? Mode::paper : Mode::modern;
+        const bool paper = rule == Rule::cg_paper || rule == Rule::steepest_descent;
+        const LfmOptions options = options_of(c, paper ? Mode::paper : Mode::modern);
         const auto made = make(dataset, atlas, rings, list, options);
         auto& engine = *made;
         LfmProblem<double> problem(dataset, atlas, rings, list, options);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/clock.h"
-#include "base/parallel.h"
+#include "base/scoped_threads.h"
 #include "cpu/peaks.h"
 #include "fragment/peaks.h"
 
@@ -13,19 +13,7 @@ namespace {
 constexpr double long_enough_s = 0.02, longer_than_compiling_s = 2;
 constexpr Pass all_passes[] = {Pass::gradient, Pass::line, Pass::iteration, Pass::distribution};
 
-/// As many threads as the device has, while this lives.
-class ThreadsOf {
-public:
-    explicit ThreadsOf(Device device) : before_(thread_count()) {
-        if (device == Device::one_thread) set_thread_count(1);
-    }
-    ~ThreadsOf() { set_thread_count(before_); }
-    ThreadsOf(const ThreadsOf&) = delete;
-    ThreadsOf& operator=(const ThreadsOf&) = delete;
-
-private:
-    int before_;
-};
+int threads_of(Device device) { return device == Device::one_thread ? 1 : thread_count(); }
 
 double seconds_of(TimedDevice& contestant, Pass pass, int times) {
     contestant.prepare(pass, times);
@@ -35,7 +23,7 @@ double seconds_of(TimedDevice& contestant, Pass pass, int times) {
 }
 
 void measure(Timed& timed) {
-    const ThreadsOf threads(timed.device);
+    const ScopedThreads threads(threads_of(timed.device));
     for (const auto& [pass, times] : timed.times) {
         timed.contestant->prepare(pass, times);
         const double streamed = timed.contestant->streaming_s();
@@ -49,7 +37,7 @@ void measure(Timed& timed) {
 }
 
 DevicePeaks peaks_of(Device device) {
-    const ThreadsOf threads(device);
+    const ScopedThreads threads(threads_of(device));
     if (!needs_opengl(device)) {
         const CpuPeaks peaks = measure_cpu_peaks();
         return {.operations = 1e9 * peaks.all_fma_gflop_s, .bytes = 1e9 * peaks.triad_gb_s};
@@ -74,7 +62,7 @@ Peaks measure_peaks(const std::vector<Device>& devices) {
 }
 
 void warm_up(Timed& timed) {
-    const ThreadsOf threads(timed.device);
+    const ScopedThreads threads(threads_of(timed.device));
     for (const Pass pass : all_passes) {
         if (!timed.contestant->has(pass)) continue;
         int& times = timed.times[pass] = 1;
