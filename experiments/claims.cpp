@@ -42,6 +42,7 @@ nlohmann::ordered_json json_of(const Finding& f) {
             {"since", f.claim->rule.since},
             {"why_this_rule", f.claim->rule.reason},
             {"scale", f.claim->rule.scale},
+            {"command", fmt::format("make experiments PROFILE={} ONLY={}", f.profile, f.claim->experiment)},
             {"profile", f.profile},
             {"verdict", f.verdict()},
             {"by_the_rule", f.by_the_rule()},

@@ -290,9 +290,10 @@ void fig10(Experiment& experiment) {
     write_utilization(results, contests, peaks, o.request, renderer);
     const bool cold = o.request.source == ImageSource::disk_cold;
     experiment.finish(
-        results, fmt::format("stand-ins: {}{} ({} scale); images from {} in every sweep; {} repetitions; "
-                             "{} on {}",
-                             maps ? dataset.name + " and " : "", o.reflectance.dataset().name, experiment.profile(),
+        results, fmt::format("stand-ins: {}{} images of the {} ({} scale); images from {} in every sweep; {} "
+                             "repetitions; {} on {}",
+                             maps ? "all of the " + dataset.name + " and " : "", o.reflectance.images(),
+                             o.reflectance.dataset().name, experiment.profile(),
                              cold ? "disk, not in the page cache," : o.request.text("source"), o.repetitions, renderer,
                              experiment.cpu_device()));
 }

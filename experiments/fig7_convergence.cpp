@@ -261,9 +261,11 @@ void fig7(Experiment& experiment) {
     files.ends.commit();
     files.curves.commit();
     files.summary.commit();
-    experiment.finish(results,
-                      fmt::format("synthetic stand-ins of the paper's star and bust, {} scale; lambda = {:g}; {}",
-                                  experiment.profile(), o.lambda(), experiment.cpu_device()));
+    experiment.finish(
+        results, fmt::format("{} vertices of each of the synthetic stand-ins of the paper's star and bust, {} scale; "
+                             "lambda = {:g}; {}",
+                             o.vertices ? std::to_string(o.vertices) : "all", experiment.profile(), o.lambda(),
+                             experiment.cpu_device()));
 }
 
 }  // namespace

@@ -145,15 +145,38 @@ struct Contestant {
     int side;
     size_t images;
     uint64_t texels = 0, samples = 0, parameters = 0;
-    std::function<Taken()> measure = {};                 ///< of an iteration, or of distributing all images once
-    std::map<std::string, IterationCounts> counts = {};  ///< [optimizer], where passes declare what they cost
-    std::vector<double> seconds = {};                    ///< [round]
-    std::vector<double> sweeps = {};  ///< [round] of these, in sweeps over images; empty where none stream
+    std::function<Taken()> measure = {};  ///< of an iteration, or of distributing all images once
+    std::vector<double> seconds = {};     ///< [round]
+    std::vector<double> sweeps = {};      ///< [round] of these, in sweeps over images; empty where none stream
 
     std::string name() const { return what == iteration ? engine : engine + ", " + what; }
     static constexpr const char *iteration = "iteration", *kept = "iteration, samples kept",
                                 *distribution = "distribution";
 };
+
+/// Fragment programs and what they need. Where it is said whether samples are kept, images stay on the device: then
+/// none streams, kept samples or not.
+struct Fragment {
+    TriangleAtlas atlas;
+    std::unique_ptr<FragmentEngine> engine;
+
+    Fragment(const Dataset& dataset, const VertexRings& rings, const std::vector<uint32_t>& views, FitRequest request,
+             const std::string& passes, std::optional<bool> keep_samples)
+        : atlas(dataset.mesh, request.model.surface_side) {
+        request.set("passes", passes);
+        FragmentOptions options = request.fragment_options();
+        options.keep_on_device = keep_samples.has_value();
+        options.keep_samples = keep_samples.value_or(false);
+        engine = std::make_unique<FragmentEngine>(dataset, atlas, rings, views, request.model_options(), options);
+    }
+};
+
+template <class Engine>
+ProblemStatistics begin_fit(Engine& engine, const FitRequest& request) {
+    const ProblemStatistics statistics = engine.count();
+    start_iterations(engine, lfm_start(engine.layout(), statistics.mean, request.seed));
+    return statistics;
+}
 
 /// Makes contestants, which own their engines, over spread training views.
 class Contest {
@@ -163,22 +186,9 @@ public:
 
     void add_fragment(const std::string& part, const std::string& passes, int side, int images,
                       std::optional<bool> keep_samples = {}) {
-        struct Held {
-            TriangleAtlas atlas;
-            std::unique_ptr<FragmentEngine> engine = {};
-        };
-        const auto held = std::make_shared<Held>(Held{TriangleAtlas(dataset_.mesh, side)});
-        FitRequest request = o_.request(side, o_.side);
-        request.set("passes", passes);
-        FragmentOptions options = request.fragment_options();
-        options.keep_on_device = keep_samples.has_value();  // so that no image streams, kept samples or not
-        options.keep_samples = keep_samples.value_or(false);
-        held->engine = std::make_unique<FragmentEngine>(dataset_, held->atlas, rings_, views(images),
-                                                        request.model_options(), options);
-        Contestant& c = add_opengl(part, "fragment " + passes, options.keep_samples, side, images, held, request);
-        if (!keep_samples) return;
-        for (const char* optimizer : optimizer_names)
-            c.counts[optimizer] = count_iteration(*held->engine, is_descent(optimizer));
+        const FitRequest request = o_.request(side, o_.side);
+        const auto held = std::make_shared<Fragment>(dataset_, rings_, views(images), request, passes, keep_samples);
+        add_opengl(part, "fragment " + passes, keep_samples.value_or(false), side, images, held, request);
     }
 
     /// Compute shaders that distribute in every sweep, or, kept, read samples that stay on the device.
@@ -254,10 +264,9 @@ private:
     std::vector<uint32_t> views(int images) const { return spread_views(dataset_.split(false), images); }
     /// held: an engine, which has begun its fit, and what it needs.
     template <class Held>
-    Contestant& add_opengl(const std::string& part, const std::string& engine, bool keep_samples, int side, int images,
-                           const std::shared_ptr<Held>& held, const FitRequest& request) {
-        const ProblemStatistics statistics = held->engine->count();
-        start_iterations(*held->engine, lfm_start(held->engine->layout(), statistics.mean, request.seed));
+    void add_opengl(const std::string& part, const std::string& engine, bool keep_samples, int side, int images,
+                    const std::shared_ptr<Held>& held, const FitRequest& request) {
+        const ProblemStatistics statistics = begin_fit(*held->engine, request);
         Contestant& c = add(part, engine, keep_samples ? Contestant::kept : Contestant::iteration, side, images,
                             held->engine->layout().parameter_count());
         for (const uint32_t of_vertex : statistics.samples) c.samples += of_vertex;
@@ -269,7 +278,6 @@ private:
             if (after.sweeps > before.sweeps) taken.sweeps = after.sweep_s - before.sweep_s;
             return taken;
         };
-        return c;
     }
     Contestant& add(const std::string& part, const std::string& engine, const std::string& what, int side, int images,
                     uint64_t parameters) {
@@ -393,11 +401,20 @@ void write_times(const ResultFolder& results, const std::vector<Contestant>& tim
     rows.commit();
 }
 
-void write_work(const ResultFolder& results, const std::vector<Contestant>& contestants) {
+/// Over all training images: what costs once an iteration weighs more with fewer.
+void write_work(const ResultFolder& results, const Dataset& dataset, const VertexRings& rings,
+                const FitRequest& request) {
     CsvFile rows(results.path(), rows::work);
-    for (const Contestant& c : contestants)
-        for (const auto& [optimizer, counts] : c.counts)
-            rows.add({c.part, c.engine, c.what, optimizer, counts.work.operations, counts.work.reads});
+    const std::vector<uint32_t> views = dataset.split(false);
+    for (const bool keep : {false, true}) {
+        const Fragment held(dataset, rings, views, request, "paper", keep);
+        begin_fit(*held.engine, request);
+        for (const char* optimizer : optimizer_names) {
+            const Work work = count_iteration(*held.engine, is_descent(optimizer)).work;
+            rows.add({"distribution", "fragment paper", keep ? Contestant::kept : Contestant::iteration, optimizer,
+                      views.size(), work.operations, work.reads});
+        }
+    }
     rows.commit();
 }
 
@@ -441,7 +458,7 @@ void measure(Experiment& experiment) {
     Summary summary(results);
     write_memory(results, dataset, memory, summary);
     write_times(results, times, context->renderer(), experiment.cpu_name());
-    write_work(results, times);
+    write_work(results, dataset, rings, o.request(o.side, o.side));
     summary.add_slopes("seconds over samples", times, "samples", &Contestant::samples);
     summary.add_slopes("seconds over texels", times, "texels", &Contestant::texels);
     summary.add_slopes("seconds of sweeps over texels", times, "texels", &Contestant::texels, &Contestant::sweeps);

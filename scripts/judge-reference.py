@@ -11,6 +11,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+OLDER = "these rows are older than the rule"
 
 
 def judged(program):
@@ -35,6 +36,17 @@ def newest_of(claims):
     return newest
 
 
+def by_machine(newest):
+    """Which machine each claim's rows are of, in a sentence."""
+    claims = {}
+    for claim, row in newest.items():
+        about = json.loads((ROOT / row["run"] / "run.json").read_text())
+        family = re.search(r"family \d+ model \d+", about["machine"].get("cpu_id", ""))
+        name = re.sub(r"\((R|TM|family[^)]*)\)| Processor|@.*", "", about["cpu"]).strip()
+        claims.setdefault(f"{name} ({family[0]})" if family else name, []).append(claim)
+    return "; ".join(f"{', '.join(ids)} by an {name}" for name, ids in claims.items())
+
+
 def replaced(path, pattern, text):
     before = path.read_text(encoding="utf-8")
     after, count = re.subn(pattern, lambda _: text, before, flags=re.S)
@@ -52,13 +64,15 @@ def main():
     table = []
     for claim, row in newest.items():
         sentence = " ".join(row["sentence"].split())
-        own = [line for line in lines if line.startswith(f"| {claim} |") and sentence in line]
+        own = [line for line in lines if line.startswith(f"| {claim} |") and sentence in line
+               and (OLDER in line) == row["rule_is_younger_than_rows"]]  # fmt: skip
         if not own:
             sys.exit(f"claims.md has no line of {claim} that says: {sentence}")
         table.append(own[0])
     if len(newest) != 23:
         sys.exit(f"{len(newest)} claims are judged, not 23")
     replaced(ROOT / "docs/claims.md", r"(?<=\n)\| C1 \|.*\| C23 \|[^\n]*\n", "\n".join(table) + "\n")
+    replaced(ROOT / "docs/claims.md", r"By machine: [^\n]*\n", f"By machine: {by_machine(newest)}.\n")
     found = [row["verdict"] for row in newest.values()]
     hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))
     counts = f"of 23, {hold} hold, {fail} do not, {undecided} are undecided and {23 - hold - fail - undecided} wait"

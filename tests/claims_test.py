@@ -27,6 +27,15 @@ from claims.time import *  # noqa: F403
 from cli_fixture import snapshot, take_arguments
 
 
+def newest_at_the_papers_scale(claims):
+    """The judged row of each claim's newest run of the paper profile."""
+    newest = {}
+    for row in claims:
+        if row["profile"] == "paper":
+            newest[row["id"]] = max(newest.get(row["id"], row), row, key=lambda r: r["run"].rsplit("/", 1)[-1])
+    return newest
+
+
 class Report(ClaimsTest):
     def test_nothing_run(self):
         rows, judged = self.judge()
@@ -162,20 +171,20 @@ class Report(ClaimsTest):
         reported, shown = lines_of(report), lines_of((self.checkout / "docs/claims.md").read_text())
         claims = dict.fromkeys(line.split()[1] for line in reported)
         self.assertEqual([line.split()[1] for line in shown], list(claims), "docs/claims.md has one line for each claim")
+        newest = newest_at_the_papers_scale(json.loads((self.root / "judged/claims.json").read_text())["claims"])
         for line in shown:
             self.assertTrue(line in reported, f"the line of docs/claims.md is not the reference's: {line}")
+            row = newest[line.split()[1]]
+            self.assertIn(" ".join(row["sentence"].split()), line, "of the newest run")
+            self.assertEqual("these rows are older than the rule" in line, row["rule_is_younger_than_rows"], line)
         told = subprocess.run([sys.executable, "-B", self.checkout / "tests/recompute_claims.py", self.root / "judged/claims.json",
                                self.root], capture_output=True, text=True)  # fmt: skip
         self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
         shipped = json.loads((self.checkout / "results/reference/claims.json").read_text())
         self.assertEqual(json.loads((self.root / "judged/claims.json").read_text()), shipped)
 
-
     def test_the_readme_counts_the_reference(self):
-        newest = {}
-        for row in json.loads((self.checkout / "results/reference/claims.json").read_text())["claims"]:
-            if row["profile"] == "paper":
-                newest[row["id"]] = max(newest.get(row["id"], row), row, key=lambda r: r["run"].rsplit("/", 1)[-1])
+        newest = newest_at_the_papers_scale(json.loads((self.checkout / "results/reference/claims.json").read_text())["claims"])
         verdicts = [row["verdict"] for row in newest.values()]
         text = " ".join((self.checkout / "README.md").read_text().split())
         counts = re.search(r"of 23, (\d+) hold, (\d+) do not, (\d+) are undecided and (\d+) wait for a graphics chip or for rows", text)

@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import torch
 
-from light_field import numbers
+from light_field import laplacian, numbers
 
 GROWTH = 4  # of the damping by a rejected step; twice as much by each further one
 LEAST_DAMPING = 1e-7
@@ -23,12 +23,6 @@ LEAST_DAMPING = 1e-7
 # in 32 bits.
 HELD = 1e-5
 STATIONARY = 1e-7  # relative decrease of a problem's error by an accepted step that ends it
-
-
-def laplacian(neighbours):
-    """[p, p], of a map whose p texels have these four neighbours each."""
-    each = torch.eye(len(neighbours))
-    return 4 * each - each[neighbours].sum(1)
 
 
 class Batch:
@@ -53,10 +47,10 @@ class Batch:
         self.targets[vertex, :, image, texel] = samples["targets"]
         self.look_up = torch.zeros(v, images, w, dtype=dtype)  # W, scaled as the targets are
         self.look_up[vertex[:, None], image[:, None], samples["view_texel"]] = samples["view_weights"]
-        neighbours = torch.from_numpy(a["surface_neighbours"])[first[0] : first[0] + t] - first[0]
+        neighbours = a["surface_neighbours"][first[0] : first[0] + t] - int(first[0])
         root = numbers(a["lambda_view"][vertices], dtype).sqrt().reshape(-1, 1, 1)
-        self.surface_bent = self.objective["lambda_surface"] ** 0.5 * laplacian(neighbours).to(dtype)  # [t, t]
-        self.view_bent = root * laplacian(torch.from_numpy(a["view_neighbours"]).long()).to(dtype)  # [n, w, w]
+        self.surface_bent = self.objective["lambda_surface"] ** 0.5 * numbers(laplacian(neighbours), dtype)  # [t, t]
+        self.view_bent = root * numbers(laplacian(a["view_neighbours"]), dtype)  # [n, w, w]
         self.surface_smooth, self.view_smooth = (x.mT @ x for x in (self.surface_bent, self.view_bent))
 
     def cut(self, surface, view):

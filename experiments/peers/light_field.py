@@ -9,6 +9,12 @@ def numbers(array, dtype):
     return torch.from_numpy(np.ascontiguousarray(array)).to(dtype)
 
 
+def laplacian(neighbours):
+    """[p, p], of a map whose p texels have these four neighbours each."""
+    each = np.eye(len(neighbours))
+    return 4 * each - each[neighbours].sum(1)
+
+
 class Split:
     """The samples of one split. Look-ups are flat indices, a colour channel each: of gathers and their gradients, those in one
     dimension are PyTorch's fastest by far."""

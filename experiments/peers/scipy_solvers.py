@@ -5,12 +5,7 @@ import numpy as np
 import scipy.optimize
 import scipy.sparse
 
-
-def laplacian(neighbours):
-    """[p, p], of a map whose p texels have these four neighbours each."""
-    p = len(neighbours)
-    beside = scipy.sparse.coo_matrix((np.ones(4 * p), (np.repeat(np.arange(p), 4), neighbours.reshape(-1))), (p, p))
-    return (4 * scipy.sparse.eye(p) - beside).tocsr()
+from light_field import laplacian
 
 
 class Problem:
@@ -38,7 +33,8 @@ class Problem:
         self.sizes = s, w
         bent = laplacian(a["surface_neighbours"][self.texels] - self.texels[0]) * self.objective["lambda_surface"] ** 0.5
         view_bent = laplacian(a["view_neighbours"]) * float(a["lambda_view"][vertex, channel]) ** 0.5
-        self.smoothness = scipy.sparse.block_diag([bent] * K + [view_bent] * K, "csr")
+        blocks = [scipy.sparse.csr_matrix(block) for block in (bent, view_bent)]
+        self.smoothness = scipy.sparse.block_diag([blocks[0]] * K + [blocks[1]] * K, "csr")
         # Of a sample's row: for each term its surface texel, then the four view texels that its image looks up.
         columns = [k * s + self.texel[:, None] for k in range(K)]
         columns += [K * s + k * w + self.view_texel[self.image] for k in range(K)]

@@ -60,6 +60,7 @@ inline const RowFileOf<Time> time{
 
 struct Work {
     std::string part, engine, what, optimizer;
+    size_t images;
     uint64_t operations, reads;
 };
 inline const RowFileOf<Work> work{
@@ -67,6 +68,7 @@ inline const RowFileOf<Work> work{
     "What an iteration declares, with samples distributed in every sweep and with samples kept.",
     {{"part engine what", key(), as_before, &Work::part, &Work::engine, &Work::what},
      {"optimizer", key(), "sd or cg", &Work::optimizer},
+     {"images", exact(), "all training images", &Work::images},
      {"operations", exact(), "components of arithmetic, as the passes declare them, times their fragments", &Work::operations},
      {"reads", exact().in("texels"), "fetched, likewise", &Work::reads}}};
 

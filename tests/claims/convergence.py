@@ -20,7 +20,7 @@ def problems(star=(10, 12), bust=None, cg=20, newton=15, names=("star", "bust"),
             for channel in "rgb":
                 sd = -1 if v < missing * vertices else round(cg * ratio)
                 rows.append({"dataset": name, "lambda": 0.0001, "vertex": v, "channel": channel, "best_error": 1,
-                             "best_solver": "varpro", "varpro_penalty": penalty, "cg_paper": cg, "sd": sd,
+                             "best_solver": "varpro", "varpro_penalty": penalty, "cg_paper": cg, "cg_modern": cg / 2, "sd": sd,
                              "sd_growing": round(cg * ratio / 2), "varpro": newton})
     rows.append({**rows[0], "lambda": 0.001, "sd": -1})
     return rows

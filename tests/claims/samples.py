@@ -22,8 +22,9 @@ class Samples(ClaimsTest):
     def test_pixels_and_texels(self):
         row = self.found()
         self.assertEqual(row["verdict"], "holds")
-        self.assertIn("of the bust's pixels 97 % reach a texel, 2.63 % of its texels have no sample, and the median texel has 30",
-                      row["sentence"])
+        self.assertIn("of the bust's pixels, for each of which 0.5 texels face the camera in the median image, 97 % reach a texel, "
+                      "2.63 % of its texels have no sample, and the median texel has 30", row["sentence"])  # fmt: skip
+        self.assertIn("70 % of the bust's pixels (1.5 texels for each) reach one", row["sentence"])
         self.assertIn("star, sides by projected size: 1.5 texels per covered pixel in the median image, 30 samples in the "
                       "median texel; 30.0 % of the pixels are dropped, because no texel takes them; 2.6 % of the texels have "
                       "no sample, 7.9 % fewer than 10; 0 times a texel took two pixels of one image", row["beside"])  # fmt: skip

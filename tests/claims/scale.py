@@ -53,7 +53,7 @@ def memory(power=1.0, excess=1.0, sides=(8, 12, 16, 24, 32), triangles=6094, lay
 
 def declared(operations=1.05, reads=1.02):
     """work.csv: of iterations with distribution, over those with samples kept."""
-    return [{"part": "distribution", "engine": "fragment paper", "what": what, "optimizer": optimizer,
+    return [{"part": "distribution", "engine": "fragment paper", "what": what, "optimizer": optimizer, "images": 289,
              "operations": 1000 * (operations if what == "iteration" else 1), "reads": 100 * (reads if what == "iteration" else 1)}
             for what in ("iteration", "iteration, samples kept") for optimizer in ("sd", "cg")]
 
@@ -67,12 +67,17 @@ class Scaling(ClaimsTest):
         row = self.scaling("C13", distribution(renderer=LLVMPIPE))
         self.assertEqual(row["verdict"], "holds", "counts")
         self.assertEqual([m["value"] for m in row["measures"]], [1.05, 1.05, 1.02, 1.02])
+        more = self.scaling("C13", work=declared(operations=1.3))
+        self.assertEqual((more["verdict"], more["readings"][0]["verdict"]), ("does not hold", "holds"), "of whole iterations")
+        self.assertAlmostEqual(more["readings"][0]["measures"][0]["value"], 1 / (1 - 0.3 * (1 - 1 / 1.3)))
         self.assertIn("1.05 times the operations and 1.02 times the texture reads (SD)", row["sentence"])
         self.assertEqual(self.scaling("C13", work=declared(operations=1.2))["verdict"], "does not hold")
         self.assertEqual(self.scaling("C13", work=declared(reads=1.2))["verdict"], "does not hold")
         old = self.finding("C13", "scaling", {"memory": memory(), "time": distribution()})
         self.assertEqual(old["verdict"], "not comparable")
         self.assertIn("did not count", old["reason"])
+        some = [{k: v for k, v in row.items() if k != "images"} for row in declared()]
+        self.assertIn("of all images", self.scaling("C13", work=some)["reason"], "an older version's, of a few images")
 
     def test_the_time_of_distribution_decided_before(self):
         def former(**changed):
@@ -226,12 +231,12 @@ def cost(run):
     yield max(memory_slopes(run))
 
 
-def redistribution(run):
+def redistribution(run, computing=1):
     for column in ("operations", "reads"):
         for o in BOTH:
             anew, kept = (float(run.rows("work", engine="fragment paper", what=what, optimizer=o)[0][column])
                           for what in ("iteration", "iteration, samples kept"))
-            yield anew / kept
+            yield 1 / (1 - computing * (1 - kept / anew))
 
 
 def of_engines(run, part, engines, column="seconds"):
@@ -241,7 +246,7 @@ def of_engines(run, part, engines, column="seconds"):
 GATHER_SCATTER = ("fragment paper", "fragment combined", "compute scatter")
 SWEEPS = lambda run: of_engines(run, "texels", GATHER_SCATTER, "sweep_seconds")  # noqa: E731
 VALUES = {
-    "C13": (redistribution, lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine=e, what=what)
+    "C13": (redistribution, lambda run: redistribution(run, 0.3), lambda run: (ratio(*(run.rounds("time", "seconds", part="distribution", engine=e, what=what)
                                                  for what in ("iteration", "iteration, samples kept")))
                                          for e in timed(run, "distribution", "fragment paper", "compute gather", "compute scatter"))),
     "C14": (lambda run: (held_over_planned(run), *memory_slopes(run)),

@@ -3,61 +3,20 @@
 #include <ceres/cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
-#include <ceres/tiny_solver.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <unordered_map>
 
-#include "base/pack.h"
 #include "model/small_solve.h"
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
+#include "reference/texel_residuals.h"
+#include "reference/tiny_texel.h"
 
 namespace radiafit::fits {
 namespace {
-
-template <class Text>
-using Samples = std::span<const TexelSample<Text::term_count>>;
-
-template <class Text>
-typename Text::Terms terms_of(const TexelSample<Text::term_count>& sample) {
-    typename Text::Terms t;
-    std::copy(sample.term.begin(), sample.term.end(), t.x);
-    return t;
-}
-
-/// sqrt(w) (m_c - target_c), [sample][channel]. jacobian, if not null: of row i by parameter k at
-/// [i * row_step + k * column_step].
-template <class Text>
-void evaluate(Samples<Text> samples, const typename TexelLocal<Text>::Parameters& p, double* residuals,
-              double* jacobian, size_t row_step, size_t column_step) {
-    using Model = TexelLocal<Text>;
-    constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), N = size_t(Model::parameters);
-    const auto shape = Model::shape_of(p);
-    if (jacobian) std::fill_n(jacobian, 3 * samples.size() * N, 0.0);
-    for (const auto& sample : samples) {
-        const double root = std::sqrt(double(sample.weight));
-        const typename Model::Terms t = terms_of<Text>(sample);
-        if (!jacobian) {
-            const auto value = Model::value(p, t);
-            for (size_t c = 0; c < 3; ++c) *residuals++ = root * (value[c] - double(sample.target[c]));
-            continue;
-        }
-        const auto q = Model::columns(shape, t);
-        for (size_t c = 0; c < 3; ++c, jacobian += row_step) {
-            double value = 0;
-            for (size_t k = 0; k < B; ++k) {
-                value += p[3 * k + c] * q[k];
-                jacobian[(3 * k + c) * column_step] = root * q[k];
-            }
-            for (size_t i = 0; i < Q; ++i) jacobian[(3 * B + i) * column_step] = root * p[3 * (B - 1) + c] * q[B + i];
-            *residuals++ = root * (value - double(sample.target[c]));
-        }
-    }
-}
 
 /// Of one texel after another that have so many samples.
 template <class Text>
@@ -69,17 +28,17 @@ public:
         set_num_residuals(3 * int(samples));
         mutable_parameter_block_sizes()->push_back(count);
     }
-    void take(Samples<Text> samples) { samples_ = samples; }
+    void take(TexelSamples<Text> samples) { samples_ = samples; }
     void complete(typename TexelLocal<Text>::Parameters&) const {}
     bool Evaluate(const double* const* block, double* residuals, double** jacobians) const override {
         typename TexelLocal<Text>::Parameters p;
         std::copy_n(block[0], p.size(), p.begin());
-        evaluate<Text>(samples_, p, residuals, jacobians ? jacobians[0] : nullptr, p.size(), 1);
+        texel_residuals<Text>(samples_, p, residuals, jacobians ? jacobians[0] : nullptr, p.size(), 1);
         return true;
     }
 
 private:
-    Samples<Text> samples_;
+    TexelSamples<Text> samples_;
 };
 
 /// What is left for the shape once the coefficients are the best for it, within bounds.
@@ -95,7 +54,7 @@ public:
         set_num_residuals(3 * int(samples));
         mutable_parameter_block_sizes()->push_back(int(Q));
     }
-    void take(Samples<Text> samples) { samples_ = samples; }
+    void take(TexelSamples<Text> samples) { samples_ = samples; }
     /// Sets the coefficients to the best for the shape.
     void complete(typename Model::Parameters& p) const {
         const Coefficients a = coefficients(p.data() + first);
@@ -179,101 +138,10 @@ private:
         }
     }
 
-    Samples<Text> samples_;
+    TexelSamples<Text> samples_;
     mutable std::vector<std::array<double, C>> columns_;  ///< sqrt(w) times the columns of J, at the last shape
     mutable std::array<std::array<double, B>, C> products_ =
         {};  ///< column by basis function; of those, the lower triangle
-};
-
-/// As ceres::TinySolver asks for it. Beyond a bound the model is that at the bound.
-template <class Text>
-class TinyFunction {
-public:
-    using Scalar = double;
-    using Model = TexelLocal<Text>;
-    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Model::parameters };
-
-    void take(Samples<Text> samples) { samples_ = samples; }
-    int NumResiduals() const { return 3 * int(samples_.size()); }
-    bool operator()(const double* x, double* residuals, double* jacobian) const {
-        typename Model::Parameters p;
-        for (int i = 0; i < Model::parameters; ++i)
-            p[size_t(i)] = std::clamp(x[i], Model::bounds(i)[0], Model::bounds(i)[1]);
-        const size_t rows = size_t(NumResiduals());
-        evaluate<Text>(samples_, p, residuals, jacobian, 1, rows);
-        for (size_t i = 0; jacobian && i < p.size(); ++i)
-            if (p[i] != x[i]) std::fill_n(jacobian + i * rows, rows, 0.0);
-        return true;
-    }
-
-private:
-    Samples<Text> samples_;
-};
-
-/// The same in 32-bit floats, eight samples side by side; the last eight are filled up with samples of weight 0.
-template <class Text>
-class TinyPackFunction {
-public:
-    using Scalar = float;
-    using Lanes = typename Text::template with<Pack>;
-    using Model = TexelLocal<Lanes>;
-    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Model::parameters };
-
-    void take(Samples<Text> samples) {
-        eights_.clear();
-        for (size_t first = 0; first < samples.size(); first += Pack::size) {
-            Eight& eight = eights_.emplace_back();
-            for (size_t lane = 0; lane < size_t(Pack::size); ++lane) {
-                const bool there = first + lane < samples.size();
-                const auto& sample = samples[there ? first + lane : first];
-                for (size_t k = 0; k < size_t(Text::term_count); ++k) eight.terms.x[k].set(int(lane), sample.term[k]);
-                for (size_t c = 0; c < 3; ++c) eight.target[c].set(int(lane), sample.target[c]);
-                eight.root.set(int(lane), there ? std::sqrt(sample.weight) : 0.0f);
-            }
-        }
-    }
-    int NumResiduals() const { return 3 * Pack::size * int(eights_.size()); }
-    bool operator()(const float* x, float* residuals, float* jacobian) const {
-        constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), N = size_t(Model::parameters);
-        const size_t rows = size_t(NumResiduals());
-        typename Model::Parameters p;
-        for (size_t i = 0; i < N; ++i)
-            p[i] = Pack(std::clamp(x[i], float(Model::bounds(int(i))[0]), float(Model::bounds(int(i))[1])));
-        if (jacobian) std::fill_n(jacobian, N * rows, 0.0f);
-        const auto shape = Model::shape_of(p);
-        for (const Eight& eight : eights_) {
-            std::array<Pack, B + Q> q;
-            if (jacobian) {
-                q = Model::columns(shape, eight.terms);
-            } else {
-                const auto basis = Lanes::basis(shape, eight.terms);
-                std::copy_n(basis.x, B, q.begin());
-            }
-            for (size_t c = 0; c < 3; ++c, residuals += Pack::size) {
-                Pack value(0.0f);
-                for (size_t k = 0; k < B; ++k) value += p[3 * k + c] * q[k];
-                store(residuals, eight.root * (value - eight.target[c]));
-                if (!jacobian) continue;
-                for (size_t k = 0; k < B; ++k) store(jacobian + (3 * k + c) * rows, eight.root * q[k]);
-                const Pack lobe = eight.root * p[3 * (B - 1) + c];
-                for (size_t i = 0; i < Q; ++i) store(jacobian + (3 * B + i) * rows, lobe * q[B + i]);
-                jacobian += Pack::size;
-            }
-        }
-        for (size_t i = 0; jacobian && i < N; ++i)
-            if (p[i][0] != x[i]) std::fill_n(jacobian - rows + i * rows, rows, 0.0f);
-        return true;
-    }
-
-private:
-    struct Eight {
-        typename Model::Terms terms;
-        Pack target[3];
-        Pack root;  ///< of the weight
-    };
-    static void store(float* to, const Pack& x) { std::memcpy(to, &x.v, sizeof x.v); }
-
-    std::vector<Eight> eights_;
 };
 
 /// What is left of one texel's solver for the next one that has as many samples.
@@ -288,7 +156,7 @@ public:
             problem_.SetParameterUpperBound(x, i, TexelLocal<Text>::bounds(Cost::first + i)[1]);
         }
     }
-    CeresTexelOutcome<Text> solve(Samples<Text> samples, const typename TexelLocal<Text>::Parameters& start,
+    CeresTexelOutcome<Text> solve(TexelSamples<Text> samples, const typename TexelLocal<Text>::Parameters& start,
                                   const ceres::Solver::Options& options) {
         parameters_ = start;
         cost_.take(samples);
@@ -327,7 +195,7 @@ public:
     }
 
 private:
-    CeresTexelOutcome<Text> solve_some(Samples<Text> samples,
+    CeresTexelOutcome<Text> solve_some(TexelSamples<Text> samples,
                                        const typename TexelLocal<Text>::Parameters& start) override {
         auto& problem = problems_[samples.size()];
         if (!problem) problem = std::make_unique<CeresProblem<Text, Cost>>(samples.size());
@@ -336,44 +204,6 @@ private:
 
     ceres::Solver::Options options_;
     std::unordered_map<size_t, std::unique_ptr<CeresProblem<Text, Cost>>> problems_;  ///< by their number of samples
-};
-
-template <class Text, class Function>
-class ByTinySolver final : public CeresTexels<Text> {
-public:
-    explicit ByTinySolver(const CeresTexelOptions& options) : options_(options) {}
-
-private:
-    using Scalar = typename Function::Scalar;
-    CeresTexelOutcome<Text> solve_some(Samples<Text> samples,
-                                       const typename TexelLocal<Text>::Parameters& start) override {
-        function_.take(samples);
-        typename ceres::TinySolver<Function>::Parameters x;
-        for (size_t i = 0; i < start.size(); ++i) x[Eigen::Index(i)] = Scalar(start[i]);
-        residuals_.resize(size_t(function_.NumResiduals()));
-        function_(x.data(), residuals_.data(), nullptr);
-        Scalar cost = 0;
-        for (const Scalar r : residuals_) cost += r * r / 2;
-        solver_.options.max_num_iterations = options_.iterations;
-        solver_.options.function_tolerance = Scalar(options_.tolerance) * cost;  // TinySolver's is absolute
-        solver_.options.cost_threshold = 0;
-        solver_.options.gradient_tolerance = Scalar(1e-14);
-        solver_.options.parameter_tolerance = Scalar(1e-12);
-        solver_.options.initial_trust_region_radius = Scalar(options_.initial_radius);
-        const auto& summary = solver_.Solve(function_, &x);
-        if (!std::isfinite(summary.final_cost)) return {start, double(cost), summary.iterations, Status::not_finite};
-        typename TexelLocal<Text>::Parameters p;
-        for (size_t i = 0; i < p.size(); ++i)
-            p[i] = std::clamp(double(x[Eigen::Index(i)]), TexelLocal<Text>::bounds(int(i))[0],
-                              TexelLocal<Text>::bounds(int(i))[1]);
-        return {p, double(summary.final_cost), summary.iterations,
-                summary.iterations < options_.iterations ? Status::stationary : Status::max_iterations};
-    }
-
-    CeresTexelOptions options_;
-    Function function_;
-    ceres::TinySolver<Function> solver_;
-    std::vector<Scalar> residuals_;
 };
 
 }  // namespace
@@ -389,9 +219,7 @@ CeresTexelOutcome<Text> CeresTexels<Text>::solve(Samples samples, const Paramete
 template <class Text>
 std::unique_ptr<CeresTexels<Text>> ceres_texels(const CeresTexelOptions& options) {
     using Method = CeresTexelOptions::Method;
-    if (options.method == Method::tiny) return std::make_unique<ByTinySolver<Text, TinyFunction<Text>>>(options);
-    if (options.method == Method::tiny_pack)
-        return std::make_unique<ByTinySolver<Text, TinyPackFunction<Text>>>(options);
+    if (options.method == Method::tiny || options.method == Method::tiny_pack) return tiny_texels<Text>(options);
     if constexpr (TexelLocal<Text>::shape > 0)  // else the whole is linear
         if (options.method == Method::projected) return std::make_unique<ByCeres<Text, ProjectedCost<Text>>>(options);
     return std::make_unique<ByCeres<Text, WholeCost<Text>>>(options);
