@@ -60,6 +60,7 @@ check:
 	$(call configure,check,-DBUILD_TESTING=ON)
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
 	@python3 -B tests/check_headers.py $(BUILD)
+	@python3 -B tests/draw_reference.py $(BUILD)
 	@python3 -B tests/capture_sweep_test.py $(BUILD)/bin/radiafit --all
 	@$(MAKE) --no-print-directory chip
 	@$(MAKE) --no-print-directory odr
