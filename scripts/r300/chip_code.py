@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """What Mesa's compiler for the Radeon 9700 (r300) makes of each pass of --passes r300, with one term and images of 8 bits: arithmetic
 slots, texture instructions, levels of look-ups and temporaries, and whether the chip could hold them (64, 32, 4 and 32). No such
-chip is needed: the compiler runs on the one that mesa-drm-shim pretends. The first time FOLDER gets its packages, of Debian 12's
-backports (10 MB, unpacked there and nowhere else). On another system the libraries that they ask for may be absent. glslc and spirv-opt
-are those of scripts/install-packages.sh.
+chip is needed: the compiler runs on the one that mesa-drm-shim pretends. The first time FOLDER gets its packages, of whatever Mesa
+Debian 12's backports have then (10 MB, unpacked there and nowhere else); mesa-25.0.7.csv is what 25.0.7 made, and another version may
+make other programs. On another system the libraries that they ask for may be absent. glslc, spirv-as and spirv-opt are those of
+scripts/install-packages.sh.
 
 A stage goes the way that tests/check_costs.py counts it by, to SPIR-V without calls and loops, and spirv_to_floats.py writes it for a
 chip without integers. What the host gives as integers are constants of the program, each value that it gives in turn; of these
@@ -15,16 +16,18 @@ level, of which the first has none before it. A program that is too long is coun
 Usage: chip_code.py FOLDER [--csv FILE] [--counts PASSES.CSV] [--check] [--only WORD] [--chip NAME] [--keep FOLDER]
     --csv      a row a pass: what pass_costs.cpp declares, and the longest of its programs
     --counts   passes.csv of fig10_utilization with passes=["r300"]: slots and look-ups of whole iterations
-    --check    runs each stage and its rewritten text on inputs drawn at random; status 1 where they write other numbers
+    --check    runs each stage and its rewritten text on inputs drawn at random; status 1 where they write other numbers, or never
+               one that is finite and not 0. What the compiler makes of the text is not run
     --only     passes whose name and definitions have this in them
     --chip     which the shim pretends: R300_ND, the Radeon 9700, or another of its names
-    --keep     where to leave the rewritten texts, and what the compiler says of them"""
+    --keep     where to leave the rewritten texts, and what the compiler says of them: a new folder, or an empty one"""
 import argparse
 import csv
 import itertools
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -41,7 +44,9 @@ PACKAGES = ("mesa-drm-shim", "mesa-libgallium", "libegl-mesa0", "libgbm1", "libg
             "libdrm-amdgpu1", "libdrm-intel1")  # fmt: skip
 MIRROR = os.environ.get("MIRROR", "http://deb.debian.org")
 LIMITS = {"slots": 64, "look_ups": 32, "levels": 4, "temporaries": 32}
+ENOUGH = 8  # different results of a program, to compare
 COLUMNS = ("shader", "variant", "operations", "reads", *LIMITS, "programs", "fitting", "longest", "longest_fitting", "why")
+MEASURED = HERE / "mesa-25.0.7.csv"  # by that version
 GLSL = "130"  # for mix() of truth values; all else is of 1.20, which is the driver's own
 
 # Integers that the host gives, with the values that it gives; `map` has those of the model's maps.
@@ -79,7 +84,7 @@ def with_constants(text, variant):
     given = dict(GIVEN, map=MAPS.get(defines.get("MODEL"), (0,)))
     numbers = ", ".join(map(str, NUMBERS.get(defines.get("TEXT"), (0, 0, 0, 0))))
     text = re.sub(r"^uniform int number_indices\[MOST_REGISTERS\];", f"const int number_indices[4] = int[4]({numbers});", text, flags=re.M)
-    names = [name for name in re.findall(r"^uniform int (\w+);", text, re.M)]
+    names = re.findall(r"^uniform int (\w+);", text, re.M)
     for values in itertools.product(*(given.get(name, (0,)) for name in names)):
         one = text
         for name, value in zip(names, values):
@@ -87,9 +92,11 @@ def with_constants(text, variant):
         yield " ".join(f"{name}={value}" for name, value in zip(names, values) if len(given.get(name, (0,))) > 1), one
 
 
-def differs(programs, folder, least=8, most=400):
+def differs(programs, folder, most=400):
     """Of each program in folder how often its rewritten text writes something else than the stage itself, on inputs drawn at random;
-    and how many different results there were. Trials go on until there are enough of these."""
+    and how many different results there were, finite and not all 0. Trials go on until there are enough of these. What is the same
+    is so up to rounding in double and to what floats hold of bits. Sums of errors have a second float for what rounding takes from
+    the first: those are rounded, and the same to the last bit."""
     with tempfile.TemporaryDirectory(prefix="radiafit-r300-") as spirv:
         texts = []
         for number in programs:
@@ -102,20 +109,28 @@ def differs(programs, folder, least=8, most=400):
         for number, path in zip(programs, paths):
             if path is None:
                 sys.exit(f"{number}: {said}")
-            stage = programs[number][2]
-            first, second = interpret.Program(stage, True), interpret.Program(check_costs.optimized(path, str(number)), False)
-            different, written, trial = 0, set(), 0
-            while trial < least or (len(written) < least and trial < most):
+            (shader, variant), _, stage = programs[number]
+            sums = shader == "optimize/summary.frag"
+            first = interpret.Program(stage, whole=True, rounds=sums)
+            second = interpret.Program(check_costs.optimized(path, str(number)), whole=False, rounds=sums)
+            different, written, trial, most_at = 0, set(), 0, 10 if sums else 40  # a sum is of a block of problems
+            while trial < ENOUGH or (len(written) < ENOUGH and trial < most):
                 trial += 1
-                place = (int(interpret.drawn(number, trial, "x") * 40), int(interpret.drawn(number, trial, "y") * 40))
-                scene = interpret.Scene(trial, " ".join(programs[number][0]), place, width)
+                place = (int(interpret.drawn(number, trial, "x") * most_at), int(interpret.drawn(number, trial, "y") * most_at))
+                scene = interpret.Scene(trial, f"{shader} {variant}", place, width)
                 wanted, found = first.run(scene), second.run(scene)
-                if "summary.frag" in scene.stage:  # bits of floats
+                if sums:  # bits of floats
                     wanted = wanted[:2] + [interpret.float_of(bits) for bits in wanted[2:]]
-                different += not interpret.same(wanted, found)
-                written.add(tuple(wanted))
+                different += not interpret.same(wanted, found, 0 if sums else 1e-6)
+                if interpret.tells(wanted):
+                    written.add(tuple(wanted))
             counts[number] = different, len(written)
     return counts
+
+
+def refuse(words):
+    print(f"chip_code.py: {words}", file=sys.stderr)
+    sys.exit(2)
 
 
 def run(*command, **more):
@@ -161,8 +176,19 @@ def driver_environment(root, chip):
     )
 
 
+def with_sums_hidden(path, disassembly, label):
+    """The stage of a file, optimized and disassembled, with what is precise kept; disassembly: the stage as it is."""
+    plain = run("spirv-dis", path)
+    hidden = spirv_to_floats.hide_sums(plain)
+    if hidden == plain:
+        return disassembly
+    other = path.with_suffix(".hidden")
+    run("spirv-as", "--target-env", "opengl4.5", "-o", other, "-", input=hidden)
+    return check_costs.optimized(other, label)
+
+
 def rewrite(rows, folder):
-    """The programs in folder, and which row and choice each is of: {number: (row, choice)}; and what couldn't be rewritten."""
+    """Leaves the programs in folder: {number: (row, choice, the stage's disassembly)}; and what couldn't be rewritten."""
     texts, wrong = [], {}
     for row in rows:
         defines = check_costs.given_by(row[1]) + [(key, str(values[0])) for key, values in check_costs.OPEN.items()]
@@ -176,7 +202,7 @@ def rewrite(rows, folder):
                 sys.exit(f"{row[0]} {row[1]}: {said}")
             try:
                 disassembly = check_costs.optimized(path, " ".join(row))
-                stage = spirv_to_floats.Stage(disassembly, TEXTURE_SIZES)
+                stage = spirv_to_floats.Stage(with_sums_hidden(path, disassembly, " ".join(row)), TEXTURE_SIZES)
             except (check_costs.CostError, spirv_to_floats.CannotRewrite) as error:
                 wrong[row] = str(error)
                 continue
@@ -274,6 +300,19 @@ def iterations(found, counts):
               + f"; {100 * over / total['slots']:.3g} % of the slots in programs that don't fit")  # fmt: skip
 
 
+def told(counts, programs):
+    """Prints what differs() found; whether all is well."""
+    names = {number: f"{' '.join(row)} {choice}".rstrip() for number, (row, choice, _) in programs.items()}
+    wrong = [f"  other numbers: {names[number]}" for number, (different, _) in counts.items() if different]
+    wrong += [f"  no number but 0 to compare: {names[number]}" for number, (_, results) in counts.items() if not results]
+    few = [f"  {results} in place of {ENOUGH}: {names[number]}" for number, (_, results) in counts.items() if 0 < results < ENOUGH]
+    well = sum(not different and results > 0 for different, results in counts.values())
+    print(f"{well} of {len(counts)} rewritten programs write what the stage does; {len(counts) - len(few)} of them {ENOUGH} different "
+          "results that are finite and not all 0")  # fmt: skip
+    print(*wrong, *few, sep="\n", end="\n" if wrong or few else "")
+    return bool(counts) and not wrong
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
@@ -285,6 +324,14 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path)
     options = parser.parse_args()
     rows = [row for row in passes() if options.only in " ".join(row[:2])]
+    if not rows:
+        refuse(f"--only {options.only}: no pass has this in its name or definitions")
+    if options.keep and options.keep.exists() and not (options.keep.is_dir() and not any(options.keep.iterdir())):
+        refuse(f"--keep {options.keep}: there is something already; name a new folder, or an empty one")
+    if options.counts and not options.counts.is_file():
+        refuse(f"--counts {options.counts}: no such file")
+    if absent := [tool for tool in (*check_costs.TOOLS, "spirv-as") if not shutil.which(tool)]:
+        refuse(f"{', '.join(absent)}: not installed; see scripts/install-packages.sh")
     root = fetch(options.folder.resolve())
     with tempfile.TemporaryDirectory(prefix="radiafit-r300-") as temporary:
         folder = options.keep or pathlib.Path(temporary)
@@ -293,6 +340,8 @@ def main():
         found, about = results_of(programs, root, options.chip, folder)
         counts = differs(programs, folder) if options.check else {}
     print(f"{about}, as {options.chip}: {len(programs)} programs of {len(rows)} passes")
+    if not re.search(rf"\bMesa {re.escape(MEASURED.stem.partition('-')[2])}(?![\d.])", about):
+        print(f"This is another Mesa than that of {MEASURED.name}: its programs may be others, and of other lengths")
     table = table_of(rows, found, wrong)
     for row in table:
         more = f", of at most {row['longest_fitting']} slots" if row["why"] and row["fitting"] else ""
@@ -308,12 +357,7 @@ def main():
     if options.counts:
         iterations(found, options.counts)
     if options.check:
-        astray = [number for number, (different, _) in counts.items() if different]
-        print(f"{len(counts) - len(astray)} of {len(counts)} rewritten programs write what the stage does, of "
-              f"{min(count for _, count in counts.values())} different results at least")
-        for number in astray:
-            print("  other numbers:", " ".join(programs[number][0]), programs[number][1])
-        sys.exit(bool(astray))
+        sys.exit(not told(counts, programs))
 
 
 if __name__ == "__main__":

@@ -35,6 +35,8 @@ class Scene:
             return [value] * 4
         if name == "image_size":
             return [40.0] * 4
+        if name == "one":
+            return [1.0] * 4
         if name == "exposure":  # no channel reaches what is clipped
             return [drawn(self.trial, name), 0.5, 0.5, 1.0e6]
         values = [drawn(self.trial, name, index, i) * 2 - 0.5 for i in range(4)]
@@ -85,7 +87,7 @@ class Scene:
                 return [values[0] * 2 - 1 if values[3] < 0.7 else 0.0, float(values[1] < 0.6), float(values[2] < 0.3), int(values[3] * 9)]
             if layer == 0 and values[3] < 0.2:
                 return [float_of(bits_of(3.0e38)), *values[1:]]  # HUGE_ERROR
-        return [0.0 if value < 0.05 else value * 2 - 0.7 for value in values]
+        return [0.0 if value < 0.05 else float_of(bits_of(value * 2 - 0.7)) for value in values]
 
 
 def each(work, *operands):
@@ -141,8 +143,9 @@ FUNCTIONS = {
 class Program:
     """A stage's disassembly, to be run."""
 
-    def __init__(self, disassembly, whole):
+    def __init__(self, disassembly, whole, rounds=False):
         self.whole = whole  # of integers, with bits; else the rewritten text
+        self.rounds = rounds  # sums and products to floats
         self.constants, self.kinds, self.lengths, self.blocks, self.first = {}, {}, {}, {}, None
         self.variables, self.pointed, self.types = {}, {}, {}
         block = None
@@ -248,6 +251,8 @@ class Program:
         else:
             name = op if op in ARITHMETIC else re.sub("^(FOrd|FUnord|[FSUI])(?=[A-Z])", "", op)
             v[result] = each(guarded(ARITHMETIC[name]), *(v[operand] for operand in rest[1:]))
+        if self.rounds and (op in ("FAdd", "FSub", "FMul") or op == "ExtInst" and rest[2] == "Fma"):
+            v[result] = each(lambda number: float_of(bits_of(number)), v[result])
 
     def load(self, result, rest):
         name, indices = self.places[rest[1]]
@@ -308,11 +313,11 @@ class Program:
         return each(guarded(known), *operands)
 
 
-def same(a, b):
-    """Of what two programs write, up to rounding in double and to what floats hold of bits."""
-    for x, y in zip(a, b):
-        if x != x and y != y or x == y:
-            continue
-        if not abs(x - y) <= 1e-6 * max(1.0, abs(x), abs(y)):
-            return False
-    return True
+def same(a, b, tolerance):
+    """Of what two programs write. What is no number in both is the same, too."""
+    return all(x != x and y != y or x == y or abs(x - y) <= tolerance * max(1.0, abs(x), abs(y)) for x, y in zip(a, b))
+
+
+def tells(written):
+    """Whether what a program writes tells it from others: numbers, of which not all are 0."""
+    return all(map(math.isfinite, written)) and any(written)

@@ -11,6 +11,7 @@ The stage has one target, neither loops nor integers that the host gives: calls 
   - Layers of an array are textures of their own; where a fragment computes which, they stand above one another in one.
   - gl_FragCoord is interpolated like any other coordinate.
   - Whole numbers in textures need no conversion.
+  - There is no `precise`. A sum that is precise keeps its operations as hide_sums() says.
 """
 import re
 
@@ -23,13 +24,36 @@ COMPARED = {"Equal": ("==", "equal"), "NotEqual": ("!=", "notEqual"), "LessThan"
             "GreaterThanEqual": (">=", "greaterThanEqual")}  # fmt: skip
 FUNCTIONS = {"FMin": "min", "SMin": "min", "UMin": "min", "FMax": "max", "SMax": "max", "UMax": "max", "FAbs": "abs",
              "SAbs": "abs", "FClamp": "clamp", "SClamp": "clamp", "UClamp": "clamp", "Sqrt": "sqrt",
-             "InverseSqrt": "inversesqrt", "Exp": "exp", "Exp2": "exp2", "Log": "log", "Log2": "log2", "Pow": "pow",
-             "Cos": "cos", "Sin": "sin", "Acos": "acos", "Normalize": "normalize", "Cross": "cross", "Length": "length",
-             "Distance": "distance", "Floor": "floor", "FMix": "mix"}  # fmt: skip
+             "InverseSqrt": "inversesqrt", "Exp": "exp", "Log": "log", "Cos": "cos", "Acos": "acos", "Normalize": "normalize",
+             "Cross": "cross", "Floor": "floor", "FMix": "mix"}  # fmt: skip
 
 
 class CannotRewrite(Exception):
     pass
+
+
+def hide_sums(disassembly):
+    """A stage's disassembly, not yet optimized (spirv-opt forgets what is precise when it unrolls a loop), where the first operand
+    of each precise sum and difference is multiplied by a uniform, one: a multiply-add, of one slot as the sum was, and Mesa no
+    longer finds that (a + b) - a is b. In differences the first, too, or it would find so in (a * one + b) - a * one. A sum of
+    products stays as it is: a multiply-add already."""
+    precise = set(re.findall(r"OpDecorate (%\w+) NoContraction", disassembly))
+    products = set(re.findall(r"(%\w+) = Op(?:FMul|VectorTimesScalar) ", disassembly))
+    lines, hidden, declared = [], 0, False
+    for line in disassembly.splitlines():
+        match = re.match(r"\s*(%\w+) = Op(FAdd|FSub) (%float|%v[234]float) (%\w+) (%\w+)$", line)
+        if match and match[1] in precise and not {match[4], match[5]} & products:
+            result, op, kind, first, second = match.groups()
+            times = "FMul" if kind == "%float" else "VectorTimesScalar"
+            lines += [f"%one_{hidden} = OpLoad %float %one", f"%times_one_{hidden} = Op{times} {kind} {first} %one_{hidden}"]
+            line = f"{result} = Op{op} {kind} %times_one_{hidden} {second}"
+            hidden += 1
+        if re.match(r"\s*%\w+ = OpFunction ", line) and not declared:
+            declared = True
+            lines += ["%to_one = OpTypePointer UniformConstant %float", "%one = OpVariable %to_one UniformConstant"]
+        lines.append(line)
+    named = re.sub(r"^(\s*OpName )", r'OpName %one "one"\n\1', "\n".join(lines) + "\n", count=1, flags=re.M)
+    return named if hidden else disassembly
 
 
 class Stage:
@@ -44,7 +68,7 @@ class Stage:
         self.kind = {}  # result -> for each component where it is from
         self.splat = {}  # vectors whose components are all the same result
         self.sums = {}  # whole numbers, by component: (what is added up, the constant that is added)
-        self.samplers, self.sizes, self.heights, self.uniforms, self.varyings = {}, {}, {}, {}, {}
+        self.samplers, self.uniforms, self.varyings = {}, {}, {}
         self.locals, self.lines, self.indent = {}, [], "    "
         self.blocks, self.first = {}, None
         self.output = None
@@ -185,8 +209,8 @@ class Stage:
                     break
                 elif op == "BranchConditional":
                     condition, yes, no = rest[:3]
-                    for target, test in ((yes, "if ({}) {{"), (no, "if (!{}) {{")):
-                        self.put(test.format(self.text(condition)) if target is yes else "} else {")
+                    for target, head in ((yes, f"if ({self.text(condition)}) {{"), (no, "} else {")):
+                        self.put(head)
                         self.indent += "    "
                         if target == merge:
                             self.leave(label, target)
