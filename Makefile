@@ -60,9 +60,10 @@ check:
 	$(call configure,check,-DBUILD_TESTING=ON)
 	@ctest --test-dir $(BUILD) --output-on-failure --label-regex text
 	@python3 -B tests/check_headers.py $(BUILD)
-	@python3 -B tests/draw_reference.py $(BUILD)
 	@python3 -B tests/capture_sweep_test.py $(BUILD)/bin/radiafit --all
 	@$(MAKE) --no-print-directory chip
+	@$(compile)
+	@python3 -B tests/draw_reference.py $(BUILD)
 	@$(MAKE) --no-print-directory odr
 	@$(MAKE) --no-print-directory clang
 	@$(MAKE) --no-print-directory faults

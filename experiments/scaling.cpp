@@ -154,19 +154,18 @@ struct Contestant {
                                 *distribution = "distribution";
 };
 
-/// Fragment programs and what they need. Where it is said whether samples are kept, images stay on the device: then
-/// none streams, kept samples or not.
+/// Fragment programs and what they need.
 struct Fragment {
     TriangleAtlas atlas;
     std::unique_ptr<FragmentEngine> engine;
 
     Fragment(const Dataset& dataset, const VertexRings& rings, const std::vector<uint32_t>& views, FitRequest request,
-             const std::string& passes, std::optional<bool> keep_samples)
+             const std::string& passes, bool keep_images, bool keep_samples)
         : atlas(dataset.mesh, request.model.surface_side) {
         request.set("passes", passes);
         FragmentOptions options = request.fragment_options();
-        options.keep_on_device = keep_samples.has_value();
-        options.keep_samples = keep_samples.value_or(false);
+        options.keep_on_device = keep_images;
+        options.keep_samples = keep_samples;
         engine = std::make_unique<FragmentEngine>(dataset, atlas, rings, views, request.model_options(), options);
     }
 };
@@ -184,11 +183,12 @@ public:
     Contest(const Dataset& dataset, const VertexRings& rings, const Options& o)
         : dataset_(dataset), rings_(rings), o_(o) {}
 
-    void add_fragment(const std::string& part, const std::string& passes, int side, int images,
-                      std::optional<bool> keep_samples = {}) {
+    void add_fragment(const std::string& part, const std::string& passes, int side, int images, bool keep_images,
+                      bool keep_samples = false) {
         const FitRequest request = o_.request(side, o_.side);
-        const auto held = std::make_shared<Fragment>(dataset_, rings_, views(images), request, passes, keep_samples);
-        add_opengl(part, "fragment " + passes, keep_samples.value_or(false), side, images, held, request);
+        const auto held =
+            std::make_shared<Fragment>(dataset_, rings_, views(images), request, passes, keep_images, keep_samples);
+        add_opengl(part, "fragment " + passes, keep_samples, side, images, held, request);
     }
 
     /// Compute shaders that distribute in every sweep, or, kept, read samples that stay on the device.
@@ -301,21 +301,22 @@ std::vector<Contestant> time_all(const Dataset& dataset, const VertexRings& ring
     run([&](Contest& contest) {
         for (const int images : o.images) {
             contest.add_cpu("samples", o.side, images);
-            for (const char* passes : {"paper", "combined"}) contest.add_fragment("samples", passes, o.side, images);
+            for (const char* passes : {"paper", "combined"})
+                contest.add_fragment("samples", passes, o.side, images, false);
         }
     });
     run([&](Contest& contest) {
         for (const int side : o.texel_sides) {
             contest.add_cpu("texels", side, o.texel_images);
             for (const char* passes : {"paper", "combined"})
-                contest.add_fragment("texels", passes, side, o.texel_images);
+                contest.add_fragment("texels", passes, side, o.texel_images, false);
             for (const Accumulate accumulate : {Accumulate::gather, Accumulate::scatter_fixed})
                 contest.add_compute("texels", accumulate, side, o.texel_images, false);
         }
     });
-    run([&](Contest& contest) {
+    run([&](Contest& contest) {  // images stay on the device, so that none streams, kept samples or not
         for (const bool keep : {false, true})
-            contest.add_fragment("distribution", "paper", o.side, o.distribution_images, keep);
+            contest.add_fragment("distribution", "paper", o.side, o.distribution_images, true, keep);
         for (const Accumulate accumulate : {Accumulate::gather, Accumulate::scatter_fixed})
             for (const bool keep : {false, true})
                 contest.add_compute("distribution", accumulate, o.side, o.distribution_images, true, keep);
@@ -406,13 +407,15 @@ void write_work(const ResultFolder& results, const Dataset& dataset, const Verte
                 const FitRequest& request) {
     CsvFile rows(results.path(), rows::work);
     const std::vector<uint32_t> views = dataset.split(false);
+    Progress progress("counting declared work", 4);
     for (const bool keep : {false, true}) {
-        const Fragment held(dataset, rings, views, request, "paper", keep);
+        const Fragment held(dataset, rings, views, request, "paper", false, keep);
         begin_fit(*held.engine, request);
         for (const char* optimizer : optimizer_names) {
             const Work work = count_iteration(*held.engine, is_descent(optimizer)).work;
             rows.add({"distribution", "fragment paper", keep ? Contestant::kept : Contestant::iteration, optimizer,
                       views.size(), work.operations, work.reads});
+            progress.advance();
         }
     }
     rows.commit();

@@ -148,7 +148,7 @@ Evidence iteration_ratio(const FinishedRun& run) {
         const Figure counted = median_of_problems(ratios, a.vertices()), bounded = median_within(bounds, a.vertices());
         e.measure("iterations, bounded", name + ", SD's over CG's iterations, where either arrives", bounded, "times");
         e.measure("iterations", name + ", SD's over CG's iterations, the cap counted", counted, "times");
-        found.push_back(fmt::format("{} times on the {} ({:.3g} where both arrive, {} of its problems)",
+        found.push_back(fmt::format("{} times on the {}, {:.3g} times in the {} of its problems where both arrive",
                                     with_interval(bounded), name, median(sure),
                                     percent(double(sure.size()) / double(a.problems()))));
         e.beside.push_back(fmt::format(
@@ -168,11 +168,12 @@ Evidence iteration_ratio(const FinishedRun& run) {
     for (const auto& [other, figures] : elsewhere)
         at_others.push_back(fmt::format("at lambda = {:g} {}", other, fmt::join(figures, " and ")));
     e.sentence = fmt::format(
-        "To come within 1 % of the least error that any solver found, steepest descent takes at least {} as many "
-        "iterations as conjugate gradients in the median problem at lambda = {:g}, and half as many times CG's sweeps "
-        "over the images{}.",
-        fmt::join(found, ", "), lambda,
-        at_others.empty() ? "" : fmt::format("; with that cap {}", fmt::join(at_others, ", ")));
+        "To come within 1 % of the least error that any solver found, steepest descent takes as many iterations as "
+        "conjugate gradients {}: the median of problems of which either arrives within {:g} iterations, at lambda = "
+        "{:g}, where the interval reaches over all that the others' ratios may be. That is half as many times CG's "
+        "sweeps over the images{}.",
+        fmt::join(found, "; "), cap, lambda,
+        at_others.empty() ? "" : fmt::format("; with that cap, {}", fmt::join(at_others, ", ")));
     return e;
 }
 

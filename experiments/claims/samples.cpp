@@ -89,7 +89,8 @@ Evidence pixels_and_texels(const FinishedRun& run) {
     e.premise("a texel per pixel", dense,
               fmt::format("surfaces with a texel for each covered pixel at least; {}", sparse));
     e.sentence = fmt::format(
-        "With surface maps of one side, {}; that no texel takes two pixels of an image is so by construction.{}",
+        "With surface maps of one side, {}; none reaches more than one, and no texel takes two pixels of an image, by "
+        "construction.{}",
         fmt::join(found, "; "),
         found_own.empty() ? ""
                           : fmt::format(" With sides by projected size, which the paper did not have, {} reach one.",

@@ -264,8 +264,8 @@ Evidence gather_and_scatter(const FinishedRun& run) {
         "With gathers alone, the time of an iteration over the same images grows as the number of surface texels to "
         "the power {} with the paper's passes and {} with combined passes ({:.3g} times as many texels); where compute "
         "shaders scatter, pixel by pixel, to the power {}. Of sweeps over the images alone, without the optimizer's "
-        "update of every texel, the powers are {}, {} and {}, the last between the two largest sizes {:.2g}; they take "
-        "{} by compute shaders that scatter and {} by those that gather.",
+        "update of every texel, the powers are {}, {} and {}, scatter's between the two largest sizes {:.2g}; from the "
+        "fewest to the most texels they take {} by compute shaders that scatter, and {} by those that gather.",
         whole[0], whole[1], factor, whole[2], swept[0], swept[1], swept[2], last_power, seconds[1], seconds[0]);
     return e;
 }

@@ -289,8 +289,8 @@ Evidence memory_over_disk(const FinishedRun& run) {
     const auto gain = std::ranges::max(gains);
     e.sentence = fmt::format(
         "Streaming photographs from host memory takes {} of the time that it takes from a cold disk; with this "
-        "renderer an iteration can gain no more by it than what streaming takes, at most {} ({}). Whole iterations, "
-        "which vary by more than that where the renderer is software, take {} of their time from a cold disk.",
+        "renderer an iteration can gain no more by it than what streaming takes, at most {} ({}). Whole iterations "
+        "take {} of their time from a cold disk.",
         between(streaming), percent(gain.first), gain.second, between(iterations));
     return e;
 }

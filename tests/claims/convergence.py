@@ -57,7 +57,7 @@ class Convergence(ClaimsTest):
         self.assertAlmostEqual(found["measures"][0]["value"], 11, delta=0.1)
         low, high = found["measures"][0]["interval"]
         self.assertTrue(10.5 < low < 11 < high < 11.5)
-        self.assertIn("11", found["sentence"])
+        self.assertRegex(found["sentence"], r"11 \([\d.]+ to [\d.]+\) times on the star, 11 times in the 100 % of its problems")
         self.assertTrue(any("lambda = 0.001" in text for text in found["beside"]))
         self.assertTrue(any("sweeps" in text and " 5.4" in text for text in found["beside"]))
         self.assertEqual(self.fig7("C1", problems((2, 4)))["verdict"], "does not hold")
@@ -68,6 +68,7 @@ class Convergence(ClaimsTest):
     def test_who_does_not_arrive_bounds_the_ratio(self):
         half = self.fig7("C1", problems((2, 2), missing=0.6))
         self.assertEqual(half["measures"][0]["value"], 3000 / 20, "at least")
+        self.assertIn("2 times in the 40 % of its problems where both arrive", half["sentence"])
         self.assertIsNone(half["measures"][0]["interval"][1], "and anything above")
         self.assertTrue(any("60 % of SD's problems" in text for text in half["beside"]))
         few = self.fig7("C1", problems((2, 2), missing=0.45))
@@ -87,6 +88,7 @@ class Convergence(ClaimsTest):
 
     def test_newton_rate(self):
         self.assertEqual(self.fig7("C19")["verdict"], "holds")
+        self.assertIn("take 0.667 (bust), 0.667 (star) times as many", self.fig7("C19")["sentence"], "modern CG: 10 against 15")
         self.assertEqual(self.fig7("C19", problems(newton=5))["verdict"], "does not hold")
         rows = problems()
         for row in rows:  # half of the vertices at a ratio of 1.9, half at 2.2

@@ -56,6 +56,7 @@ class Images(ClaimsTest):
         self.assertIn("+0.59 dB of PSNR against refilled PCA", finding["sentence"])
         self.assertIn("star, weights of 1e-4: +1.49 dB against PCA as published and +0.89 dB against refilled PCA on training "
                       "images; +1.49 and +0.89 dB on held-out ones", finding["beside"])
+        self.assertIn("with weights of 1e-4 in place of chosen ones, in held-out images by +0.89 dB on the star", finding["sentence"])
         self.assertEqual(self.judged("C8", changed={"cg-high": 26.9})["verdict"], "does not hold", "below the refilled one")
         self.assertEqual(self.judged("C8", changed={"cg-high": 27.02})["verdict"], "undecided")
         self.assertEqual(self.judged("C8", seeds=2)["reason"], "too few repetitions for an interval")

@@ -199,6 +199,7 @@ class Time(ClaimsTest):
     def test_whole_iterations_decided_before(self):
         found = self.of_streams("C11", memory=1.1, streaming=0.5)
         self.assertEqual((found["verdict"], self.other(found)), ("holds", "does not hold"))
+        self.assertRegex(found["sentence"], r"Whole iterations take between 110 % \(.*\) and 110 % \(.*\) of their time from a cold disk")
         self.assertEqual(self.other(self.of_streams("C11", renderer=LLVMPIPE)), "not comparable")
 
     def of_use(self, claim, images=350, **changed):
