@@ -75,11 +75,12 @@ def main():
     replaced(ROOT / "docs/claims.md", r"By machine: [^\n]*\n", f"By machine: {by_machine(newest)}.\n")
     found = [row["verdict"] for row in newest.values()]
     hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))
-    counts = f"of 23, {hold} hold, {fail} do not, {undecided} are undecided and {23 - hold - fail - undecided} wait"
-    replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ are undecided and \d+ wait", counts)
+    counts = f"of 23, {hold} hold, {fail} do not, {23 - hold - fail - undecided} wait for a graphics chip or for rows of their own"
+    counts += f", and undecided {'is' if undecided == 1 else 'are'} {undecided}"
+    replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ wait for [a-z ]+, and undecided (is|are) \d+", counts)
     older = sum(row["rule_is_younger_than_rows"] for row in newest.values())
     replaced(ROOT / "README.md", r"\d+ of the verdicts are still of rows older", f"{older} of the verdicts are still of rows older")
-    print(f"{counts} for a graphics chip or rows; {older} by rows older than their rule")
+    print(f"{counts}; {older} by rows older than their rule")
     print("now: python3 -B tests/check_figures.py --write && git diff")
 
 

@@ -126,7 +126,7 @@ class Scaling(ClaimsTest):
         self.assertAlmostEqual(row["measures"][2]["value"], 0.1)
         self.assertIn("0.9 (", row["sentence"])
         self.assertIn("to the power 0.1 (", row["sentence"])
-        self.assertRegex(row["sentence"], r"between the two largest sizes 0\.1; from the fewest to the most texels they take [0-9.]+ to [0-9.]+ s")
+        self.assertRegex(row["sentence"], r"between the two largest sizes 0\.1; from the fewest to the most texels they take [-0-9.e]+ to [-0-9.e]+ s")
         row = finding(0.3, 0.1)
         self.assertEqual([m["outcome"] for m in row["measures"]], ["does not hold"] * 2 + ["holds"])
         self.assertEqual(finding(0.9, 0.4)["verdict"], "does not hold")
