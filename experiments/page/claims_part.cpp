@@ -81,7 +81,7 @@ HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Li
              {claim.claim->section, label("Section")},
              {mark, label("Verdict", {{"data-sort", std::to_string(rank(line.verdict()))}})},
              {figures, label("Measured")},
-             {line.at_smaller_scale(), label("By the rule, at smaller scale")},
+             {line.at_smaller_scale(), label("At smaller scale")},
              {reasoned ? reasoned->reason() : "", label("Why")}},
             {{"data-verdict", line.verdict()}}};
 }
@@ -155,7 +155,7 @@ Html claims_summary(std::span<const ClaimFindings> claims) {
     Html part;
     part << html_table(
         "Each claim, judged at the paper's scale; in brackets intervals of 95 %. Rules and reasons: the claim's link.",
-        {"Claim", "The paper states", "Section", "Verdict", "Measured", "By the rule, at smaller scale", "Why"}, rows,
+        {"Claim", "The paper states", "Section", "Verdict", "Measured", "At smaller scale", "Why"}, rows,
         {}, {{"class", "claims sortable"}, {"id", "claims-table"}});
     return part;
 }

@@ -98,13 +98,13 @@ Html rivals_part(const RunFolders& folders, const std::string& profile) {
             "channels; of Ceres’ settings the best",
             rivals, 1e-3);
     });
-    part << part_of(folders, profile, "reflectance", "arrival.csv", [&](const RunRecord& run) {
+    const Html texels = part_of(folders, profile, "reflectance", "arrival.csv", [&](const RunRecord& run) {
         return table_of(
-            "Lafortune’s model: microseconds for a texel of the noisy ornament, of fits by the fewest iterations tried "
-            "that bring so many home",
+            "Microseconds for a texel of the noisy ornament, of fits by the fewest iterations tried that bring so many "
+            "home",
             texel_rivals(read_rows(run, "arrival.csv")), 1e-6);
     });
-    return part;
+    return part << element("details", element("summary", "Texels of Lafortune’s model, likewise") << texels);
 }
 
 }  // namespace radiafit::harness
