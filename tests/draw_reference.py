@@ -11,7 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 def drawer(name, build):
     script = ROOT / f"experiments/{name}/{name}.py"
-    return [sys.executable, "-B", script] if script.exists() else [build / "experiments" / name]
+    return ["/usr/bin/python3", "-B", script] if script.exists() else [build / "experiments" / name]
 
 
 def main(build):
