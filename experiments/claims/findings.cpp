@@ -171,9 +171,16 @@ std::vector<ClaimFindings::Line> ClaimFindings::lines() const {
     if (renderers.empty()) renderers.emplace_back();
     std::vector<Line> lines;
     for (const std::string& renderer : renderers) {
-        Line& line = lines.emplace_back(Line{of_renderer(judged, renderer), of_renderer(smaller, renderer)});
-        for (const Finding& other : varied)
-            if (other.evidence.renderer == renderer) line.varied.push_back(&other);
+        lines.push_back({of_renderer(judged, renderer), of_renderer(smaller, renderer)});
+    }
+    const auto time_of = [](const Line& line) {
+        return line.judged ? std::filesystem::path(line.judged->run).filename().string() : std::string();
+    };
+    Line& newest = *std::ranges::max_element(lines, {}, time_of);
+    for (const Finding& other : varied) {
+        const auto own = std::ranges::find(renderers, other.evidence.renderer);
+        Line& same = own == renderers.end() ? newest : lines[size_t(own - renderers.begin())];
+        (same.judged ? same : newest).varied.push_back(&other);
     }
     return lines;
 }

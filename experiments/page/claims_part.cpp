@@ -155,8 +155,8 @@ Html claims_summary(std::span<const ClaimFindings> claims) {
     Html part;
     part << html_table(
         "Each claim, judged at the paper's scale; in brackets intervals of 95 %. Rules and reasons: the claim's link.",
-        {"Claim", "The paper states", "Section", "Verdict", "Measured", "At smaller scale", "Why"}, rows,
-        {}, {{"class", "claims sortable"}, {"id", "claims-table"}});
+        {"Claim", "The paper states", "Section", "Verdict", "Measured", "At smaller scale", "Why"}, rows, {},
+        {{"class", "claims sortable"}, {"id", "claims-table"}});
     return part;
 }
 
