@@ -72,10 +72,12 @@ std::vector<Finding> varied_findings(const Claim& claim, const RunFolders& folde
     const std::vector<RunRecord> standard = folders.newest(claim.experiment, judged_profile);
     std::vector<RunRecord> runs = varied_runs(folders.results, claim.experiment, judged_profile);
     if (runs.empty()) runs = varied_runs(folders.reference, claim.experiment, judged_profile);  // as newest() does
+    if (standard.empty()) return {};
+    const RunRecord& usual =
+        *std::ranges::max_element(standard, {}, [](const RunRecord& run) { return run.folder.filename(); });
     std::vector<Finding> findings;
     for (RunRecord& record : runs) {
-        if (standard.empty()) break;
-        const std::string settings = differing(record, standard.front());
+        const std::string settings = differing(record, usual);
         if (settings.empty()) continue;
         const FinishedRun run(std::move(record), folders.checkout);
         Finding finding{&claim, judged_profile, run.name(), find(claim, run)};
