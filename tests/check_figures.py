@@ -92,7 +92,7 @@ class Runs:
         found = {}
         for folder, run in sorted(self._runs.items(), key=lambda one: one[0].name):
             computer = f"{run.about['cpu']} {run.about.get('machine', {}).get('cpu_id', '')}"
-            if run.about["profile"] == profile and re.search(rf"{re.escape(machine)}(?!\w)", computer):
+            if run.about["profile"] == profile and run.about.get("standard", True) and re.search(rf"{re.escape(machine)}(?!\w)", computer):
                 found[run.about["program"]] = run
         return found
 

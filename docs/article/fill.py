@@ -152,11 +152,13 @@ class Run:
 
 
 class Profile:
-    """Of each experiment the newest run at one profile, on whatever machine: names of runs begin with their time."""
+    """Of each experiment the newest run at one profile, with no setting of its own, on whatever machine: names of runs begin with
+    their time."""
 
     def __init__(self, name, runs):
         self._name = name
-        self.runs = {run.about["program"]: run for run in sorted(runs, key=lambda r: r.folder.name) if run.about["profile"] == name}
+        self.runs = {run.about["program"]: run for run in sorted(runs, key=lambda r: r.folder.name)
+                     if run.about["profile"] == name and run.about.get("standard", True)}  # fmt: skip
 
     def __getattr__(self, experiment):
         if experiment not in self.runs:
