@@ -15,7 +15,7 @@ def main(profile, names):
     for name in names:
         runs = sorted(pathlib.Path("results/reference", name).glob("*/*/run.json"), key=lambda path: path.parent.name)
         records = [(path.parent, json.loads(path.read_text())) for path in runs]
-        records = [(folder, record) for folder, record in records if record.get("profile") == profile]
+        records = [(folder, record) for folder, record in records if record.get("profile") == profile and record.get("standard", True)]
         if not records:
             missing += [name] if name not in ("claims", "report") else []  # which measure nothing
             continue
