@@ -53,7 +53,8 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
     return {judged_by_all_rules({&claim, profile, "", none})};
 }
 
-/// "object = 2, vertices = 300": what differs from the standard run's settings, if the objects or their weight do.
+/// "object = 2, vertices = 300": object or weight first, then what else differs from the standard run's settings, if
+/// the objects or their weight do.
 std::string differing(const RunRecord& run, const RunRecord& standard) {
     std::vector<std::string> all;
     bool others = false;
@@ -61,8 +62,9 @@ std::string differing(const RunRecord& run, const RunRecord& standard) {
         const auto usual = standard.config.find(key);
         // rows from before there were other objects are of the first one
         if (own == (usual != standard.config.end() ? usual->second : key == "object" ? "1" : own)) continue;
-        others = others || key == "object" || key == "lambda";
-        all.push_back(fmt::format("{} = {}", key, own));
+        const bool tells = key == "object" || key == "lambda";
+        others = others || tells;
+        all.insert(tells ? all.begin() : all.end(), fmt::format("{} = {}", key, own));
     }
     return others ? fmt::format("{}", fmt::join(all, ", ")) : "";
 }
@@ -158,9 +160,11 @@ std::string ClaimFindings::Line::by_other_rules() const {
     std::vector<std::string> all = judged->other_verdicts();
     if (judged->rule_is_younger()) all.emplace_back("these rows are older than the rule");
     for (const Finding* other : varied) {
-        all.push_back(fmt::format("with {}: {}", other->settings, other->by_the_measures()));
+        const size_t comma = other->settings.find(',');  // sizes are told where the run is
+        const std::string with = other->settings.substr(0, comma) + (comma == std::string::npos ? "" : " …");
+        all.push_back(fmt::format("with {}: {}", with, other->by_the_measures()));
         for (const Judgement& j : other->readings)
-            all.push_back(fmt::format("with {}, {}: {}", other->settings, j.rule->name, to_string(j.outcome())));
+            all.push_back(fmt::format("with {}, {}: {}", with, j.rule->name, to_string(j.outcome())));
     }
     return fmt::format("{}", fmt::join(all, "; "));
 }
