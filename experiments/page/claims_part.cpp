@@ -67,6 +67,8 @@ HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Li
     if (line.judged && !line.judged->run.empty()) mark << " " << element("small", line.renderer());
     if (const std::string others = line.by_other_rules(); !others.empty())
         mark << element("p", element("small", others));
+    if (const std::string smaller = line.at_smaller_scale(); !smaller.empty())
+        mark << element("p", element("small", "at smaller scale, by the rule: " + smaller));
     mark << other_machines(claim, line);
     Html figures = measured(told);
     if (told && !told->judged()) figures << element("small", fmt::format("{} profile", told->profile));
@@ -81,7 +83,6 @@ HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Li
              {claim.claim->section, label("Section")},
              {mark, label("Verdict", {{"data-sort", std::to_string(rank(line.verdict()))}})},
              {figures, label("Measured")},
-             {line.at_smaller_scale(), label("At smaller scale")},
              {reasoned ? reasoned->reason() : "", label("Why")}},
             {{"data-verdict", line.verdict()}}};
 }
@@ -155,7 +156,7 @@ Html claims_summary(std::span<const ClaimFindings> claims) {
     Html part;
     part << html_table(
         "Each claim, judged at the paper's scale; in brackets intervals of 95 %. Rules and reasons: the claim's link.",
-        {"Claim", "The paper states", "Section", "Verdict", "Measured", "At smaller scale", "Why"}, rows, {},
+        {"Claim", "The paper states", "Section", "Verdict", "Measured", "Why"}, rows, {},
         {{"class", "claims sortable"}, {"id", "claims-table"}});
     return part;
 }
