@@ -90,11 +90,12 @@ std::vector<Finding> varied_findings(const Claim& claim, const RunFolders& folde
     return findings;
 }
 
-/// Null if there is none.
+/// The newest; null if there is none.
 const Finding* of_renderer(const std::vector<Finding>& findings, const std::string& renderer) {
-    const auto found =
-        std::ranges::find_if(findings, [&](const Finding& f) { return f.evidence.renderer == renderer; });
-    return found == findings.end() ? nullptr : &*found;
+    const Finding* newest = nullptr;
+    for (const Finding& f : findings)
+        if (f.evidence.renderer == renderer && (!newest || newest->run_name() < f.run_name())) newest = &f;
+    return newest;
 }
 
 }  // namespace
@@ -179,9 +180,7 @@ std::vector<ClaimFindings::Line> ClaimFindings::lines() const {
     for (const std::string& renderer : renderers) {
         lines.push_back({of_renderer(judged, renderer), of_renderer(smaller, renderer)});
     }
-    const auto time_of = [](const Line& line) {
-        return line.judged ? std::filesystem::path(line.judged->run).filename().string() : std::string();
-    };
+    const auto time_of = [](const Line& line) { return line.judged ? line.judged->run_name() : std::string(); };
     Line& newest = *std::ranges::max_element(lines, {}, time_of);
     for (const Finding& other : varied) {
         const auto own = std::ranges::find(renderers, other.evidence.renderer);

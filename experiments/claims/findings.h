@@ -32,6 +32,7 @@ struct Finding {
     std::vector<Judgement> readings = {}, former = {};  ///< by the claim's other rules, in their order
 
     bool judged() const { return profile == judged_profile; }
+    std::string run_name() const { return std::filesystem::path(run).filename().string(); }  ///< begins with its time
     std::string verdict() const { return verdict(judgement); }
     /// Of any of the rules.
     std::string verdict(const Judgement& by) const;

@@ -24,10 +24,9 @@ size_t rank(const std::string& verdict) {
     return size_t(std::ranges::find(verdicts, verdict, [](const auto& pair) { return pair.first; }) - verdicts.begin());
 }
 
-std::string run_name(const Finding& f) { return std::filesystem::path(f.run).filename().string(); }
-
-/// Names of runs begin with their time.
-const Finding& newest(const ClaimFindings& claim) { return *std::ranges::max_element(claim.judged, {}, run_name); }
+const Finding& newest(const ClaimFindings& claim) {
+    return *std::ranges::max_element(claim.judged, {}, &Finding::run_name);
+}
 
 /// The figures that a verdict is of, so many at most.
 Html measured(const Finding* finding) {
@@ -67,8 +66,8 @@ HtmlRow row_of(const ClaimFindings& claim, size_t place, const ClaimFindings::Li
     if (line.judged && !line.judged->run.empty()) mark << " " << element("small", line.renderer());
     if (const std::string others = line.by_other_rules(); !others.empty())
         mark << element("p", element("small", others));
-    if (const std::string smaller = line.at_smaller_scale(); !smaller.empty())
-        mark << element("p", element("small", "at smaller scale, by the rule: " + smaller));
+    if (line.smaller && !line.smaller->run.empty())
+        mark << element("p", element("small", "at smaller scale, by the rule: " + line.at_smaller_scale()));
     mark << other_machines(claim, line);
     Html figures = measured(told);
     if (told && !told->judged()) figures << element("small", fmt::format("{} profile", told->profile));
