@@ -143,7 +143,7 @@ class Exchange(ProgramTest):
                 self.assertAlmostEqual(colours[3 * (y * width + x) + c] / 255, srgb(paint[c] + 0.03), delta=0.06)
 
     def test_rti_says_what_it_holds(self):
-        said = self.good("export", "rti", "ptm", "-o", "rti").stderr
+        said = self.good("export", "rti", "ptm", "--basis", "ptm", "-o", "rti").stderr
         self.assertIn("rti/info.json: 40 x 30 pixels", said)
         self.assertEqual({path.name for path in (self.root / "rti").iterdir()}, {"info.json", *(f"plane_{k}.jpg" for k in range(6))})
         info = json.loads((self.root / "rti/info.json").read_text())
@@ -158,7 +158,7 @@ class Exchange(ProgramTest):
 
     def test_rti_has_what_render_shows(self):
         """Our importer reads the planes as photographs, render hands out their pixels, and the formula is put together here."""
-        self.good("export", "rti", "ptm", "-o", "planes")
+        self.good("export", "rti", "ptm", "--basis", "ptm", "-o", "planes")
         info = json.loads((self.root / "planes/info.json").read_text())
         scale, bias = info["materials"][0]["scale"], info["materials"][0]["bias"]
         (self.root / "planes_in").mkdir()

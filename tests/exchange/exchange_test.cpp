@@ -118,7 +118,7 @@ Contestant polynomials() {
 
 TEST(Relight, PolynomialsComeBack) {
     const Dataset dataset = flat_sample(19, 13);
-    const Relight relight = relight_of(polynomials(), dataset, dataset.views[0], 100);
+    const Relight relight = relight_of(polynomials(), dataset, dataset.views[0], {});
     const auto info = nlohmann::json::parse(relight.info);
     EXPECT_EQ(info.at("width"), 19);
     EXPECT_EQ(info.at("height"), 13);
@@ -146,11 +146,65 @@ TEST(Relight, PolynomialsComeBack) {
     EXPECT_LT(std::sqrt(squares / double(count)), 0.006);  // two or three steps of 1/255 each of six planes, of JPEG
 }
 
+// What a viewer computes of the components: OpenLIME's bilinear interpolation between the lamps of its octahedral grid.
+TEST(Relight, ComponentsComeBack) {
+    const Dataset dataset = flat_sample(40, 31);
+    const Relight relight =
+        relight_of(polynomials(), dataset, dataset.views[0], {.basis = RelightOptions::Basis::bilinear, .planes = 9});
+    const auto info = nlohmann::json::parse(relight.info);
+    ASSERT_EQ(info.at("nplanes"), 9);
+    const int across = info.at("resolution");
+    const auto& material = info.at("materials").at(0);
+    const auto basis = info.at("basis").get<std::vector<int>>();
+    ASSERT_EQ(basis.size(), size_t(10 * 3 * across * across));
+    const TemporaryFolder folder;
+    std::vector<ImageFile> planes;
+    for (const std::string& bytes : relight.planes) {
+        write_file(folder.path() / "plane.jpg", bytes);
+        planes.push_back(read_image(folder.path() / "plane.jpg"));
+    }
+    ASSERT_EQ(planes.size(), 3u);
+    const auto at_node = [&](int plane, int node, int c) {
+        const int byte = basis[size_t((plane * across * across + node) * 3 + c)];
+        return plane == 0 ? byte / 255.0 : (byte - 127) / material.at("range").at(size_t(plane - 1)).get<double>();
+    };
+    double squares = 0;
+    size_t count = 0;
+    for (const auto& [lx, ly] : {std::pair{0.0, 0.0}, {0.5, 0.2}, {-0.3, -0.6}}) {
+        const double lz = std::sqrt(1 - lx * lx - ly * ly), s = std::abs(lx) + std::abs(ly) + lz;
+        const double x = ((lx + ly) / s + 1) / 2 * (across - 1), y = ((ly - lx) / s + 1) / 2 * (across - 1);
+        const int sx = std::min(across - 2, int(x)), sy = std::min(across - 2, int(y));
+        const auto weight = [&](int plane, int c) {
+            double sum = 0;
+            for (const auto& [i, j] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
+                sum += (i ? x - sx : 1 - x + sx) * (j ? y - sy : 1 - y + sy) *
+                       at_node(plane, sx + i + (sy + j) * across, c);
+            return sum;
+        };
+        for (int c = 0; c < 3; ++c) {
+            std::array<double, 10> w{};
+            for (int plane = 0; plane < 10; ++plane) w[size_t(plane)] = weight(plane, c);
+            for (size_t p = 0; p < 40 * 31; ++p) {
+                double value = w[0];
+                for (size_t k = 0; k < 9; ++k)
+                    value += w[k + 1] * material.at("scale").at(k).get<double>() *
+                             (planes[k / 3].rgb8[3 * p + k % 3] / 255.0 - material.at("bias").at(k).get<double>());
+                squares += std::pow(value - polynomial(p, size_t(c), lx, ly), 2);
+                ++count;
+            }
+        }
+    }
+    EXPECT_LT(std::sqrt(squares / double(count)), 0.008);
+    EXPECT_THROW(
+        relight_of(polynomials(), dataset, dataset.views[0], {.basis = RelightOptions::Basis::bilinear, .planes = 8}),
+        UserError);
+}
+
 TEST(Relight, NeedsAGrid) {
     Dataset dataset;
     dataset.name = "ball";
     dataset.mesh = testing::ball(2);
-    EXPECT_THROW(relight_of(polynomials(), dataset, View(), 100), UserError);
+    EXPECT_THROW(relight_of(polynomials(), dataset, View(), {}), UserError);
 }
 
 TEST(Gltf, ChunksAndBufferViewsLieWhereItSays) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 
+#include "base/choose.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/output_lock.h"
@@ -27,7 +28,8 @@ struct ExportOptions {
     std::string fit, dataset, output;
     bool without_maps = false;
     std::optional<int> view;
-    int quality = 100;
+    RelightOptions relight = {};
+    std::string basis = "bilinear";  ///< of relight
 };
 
 void add_fit_and_output(CommandLine& command, ExportOptions& o, const char* output) {
@@ -70,8 +72,8 @@ void check_folder_target(const fs::path& folder, const char* what, std::span<con
             refuse(fmt::format("holds {}, which is no part of {}", name, what));
     }
 }
-constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg", "plane_2.jpg",
-                                     "plane_3.jpg", "plane_4.jpg", "plane_5.jpg"};
+constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg", "plane_2.jpg", "plane_3.jpg",
+                                     "plane_4.jpg", "plane_5.jpg", "plane_6.jpg", "plane_7.jpg", "plane_8.jpg"};
 constexpr const char* map_files[] = {"base_colour.png", "base_colour.exr", "roughness.png",
                                      "roughness.exr",   "normals.png",     "normals.exr"};
 
@@ -99,13 +101,20 @@ void export_rti(const ExportOptions& o) {
                         o.fit));
     const Dataset& dataset = fit.dataset();
     const View& view = dataset.views[chosen_view(dataset, o.view)];
-    const Relight relight = relight_of(contestant_of(fit), dataset, view, o.quality);
+    RelightOptions options = o.relight;
+    options.basis = choose<RelightOptions::Basis>(
+        "basis", o.basis, {{"ptm", RelightOptions::Basis::ptm}, {"bilinear", RelightOptions::Basis::bilinear}});
+    const Relight relight = relight_of(contestant_of(fit), dataset, view, options);
     for (size_t k = 0; k < relight.planes.size(); ++k)
         write_file(folder.path() / fmt::format("plane_{}.jpg", k), relight.planes[k]);
     write_file(folder.path() / "info.json", relight.info);
     folder.commit();
-    log_info(fmt::format("{}/info.json: {} x {} pixels, a polynomial texture map in {} images", o.output,
-                         dataset.grid.width, dataset.grid.height, relight.planes.size()));
+    log_info(fmt::format("{}/info.json: {} x {} pixels, {} in {} images", o.output, dataset.grid.width,
+                         dataset.grid.height,
+                         options.basis == RelightOptions::Basis::ptm
+                             ? std::string("a polynomial texture map")
+                             : fmt::format("{} components of colours under lamps", options.planes),
+                         relight.planes.size()));
 }
 
 ExrImage exr_of(const TextureImage& texture, const std::vector<std::string>& channels) {
@@ -147,9 +156,13 @@ void add_export_files(CommandLine& exporter) {
     add_fit_and_output(gltf, *o, "file, which ends in .glb");
     gltf.on_run([=] { export_gltf(*o); });
 
-    CommandLine& rti = exporter.add_command("rti", "a grid's fit for OpenLIME, relight's viewer: a PTM as JPEG images");
+    CommandLine& rti = exporter.add_command("rti", "a grid's fit for OpenLIME, relight's viewer, as JPEG images");
     rti.add_number("--view", o->view, limits::view, "whose camera looks; in the middle of those held out if not given");
-    rti.add_number("--quality", o->quality, limits::jpeg_quality, "of the JPEG images");
+    rti.add_word("--basis", o->basis,
+                 "bilinear: components of what the fit shows, between lamps on a grid; ptm: a polynomial texture map")
+        .choices({"ptm", "bilinear"});
+    rti.add_number("--planes", o->relight.planes, limits::relight_planes, "of bilinear: how many components");
+    rti.add_number("--quality", o->relight.quality, limits::jpeg_quality, "of the JPEG images");
     add_fit_and_output(rti, *o, "folder of info.json and the images");
     rti.on_run([=] { export_rti(*o); });
 
