@@ -168,6 +168,43 @@ class Render(ProgramTest):
         self.refused("render", "flat-fit", "--size", "9x9", "-o", "no", says=["--size", "a pixel per texel"])
 
 
+    def test_judging_pictures(self):
+        """Our own pictures have the fit's own score; other programs' are taken by name, size and encoding, or refused."""
+        score = lambda *arguments: json.loads(self.good("judge", *arguments, "--json").stdout)
+        for fit, dataset in (("fit", "star"), ("exposed-fit", "exposed")):
+            self.good("render", fit, "--all", "held-out", "-o", f"{fit}-pictures")
+            own, pictures = score(fit), score("--renders", f"{fit}-pictures", "--dataset", dataset)
+            for figure in ("psnr", "ape", "ssim"):
+                self.assertAlmostEqual(own[figure], pictures[figure], places=5 if fit == "fit" else 3)
+            self.assertEqual([image["name"] for image in own["per_image"]], [image["name"] for image in pictures["per_image"]])
+            self.assertNotIn("baseline", pictures)
+
+        # The bytes of the same pictures under the images' names: as good as bytes can be.
+        views = json.loads((self.root / "star/dataset.json").read_text())["views"]
+        held_out = [(i, view["name"]) for i, view in enumerate(views) if view.get("held_out")]
+        (self.root / "named").mkdir()
+        self.good("render", "fit", "--all", "held-out", "--background", "transparent", "-o", "clear")
+        for number, name in held_out:
+            (self.root / "named" / name).with_suffix(".png").write_bytes((self.root / f"clear/view{number:04}.png").read_bytes())
+        self.assertAlmostEqual(score("--renders", "named", "--dataset", "star")["psnr"], score("fit")["psnr"], delta=0.05)
+        self.assertRegex(self.good("judge", "--renders", "named", "--dataset", "star", "--per-image").stdout, r"views \(test\): PSNR")
+
+        judge = ("judge", "--renders", "named", "--dataset", "star")
+        first = (self.root / "named" / held_out[0][1]).with_suffix(".png")
+        whole = first.read_bytes()
+        first.rename(self.root / "kept.png")
+        self.refused(*judge, says=["named: 1 of ", "have no picture", held_out[0][1]])
+        write_png(first, 7, 5, bytes(3 * 7 * 5))
+        self.refused(*judge, says=[first.name, "7 x 5 pixels", "render", held_out[0][1]])
+        first.write_bytes(whole[:200])
+        self.refused(*judge, says=[first.name])
+        self.refused("judge", "--renders", "named", says=["--dataset"])
+        self.refused("judge", "fit", "--renders", "named", "--dataset", "star", says=["no fit"])
+        self.refused("judge", "--renders", "absent", "--dataset", "star", says=["absent", "no such folder"])
+        self.refused(*judge, "--split", "validation", says=["--split"])
+        self.refused("judge", says=["--renders"])
+
+
 if __name__ == "__main__":
     (Render.program,) = take_arguments(1)
     unittest.main()

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "cli/commands.h"
+#include "cli/rendered_pictures.h"
 #include "eval/outliers.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
@@ -21,7 +22,7 @@ namespace {
 
 struct Judgement {
     JudgeResult fit, baseline;
-    const char* baseline_name;
+    const char* baseline_name = nullptr;  ///< null: there is none
     std::vector<MaterialErrors> truth;
     std::vector<JudgedBeside> beside;
 };
@@ -70,6 +71,19 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
     return out;
 }
 
+/// Of pictures that another program rendered of the dataset's views.
+JudgeResult judge_pictures(const std::string& folder, const std::string& dataset_folder, Split split) {
+    const Dataset dataset = open_dataset(dataset_folder);
+    if (split == Split::validation)
+        throw UserError("--split validation: which views are left out a fit knows; judge pictures on test or train");
+    JudgeOptions options;
+    options.pixel_points = 1;  // a picture has one value
+    options.ssim = true;
+    options.by_angle = true;
+    const std::vector<uint32_t> views = dataset.split(split != Split::train);
+    return judge(pictures_as_contestant(dataset, views, folder), dataset, split, options);
+}
+
 std::string text_of(const ErrorSums& errors) {
     if (errors.values == 0) return "no pixel";
     if (errors.not_finite == 0) return fmt::format("PSNR {:.2f} dB, APE {:.2f}", errors.psnr(), errors.ape());
@@ -97,12 +111,12 @@ void print_by_angle(const JudgeResult& result) {
 }
 
 void print_judgement(const Judgement& j) {
-    fmt::print("{} views ({}): {}; {}: {}\n", j.fit.images.size(), to_string(j.fit.split), text_of(j.fit),
-               j.baseline_name, text_of(j.baseline));
+    fmt::print("{} views ({}): {}", j.fit.images.size(), to_string(j.fit.split), text_of(j.fit));
+    fmt::print("{}\n", j.baseline_name ? fmt::format("; {}: {}", j.baseline_name, text_of(j.baseline)) : "");
     if (const size_t outside = j.fit.outside_count; outside > 0) {
         const auto tell = [&](size_t images, const char* where, const ErrorSums& fit, const ErrorSums& baseline) {
-            fmt::print("  {} of them {} the directions of the training views: {}; {}: {}\n", images, where,
-                       text_of(fit), j.baseline_name, text_of(baseline));
+            fmt::print("  {} of them {} the directions of the training views: {}", images, where, text_of(fit));
+            fmt::print("{}\n", j.baseline_name ? fmt::format("; {}: {}", j.baseline_name, text_of(baseline)) : "");
         };
         if (outside < j.fit.images.size()) tell(j.fit.images.size() - outside, "amid", j.fit.inside, j.baseline.inside);
         tell(outside, "beyond", j.fit.outside, j.baseline.outside);
@@ -178,14 +192,18 @@ void check_pixel_points(const std::optional<int>& points) {
 
 void add_judge(CommandLine& program) {
     struct Options {
-        std::string fit, split = "test", dataset;
+        std::string fit, renders, split = "test", dataset;
         std::optional<int> pixel_points;
         std::vector<std::string> beside;
         bool per_image = false, error_bars = false, json = false;
     };
     auto o = std::make_shared<Options>();
     CommandLine& command = program.add_command("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
-    command.add_text("fit", o->fit, "folder of the fit").required();
+    command.add_text("fit", o->fit, "folder of the fit");
+    command.add_text(
+        "--renders", o->renders,
+        "instead of a fit: a folder of another program's pictures of --dataset's views, named as its images "
+        "(docs/judge.md)");
     command.add_word("--split", o->split, "train, test or validation").choices({"train", "test", "validation"});
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
     add_pixel_points(command, o->pixel_points);
@@ -193,15 +211,33 @@ void add_judge(CommandLine& program) {
         .add_words("--beside", o->beside,
                    "lumigraph or gaussian-process: what models reach that keep every training photograph")
         .choices({"lumigraph", "gaussian-process"});
-    command.add_flag("--covariance", o->error_bars,
-                     "how far noise moves the fit of lfm or a texel-local model, whether the errors agree, and where "
-                     "its colours can't be trusted");
+    command.add_flag(
+        "--covariance", o->error_bars,
+        "how far noise moves the fit (of lfm, of a model under lamps), whether the errors agree, and where "
+        "its colours can't be trusted");
     command.add_flag("--per-image", o->per_image, "a table of the images as well, worst first");
     add_json(command, o->json);
     command.on_run([=] {
         const Split split = choose_split(o->split);
         check_pixel_points(o->pixel_points);
         const std::vector<const ReachableModel*> others = reachable_by_name(o->beside);
+        if (!o->renders.empty()) {
+            if (!o->fit.empty() || o->dataset.empty())
+                throw UserError("--renders judges pictures of a dataset: give --dataset, and no fit");
+            if (o->pixel_points || o->error_bars || !others.empty())
+                throw UserError(
+                    "--renders: pictures have one value a pixel and nothing more to say; leave out "
+                    "--pixel-points, --covariance and --beside");
+            Judgement j;
+            j.fit = judge_pictures(o->renders, o->dataset, split);
+            if (o->json)
+                fmt::print("{}\n", judge_json(j.fit));
+            else
+                print_judgement(j);
+            if (o->per_image && !o->json) print_images(j.fit.images);
+            return;
+        }
+        if (o->fit.empty()) throw UserError("judge: name the folder of a fit, or --renders and --dataset");
         const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, o->error_bars, others);
         if (o->json)
             fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth, j.beside));
