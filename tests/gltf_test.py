@@ -25,13 +25,13 @@ class Gltf(ProgramTest):
             options = ["--normals", normals] if normals else []
             self.good("import", "lights", "--images", "dome/images", "--lights", "dome/lights.lp", *options, "-o", name)
         for dataset, model in (("star", "lfm"), ("star", "viewbasis"), ("star", "sg"), ("ornament", "lafortune"), ("ornament", "ptm"),
-                               ("relief", "ptm"), ("bumps", "lafortune")):  # fmt: skip
+                               ("relief", "ptm"), ("bumps", "lafortune"), ("relief", "lightbasis"), ("ornament", "lightbasis")):  # fmt: skip
             blocks = ("--blocks", "8") if model == "viewbasis" else ()
             self.good("fit", dataset, "--model", model, *blocks, "-o", f"{dataset}_{model}")
             self.good("export", "gltf", f"{dataset}_{model}", "-o", f"{dataset}_{model}.glb")
             self.good("export", "gltf", f"{dataset}_{model}", "--without-maps", "-o", f"{dataset}_{model}_plain.glb")
         files = sorted(self.root.glob("*.glb"))
-        self.assertEqual(len(files), 14)
+        self.assertEqual(len(files), 18)
         done = subprocess.run(["node", WEB / "validate.mjs", PACKAGES, *files], stdin=subprocess.DEVNULL, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         said = json.loads(done.stdout)

@@ -140,6 +140,9 @@ class Parts(PartsTest):
         self.assertRegex(planned, r"in [2-9] parts, .* while learning, .* for a part")
         self.refused("fit", *options, "--memory", "151M", "-o", "none", says=["too little", "--memory"])
 
+    def test_parts_share_a_light_basis(self):
+        self.merged_like_whole("ornament", "--model", "lightbasis", "--numbers", "7")
+
     def test_memory_cuts_a_fit_and_resumes_it(self):
         fit = ("fit", "star", *FIT, "--engine", "compute")  # which holds vectors of all vertices
         done = self.good(*fit, "--memory", "149M", "-o", "bounded")

@@ -116,6 +116,11 @@ class Viewer(ProgramTest):
         for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and where the fit fades
             self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
 
+    def test_light_basis(self):
+        data = self.check_family("ornament", "--model", "lightbasis", "--numbers", "9", times=4)  # for outlines, as above
+        for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and beyond them
+            self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
+
     def test_single_file_controls_and_compared_pictures(self):
         self.good("fit", "ornament", "--model", "lambert", "-o", "lambert")
         self.good("publish", "lambert", "--single-file", "--views", "2", "-o", "one.html")

@@ -8,13 +8,13 @@
 #include <set>
 
 #include "base/parallel.h"
+#include "basis/basis_texels.h"
 #include "eval/pixel_areas.h"
 #include "failing_gl.h"
 #include "fit_scene.h"
 #include "geometry/ray_cast.h"
 #include "samples/interpolated_samples.h"
 #include "shared_context.h"
-#include "viewbasis/basis_texels.h"
 #include "viewbasis/learn_view_basis.h"
 #include "viewbasis/solve_view_basis.h"
 #include "viewbasis/view_basis_fit.h"
@@ -282,16 +282,18 @@ TEST(ViewBasis, IsLearnedFromFewTexels) {
 TEST(ViewBasis, DrawsTexelsEvenly) {
     const Mesh mesh = troubled_mesh(4, 6, 5);
     const TriangleAtlas whole(mesh, 6);
-    const BasisTexels all = draw_basis_texels(whole, 1'000'000, 30);
-    std::set<std::pair<uint32_t, uint32_t>> seen;
-    ASSERT_EQ(all.of_block.size(), all.cubes.size());
-    ASSERT_GT(all.cubes.size(), 5u);
-    EXPECT_TRUE(std::ranges::is_sorted(all.cubes));
-    for (size_t b = 0; b < all.cubes.size(); ++b)
-        for (const auto& [tile, local] : all.of_block[b]) {
-            EXPECT_EQ(cube_at(whole.position(tile, local), all.origin, all.cube), all.cubes[b]);
-            EXPECT_FALSE(whole.degenerate(tile));
-            EXPECT_TRUE(seen.emplace(tile, local).second);
+    const SurfaceExtent extent = extent_of(mesh);
+    const BasisTexels all = draw_basis_texels(whole, extent, 1'000'000, 30, 200);
+    const auto& cubes = all.blocks.cubes;
+    std::set<uint32_t> seen;
+    ASSERT_EQ(all.of_block.size(), cubes.size());
+    ASSERT_GT(cubes.size(), 5u);
+    EXPECT_TRUE(std::ranges::is_sorted(cubes));
+    for (size_t b = 0; b < cubes.size(); ++b)
+        for (const uint32_t texel : all.of_block[b]) {
+            EXPECT_EQ(cube_at(whole.position(texel), all.blocks.origin, all.blocks.cube), cubes[b]);
+            EXPECT_TRUE(whole.usable(texel));
+            EXPECT_TRUE(seen.insert(texel).second);
         }
     size_t usable = 0;
     for (uint32_t t = 0; t < whole.texel_count(); ++t) usable += whole.usable(t);
@@ -299,17 +301,17 @@ TEST(ViewBasis, DrawsTexelsEvenly) {
     EXPECT_EQ(all.everywhere.size(), usable);
 
     constexpr size_t few = 400;
-    const BasisTexels some = draw_basis_texels(whole, few, 30);
+    const BasisTexels some = draw_basis_texels(whole, extent, few, 30, 200);
     std::map<uint32_t, int> of_tile;
-    std::set<std::pair<uint32_t, uint32_t>> once;
-    for (const auto& [tile, local] : some.everywhere) {
-        ++of_tile[tile];
-        EXPECT_TRUE(once.emplace(tile, local).second);
+    std::set<uint32_t> once;
+    for (const uint32_t texel : some.everywhere) {
+        ++of_tile[texel / whole.texels_per_tile()];
+        EXPECT_TRUE(once.insert(texel).second);
     }
     EXPECT_EQ(once.size(), few);
     const size_t tiles = usable / TriangleTile::texels_of(6);
     EXPECT_GT(of_tile.size(), tiles * 9 / 10);  // 10 or so of each
-    EXPECT_TRUE(draw_basis_texels(whole, few, 1).of_block.empty());
+    EXPECT_TRUE(draw_basis_texels(whole, extent, few, 1, 200).of_block.empty());
 }
 
 TEST(ViewBasis, TexelsThatNobodySeesHaveTheMean) {

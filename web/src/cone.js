@@ -48,6 +48,14 @@ function nearest_in_cone(others, direction) {
     return at;
 }
 
+/** The direction of the cone nearest to this one, which is that itself inside. All of unit length. */
+export function nearest_inside(others, direction) {
+    if (others.length === 0 || angle_outside(others, direction) === 0) return direction;
+    const at = nearest_in_cone(others, direction);
+    if (length(at) > 0) return scaled(at, 1 / length(at));
+    return others.reduce((best, other) => (dot(other, direction) > dot(best, direction) ? other : best));
+}
+
 /** Radians; 0 inside. All of unit length. */
 export function angle_outside(others, direction) {
     if (others.length === 0) return 0;

@@ -1,5 +1,5 @@
 // From the state to what is drawn: camera, lamp, and how much of the fit may be trusted there.
-import { angle_outside } from "./cone.js";
+import { angle_outside, nearest_inside } from "./cone.js";
 import { meanings } from "./state.js";
 import { add, dot, normalized, pose_of, scaled } from "./vectors.js";
 
@@ -44,12 +44,16 @@ export function share_of(page, outside) {
 
 export function scene_of(page, state) {
     const view = page.views[state.view];
+    const lamp = page.model.takes_light ? lamp_of(page, state) : null;
+    const seen = lamp && lamp_direction(page, lamp);
     const shown = meanings.indexOf(state.known);
     return {
         pose: state.pose ?? pose_of(view.camera),
         direction: view.camera.direction,
         camera: view.camera,
-        lamp: page.model.takes_light ? lamp_of(page, state) : null,
+        lamp,
+        lamp_seen: seen,
+        lamp_inside: seen && nearest_inside(page.directions.lamps, seen),
         share: page.model.takes_light ? share_of(page, outside_of(page, state)) : 1,
         terms: state.terms,
         shown,

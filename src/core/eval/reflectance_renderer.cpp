@@ -7,14 +7,9 @@
 namespace radiafit {
 
 ReflectanceRenderer::ReflectanceRenderer(const Atlas& atlas, const ReflectanceFit& fit)
-    : atlas_(&atlas), triangles_(dynamic_cast<const TriangleAtlas*>(&atlas)), fit_(&fit) {
+    : atlas_(&atlas), texel_of_(atlas), fit_(&fit) {
     if (fit.parameters.size() != size_t(atlas.texel_count()) * size_t(fit.options.model->parameters))
         throw std::invalid_argument("ReflectanceRenderer: a fit of another atlas");
-}
-
-uint32_t ReflectanceRenderer::texel_of(const RasterPixel& pixel) const {
-    if (!triangles_) return pixel.triangle;
-    return pixel.triangle * atlas_->texels_per_tile() + triangles_->local_at(pixel.triangle, pixel.b1, pixel.b2);
 }
 
 void ReflectanceRenderer::shade(const View& view, const std::vector<RasterPixel>& pixels,

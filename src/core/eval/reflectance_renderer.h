@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "eval/texel_of_pixel.h"
 #include "fit/fit_folder.h"
-#include "geometry/raster.h"
 
 namespace radiafit {
 
@@ -16,11 +16,11 @@ public:
     /// rgb [height][width][3] out: linear light, unclamped; 0 where nothing is seen, where the lamp is below the
     /// texel's horizon, and in texels without samples. `pixels` as Contestant gets them. Thread-safe.
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const;
-    uint32_t texel_of(const RasterPixel& pixel) const;
+    uint32_t texel_of(const RasterPixel& pixel) const { return texel_of_(pixel); }
 
 private:
     const Atlas* atlas_;
-    const TriangleAtlas* triangles_;  ///< null over a grid
+    TexelOfPixel texel_of_;
     const ReflectanceFit* fit_;
 };
 

@@ -33,6 +33,8 @@ public:
 
     /// As ReflectanceRenderer. Thread-safe.
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const;
+    /// Of one texel, with such a share of the fit.
+    Vec3f colour_of(uint32_t texel, const View& view, float share) const;
     /// How much of the fit such a view shows: 1 amid the training images and near them, 0 far beyond.
     double share_of_fit(const View& view) const;
     const std::vector<Bounds>& bounds() const { return bounds_; }  ///< [texels]
@@ -40,7 +42,6 @@ public:
 private:
     void find_bounds();
     Bounds bounds_of(uint32_t texel) const;
-    Vec3f colour_of(uint32_t texel, const View& view, float share) const;
 
     ReflectanceRenderer renderer_;
     const Dataset* dataset_;

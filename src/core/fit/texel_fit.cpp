@@ -36,8 +36,9 @@ void write_texel_fit(const fs::path& folder, const FitRecord& fit, const TexelFi
     target.commit();
 }
 
-void write_error_bars(const fs::path& folder, const Atlas& atlas, const TexelModel& model, const ErrorBarMaps& bars) {
-    for (const TexelMap& map : maps_of(model))
+void write_error_bars(const fs::path& folder, const Atlas& atlas, std::span<const TexelMap> maps,
+                      const ErrorBarMaps& bars) {
+    for (const TexelMap& map : maps)
         write_exr(folder / ("deviation_" + map.file), parameter_image(atlas, bars.deviation, map));
     std::vector<float> both;
     for (size_t t = 0; t < bars.noise.size(); ++t) both.insert(both.end(), {bars.noise[t], float(bars.deficient[t])});

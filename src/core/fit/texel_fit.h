@@ -35,8 +35,8 @@ struct ErrorBarMaps {
     std::span<const float> deviation, noise;
     std::span<const uint32_t> deficient;
 };
-/// deviation_NAME.exr for each of the model's maps, and error_bars.exr: noise, deficient.
-void write_error_bars(const std::filesystem::path& folder, const Atlas& atlas, const TexelModel& model,
+/// deviation_NAME.exr for each of a model's maps, and error_bars.exr: noise, deficient.
+void write_error_bars(const std::filesystem::path& folder, const Atlas& atlas, std::span<const TexelMap> maps,
                       const ErrorBarMaps& bars);
 
 /// Reads a fit in two steps, as read_fit(): what fit.json says, and, once dataset and atlas are known by that, the

@@ -79,6 +79,12 @@ double angle_outside(std::span<const Vec3d> others, const Vec3d& direction) {
     return angle < rounding ? 0 : angle;
 }
 
+Vec3d nearest_inside(std::span<const Vec3d> others, const Vec3d& direction) {
+    if (angle_outside(others, direction) == 0) return direction;
+    const Vec3d at = nearest_in_cone(others, direction);
+    return at.norm() > 0 ? at.normalized() : others[nearest(others, direction)];
+}
+
 std::vector<size_t> spread_over(std::span<const Vec3d> directions, size_t count) {
     std::vector<Vec3d> centres = far_apart(directions, count);
     std::vector<size_t> cluster(directions.size(), 0);

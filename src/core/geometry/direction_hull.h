@@ -11,6 +11,9 @@ namespace radiafit {
 /// inside it. All of unit length; `others` may not be empty.
 double angle_outside(std::span<const Vec3d> others, const Vec3d& direction);
 
+/// The direction of that cone nearest to `direction`, of unit length: itself inside it.
+Vec3d nearest_inside(std::span<const Vec3d> others, const Vec3d& direction);
+
 /// `count` of the directions (unit length), spread over all of them: they are grouped into so many clusters, and of
 /// each the one nearest to its middle is taken, so that the others surround it where they can. Ascending; the same for
 /// the same input. count: 1 to their number.

@@ -11,7 +11,8 @@
 namespace radiafit::fits {
 
 namespace {
-constexpr const Family* all[] = {&view_bases, &light_field_maps, &spherical_gaussians, &texel_local_models};
+constexpr const Family* all[] = {&view_bases, &light_field_maps, &spherical_gaussians, &light_bases,
+                                 &texel_local_models};
 
 const Family& family_of(const std::string& model) {
     return **std::ranges::find_if(all, [&](const Family* family) { return family->owns(model); });

@@ -9,7 +9,8 @@
 #include "fitting/solvers/solve.h"
 #include "fitting/tune_candidate.h"
 
-/// The families of models: light field maps, texel-local models, view bases, spherical Gaussians. What commands ask of
+/// The families of models: light field maps, texel-local models, view bases, spherical Gaussians,
+/// light bases. What commands ask of
 /// one is said here, once; they themselves never ask which it is.
 namespace radiafit::fits {
 
@@ -44,8 +45,9 @@ struct Family {
     std::optional<SolverFacts> (*facts)(const Solver& solver);  ///< how it fits this family; none: it fits no such
     /// The space of images that are streamed with 16 bits; none where a fit reads the values themselves.
     std::optional<TargetSpace> (*streamed)(const FitRequest& request);
-    /// For users who name no model; nothing: none of its models suits the dataset.
-    std::optional<Chosen> (*choose)(const Given& given, const Dataset& dataset);
+    /// For users who name no model, with the options that they gave in `request`; nothing: none of its models suits the
+    /// dataset.
+    std::optional<Chosen> (*choose)(const Given& given, const Dataset& dataset, const FitRequest& request);
     /// What the user left open and the dataset decides.
     void (*resolve_options)(const Given& given, const Dataset& dataset, FitRequest& request);
     /// What `tune` tries of it; none: none of its models suits the dataset.
@@ -62,7 +64,7 @@ struct Family {
     /// moved_to: where the dataset is now; empty: where the fit says. Throws UserError.
     Fitted (*open)(const std::filesystem::path& folder, const std::filesystem::path& moved_to);
 };
-extern const Family light_field_maps, texel_local_models, view_bases, spherical_gaussians;
+extern const Family light_field_maps, texel_local_models, view_bases, spherical_gaussians, light_bases;
 /// In the order of preference where a dataset and the options given leave a choice.
 std::span<const Family* const> families();
 
@@ -74,6 +76,13 @@ Fitted open_fit(const std::filesystem::path& folder, const std::filesystem::path
 /// space. `dataset` must outlive it.
 Fitted mean_colours(const Dataset& dataset, const FitRecord& like, const LfmOptions& sides);
 
+/// The trivial baseline of what lamps change: albedos, of texels of this side where there is a mesh, without that
+/// validation's views. `dataset` must outlive it.
+Fitted lambertian(const Dataset& dataset, int surface_side, int validation, float clip_above = 0,
+                  float shadow_below = 0);
+/// A side for the texels of a mesh: that of its normals, where they are finer than its vertices.
+int reflectance_side(const Dataset& dataset);
+
 void export_light_field_problems(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
 void export_texel_problems(const Dataset& dataset, const FitRequest& request, ProblemFolder& out);
 void export_parameters(const LightFieldFit& fit, const Mesh& mesh, ProblemFolder& out);
@@ -82,12 +91,10 @@ void export_parameters(const ReflectanceFit& fit, ProblemFolder& out);
 Plan plan_light_field(const Dataset& dataset, const FitRequest& request, size_t most_views);
 Plan plan_texels(const Dataset& dataset, const FitRequest& request, size_t most_views);
 
-/// For lamps that move, by what is known of the surface and by how many images show it:
-///     normals of the plane, all seen from one direction, 16 images or more: ptm, whose six coefficients need no normal
-///     4 images or more: lafortune
-///     fewer: lambert
-/// all without saturated pixels and cast shadows (--clip-above 0.98 --shadow-below 0.1).
-std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& dataset);
+/// For lamps that move, of the models that take the given options: the one that predicts images best that it has not
+/// seen (fitting/families/lamp_contest.h); the first of them where there are too few to leave some out, and lambert
+/// below 4. Reflectance models leave out saturated pixels and cast shadows (--clip-above 0.98 --shadow-below 0.1).
+std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& dataset, const FitRequest& request);
 std::vector<TuneCandidate> texel_candidates(const Dataset& dataset);
 
 std::unique_ptr<Divided> divide_light_field(const Dataset& dataset, const FitRequest& request);

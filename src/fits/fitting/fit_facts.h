@@ -12,7 +12,8 @@ struct Family;
 enum class ModelKind {
     light_field,  ///< surface maps and view maps around vertices, or their mean colours
     texel_local,  ///< reflectance in each texel, of datasets with lamps
-    by_view       ///< colours by view direction in each texel
+    by_view,      ///< colours by view direction in each texel
+    by_light      ///< colours by lamp direction in each texel, of datasets with lamps
 };
 
 /// How a solver fits models of one kind. Rows of the table of solvers, and families, state it.
@@ -39,6 +40,7 @@ struct FitFacts : SolverFacts {
 
     bool light_field() const { return kind == ModelKind::light_field; }
     bool texel_local() const { return kind == ModelKind::texel_local; }
+    bool takes_light() const { return texel_local() || kind == ModelKind::by_light; }
     bool on_fragment() const { return engine == EngineKind::fragment; }
     bool on_compute() const { return engine == EngineKind::compute; }
 
@@ -59,7 +61,7 @@ struct FitFacts : SolverFacts {
     bool redistributes() const { return accumulates() && samples == SampleUse::redistributed; }
     bool streams_images() const { return on_fragment() || redistributes(); }
     /// Between the centres of a mesh's texels, colours may be interpolated.
-    bool looks_up_surface() const { return !texel_local() && !streams_images(); }
+    bool looks_up_surface() const { return !takes_light() && !streams_images(); }
     /// Fits colours that are interpolated at texels' centres: no texel takes a pixel.
     bool interpolates() const {
         return kind == ModelKind::by_view || (looks_up_surface() && surface == SurfaceLookup::linear);

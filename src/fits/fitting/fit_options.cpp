@@ -173,9 +173,9 @@ std::vector<FitOption> make_fit_options() {
              "engine", &FitFacts::on_engine, &FitRequest::engine,
              {{"cpu", EngineKind::cpu}, {"fragment", EngineKind::fragment}, {"compute", EngineKind::compute}},
              "what solver stream runs on: the processor, OpenGL's fragment programs, or its compute shaders; colours "
-             "by view direction not on fragment programs"),
+             "by view or lamp direction not on fragment programs"),
          of_problem(choice<TargetSpace>(
-             "space", [](const FitFacts& f) { return !f.texel_local(); }, &FitRequest::space,
+             "space", [](const FitFacts& f) { return !f.takes_light(); }, &FitRequest::space,
              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}}, "what residuals are formed in")),
          of_problem(validation_option()),
          of_problem(text("leave_out", {}, &FitRequest::leave_out, "names with commas between them",

@@ -121,7 +121,10 @@ bool FitRequest::redistributes() const { return facts_of(*this).redistributes();
 
 bool FitRequest::on_engine(EngineKind kind) const { return facts_of(*this).engine == kind; }
 
-bool FitRequest::lacks_engine() const { return on_fragment_engine() && family_of(*this).kind == ModelKind::by_view; }
+bool FitRequest::lacks_engine() const {
+    const ModelKind kind = family_of(*this).kind;
+    return on_fragment_engine() && (kind == ModelKind::by_view || kind == ModelKind::by_light);
+}
 
 std::string FitRequest::label() const {
     const FitFacts facts = facts_of(*this);

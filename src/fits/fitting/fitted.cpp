@@ -42,7 +42,9 @@ std::vector<MaterialErrors> truth_errors(Fitted& f) {
     return std::visit([&](const auto& m) { return truth_errors(m, f.dataset()); }, f.model);
 }
 
-bool takes_light(const Fitted& f) { return std::holds_alternative<FittedReflectance>(f.model); }
+bool takes_light(const Fitted& f) {
+    return std::holds_alternative<FittedReflectance>(f.model) || std::holds_alternative<FittedLightBasis>(f.model);
+}
 
 void find_error_bars(Fitted& f, std::span<const View> shown) {
     std::visit([&](auto& m) { find_error_bars(m, f.dataset(), shown); }, f.model);

@@ -12,6 +12,7 @@
 #include "fit/fit_folder.h"
 #include "fitting/fit_array.h"
 #include "fitting/problem_folder.h"
+#include "lightbasis/light_error_bars.h"
 #include "sg/sg_fit.h"
 #include "viewbasis/view_basis_fit.h"
 
@@ -20,7 +21,7 @@ class AllErrorBars;
 }  // namespace radiafit
 
 /// A fit as a value, whatever its family. What is asked of one is a free function here. A ring around this one that
-/// shows a fit in another way (a page, a material) writes an overload for each of the four and calls it by
+/// shows a fit in another way (a page, a material) writes an overload for each of the five and calls it by
 /// std::visit().
 namespace radiafit::fits {
 
@@ -47,6 +48,13 @@ struct FittedByView {
 using FittedViewBasis = FittedByView<ViewBasisFit>;
 using FittedSg = FittedByView<SgFit>;
 
+/// Colours by lamp direction, texel by texel.
+struct FittedLightBasis {
+    LightBasisFit fit;
+    std::unique_ptr<Atlas> atlas;
+    std::shared_ptr<const LightErrorBars> error_bars = {};  ///< none until find_error_bars()
+};
+
 /// The dataset that was fitted: the caller's, who keeps it; or one that the fit owns.
 class FittedDataset {
 public:
@@ -66,7 +74,7 @@ private:
 };
 
 struct Fitted {
-    std::variant<FittedLightField, FittedReflectance, FittedViewBasis, FittedSg> model;
+    std::variant<FittedLightField, FittedReflectance, FittedViewBasis, FittedSg, FittedLightBasis> model;
     FittedDataset data;
 
     FitRecord& record();

@@ -63,7 +63,7 @@ FitRequest of_model(FitRequest request, const std::string& name) {
 std::optional<Chosen> chosen_model(const Given& given, const Dataset& dataset, const FitRequest& request) {
     std::optional<Chosen> otherwise;
     for (const Family* family : families()) {
-        std::optional<Chosen> chosen = family->choose(given, dataset);
+        std::optional<Chosen> chosen = family->choose(given, dataset, request);
         if (!chosen) continue;
         if (takes_given(given, of_model(request, chosen->setting.front().second))) return chosen;
         if (!otherwise || family->owns(FitRequest().model_name)) otherwise = std::move(chosen);

@@ -23,7 +23,4 @@ ViewBasisSolution solve_view_basis(const Dataset& dataset, const TriangleAtlas& 
 /// The same by compute shaders of the current context, for some tiles at a time; it takes seconds, and keeps nothing.
 ViewBasisSolution solve_on_device(const Dataset& dataset, const TriangleAtlas& atlas, const SampleList& samples,
                                   const ViewBasis& basis);
-/// Bytes of these tiles, on the device and before and after on the host.
-uint64_t bytes_on_device();
-
 }  // namespace radiafit::fits

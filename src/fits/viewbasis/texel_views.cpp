@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace radiafit::fits {
 
@@ -48,14 +47,6 @@ void TexelViewReader::read(uint32_t tile, std::vector<std::vector<TexelView>>& o
     for (uint32_t local = 0; local < out.size(); ++local) places.push_back(place_of(tile, local));
     for (uint32_t g = samples_->tile_groups[tile]; g < samples_->tile_groups[tile + 1]; ++g)
         for (const Sample& s : samples_->of_group(g)) out[s.local].push_back(view_of(places[s.local], g, s));
-}
-
-std::array<double, 3> numbers_of(const Vec3f& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-
-Vec3f vector_of(const std::vector<float>& v) {
-    if (v.size() != 3 || !std::ranges::all_of(v, [](float x) { return std::isfinite(x); }))
-        throw std::runtime_error("a vector has not three numbers");
-    return {v[0], v[1], v[2]};
 }
 
 Vec3f mean_up(const Dataset& dataset) {

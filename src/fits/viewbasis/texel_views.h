@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "basis/solve_on_device.h"
 #include "dataset/dataset.h"
 #include "geometry/atlas.h"
 #include "samples/sample_list.h"
@@ -20,11 +21,8 @@ inline float view_sample_weight(const Vec3f& direction) {
     return ViewText::view_weight({direction.x(), direction.y(), direction.z()});
 }
 
-/// What a camera sees of a texel.
-struct TexelView {
-    Vec3f direction;  ///< to the camera, view_direction()
-    Vec3f colour;
-};
+/// What a camera sees of a texel, by view_direction().
+using TexelView = SeenColour;
 
 class TexelViewReader {
 public:
@@ -49,10 +47,6 @@ private:
     Vec3f up_;
     std::vector<Vec3f> eyes_;  ///< [images]
 };
-
-/// Three numbers, as JSON takes and gives them. Throws std::runtime_error unless they are three, and finite.
-std::array<double, 3> numbers_of(const Vec3f& v);
-Vec3f vector_of(const std::vector<float>& numbers);
 
 /// Where cameras have their upper edge, on average; a unit vector.
 Vec3f mean_up(const Dataset& dataset);

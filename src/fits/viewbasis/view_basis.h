@@ -1,11 +1,8 @@
 #pragma once
 #include <Eigen/Core>
-#include <array>
-#include <cstdint>
 #include <span>
-#include <vector>
 
-#include "base/rings.h"
+#include "basis/basis_blocks.h"
 #include "geometry/mesh.h"
 #include "model/prelude.h"
 
@@ -35,23 +32,14 @@ ViewTerms view_polynomials(const Vec3f& direction);
 /// What a block of the surface has in common, [28][3 + rank]: the means m_c, then the functions u_k, as columns.
 using BlockBasis = Eigen::Matrix<float, view_terms, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Cubes of space, each with the basis of the surface in it.
-struct ViewBasis {
+/// Numbers of each cube: a BlockBasis.
+struct ViewBasis : BasisBlocks {
     int rank = 10;
     float noise = 0;  ///< variance of a residual of weight 1
     Vec3f up = Vec3f::UnitY();
-    Vec3f origin = Vec3f::Zero();
-    float cube = 0;                             ///< side of the cubes, in the mesh's unit; 0: one basis for all
-    std::vector<std::array<int32_t, 3>> cubes;  ///< ascending; those that hold a surface; one at least
-    std::vector<float> numbers;                 ///< a BlockBasis of each cube
 
-    /// The block of a place on the surface; the first where it lies in none.
-    size_t block_at(const Vec3f& position) const;
     auto block(size_t i) const { return BlockBasis::Map(&numbers[i * block_size()], view_terms, 3 + rank); }
     size_t block_size() const { return size_t(view_terms) * size_t(3 + rank); }
 };
-
-/// The cube that a place is in.
-std::array<int32_t, 3> cube_at(const Vec3f& position, const Vec3f& origin, float side);
 
 }  // namespace radiafit::fits

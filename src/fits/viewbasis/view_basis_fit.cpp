@@ -25,28 +25,21 @@ std::array<int, 2> size_of(const ViewBasis& basis) { return {3 + basis.rank, vie
 }  // namespace
 
 std::string description_of(const ViewBasis& basis) {
-    return json_text(Json{{"rank", basis.rank},
-                          {"degree", view_degree},
-                          {"noise", double(basis.noise)},
-                          {"up", numbers_of(basis.up)},
-                          {"origin", numbers_of(basis.origin)},
-                          {"cube", double(basis.cube)},
-                          {"cubes", basis.cubes}});
+    Json own = {
+        {"rank", basis.rank}, {"degree", view_degree}, {"noise", double(basis.noise)}, {"up", numbers_of(basis.up)}};
+    own.update(parse_json<Json>(description_of(static_cast<const BasisBlocks&>(basis))));
+    return json_text(own);
 }
 
 ViewBasis described_basis(const std::string& json) {
     const Json own = parse_json<Json>(json);
-    ViewBasis b;
+    ViewBasis b{described_blocks(json)};
     if (own.at("degree") != view_degree) throw std::runtime_error("its polynomials are of another degree");
     b.rank = own.at("rank").get<int>();
     b.noise = own.at("noise").get<float>();
-    check_options({.rank = b.rank, .noise = double(b.noise)});
+    check_options({.rank = b.rank});
+    if (!(b.noise > 0)) throw std::runtime_error("its noise is no number above 0");
     b.up = vector_of(own.at("up"));
-    b.origin = vector_of(own.at("origin"));
-    b.cube = own.at("cube").get<float>();
-    b.cubes = own.at("cubes").get<std::vector<std::array<int32_t, 3>>>();
-    if (b.cubes.empty() || b.cubes.size() > 1'000'000 || !std::ranges::is_sorted(b.cubes) || !(b.cube >= 0))
-        throw std::runtime_error("its cubes are none, or in no order");
     return b;
 }
 

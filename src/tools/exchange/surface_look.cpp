@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "dataset/texel_shading.h"
 #include "eval/safe_relighting.h"
 #include "fitting/family.h"
 #include "model/lfm.h"
@@ -28,6 +29,13 @@ std::vector<RasterPixel> texel_centres(const TriangleAtlas& atlas) {
         const auto& b = atlas.tile(triangle).barycentric(t % atlas.texels_per_tile());
         pixels[t] = {triangle, b[1], b[2]};
     }
+    return pixels;
+}
+
+std::vector<RasterPixel> grid_pixels(const Atlas& atlas) {
+    std::vector<RasterPixel> pixels(atlas.texel_count());
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        if (atlas.usable(t)) pixels[t].triangle = t;
     return pixels;
 }
 
@@ -163,6 +171,36 @@ SurfaceLook look_of(const ViewBasisFit& fit, const TriangleAtlas& atlas, const D
                     const std::vector<uint32_t>& training) {
     const std::shared_ptr<const TriangleAtlas> same(std::shared_ptr<const void>(), &atlas);
     return mean_look(contestant_of(fit, atlas), same, dataset, training, fit.surface);
+}
+
+SurfaceLook look_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
+                    const std::vector<uint32_t>& training) {
+    const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
+    const std::vector<RasterPixel> centres = triangles ? texel_centres(*triangles) : grid_pixels(atlas);
+    const Contestant contestant = contestant_of(fit, atlas, dataset, training);
+    std::vector<Vec3f> sums(centres.size(), Vec3f::Zero());
+    std::vector<float> squares(centres.size(), 0.0f), shown;
+    const size_t lamps = std::min(most_cameras, training.size());
+    for (size_t i = 0; i < lamps; ++i) {
+        const View& view = dataset.views[training[i * training.size() / lamps]];
+        contestant.shade(view, centres, shown, 0);
+        parallel_for(centres.size(), 4096, [&](size_t t, int) {
+            if (!atlas.usable(uint32_t(t))) return;
+            const TexelShading::Lit lit = TexelShading::lit(TexelShading::place(atlas, uint32_t(t)), view);
+            if (!(lit.u.z() > 0)) return;
+            for (int c = 0; c < 3; ++c)
+                if (lit.irradiance[c] > 0) sums[t][c] += lit.u.z() * shown[3 * t + size_t(c)] / lit.irradiance[c];
+            squares[t] += lit.u.z() * lit.u.z();
+        });
+    }
+    SurfaceLook look;
+    look.atlas = not_owned(atlas);
+    look.lookup = fit.surface;
+    look.albedo = true;
+    look.meaning = "the Lambertian albedo nearest to the model under lamps that were fitted";
+    for (size_t t = 0; t < sums.size(); ++t)
+        look.base_colour.push_back(squares[t] > 0 ? not_below_zero(sums[t] / squares[t]) : Vec3f::Zero());
+    return look;
 }
 
 SurfaceLook look_of(const LightFieldFit& fit, const Dataset& dataset, const std::vector<uint32_t>& training) {

@@ -31,6 +31,7 @@ inline constexpr float least_lobe = 1.0f / 255;
 ///  training images; the roughness that of its lobe.
 ///  - Of spherical Gaussians the base colour is the diffuse one; the sharpness is the mean of log lambda, weighted by
 ///    what each lobe has at its peak.
+///  - Of a light basis the albedo is the Lambertian one nearest to it under training lamps.
 ///  - Of others it is the mean of what the fit shows to training cameras, weighted by the cosine under which they see
 ///    the texel, whatever hides it.
 SurfaceLook look_of(const ReflectanceFit& fit, const Atlas& atlas, const Dataset& dataset,
@@ -38,6 +39,8 @@ SurfaceLook look_of(const ReflectanceFit& fit, const Atlas& atlas, const Dataset
 SurfaceLook look_of(const SgFit& fit, const TriangleAtlas& atlas, const Dataset& dataset,
                     const std::vector<uint32_t>& training);
 SurfaceLook look_of(const ViewBasisFit& fit, const TriangleAtlas& atlas, const Dataset& dataset,
+                    const std::vector<uint32_t>& training);
+SurfaceLook look_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                     const std::vector<uint32_t>& training);
 SurfaceLook look_of(const LightFieldFit& fit, const Dataset& dataset, const std::vector<uint32_t>& training);
 SurfaceLook look_of(Fitted& fitted);

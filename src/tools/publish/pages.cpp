@@ -3,6 +3,56 @@
 #include "fitting/family.h"
 
 namespace radiafit::tools {
+namespace {
+
+constexpr float finest_normals = 1.0f / 512;  // at least so fine, since lamps move to where no image shows the error
+
+std::vector<TexelMap> normal_maps() { return {{"normal", {"x", "y", "z"}, 0}}; }
+
+}  // namespace
+
+bool has_normal_map(const Dataset& dataset) {
+    return dataset.has_grid() ? !dataset.grid.texel_normals.empty() : dataset.normal_map.side > 0;
+}
+
+PageMap normal_map(const Atlas& atlas) {
+    std::vector<float> values;
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
+        const Vec3f n = atlas.usable(t) ? atlas.normal(t) : Vec3f::Zero();
+        values.insert(values.end(), n.begin(), n.end());
+    }
+    PageMap map = parameter_maps(normal_maps(), values, atlas)[0];
+    map.one_unit = true;
+    map.most_step = finest_normals;
+    return map;
+}
+
+std::unique_ptr<Atlas> atlas_with(const PageMap& normals, const Atlas& atlas, const Dataset& dataset, int side) {
+    const std::vector<float> numbers = parameters_of(normal_maps(), {&normals, 1}, atlas);
+    std::vector<Vec3f> unit;
+    for (size_t i = 0; i < numbers.size(); i += 3) {
+        const Vec3f normal(numbers[i], numbers[i + 1], numbers[i + 2]);
+        unit.push_back(normal.norm() > 0.001f ? Vec3f(normal.normalized()) : Vec3f::Zero());
+    }
+    if (!dataset.has_grid()) {
+        auto out = std::make_unique<TriangleAtlas>(dataset.mesh, side);
+        out->set_normals(std::move(unit));
+        return out;
+    }
+    Grid grid = dataset.grid;
+    grid.texel_normals = std::move(unit);
+    return std::make_unique<GridAtlas>(make_atlas(grid));
+}
+
+PageMap block_map(const BasisBlocks& blocks, const Atlas& atlas) {
+    std::vector<float> numbers;
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        numbers.push_back(atlas.usable(t) ? float(blocks.block_at(atlas.position(t))) : 0);
+    const TexelMap number{"block", {"number"}, 0};
+    PageMap map = parameter_maps({&number, 1}, numbers, atlas)[0];
+    map.fixed_step = {1, 1, 1};
+    return map;
+}
 
 PageModel page_model_of(Fitted& fitted) {
     const Dataset& dataset = fitted.dataset();

@@ -12,6 +12,15 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
                         const std::vector<uint32_t>& training);
 PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas);
 PageModel page_model_of(const SgFit& fit, const TriangleAtlas& atlas);
+PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
+                        const std::vector<uint32_t>& training);
+/// The number of each texel's block of the surface.
+PageMap block_map(const BasisBlocks& blocks, const Atlas& atlas);
+/// Whether normals are finer than a mesh's, or a plane's, so that a page needs a map of them; the map; and the atlas
+/// with such a map's normals, decoded, of triangles' tiles of this side.
+bool has_normal_map(const Dataset& dataset);
+PageMap normal_map(const Atlas& atlas);
+std::unique_ptr<Atlas> atlas_with(const PageMap& normals, const Atlas& atlas, const Dataset& dataset, int side);
 /// What a page needs to show a fit of any family.
 PageModel page_model_of(Fitted& fitted);
 

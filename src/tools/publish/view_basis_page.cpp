@@ -18,23 +18,13 @@ PageTable table_of(const ViewBasis& basis) {
     return table;
 }
 
-PageMap block_map(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
-    std::vector<float> blocks;
-    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
-        blocks.push_back(atlas.usable(t) ? float(fit.basis.block_at(atlas.position(t))) : 0);
-    const TexelMap number{"block", {"number"}, 0};
-    PageMap map = parameter_maps({&number, 1}, blocks, atlas)[0];
-    map.fixed_step = {1, 1, 1};
-    return map;
-}
-
 }  // namespace
 
 PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
     const std::vector<TexelMap> maps = maps_of(fit.basis);
     PageModel page{.shader = "view_basis"};
     page.maps = parameter_maps(maps, fit.parameters, atlas);
-    page.maps.push_back(block_map(fit, atlas));
+    page.maps.push_back(block_map(fit.basis, atlas));
     page.maps.push_back(knowledge_map(fit, atlas));
     page.tables.push_back(table_of(fit.basis));
     page.defines = {{"RANK", std::to_string(fit.basis.rank)}};

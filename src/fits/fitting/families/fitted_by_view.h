@@ -75,8 +75,9 @@ FinishedFit fit_by_view(const Dataset& dataset, const FitRequest& request) {
 struct ByViewOptions {
     double noise = 6e-4;  ///< variance of a residual, in units of white
 };
-inline constexpr const char* by_view_group = "View bases and spherical Gaussians";
+inline constexpr const char* by_view_group = "Learned bases and spherical Gaussians";
 FitOption noise_option();
+FitOption blocks_option();  ///< of learned bases
 /// The rows, in their group.
 std::vector<FitOption> by_view_options(std::vector<FitOption> rows);
 

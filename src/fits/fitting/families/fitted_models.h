@@ -10,9 +10,11 @@ std::string description_of(const FittedLightField& m);
 std::string description_of(const FittedReflectance& m);
 std::string description_of(const FittedViewBasis& m);
 std::string description_of(const FittedSg& m);
+std::string description_of(const FittedLightBasis& m);
 
 Contestant contestant_of(const FittedLightField& m, const Dataset& dataset);
 Contestant contestant_of(const FittedReflectance& m, const Dataset& dataset);
+Contestant contestant_of(const FittedLightBasis& m, const Dataset& dataset);
 template <class Fit>
 Contestant contestant_of(const FittedByView<Fit>& m, const Dataset&) {
     return contestant_of(m.fit, *m.atlas);
@@ -20,6 +22,7 @@ Contestant contestant_of(const FittedByView<Fit>& m, const Dataset&) {
 
 Fitted baseline_of(const FittedLightField& m, const Dataset& dataset);
 Fitted baseline_of(const FittedReflectance& m, const Dataset& dataset);
+Fitted baseline_of(const FittedLightBasis& m, const Dataset& dataset);
 template <class Fit>
 Fitted baseline_of(const FittedByView<Fit>& m, const Dataset& dataset) {
     LfmOptions sides;
@@ -40,24 +43,28 @@ std::vector<MaterialErrors> truth_errors(const FittedReflectance& m, const Datas
 
 void find_error_bars(FittedLightField& m, const Dataset& dataset, std::span<const View> shown);
 void find_error_bars(FittedReflectance& m, const Dataset& dataset, std::span<const View> shown);
-template <class Fit>
-void find_error_bars(FittedByView<Fit>&, const Dataset&, std::span<const View>) {
-    throw UserError("--covariance: this model has no error bars; fit lfm or a texel-local model, such as lafortune");
+void find_error_bars(FittedLightBasis& m, const Dataset& dataset, std::span<const View> shown);
+template <class Model>
+void find_error_bars(Model&, const Dataset&, std::span<const View>) {
+    throw UserError("--covariance: this model has no error bars; fit lfm or a model for lamps, such as lafortune");
 }
 
 void write_error_bars(const std::filesystem::path& folder, const FittedLightField& m, const Dataset& dataset);
 void write_error_bars(const std::filesystem::path& folder, const FittedReflectance& m, const Dataset& dataset);
-template <class Fit>
-void write_error_bars(const std::filesystem::path&, const FittedByView<Fit>&, const Dataset&) {}
+void write_error_bars(const std::filesystem::path& folder, const FittedLightBasis& m, const Dataset& dataset);
+template <class Model>
+void write_error_bars(const std::filesystem::path&, const Model&, const Dataset&) {}
 
 std::vector<FitArray> arrays_of(FittedLightField& m, const Dataset& dataset);
 std::vector<FitArray> arrays_of(const FittedReflectance& m, const Dataset& dataset);
 std::vector<FitArray> arrays_of(const FittedViewBasis& m, const Dataset& dataset);
 std::vector<FitArray> arrays_of(const FittedSg& m, const Dataset& dataset);
+std::vector<FitArray> arrays_of(const FittedLightBasis& m, const Dataset& dataset);
 
 void export_parameters(const FittedLightField& m, const Dataset& dataset, ProblemFolder& out);
 void export_parameters(const FittedReflectance& m, const Dataset& dataset, ProblemFolder& out);
 void export_parameters(const FittedViewBasis& m, const Dataset& dataset, ProblemFolder& out);
 void export_parameters(const FittedSg& m, const Dataset& dataset, ProblemFolder& out);
+void export_parameters(const FittedLightBasis& m, const Dataset& dataset, ProblemFolder& out);
 
 }  // namespace radiafit::fits

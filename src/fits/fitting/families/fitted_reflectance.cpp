@@ -10,8 +10,10 @@
 #include "eval/safe_relighting.h"
 #include "eval/truth_errors.h"
 #include "fit/error_bar_maps.h"
+#include "fit/fit_maps.h"
 #include "fit/texel_fit.h"
 #include "fitting/families/fitted_models.h"
+#include "fitting/family.h"
 #include "fitting/solvers/solver.h"
 
 namespace radiafit::fits {
@@ -63,19 +65,24 @@ void find_error_bars(FittedReflectance& m, const Dataset& dataset, std::span<con
 
 void write_error_bars(const std::filesystem::path& folder, const FittedReflectance& m, const Dataset&) {
     if (!m.error_bars) return;
-    write_error_bars(folder, *m.atlas, *m.fit.options.model,
+    write_error_bars(folder, *m.atlas, maps_of(*m.fit.options.model),
                      {m.error_bars->deviation, m.error_bars->noise, m.error_bars->deficient});
 }
 
-Fitted baseline_of(const FittedReflectance& m, const Dataset& dataset) {
+Fitted lambertian(const Dataset& dataset, int surface_side, int validation, float clip_above, float shadow_below) {
     FitRequest diffuse;
     diffuse.set("model", "lambert").set("optimizer", "lm");
-    diffuse.model.surface_side = m.fit.options.surface_side;
-    diffuse.clip_above = m.fit.options.clip_above;
-    diffuse.shadow_below = m.fit.options.shadow_below;
-    diffuse.validation = validation_of(m.fit);
+    diffuse.model.surface_side = surface_side;
+    diffuse.clip_above = clip_above;
+    diffuse.shadow_below = shadow_below;
+    diffuse.validation = validation;
     ReflectanceOutcome solved = solve_reflectance(dataset, diffuse);
     return {FittedReflectance{std::move(solved.fit), std::move(solved.atlas)}, dataset};
+}
+
+Fitted baseline_of(const FittedReflectance& m, const Dataset& dataset) {
+    const TexelOptions& options = m.fit.options;
+    return lambertian(dataset, options.surface_side, validation_of(m.fit), options.clip_above, options.shadow_below);
 }
 
 SurfaceParts surface_parts(const FittedReflectance& m, const Dataset& dataset) {

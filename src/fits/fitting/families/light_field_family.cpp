@@ -34,7 +34,7 @@ void resolve_light_field_options(const Given& given, const Dataset&, FitRequest&
         request.model.loss.weights = SampleWeights::facing;
 }
 
-std::optional<Chosen> choose_light_field(const Given&, const Dataset& dataset) {
+std::optional<Chosen> choose_light_field(const Given&, const Dataset& dataset, const FitRequest&) {
     if (dataset.light_moves()) return {};
     return Chosen{{{"model", lfm_name}}, nullptr};
 }

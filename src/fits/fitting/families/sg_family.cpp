@@ -96,7 +96,7 @@ const Family spherical_gaussians = [] {
         if (solver.solve == solve_stream) return SolverFacts{.iterates = true};
         return {};
     };
-    family.choose = [](const Given&, const Dataset& dataset) -> std::optional<Chosen> {
+    family.choose = [](const Given&, const Dataset& dataset, const FitRequest&) -> std::optional<Chosen> {
         if (dataset.light_moves()) return {};
         return Chosen{{{"model", sg_name}}, nullptr};
     };

@@ -1,45 +1,50 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
-
+#include "fitting/families/lamp_contest.h"
 #include "fitting/family.h"
 #include "fitting/resolve_options.h"
+#include "lightbasis/texel_lights.h"
 
 namespace radiafit::fits {
 namespace {
 
 // Measured on captures with some of their images left out (datasets/captures.md).
-constexpr double least_images_of_ptm = 16, least_images_of_lafortune = 4;
+constexpr double least_images_of_lafortune = 4;
+constexpr double least_images_of_contest = 8;  // so that some can be left out to judge by
 constexpr const char *clip_above = "0.98", *shadow_below = "0.1";
-
-/// No more is known of the surface than its plane.
-bool flat(const Grid& grid) {
-    const Vec3f plane = grid.normal().cast<float>();
-    return std::ranges::all_of(grid.texel_normals,
-                               [&](const Vec3f& n) { return n.isZero() || n.dot(plane) > 1 - 1e-6f; });
-}
-
-bool one_direction(const Dataset& dataset) {
-    const auto& first = dataset.views.front().camera_direction;
-    return first && std::ranges::all_of(dataset.views, [&](const View& view) {
-               return view.camera_direction && view.camera_direction->dot(*first) > 1 - 1e-9;
-           });
-}
 
 }  // namespace
 
-std::optional<Chosen> choose_texel_model(const Given&, const Dataset& dataset) {
+std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& dataset, const FitRequest& request) {
     if (!dataset.light_moves()) return {};
     const double images = views_per_texel(dataset);
-    const std::string seen = fmt::format("a median of {:.3g} training images per texel", images);
-    FitSetting setting = {{"model", ""}, {"clip_above", clip_above}, {"shadow_below", shadow_below}};
-    const auto chosen = [&](const char* model, const std::string& why) {
-        setting.front().second = model;
-        return Chosen{setting, [why] { return "lamps that move, " + why; }};
+    const std::string seen = fmt::format("lamps that move, a median of {:.3g} training images per texel", images);
+    const auto selected = [](const char* model) {
+        return FitSetting{{"model", model}, {"clip_above", clip_above}, {"shadow_below", shadow_below}};
     };
-    if (dataset.has_grid() && flat(dataset.grid) && one_direction(dataset) && images >= least_images_of_ptm)
-        return chosen("ptm", fmt::format("no normals but the plane's, {}", seen));
-    return chosen(images >= least_images_of_lafortune ? "lafortune" : "lambert", seen);
+    std::vector<FitSetting> settings;
+    for (const FitSetting& setting :
+         {selected("lafortune"), selected("ptm"), FitSetting{{"model", light_basis_name}}}) {
+        FitRequest of_model = request;
+        of_model.model_name = setting.front().second;
+        if (!takes_given(given, of_model)) continue;
+        if (of_model.texel_model() || lamps_have_all_colours(dataset)) settings.push_back(setting);
+    }
+    if (images < least_images_of_contest || settings.size() < 2) {
+        const bool few = images < least_images_of_lafortune;
+        const FitSetting first = settings.empty() ? selected("lafortune") : settings.front();
+        return Chosen{few && find_texel_model(first.front().second) ? selected("lambert") : first,
+                      [seen] { return seen; }};
+    }
+    const std::vector<ContestResult> results = lamp_contest(dataset, settings, given, request);
+    return Chosen{results.front().setting, [results] {
+                      std::vector<std::string> told;
+                      for (const ContestResult& r : results)
+                          told.push_back(fmt::format("{} {:.1f} dB", command_line_of(r.setting), r.psnr));
+                      return fmt::format("lamps that move; fits of some texels predict images that they left out: {}",
+                                         fmt::join(told, ", "));
+                  }};
 }
 
 std::vector<TuneCandidate> texel_candidates(const Dataset& dataset) {

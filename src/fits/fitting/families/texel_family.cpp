@@ -22,12 +22,14 @@ void resolve_texel_options(const Given& given, const Dataset& dataset, FitReques
         request.optimizer = nullptr;
     if (request.levenberg_marquardt() && !given("--iterations")) request.iterations = TexelFitOptions().iterations;
     if (!given("--prior") && facts_of(request).has_prior()) request.prior = PriorKind::surface;
-    if (!given("--surface-side") && !dataset.has_grid())
-        request.model.surface_side =
-            dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;
+    if (!given("--surface-side") && !dataset.has_grid()) request.model.surface_side = reflectance_side(dataset);
 }
 
 }  // namespace
+
+int reflectance_side(const Dataset& dataset) {
+    return dataset.normal_map.side > 0 ? dataset.normal_map.side : TexelOptions().surface_side;
+}
 
 FinishedFit finished_reflectance(ReflectanceOutcome outcome, const Dataset& dataset) {
     FinishedFit out;

@@ -89,13 +89,11 @@ struct ViewBasisModel {
 std::vector<FitOption> view_basis_options() {
     return by_view_options({rows::number("rank", 0, rows::own(&ViewBasisOptions::rank), limits::rank,
                                          "functions of the view direction: three times as many numbers per texel"),
-                            noise_option(),
-                            rows::number("blocks", 0, rows::own(&ViewBasisOptions::blocks), limits::blocks,
-                                         "about so many parts of the surface have a basis of their own")});
+                            noise_option(), blocks_option()});
 }
 
 /// Unless a solver or an engine is asked for: then light field maps are what it is for.
-std::optional<Chosen> choose_view_basis(const Given& given, const Dataset& dataset) {
+std::optional<Chosen> choose_view_basis(const Given& given, const Dataset& dataset, const FitRequest&) {
     if (dataset.light_moves() || given("--solver") || given("--engine")) return {};
     return Chosen{{{"model", view_basis_name}}, [&] {
                       return fmt::format("light that stays, a median of {:.3g} training views per texel",
@@ -113,6 +111,12 @@ std::vector<TuneCandidate> view_basis_candidates(const Dataset& dataset) {
 }
 
 }  // namespace
+
+FitOption blocks_option() {
+    return rows::number("blocks", 0, rows::own(&ViewBasisOptions::blocks), limits::blocks,
+                        "about so many parts of the surface have a basis of their own; of lamps by default one for "
+                        "6000 texels");
+}
 
 std::string description_of(const FittedViewBasis& m) {
     const ViewBasis& basis = m.fit.basis;

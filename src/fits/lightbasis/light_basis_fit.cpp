@@ -1,0 +1,233 @@
+#include "lightbasis/light_basis_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/choose.h"
+#include "base/error.h"
+#include "base/json.h"
+#include "dataset/view_directions.h"
+#include "eval/safe_relighting.h"
+#include "eval/texel_of_pixel.h"
+#include "fit/fit_maps.h"
+#include "geometry/direction_hull.h"
+#include "image/exr.h"
+
+namespace radiafit::fits {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* basis_name = "basis.exr";
+
+std::array<int, 2> size_of(const LightBasis& basis) { return {1 + basis.rank, int(basis.rows() * basis.cubes.size())}; }
+
+Eigen::Matrix3f turn_between(const Vec3d& lamp, const std::vector<Vec3d>& lamps) {
+    return Eigen::Quaterniond::FromTwoVectors(lamp, nearest_inside(lamps, lamp)).toRotationMatrix().cast<float>();
+}
+
+/// What texels show under a view's lamp.
+class LitTexels {
+public:
+    LitTexels(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
+              const std::vector<uint32_t>& training)
+        : fit_(&fit),
+          atlas_(&atlas),
+          texel_of_(atlas),
+          functions_(fit.basis, double(fit.basis.smoothing)),
+          centre_(surface_centre(dataset.mesh, dataset.grid)) {
+        for (const uint32_t v : training) lamps_.push_back(dataset.views[v].light->direction_from(centre_));
+        if (!fit.underneath) return;
+        underneath_ = underneath_of(fit);
+        safe_ = std::make_unique<SafeRelighting>(dataset, training, atlas, underneath_);
+    }
+
+    void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const {
+        rgb.assign(3 * pixels.size(), 0.0f);
+        const Eigen::Matrix3f inward = turn_between(view.light->direction_from(centre_), lamps_);
+        const float share = safe_ ? float(safe_->share_of_fit(view)) : 1.0f;
+        Functions functions;
+        for (size_t i = 0; i < pixels.size(); ++i)
+            if (pixels[i].triangle != no_triangle)
+                Vec3f::Map(&rgb[3 * i]) = light_of(texel_of_(pixels[i]), view, inward, share, functions);
+    }
+
+    double share_of_fit(const View& view) const {
+        const double outside = angle_outside(lamps_, view.light->direction_from(centre_));
+        return std::clamp(1 - std::max(0.0, outside - SafeRelighting::trusted) / SafeRelighting::fade, 0.0, 1.0);
+    }
+
+private:
+    /// Mean and functions of a block at a direction; neighbouring pixels mostly have the same.
+    struct Functions {
+        size_t block = SIZE_MAX;
+        Vec3f direction = Vec3f::Zero();
+        Eigen::Matrix<float, 3, Eigen::Dynamic> at;  ///< [channel][1 + rank]
+    };
+
+    void evaluate(size_t block, const Vec3f& direction, Functions& functions) const {
+        if (functions.block == block && functions.direction == direction) return;
+        functions = {block, direction, functions_.at(block, direction)};
+    }
+
+    /// share: of the model underneath, as SafeRelighting fades it.
+    Vec3f light_of(uint32_t texel, const View& view, const Eigen::Matrix3f& inward, float share,
+                   Functions& functions) const {
+        const LightBasis& basis = fit_->basis;
+        const Vec3f position = atlas_->position(texel), normal = atlas_->normal(texel);
+        const Vec3f direction = view.light->direction_from(position.cast<double>()).cast<float>();
+        const Vec3f inside = inward * direction;
+        const Frame frame = basis.frame_of(normal);
+        const Vec3f facing = basis.frame ? frame.normal : normal;
+        if (!basis.frame && !(normal.dot(direction) > 0)) return Vec3f::Zero();
+        evaluate(basis.block_at(position), frame.to_local(inside), functions);
+        const Eigen::Map<const Eigen::VectorXf> z(&fit_->parameters[size_t(texel) * fit_->numbers()], basis.rank);
+        Vec3f value = functions.at.col(0) + functions.at.rightCols(basis.rank) * z;
+        const float darker = direction == inside
+                                 ? 1.0f
+                                 : std::min(most_bright, std::max(0.0f, facing.dot(direction)) /
+                                                             std::max(least_cosine, facing.dot(inside)));
+        const Vec3f irradiance = view.light->irradiance_at(position.cast<double>()).cast<float>();
+        // Beyond the lamps that were fitted, what is left over fades out and the model underneath goes on by itself.
+        if (safe_) {
+            const Vec3f under = basis.value_of(safe_->colour_of(texel, view, share), irradiance);
+            return basis.light_of((under + darker * value).cwiseMax(0.0f), irradiance);
+        }
+        return darker * basis.light_of(value.cwiseMax(0.0f), irradiance);
+    }
+
+    const LightBasisFit* fit_;
+    const Atlas* atlas_;
+    TexelOfPixel texel_of_;
+    LampFunctions functions_;
+    Vec3d centre_;
+    std::vector<Vec3d> lamps_;  ///< directions of the training views
+    ReflectanceFit underneath_;
+    std::unique_ptr<const SafeRelighting> safe_;  ///< of the model underneath; null: there is none
+};
+
+}  // namespace
+
+Eigen::Matrix3f turn_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view) {
+    const Vec3d centre = surface_centre(dataset.mesh, dataset.grid);
+    std::vector<Vec3d> lamps;
+    for (const uint32_t v : training) lamps.push_back(dataset.views[v].light->direction_from(centre));
+    return turn_between(view.light->direction_from(centre), lamps);
+}
+
+std::string description_of(const LightBasis& basis) {
+    Json own = {{"rank", basis.rank},
+                {"noise", double(basis.noise)},
+                {"curve", name_of(basis.curve)},
+                {"length", double(basis.length)},
+                {"smoothing", double(basis.smoothing)},
+                {"white", numbers_of(basis.white)},
+                {"up", numbers_of(basis.up)}};
+    if (basis.frame)
+        own["frame"] = {numbers_of(basis.frame->tangent), numbers_of(basis.frame->bitangent),
+                        numbers_of(basis.frame->normal)};
+    own["lamps"] = Json::array();
+    for (const Vec3f& lamp : basis.lamps) own["lamps"].push_back(numbers_of(lamp));
+    own.update(parse_json<Json>(description_of(static_cast<const BasisBlocks&>(basis))));
+    return json_text(own);
+}
+
+LightBasis described_light_basis(const std::string& json) {
+    const Json own = parse_json<Json>(json);
+    LightBasis b{described_blocks(json)};
+    b.rank = own.at("rank").get<int>();
+    b.noise = own.at("noise").get<float>();
+    check_options(LightBasisOptions{.rank = b.rank});
+    if (!(b.noise > 0)) throw std::runtime_error("its noise is no number above 0");
+    b.curve = choose("curve", own.at("curve").get<std::string>(), value_curves());
+    b.length = own.at("length").get<float>();
+    b.smoothing = own.at("smoothing").get<float>();
+    for (const Json& lamp : own.at("lamps")) b.lamps.push_back(vector_of(lamp));
+    if (b.lamps.empty() || b.lamps.size() > most_reference_lamps || !(b.length > 0) || !(b.smoothing > 0))
+        throw std::runtime_error("its lamps are none or too many, or its length or smoothing is no number above 0");
+    b.white = vector_of(own.at("white"));
+    b.up = vector_of(own.at("up"));
+    if (own.contains("frame"))
+        b.frame =
+            Frame{vector_of(own.at("frame").at(0)), vector_of(own.at("frame").at(1)), vector_of(own.at("frame").at(2))};
+    return b;
+}
+
+ReflectanceFit underneath_of(const LightBasisFit& fit) {
+    ReflectanceFit out;
+    static_cast<FitRecord&>(out) = fit;
+    out.options.model = fit.underneath;
+    out.options.surface_side = fit.surface_side;
+    const size_t numbers = fit.numbers(), own = size_t(fit.underneath->parameters);
+    for (size_t first = numbers - own; first < fit.parameters.size(); first += numbers)
+        out.parameters.insert(out.parameters.end(), &fit.parameters[first], &fit.parameters[first] + own);
+    return out;
+}
+
+std::vector<TexelMap> maps_of(const LightBasisFit& fit) {
+    static const std::vector<std::string> channels = {"R", "G", "B"};
+    std::vector<TexelMap> maps;
+    for (int k = 0; k < fit.basis.rank; k += 3) {
+        const auto count = std::min(3, fit.basis.rank - k);
+        maps.push_back({fmt::format("z{:02}.exr", k), {channels.begin(), channels.begin() + count}, size_t(k)});
+    }
+    if (fit.underneath)
+        for (TexelMap map : maps_of(*fit.underneath)) {
+            map.file = "underneath_" + map.file;
+            map.first += size_t(fit.basis.rank);
+            maps.push_back(std::move(map));
+        }
+    return maps;
+}
+
+void write_fit(const std::filesystem::path& folder, const LightBasisFit& fit, const Atlas& atlas,
+               const std::function<void(const std::filesystem::path&)>& add_files) {
+    Json own = {{"surface_side", fit.surface_side}};
+    if (fit.underneath) own["underneath"] = fit.underneath->name;
+    own.update(parse_json<Json>(description_of(fit.basis)));
+    write_texel_fit(folder, fit, {light_basis_name, light_basis_name, json_text(own)}, atlas, maps_of(fit),
+                    fit.parameters, [&](const auto& place) {
+                        const auto [width, height] = size_of(fit.basis);
+                        write_exr(place / basis_name, {width, height, {"coefficient"}, fit.basis.numbers, {}});
+                        if (add_files) add_files(place);
+                    });
+}
+
+StoredLightBasis read_light_basis(const std::filesystem::path& folder, const std::filesystem::path& moved_to) {
+    StoredLightBasis stored;
+    LightBasisFit& fit = stored.fit;
+    const TakeNotes take = [&](const std::string& model, const std::string& own) {
+        if (model != light_basis_name) throw std::runtime_error("its model is no light basis");
+        const Json notes = parse_json<Json>(own);
+        fit.surface_side = notes.at("surface_side").get<int>();
+        if (notes.contains("underneath")) {
+            const auto name = notes.at("underneath").get<std::string>();
+            fit.underneath = find_texel_model(name);
+            if (!fit.underneath) throw std::runtime_error("there is no model " + name + " to be underneath");
+        }
+        fit.basis = described_light_basis(own);
+    };
+    TexelFitReader reader(folder, light_basis_name, take, fit);
+    fit.basis.numbers = read_exr(folder / basis_name, {"coefficient"}, size_of(fit.basis)).values;
+    stored.dataset = std::make_unique<Dataset>(open_fitted_dataset(fit, moved_to));
+    fit.dataset_path = stored.dataset->folder;
+    require_lights(*stored.dataset);
+    stored.atlas = texel_atlas(*stored.dataset, fit.surface_side);
+    fit.parameters = reader.maps(*stored.atlas, maps_of(fit));
+    return stored;
+}
+
+Contestant contestant_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
+                         const std::vector<uint32_t>& training) {
+    const auto lit = std::make_shared<const LitTexels>(fit, atlas, dataset, training);
+    return {
+        [lit](const View& view, const auto& pixels, std::vector<float>& rgb, int) { lit->shade(view, pixels, rgb); },
+        TargetSpace::linear, [lit](const View& view) { return lit->share_of_fit(view); }};
+}
+
+}  // namespace radiafit::fits

@@ -1,0 +1,89 @@
+// Light bases; shaders/view/light_basis.frag.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/wording.h"
+#include "publish/pages.h"
+
+namespace radiafit::tools {
+namespace {
+
+/// For every block and reference lamp: the mean, then the functions, the three channels of each in an entry.
+PageTable table_of(const LightBasis& basis) {
+    const LampFunctions functions(basis, double(basis.smoothing));
+    const auto lamps = Eigen::Index(basis.lamps.size());
+    PageTable table{"basis_table", {}};
+    for (size_t block = 0; block < basis.cubes.size(); ++block)
+        for (Eigen::Index i = 0; i < lamps; ++i)
+            for (int k = 0; k <= basis.rank; ++k) {
+                for (int c = 0; c < 3; ++c) table.entries.push_back(functions.block(block)(c * lamps + i, k));
+                table.entries.push_back(0);
+            }
+    return table;
+}
+
+PageTable lamps_of(const LightBasis& basis) {
+    PageTable table{"lamp_table", {}};
+    for (const Vec3f& lamp : basis.lamps) table.entries.insert(table.entries.end(), {lamp.x(), lamp.y(), lamp.z(), 0});
+    return table;
+}
+
+/// A fit with the numbers of decoded maps.
+struct ShownLightBasis {
+    LightBasisFit fit;
+    std::unique_ptr<Atlas> atlas;  ///< with decoded normals; null: the fit's
+};
+
+std::vector<float> numbers(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
+                        const std::vector<uint32_t>& training) {
+    if (fit.underneath)
+        throw UserError(fmt::format("a page shows light bases by themselves; fit without {}, or render pictures",
+                                    option_name("underneath")));
+    const std::vector<TexelMap> maps = maps_of(fit);
+    const LightBasis& basis = fit.basis;
+    PageModel page{.shader = "light_basis"};
+    page.maps = parameter_maps(maps, fit.parameters, atlas);
+    page.maps.push_back(block_map(basis, atlas));
+    page.maps.push_back(knowledge_map(fit, atlas));
+    page.tables = {table_of(basis), lamps_of(basis)};
+    page.defines = {{"RANK", std::to_string(basis.rank)},
+                    {"LAMPS", std::to_string(basis.lamps.size())},
+                    {"CURVE", std::to_string(basis.curve == ValueCurve::srgb   ? 0
+                                             : basis.curve == ValueCurve::root ? 1
+                                                                               : 2)}};
+    page.terms.push_back("mean");
+    for (int k = 1; k <= basis.rank; ++k) page.terms.push_back(fmt::format("function {}", k));
+    page.uniforms = {{"up", numbers(basis.up)},
+                     {"white", numbers(basis.white)},
+                     {"length_between", {basis.length}},
+                     {"least_cosine", {least_cosine}},
+                     {"most_bright", {most_bright}}};
+    if (basis.frame) {
+        page.uniforms.emplace_back("frame_x", numbers(basis.frame->tangent));
+        page.uniforms.emplace_back("frame_y", numbers(basis.frame->bitangent));
+        page.uniforms.emplace_back("frame_z", numbers(basis.frame->normal));
+    }
+    page.residual_unit = fmt::format("on the curve {}, white = 1", name_of(basis.curve));
+    if (!dataset.has_grid()) page.largest_side = fit.surface_side;
+    page.atlas = &atlas;
+    const size_t normals = page.maps.size();
+    const bool own_normals = has_normal_map(dataset);
+    if (own_normals) {
+        page.maps.push_back(normal_map(atlas));
+        page.defines.emplace_back("NORMAL_MAP", std::to_string(normals));
+    }
+    page.shown = [&fit, &atlas, &dataset, training, maps, normals, own_normals](const std::vector<PageMap>& decoded) {
+        const auto shown = std::make_shared<ShownLightBasis>();
+        shown->fit = fit;
+        shown->fit.parameters = parameters_of(maps, decoded, atlas);
+        if (own_normals) shown->atlas = atlas_with(decoded[normals], atlas, dataset, fit.surface_side);
+        return kept_alive(contestant_of(shown->fit, own_normals ? *shown->atlas : atlas, dataset, training), shown);
+    };
+    return page;
+}
+
+}  // namespace radiafit::tools
