@@ -237,7 +237,7 @@ void add_judge(CommandLine& program) {
             if (o->per_image && !o->json) print_images(j.fit.images);
             return;
         }
-        if (o->fit.empty()) throw UserError("judge: name the folder of a fit, or --renders and --dataset");
+        if (o->fit.empty()) throw UserError("fit is required, or --renders and --dataset");
         const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, o->error_bars, others);
         if (o->json)
             fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth, j.beside));
