@@ -73,6 +73,10 @@ double SafeRelighting::share_of_fit(const View& view) const {
     if (cameras_.empty()) return 0;
     const double outside = std::max(angle_outside(cameras_, view.direction_to_camera(centre_)),
                                     angle_outside(lamps_, view.light->direction_from(centre_)));
+    return share_at(outside);
+}
+
+double SafeRelighting::share_at(double outside) {
     return std::clamp(1 - std::max(0.0, outside - trusted) / fade, 0.0, 1.0);
 }
 

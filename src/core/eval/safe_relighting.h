@@ -33,6 +33,8 @@ public:
 
     /// As ReflectanceRenderer. Thread-safe.
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const;
+    /// How much of a fit is shown to a view that lies so far outside (radians).
+    static double share_at(double outside);
     /// Of one texel, with such a share of the fit.
     Vec3f colour_of(uint32_t texel, const View& view, float share) const;
     /// How much of the fit such a view shows: 1 amid the training images and near them, 0 far beyond.

@@ -18,7 +18,6 @@ struct BasisBlocks {
 
     /// The block of a place on the surface; the first where it lies in none.
     size_t block_at(const Vec3f& position) const;
-    size_t numbers_each() const { return numbers.size() / cubes.size(); }
 };
 
 /// The cube that a place is in.

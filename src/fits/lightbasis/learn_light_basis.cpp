@@ -64,12 +64,8 @@ public:
 
     /// Of these texels, for these reference lamps.
     void find_weights(const std::vector<uint32_t>& texels, const std::vector<Vec3f>& lamps, double length) {
-        std::vector<LitFrom*> all;
-        for (const uint32_t texel : texels)
-            if (const auto& from = texels_[place_.at(texel)].from; from && from->weights.size() == 0) {
-                from->weights.resize(1, 1);  // counted
-                all.push_back(from.get());
-            }
+        const std::unordered_set<LitFrom*> distinct = ways(texels);
+        const std::vector<LitFrom*> all(distinct.begin(), distinct.end());
         const Eigen::MatrixXd weights = lamp_weights(lamps, length, sample_smoothing);
         parallel_for(all.size(), 1, [&](size_t i, int) {
             LitFrom& from = *all[i];
@@ -81,13 +77,16 @@ public:
         });
     }
     /// How many ways there are in which these texels are lit.
-    size_t patterns(const std::vector<uint32_t>& texels) const {
-        std::unordered_set<const LitFrom*> all;
-        for (const uint32_t texel : texels) all.insert((*this)[texel].from.get());
-        return all.size();
-    }
+    size_t patterns(const std::vector<uint32_t>& texels) const { return ways(texels).size(); }
 
 private:
+    std::unordered_set<LitFrom*> ways(const std::vector<uint32_t>& texels) const {
+        std::unordered_set<LitFrom*> all;
+        for (const uint32_t texel : texels)
+            if (const auto& from = (*this)[texel].from) all.insert(from.get());
+        return all;
+    }
+
     std::unordered_map<uint32_t, size_t> place_;  ///< in texels_
     std::vector<LearnedTexel> texels_;
     ByDirections<LitFrom> known_;
@@ -213,7 +212,7 @@ std::vector<uint32_t> thinned(BasisTexels& drawn, const LearnedTexels& texels) {
 
 void check_options(const LightBasisOptions& o) {
     radiafit::require("numbers", o.rank, limits::light_rank);
-    radiafit::require("noise", o.noise, limits::light_noise);
+    radiafit::require("noise", o.noise, limits::noise_variance);
     radiafit::require("blocks", o.blocks, limits::blocks);
 }
 

@@ -6,7 +6,6 @@
 
 namespace radiafit::limits {
 constexpr Range<int> light_rank{1, 3 * fits::most_reference_lamps};
-constexpr Range<double> light_noise{1e-9, 1};
 }  // namespace radiafit::limits
 
 namespace radiafit::fits {

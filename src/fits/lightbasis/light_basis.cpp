@@ -7,7 +7,8 @@
 namespace radiafit::fits {
 
 double light_kernel(const Vec3f& a, const Vec3f& b, double length) {
-    return 2 + std::exp(-0.5 * (a - b).cast<double>().squaredNorm() / (length * length));
+    const Vec3d x = a.cast<double>(), y = b.cast<double>();
+    return LightText<double>::light_kernel({x.x(), x.y(), x.z()}, {y.x(), y.y(), y.z()}, length);
 }
 
 Eigen::MatrixXd lamp_weights(const std::vector<Vec3f>& lamps, double length, double s) {
@@ -34,8 +35,8 @@ Eigen::VectorXf LampFunctions::kernel(const Vec3f& direction) const {
     Eigen::VectorXf out(Eigen::Index(lamps_.size()));
     for (size_t i = 0; i < lamps_.size(); ++i) {
         const Vec3f& lamp = lamps_[i];
-        out[Eigen::Index(i)] = LightText::light_kernel({lamp.x(), lamp.y(), lamp.z()},
-                                                       {direction.x(), direction.y(), direction.z()}, length_);
+        out[Eigen::Index(i)] = LightText<float>::light_kernel({lamp.x(), lamp.y(), lamp.z()},
+                                                              {direction.x(), direction.y(), direction.z()}, length_);
     }
     return out;
 }

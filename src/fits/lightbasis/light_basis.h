@@ -19,10 +19,11 @@
 namespace radiafit::fits {
 
 /// shaders/model/light_kernel.glsl.
+template <class scalar>
 struct LightText {
-    using real = float;
-    using real3 = shared_text::real3_t<float>;
-    static float exp(float a) { return std::exp(a); }
+    using real = scalar;
+    using real3 = shared_text::real3_t<real>;
+    static real exp(real a) { return std::exp(a); }
 #include "model/light_kernel.glsl"
 };
 double light_kernel(const Vec3f& a, const Vec3f& b, double length);

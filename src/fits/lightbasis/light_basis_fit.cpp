@@ -27,6 +27,12 @@ constexpr const char* basis_name = "basis.exr";
 
 std::array<int, 2> size_of(const LightBasis& basis) { return {1 + basis.rank, int(basis.rows() * basis.cubes.size())}; }
 
+std::vector<Vec3d> lamp_directions(const Dataset& dataset, const std::vector<uint32_t>& views, const Vec3d& from) {
+    std::vector<Vec3d> out;
+    for (const uint32_t v : views) out.push_back(dataset.views[v].light->direction_from(from));
+    return out;
+}
+
 Eigen::Matrix3f turn_between(const Vec3d& lamp, const std::vector<Vec3d>& lamps) {
     return Eigen::Quaterniond::FromTwoVectors(lamp, nearest_inside(lamps, lamp)).toRotationMatrix().cast<float>();
 }
@@ -40,8 +46,8 @@ public:
           atlas_(&atlas),
           texel_of_(atlas),
           functions_(fit.basis, double(fit.basis.smoothing)),
-          centre_(surface_centre(dataset.mesh, dataset.grid)) {
-        for (const uint32_t v : training) lamps_.push_back(dataset.views[v].light->direction_from(centre_));
+          centre_(surface_centre(dataset.mesh, dataset.grid)),
+          lamps_(lamp_directions(dataset, training, centre_)) {
         if (!fit.underneath) return;
         underneath_ = underneath_of(fit);
         safe_ = std::make_unique<SafeRelighting>(dataset, training, atlas, underneath_);
@@ -58,8 +64,7 @@ public:
     }
 
     double share_of_fit(const View& view) const {
-        const double outside = angle_outside(lamps_, view.light->direction_from(centre_));
-        return std::clamp(1 - std::max(0.0, outside - SafeRelighting::trusted) / SafeRelighting::fade, 0.0, 1.0);
+        return SafeRelighting::share_at(angle_outside(lamps_, view.light->direction_from(centre_)));
     }
 
 private:
@@ -115,9 +120,7 @@ private:
 
 Eigen::Matrix3f turn_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view) {
     const Vec3d centre = surface_centre(dataset.mesh, dataset.grid);
-    std::vector<Vec3d> lamps;
-    for (const uint32_t v : training) lamps.push_back(dataset.views[v].light->direction_from(centre));
-    return turn_between(view.light->direction_from(centre), lamps);
+    return turn_between(view.light->direction_from(centre), lamp_directions(dataset, training, centre));
 }
 
 std::string description_of(const LightBasis& basis) {

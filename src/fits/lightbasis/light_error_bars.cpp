@@ -11,8 +11,7 @@
 namespace radiafit::fits {
 
 LightErrorBars::LightErrorBars(const LightBasisFit& fit, const Atlas& atlas, const TexelSource& source,
-                               const TexelLightReader& reader)
-    : fit_(&fit) {
+                               const TexelLightReader& reader) {
     const size_t texels = atlas.texel_count(), rank = size_t(fit.basis.rank);
     deviation.resize(texels * rank);
     noise.resize(texels);

@@ -15,7 +15,6 @@ namespace radiafit::fits {
 /// Phi' Phi) (Rasmussen and Williams 2006, section 2.1).
 class LightErrorBars {
 public:
-    /// The fit must outlive it.
     LightErrorBars(const LightBasisFit& fit, const Atlas& atlas, const TexelSource& source,
                    const TexelLightReader& reader);
 
@@ -28,7 +27,6 @@ public:
     Vec3f of_value(uint32_t texel, size_t block, const Vec3f& direction, LightBasisSolver& solver) const;
 
 private:
-    const LightBasisFit* fit_;
     std::vector<std::shared_ptr<const std::vector<Vec3f>>> from_;  ///< [texels] the lamps' directions
 };
 

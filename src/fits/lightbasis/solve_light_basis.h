@@ -16,13 +16,13 @@ struct LightBasisSolution {
 };
 
 /// For every texel the z of least
-///     sum over samples and channels of (y_c - m_c . b - sum over k of z_k (u_kc . b))^2 + noise |z|^2,
+///     sum over samples and channels of (y_c - mean_c(l) - sum over j of z_j function_jc(l))^2 + noise |z|^2,
 /// which is the mean of what prior and samples say of z, by Cholesky's decomposition. `journal` keeps texels that are
 /// finished.
 LightBasisSolution solve_light_basis(const Atlas& atlas, const TexelSource& source, const TexelLightReader& reader,
                                      const LightBasis& basis, Journal* journal = nullptr);
 
-/// The same by compute shaders of the current context; it takes seconds, and keeps nothing.
+/// The same by compute shaders of the current context, each texel with a matrix of its own; it keeps nothing.
 LightBasisSolution solve_on_device(const Atlas& atlas, const TexelSource& source, const TexelLightReader& reader,
                                    const LightBasis& basis);
 

@@ -28,7 +28,8 @@ struct ExportOptions {
     std::string fit, dataset, output;
     bool without_maps = false;
     std::optional<int> view;
-    RelightOptions relight = {};
+    std::optional<int> planes;  ///< of relight
+    int quality = 100;
     std::string basis = "bilinear";  ///< of relight
 };
 
@@ -101,9 +102,12 @@ void export_rti(const ExportOptions& o) {
                         o.fit));
     const Dataset& dataset = fit.dataset();
     const View& view = dataset.views[chosen_view(dataset, o.view)];
-    RelightOptions options = o.relight;
+    RelightOptions options{.quality = o.quality};
     options.basis = choose<RelightOptions::Basis>(
         "basis", o.basis, {{"ptm", RelightOptions::Basis::ptm}, {"bilinear", RelightOptions::Basis::bilinear}});
+    if (o.planes && options.basis == RelightOptions::Basis::ptm)
+        throw UserError("--planes is of --basis bilinear; a polynomial has as many as it has");
+    options.planes = o.planes.value_or(options.planes);
     const Relight relight = relight_of(contestant_of(fit), dataset, view, options);
     for (size_t k = 0; k < relight.planes.size(); ++k)
         write_file(folder.path() / fmt::format("plane_{}.jpg", k), relight.planes[k]);
@@ -161,8 +165,8 @@ void add_export_files(CommandLine& exporter) {
     rti.add_word("--basis", o->basis,
                  "bilinear: components of what the fit shows, between lamps on a grid; ptm: a polynomial texture map")
         .choices({"ptm", "bilinear"});
-    rti.add_number("--planes", o->relight.planes, limits::relight_planes, "of bilinear: how many components");
-    rti.add_number("--quality", o->relight.quality, limits::jpeg_quality, "of the JPEG images");
+    rti.add_number("--planes", o->planes, limits::relight_planes, "of bilinear: how many components; default: 27");
+    rti.add_number("--quality", o->quality, limits::jpeg_quality, "of the JPEG images");
     add_fit_and_output(rti, *o, "folder of info.json and the images");
     rti.on_run([=] { export_rti(*o); });
 

@@ -188,8 +188,7 @@ SurfaceLook look_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset&
             if (!atlas.usable(uint32_t(t))) return;
             const TexelShading::Lit lit = TexelShading::lit(TexelShading::place(atlas, uint32_t(t)), view);
             if (!(lit.u.z() > 0)) return;
-            for (int c = 0; c < 3; ++c)
-                if (lit.irradiance[c] > 0) sums[t][c] += lit.u.z() * shown[3 * t + size_t(c)] / lit.irradiance[c];
+            sums[t] += lit.u.z() * Vec3f::Map(&shown[3 * t]).cwiseQuotient(lit.irradiance);
             squares[t] += lit.u.z() * lit.u.z();
         });
     }

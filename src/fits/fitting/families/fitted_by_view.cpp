@@ -37,6 +37,12 @@ FitOption noise_option() {
         "variance of a residual, white being 1: how far samples count against what is known of the surface");
 }
 
+FitOption blocks_option() {
+    return rows::number("blocks", 0, rows::own(&ByViewOptions::blocks), limits::blocks,
+                        "about so many parts of the surface have a basis of their own; of lamps by default one for "
+                        "6000 texels");
+}
+
 std::vector<FitOption> by_view_options(std::vector<FitOption> rows) {
     for (FitOption& row : rows) row.group = by_view_group;
     return rows;

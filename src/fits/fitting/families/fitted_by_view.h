@@ -71,9 +71,10 @@ FinishedFit fit_by_view(const Dataset& dataset, const FitRequest& request) {
     return out;
 }
 
-/// Options that these families have in common.
+/// Options that these families, and light bases, have in common.
 struct ByViewOptions {
     double noise = 6e-4;  ///< variance of a residual, in units of white
+    int blocks = 400;     ///< of the surface with a learned basis each, about so many
 };
 inline constexpr const char* by_view_group = "Learned bases and spherical Gaussians";
 FitOption noise_option();

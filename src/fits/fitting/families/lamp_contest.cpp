@@ -1,18 +1,16 @@
 #include "fitting/families/lamp_contest.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
 
 #include "base/parallel.h"
 #include "basis/basis_texels.h"
 #include "eval/metrics.h"
 #include "eval/safe_relighting.h"
 #include "fitting/families/fit_lamp_texels.h"
-#include "fitting/family.h"
 #include "fitting/resolve_options.h"
 #include "fitting/solvers/solver.h"
 #include "fitting/tune.h"
-#include "samples/only_texels.h"
 #include "samples/picked_texels.h"
 
 namespace radiafit::fits {
@@ -49,12 +47,7 @@ struct FewSamples {
                const FitRequest& request) {
         std::vector<bool> wanted(few.whole->texel_count());
         for (const uint32_t t : few.numbers) wanted[t] = true;
-        const Distributors distributors = make_distributors(*few.whole, request);
-        std::vector<OnlyTexels> only;
-        for (Distributor* worker : distributors.workers()) only.emplace_back(*worker, wanted);
-        std::vector<Distributor*> workers;
-        for (OnlyTexels& worker : only) workers.push_back(&worker);
-        all = gather_texels(dataset, *few.whole, views, workers);
+        all = gather_some(dataset, *few.whole, views, request, wanted);
         samples.source = std::make_unique<PickedTexels>(*all, few.numbers);
         samples.texels = few.numbers;
     }
@@ -114,7 +107,7 @@ std::vector<ContestResult> lamp_contest(const Dataset& dataset, const std::vecto
             errors =
                 errors_of(contestant_of(fit, *few.atlas, dataset, fitted), dataset, judged, few, *truth.samples.source);
         }
-        out.push_back({setting, errors.psnr()});
+        if (!std::isnan(errors.psnr())) out.push_back({setting, errors.psnr()});
     }
     std::ranges::stable_sort(out, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
     return out;

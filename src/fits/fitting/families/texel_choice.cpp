@@ -31,13 +31,15 @@ std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& data
         if (!takes_given(given, of_model)) continue;
         if (of_model.texel_model() || lamps_have_all_colours(dataset)) settings.push_back(setting);
     }
-    if (images < least_images_of_contest || settings.size() < 2) {
+    std::vector<ContestResult> results;
+    if (images >= least_images_of_contest && settings.size() > 1)
+        results = lamp_contest(dataset, settings, given, request);
+    if (results.empty()) {
         const bool few = images < least_images_of_lafortune;
         const FitSetting first = settings.empty() ? selected("lafortune") : settings.front();
         return Chosen{few && find_texel_model(first.front().second) ? selected("lambert") : first,
                       [seen] { return seen; }};
     }
-    const std::vector<ContestResult> results = lamp_contest(dataset, settings, given, request);
     return Chosen{results.front().setting, [results] {
                       std::vector<std::string> told;
                       for (const ContestResult& r : results)

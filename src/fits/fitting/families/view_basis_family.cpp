@@ -15,6 +15,7 @@ namespace {
 ViewBasisOptions view_basis_options_of(const FitRequest& request) {
     ViewBasisOptions options = request.own<ViewBasisOptions>();
     options.noise = request.own<ByViewOptions>().noise;
+    options.blocks = request.own<ByViewOptions>().blocks;
     return options;
 }
 
@@ -54,16 +55,7 @@ struct ViewBasisModel {
         out.own = fit.basis.numbers;
     }
     /// The same basis in all parts.
-    static void take(const PartResult& part, Fit& whole) {
-        ViewBasis& basis = whole.basis;
-        if (basis.numbers.empty()) {
-            basis = described_basis(part.own_json);
-            basis.numbers = part.own;
-        }
-        if (basis.numbers.size() != basis.cubes.size() * basis.block_size() || basis.numbers != part.own ||
-            description_of(basis) != part.own_json)
-            throw std::runtime_error("another basis");
-    }
+    static void take(const PartResult& part, Fit& whole) { take_basis(part, whole.basis, described_basis); }
     static void complete(const TriangleAtlas&, Fit&) {}
 
     static PlanRow common(const FitRequest& request) {
@@ -111,12 +103,6 @@ std::vector<TuneCandidate> view_basis_candidates(const Dataset& dataset) {
 }
 
 }  // namespace
-
-FitOption blocks_option() {
-    return rows::number("blocks", 0, rows::own(&ViewBasisOptions::blocks), limits::blocks,
-                        "about so many parts of the surface have a basis of their own; of lamps by default one for "
-                        "6000 texels");
-}
 
 std::string description_of(const FittedViewBasis& m) {
     const ViewBasis& basis = m.fit.basis;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,19 @@ private:
     ResamplingCounts resampling_;
     uint64_t samples_ = 0;
 };
+
+/// Takes the basis that all parts of a fit have in common, from the first of them. described: the other way round of
+/// description_of(). Throws what it throws, and std::runtime_error for a part of another basis.
+template <class Basis, class Described>
+void take_basis(const PartResult& part, Basis& basis, const Described& described) {
+    if (basis.numbers.empty()) {
+        basis = described(part.own_json);
+        basis.numbers = part.own;
+    }
+    if (basis.numbers.size() != basis.cubes.size() * basis.block_size() || basis.numbers != part.own ||
+        description_of(basis) != part.own_json)
+        throw std::runtime_error("another basis");
+}
 
 /// One file, written atomically (docs/formats.md). `key`: all that decides what the result is. Throws
 /// UserError when the disk is full or the folder not writable.
