@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -38,7 +40,7 @@ constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "th
 struct Options {
     std::string dataset = "star";
     std::vector<int> share_iterations{25, 100};
-    int repetitions = 9, software_iterations = 2;
+    int repetitions = 9, software_iterations = 2, limited_iterations = 5;
     double software_seconds = 45;
     std::string storage = "fp32";  ///< of OpenGL's parameters; where it is another, 32 bits are timed beside
     FitRequest request;
@@ -55,8 +57,14 @@ struct Options {
         c.read("storage", storage, valid_option("storage"));
         c.read("repetitions", repetitions, limits::repetitions);
         c.read("software_iterations", software_iterations, iterations_after_the_first);
+        c.read("limited_iterations", limited_iterations, iterations_after_the_first);
         c.read("software_seconds", software_seconds, budget_seconds);
         c.finish();
+    }
+    /// That OpenGL's whole fits run.
+    int opengl_iterations(bool software) const {
+        const int most = software ? software_iterations : time_is_limited() ? limited_iterations : request.iterations;
+        return std::min(most, request.iterations);
     }
 };
 
@@ -119,13 +127,14 @@ std::vector<Passes> passes_of(const Options& o, bool image_by_image) {
     return all;
 }
 
-/// Whole fits by one contestant, [repetition].
+/// Whole fits by one contestant, [run].
 struct Runs {
     std::string method, optimizer;
     int threads = 0, iterations = 0;
     std::optional<double> agreeing = {};  ///< share of the vertices, with the cpu engine's ends
     double error = 0;
     uint64_t bytes_written = 0, bytes_read = 0;  ///< of the two-step solver's records
+    std::vector<int> rounds = {};                ///< that it ran in: others had no time for it
     std::vector<FitTimes> times = {};
     std::vector<double> iteration_s = {};   ///< of OpenGL: an iteration's time, by those after the first
     std::vector<double> cached_share = {};  ///< of the pages that were read from disk
@@ -133,7 +142,7 @@ struct Runs {
     std::string name() const {
         return fmt::format("{}, {}, {} threads, {} iterations", method, optimizer, threads, iterations);
     }
-    /// Seconds of that many iterations, [repetition].
+    /// Seconds of that many iterations, [run].
     std::vector<double> totals(int of_iterations) const {
         std::vector<double> out;
         for (size_t r = 0; r < times.size(); ++r)
@@ -184,7 +193,20 @@ struct Contestant {
     Runs runs;
     bool opengl;
     std::function<void(Runs&)> run;
+    double seconds = 0;  ///< of its last run, agreement included
 };
+
+/// Those that may run in each of so many rounds with `available` seconds in all: the quickest. With one thread and a
+/// large dataset the CPU can take longer than all that the others need for nine rounds.
+std::vector<Contestant*> quickest_in_time(std::vector<Contestant>& all, double available, int rounds) {
+    std::vector<Contestant*> chosen;
+    for (Contestant& c : all) chosen.push_back(&c);
+    std::ranges::stable_sort(chosen, {}, &Contestant::seconds);
+    double seconds = 0;
+    std::erase_if(chosen, [&](const Contestant* c) { return (seconds += c->seconds) * rounds > available; });
+    std::ranges::sort(chosen);  // in the order of the first round
+    return chosen;
+}
 
 /// Single iterations of one kind of passes: as they are; and cut to one texel, which leaves the commands alone.
 class Iterations {
@@ -232,14 +254,17 @@ private:
 
 void write_repetitions(const ResultFolder& results, const std::vector<Contestant>& all) {
     CsvFile rows(results.path(), rows::repetitions);
-    for (const auto& [runs, opengl, run] : all)
+    for (const Contestant& c : all) {
+        const Runs& runs = c.runs;
         for (size_t r = 0; r < runs.times.size(); ++r) {
             const FitTimes& t = runs.times[r];
             const double iteration =
                 runs.iteration_s.empty() ? t.optimization / double(runs.iterations) : runs.iteration_s[r];
-            rows.add({runs.method, runs.optimizer, runs.threads, runs.iterations, r, t.distribution, t.streaming,
-                      t.optimization, t.total, iteration, runs.error, runs.cached_share[r]});
+            rows.add({runs.method, runs.optimizer, runs.threads, runs.iterations, size_t(runs.rounds[r]),
+                      t.distribution, t.streaming, t.optimization, t.total, iteration, runs.error,
+                      runs.cached_share[r]});
         }
+    }
     rows.commit();
 }
 
@@ -300,7 +325,7 @@ Bar opengl_bar(const Runs& runs, int iterations, const Iterations& one) {
 
 std::vector<Contestant> contestants(const Options& o, const Dataset& dataset, bool software) {
     std::vector<Contestant> out;
-    const int opengl_iterations = software ? o.software_iterations : o.request.iterations;
+    const int opengl_iterations = o.opengl_iterations(software);
     const int most = thread_count();
     for (const char* optimizer : {"cg", "sd"}) {
         FitRequest request = o.request;
@@ -338,10 +363,11 @@ void write_times(const ResultFolder& results, const Options& o, const std::vecto
     CsvFile rows(results.path(), rows::times);
     Table table({"method", "threads", "distribution", "streaming, reading", "computation", "switching", "remainder",
                  "total", "same end"});
-    for (const auto& [runs, opengl, run] : all) {
+    for (const Contestant& c : all) {
+        const Runs& runs = c.runs;
         if (!runs.agreeing) continue;  // no bar: of other iterations, for claim C4
         const auto own = std::ranges::find(iterations, runs.method, &Iterations::name);
-        const Bar bar = opengl ? opengl_bar(runs, o.request.iterations, *own) : two_step_bar(runs);
+        const Bar bar = c.opengl ? opengl_bar(runs, o.request.iterations, *own) : two_step_bar(runs);
         const std::vector<double> totals = runs.totals(o.request.iterations);
         const auto [low, high] = ends_of(median_interval(totals, totals.size()));
         rows.add({runs.method,
@@ -363,7 +389,7 @@ void write_times(const ResultFolder& results, const Options& o, const std::vecto
                   runs.bytes_written,
                   runs.bytes_read,
                   o.request.text("source"),
-                  opengl ? renderer : cpu});
+                  c.opengl ? renderer : cpu});
         const auto seconds = [](double x) { return fmt::format("{:.2f} s", x); };
         table.add({fmt::format("{}, {}", runs.method, runs.optimizer), std::to_string(runs.threads),
                    seconds(bar.distribution), seconds(bar.streaming), seconds(bar.computation), seconds(bar.switching),
@@ -386,18 +412,30 @@ void fig8(Experiment& experiment) {
     std::vector<Iterations> iterations;
     for (const Passes& passes : passes_of(o, true)) iterations.emplace_back(passes, dataset, atlas, rings, o.request);
 
-    double opengl_seconds = 0;
-    for (int r = 0; another_round(r, o.repetitions); ++r) {
-        const bool enough = software && r > 0 && opengl_seconds >= o.software_seconds;
-        for (Contestant& c : all) {
-            if (c.opengl && enough) continue;
-            c.run(c.runs);
-            if (c.opengl) opengl_seconds += c.runs.times.back().total;
+    double opengl_seconds = 0, iterations_seconds = 0;
+    for (int r = 0; another_round(r, o.repetitions, r > 0 ? std::optional(iterations_seconds) : std::nullopt); ++r) {
+        const int left = o.repetitions - r;
+        std::vector<Contestant*> running = quickest_in_time(
+            all, r == 0 ? std::numeric_limits<double>::infinity() : seconds_left() - left * iterations_seconds, left);
+        if (running.size() < all.size()) note_rounds_left_out();
+        if (software && r > 0 && opengl_seconds >= o.software_seconds)
+            std::erase_if(running, [](const Contestant* c) { return c->opengl; });
+        for (Contestant* c : running) {
+            const Stopwatch clock;
+            c->runs.rounds.push_back(r);
+            c->run(c->runs);
+            c->seconds = clock.wall_s();
+            if (c->opengl) opengl_seconds += c->runs.times.back().total;
         }
         context->make_current();
+        const Stopwatch clock;
         for (Iterations& one : iterations) one.run();
-        log_info(fmt::format("repetition {} of {}{}", r + 1, o.repetitions,
-                             enough ? ": of OpenGL's single iterations only" : ""));
+        iterations_seconds = clock.wall_s();
+        log_info(fmt::format(
+            "repetition {} of {}{}", r + 1, o.repetitions,
+            running.size() == all.size()
+                ? ""
+                : fmt::format(": {} of {} solvers, and OpenGL's single iterations", running.size(), all.size())));
     }
 
     ResultFolder results = experiment.open_results(context->renderer());

@@ -73,13 +73,13 @@ Evidence faster_than_cpu(const FinishedRun& run) {
         e.beside.push_back(fmt::format("{}: the paper's passes take {:.3g} times as long as combined ones",
                                        upper(optimizer), median(further)));
     }
-    e.sentence = fmt::format("{:g} iterations, distribution and reading from disk included, take {}{}.",
-                             run.setting("iterations"), fmt::join(found, "; "),
-                             ran < run.setting("iterations")
-                                 ? fmt::format("; OpenGL, here a software renderer, ran {:g} iterations, from which "
-                                               "its time is reckoned",
-                                               ran)
-                                 : "");
+    e.sentence =
+        fmt::format("{:g} iterations, distribution and reading from disk included, take {}{}.",
+                    run.setting("iterations"), fmt::join(found, "; "),
+                    ran < run.setting("iterations")
+                        ? fmt::format("; OpenGL{} ran {:g} iterations, from which its time is reckoned",
+                                      is_software_renderer(e.renderer) ? ", here a software renderer," : "", ran)
+                        : "");
     return e;
 }
 

@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "base/error.h"
 #include "temporary_folder.h"
 
@@ -39,6 +41,32 @@ TEST(Resources, OfThisMachine) {
     EXPECT_LT(available_memory(), far_too_much);
     EXPECT_GT(free_disk(folder.path()), 0u);
     EXPECT_LT(free_disk(folder.path()), far_too_much);
+}
+
+TEST(Resources, ControlGroupsLimitOnlyWhereTheySaySo) {
+    const TemporaryFolder folder;
+    const auto write = [&](const char* name, const char* text) {
+        const std::filesystem::path file = folder.path() / name;
+        std::filesystem::create_directories(file.parent_path());
+        std::ofstream(file) << text;
+    };
+    const auto left = [&] { return detail::control_group_memory(folder.path() / "groups", folder.path() / "tree"); };
+    EXPECT_EQ(left(), UINT64_MAX) << "no such file";
+    write("groups", "1:name=systemd:/elsewhere\n0::/user.slice/session-2.scope\n");
+    EXPECT_EQ(left(), UINT64_MAX) << "no such group";
+    for (const char* group : {"tree/user.slice", "tree/user.slice/session-2.scope"}) {
+        write((std::string(group) + "/memory.max").c_str(), "max\n");
+        write((std::string(group) + "/memory.current").c_str(), "5000\n");
+    }
+    EXPECT_EQ(left(), UINT64_MAX) << "as on a desktop, where no group has a limit";
+    write("tree/user.slice/memory.max", "9000\n");
+    EXPECT_EQ(left(), 4000u);
+    write("tree/user.slice/memory.stat", "anon 3000\nfile 2000\ninactive_file 1500\n");
+    EXPECT_EQ(left(), 5500u);
+    write("tree/user.slice/session-2.scope/memory.max", "5100\n");
+    EXPECT_EQ(left(), 100u);
+    write("tree/user.slice/session-2.scope/memory.max", "0\n");
+    EXPECT_EQ(left(), 0u);
 }
 
 TEST(Resources, OfAFolderThatIsNotThereYet) {

@@ -1,6 +1,7 @@
 // The fragment engine against its oracles, and what is its own.
 #include <gtest/gtest.h>
 
+#include "context_kinds.h"
 #include "failing_gl.h"
 #include "fragment/fragment_plan.h"
 #include "fragment/view_order.h"
@@ -256,16 +257,16 @@ TEST(Fragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
                   run(ContextKind::egl, passes, Storage::fp32, noise.dataset, StreamSource::disk, Sums::fp32, true));
         const bool software = [] { return make_context(ContextKind::egl)->software(); }();
         if (software) {
-            EXPECT_EQ(first, run(ContextKind::osmesa, passes, Storage::fp32, noise.dataset));
+            EXPECT_EQ(first, run(second_kind(), passes, Storage::fp32, noise.dataset));
         }
     }
 }
 
 TEST(Fragment, HalfStorageStaysNearSingle) {
     const NoiseDataset noise(awkward_mesh(1));
-    const float single = run(ContextKind::osmesa, Passes::paper, Storage::fp32, noise.dataset).back();
-    const float half = run(ContextKind::osmesa, Passes::paper, Storage::fp16, noise.dataset).back();
-    const float truncated = run(ContextKind::osmesa, Passes::paper, Storage::fp16_truncate, noise.dataset).back();
+    const float single = run(second_kind(), Passes::paper, Storage::fp32, noise.dataset).back();
+    const float half = run(second_kind(), Passes::paper, Storage::fp16, noise.dataset).back();
+    const float truncated = run(second_kind(), Passes::paper, Storage::fp16_truncate, noise.dataset).back();
     // Parameters of order one keep 11 bits: residuals move by up to 5e-4 of a range of one, errors by about as much.
     EXPECT_NEAR(half, single, 5e-3f * single);
     EXPECT_NEAR(truncated, single, 2e-2f * single);
@@ -277,7 +278,7 @@ TEST(Fragment, HalfSumsStayNearSingleInBothKindsOfPasses) {
     const NoiseDataset noise(awkward_mesh(1));
     for (Passes passes : {Passes::paper, Passes::combined}) {
         const auto error_with = [&](Sums sums) {
-            return run(ContextKind::osmesa, passes, Storage::fp32, noise.dataset, StreamSource::memory, sums).back();
+            return run(second_kind(), passes, Storage::fp32, noise.dataset, StreamSource::memory, sums).back();
         };
         const float single = error_with(Sums::fp32), half = error_with(Sums::fp16);
         // Up to 7 truncated additions of 2^-10 each to a vertex's sum, and as much again by way of the parameters.
@@ -288,7 +289,7 @@ TEST(Fragment, HalfSumsStayNearSingleInBothKindsOfPasses) {
 
 TEST(Fragment, TermsThatAreNotFittedHaveNoGradient) {
     const NoiseDataset noise(awkward_mesh(0));
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     const TriangleAtlas atlas(noise.dataset.mesh, 4);
     const VertexRings rings(noise.dataset.mesh);
     LfmOptions options;
@@ -388,7 +389,7 @@ TEST(Fragment, BatchesAreNeighboursAndLoseNoView) {
 
 TEST(Fragment, AllocatesWhatThePlanSays) {
     const NoiseDataset noise(awkward_mesh(1)), deep(awkward_mesh(0), Encoding::u16_linear);
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     for (const Dataset* dataset : {&noise.dataset, &deep.dataset})
         for (Passes passes : {Passes::paper, Passes::r300, Passes::combined})
             for (Storage storage : {Storage::fp32, Storage::fp16, Storage::fp16_truncate})
@@ -436,7 +437,7 @@ TEST(Fragment, EveryAllocationThatFailsIsTold) {
 
 TEST(Fragment, CountsItsBytesAndReturnsThem) {
     const NoiseDataset noise(awkward_mesh(1));
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     const TriangleAtlas atlas(noise.dataset.mesh, 8);
     const VertexRings rings(noise.dataset.mesh);
     {

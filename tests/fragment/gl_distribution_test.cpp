@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "context_kinds.h"
 #include "fragment/gl_distributor.h"
 #include "samples/raster_distributor.h"
 #include "shared_context.h"
@@ -71,7 +72,7 @@ TEST(GlDistribution, EglAndOsMesaGiveTheSameBits) {
     const Mesh mesh = awkward_mesh(2);
     const TriangleAtlas atlas(mesh, 8);
     std::vector<std::vector<uint32_t>> results;
-    for (ContextKind kind : {ContextKind::egl, ContextKind::osmesa, ContextKind::egl}) {
+    for (ContextKind kind : {ContextKind::egl, second_kind(), ContextKind::egl}) {
         const auto context = make_context(kind);
         if (kind == ContextKind::egl && !context->software()) GTEST_SKIP() << "EGL runs on " << context->renderer();
         GlDistributor distributor(atlas);
@@ -87,7 +88,7 @@ TEST(GlDistribution, EglAndOsMesaGiveTheSameBits) {
 }
 
 TEST(GlDistribution, ImagesMayGrowAndDeepen) {
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     const Mesh mesh = bumpy_sphere(1);
     const TriangleAtlas atlas(mesh, 8);
     GlDistributor one(atlas);

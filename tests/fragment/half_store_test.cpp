@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/half.h"
+#include "context_kinds.h"
 #include "fragment/half_rounding.h"
 #include "gl/program.h"
 #include "gl/texture.h"
@@ -108,7 +109,7 @@ void HalfStore::check(const Defines& storage) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, HalfStore, ::testing::Values(ContextKind::egl, ContextKind::osmesa),
+INSTANTIATE_TEST_SUITE_P(Kinds, HalfStore, ::testing::ValuesIn(context_kinds()),
                          [](const auto& info) { return to_string(info.param); });
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "context_kinds.h"
 #include "dataset/truth.h"
 #include "failing_gl.h"
 #include "fragment/texel_engine.h"
@@ -379,14 +380,14 @@ TEST(TexelFragment, SameBitsTwiceFromAnySourceAndInEveryContext) {
             EXPECT_EQ(first, run(ContextKind::egl, data, disk).parameters);
             EXPECT_EQ(first, run(ContextKind::egl, data, resident).parameters);
             if (make_context(ContextKind::egl)->software()) {
-                EXPECT_EQ(first, run(ContextKind::osmesa, data, plain).parameters);
+                EXPECT_EQ(first, run(second_kind(), data, plain).parameters);
             }
         }
     }
 }
 
 TEST(TexelFragment, WhatWasNeverFiniteCountsAsNothing) {
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     const TexelDataset data({.grid = true});
     TexelOptions options;
     options.model = find_texel_model("lambert");
@@ -415,8 +416,7 @@ TEST(TexelFragment, HalvesStayNearSingles) {
     const TexelDataset data({});
     for (const Passes passes : {Passes::paper, Passes::combined}) {
         const auto error = [&](Storage storage, Sums sums) {
-            return run(ContextKind::osmesa, data,
-                       {.passes = passes, .storage = storage, .sums = sums, .images_per_pass = 2})
+            return run(second_kind(), data, {.passes = passes, .storage = storage, .sums = sums, .images_per_pass = 2})
                 .trace.rows.back()
                 .error;
         };
@@ -429,7 +429,7 @@ TEST(TexelFragment, HalvesStayNearSingles) {
 }
 
 TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     for (const bool grid : {false, true}) {
         const TexelDataset data({.grid = grid, .encoding = grid ? Encoding::u8_linear : Encoding::u16_linear});
         for (const TexelModel* model : texel_models())
@@ -482,7 +482,7 @@ TEST(TexelFragment, EveryAllocationThatFailsIsTold) {
 
 // tests/check_costs.py holds the declarations to the shaders; this, the passes over linear images to the declarations.
 TEST(TexelFragment, EveryPassDeclaresItsCost) {
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     for (const auto& [grid, one_eye] : {std::pair{false, false}, std::pair{true, false}, std::pair{true, true}}) {
         const TexelDataset data({.grid = grid, .one_eye = one_eye});
         for (const char* name : {"lambert", "lafortune"})  // a model may be added without
@@ -504,7 +504,7 @@ TEST(TexelFragment, EveryPassDeclaresItsCost) {
 }
 
 TEST(TexelFragment, RefusesImagesWithoutLights) {
-    const auto context = make_context(ContextKind::osmesa);
+    const auto context = make_context(second_kind());
     TexelDataset data({});
     for (View& view : data.dataset.views) view.light.reset();
     TexelOptions options;

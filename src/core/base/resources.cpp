@@ -23,37 +23,26 @@ constexpr uint64_t unknown = std::numeric_limits<uint64_t>::max();
 
 /// The number that a file of the kernel's begins with; `unknown` if there is none ("max", or no such file).
 uint64_t number_in(const fs::path& file) {
-    uint64_t value = unknown;
-    std::ifstream(file) >> value;
-    return value == 0 && !fs::exists(file) ? unknown : value;
+    uint64_t value = 0;
+    return std::ifstream(file) >> value ? value : unknown;
+}
+
+/// The number after this word, at the beginning of a line; `unknown` if there is none.
+uint64_t number_after(std::string_view word, const fs::path& file) {
+    std::ifstream lines(file);
+    for (std::string name; lines >> name; lines.ignore(256, '\n')) {
+        uint64_t value = 0;
+        if (name == word && lines >> value) return value;
+    }
+    return unknown;
 }
 
 uint64_t left_of(uint64_t limit, uint64_t used) { return limit > used ? limit - used : 0; }
 
 /// MemAvailable: what can be had without paging, caches that can go included.
 uint64_t system_memory() {
-    std::ifstream file("/proc/meminfo");
-    for (std::string name; file >> name; file.ignore(256, '\n')) {
-        uint64_t kilobytes = 0;
-        if (name == "MemAvailable:" && file >> kilobytes) return kilobytes * 1024;
-    }
-    return unknown;
-}
-
-/// The least that the control group of this process and those above it leave; pages of files that can go count as free.
-uint64_t control_group_memory() {
-    uint64_t least = unknown;
-    std::ifstream groups("/proc/self/cgroup");
-    for (std::string line; std::getline(groups, line);) {
-        if (!line.starts_with("0::")) continue;  // version 2
-        const fs::path root = "/sys/fs/cgroup";
-        for (fs::path group = root / fs::path(line.substr(3)).relative_path(); group != root.parent_path();
-             group = group.parent_path()) {
-            const uint64_t limit = number_in(group / "memory.max"), used = number_in(group / "memory.current");
-            if (limit != unknown && used != unknown) least = std::min(least, left_of(limit, used));
-        }
-    }
-    return least;
+    const uint64_t kilobytes = number_after("MemAvailable:", "/proc/meminfo");
+    return kilobytes == unknown ? unknown : kilobytes * 1024;
 }
 
 uint64_t address_space() {
@@ -65,7 +54,30 @@ uint64_t address_space() {
 
 }  // namespace
 
-uint64_t available_memory() { return std::min({system_memory(), control_group_memory(), address_space()}); }
+namespace detail {
+
+uint64_t control_group_memory(const fs::path& process_groups, const fs::path& tree) {
+    uint64_t least = unknown;
+    std::ifstream groups(process_groups);
+    for (std::string line; std::getline(groups, line);) {
+        if (!line.starts_with("0::")) continue;  // version 2
+        for (fs::path group = tree / fs::path(line.substr(3)).relative_path(); group != tree.parent_path();
+             group = group.parent_path()) {
+            const uint64_t limit = number_in(group / "memory.max"), used = number_in(group / "memory.current");
+            if (limit == unknown || used == unknown) continue;
+            const uint64_t files = number_after("inactive_file", group / "memory.stat");
+            least = std::min(least, left_of(limit, files == unknown ? used : left_of(used, files)));
+        }
+    }
+    return least;
+}
+
+}  // namespace detail
+
+uint64_t available_memory() {
+    return std::min(
+        {system_memory(), detail::control_group_memory("/proc/self/cgroup", "/sys/fs/cgroup"), address_space()});
+}
 
 uint64_t free_disk(const fs::path& path) {
     std::error_code error;

@@ -26,4 +26,13 @@ void announce_needs(const std::string& task, const Needs& needs, const std::file
 /// "1.2 GB": three digits at most, powers of 1000.
 std::string readable_bytes(uint64_t bytes);
 
+namespace detail {
+
+/// Bytes that the control groups of a process leave, and those above them: the groups as /proc/self/cgroup lists them,
+/// below `tree`, such as /sys/fs/cgroup. Pages of files that nobody used of late count as free. The largest number
+/// where no group has a limit.
+uint64_t control_group_memory(const std::filesystem::path& process_groups, const std::filesystem::path& tree);
+
+}  // namespace detail
+
 }  // namespace radiafit

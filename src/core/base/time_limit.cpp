@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -21,7 +22,11 @@ void limit_time(double minutes) { end_s = wall_time_s() + 60 * minutes; }
 
 void share_time(int loops) { loops_left = loops; }
 
-bool another_round(int done, int wanted) {
+bool time_is_limited() { return end_s > 0; }
+
+double seconds_left() { return time_is_limited() ? loop_end - wall_time_s() : std::numeric_limits<double>::infinity(); }
+
+bool another_round(int done, int wanted, std::optional<double> seconds) {
     if (done >= wanted) return false;
     const double now = wall_time_s();
     if (done == 0) {
@@ -30,11 +35,13 @@ bool another_round(int done, int wanted) {
         loops_left = std::max(1, loops_left - 1);
         return true;
     }
-    if (end_s == 0 || now + (now - loop_begin) / done <= loop_end) return true;
+    if (!time_is_limited() || now + seconds.value_or((now - loop_begin) / done) <= loop_end) return true;
     log_warning(fmt::format("{} of {} rounds, as the time is up: intervals are wider, or missing", done, wanted));
     left_out = true;
     return false;
 }
+
+void note_rounds_left_out() { left_out = true; }
 
 bool rounds_left_out() { return left_out; }
 
