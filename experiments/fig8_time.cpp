@@ -40,7 +40,7 @@ constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "th
 struct Options {
     std::string dataset = "star";
     std::vector<int> share_iterations{25, 100};
-    int repetitions = 9, software_iterations = 2, limited_iterations = 5;
+    int repetitions = 9, software_iterations = 2, limited_iterations = 3;
     double software_seconds = 45;
     std::string storage = "fp32";  ///< of OpenGL's parameters; where it is another, 32 bits are timed beside
     FitRequest request;
