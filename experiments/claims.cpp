@@ -1,7 +1,7 @@
 // The paper's claims, each judged by its rule from the rows of the other experiments. Nothing is measured here, and no
-// verdict is typed in: what has not been run says so. Claims are judged at the paper's scale, by the newest run or,
-// where there is none, by the one that came with the checkout; figures of a smaller profile are shown beside and decide
-// nothing.
+// verdict is typed in: what has not been run says so. Claims are judged at the paper's scale, by runs of one's own or,
+// where there are none, by the one that came with the checkout; figures of a smaller profile are shown beside and
+// decide nothing.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -34,7 +34,7 @@ nlohmann::ordered_json json_of(const Finding& f, const std::vector<Judgement>& j
     return list;
 }
 
-nlohmann::ordered_json json_of(const Finding& f) {
+nlohmann::ordered_json json_of(const Finding& f, bool told_first) {
     return {{"id", f.claim->id},
             {"section", f.claim->section},
             {"paper", f.claim->states},
@@ -55,7 +55,8 @@ nlohmann::ordered_json json_of(const Finding& f) {
             {"former", json_of(f, f.former)},
             {"beside", f.evidence.beside},
             {"renderer", f.evidence.renderer},
-            {"run", f.run}};
+            {"run", f.run},
+            {"told_first", told_first}};
 }
 
 /// A run of other settings: what the rules' bounds say of its figures.
@@ -140,7 +141,7 @@ void write_claims(Experiment& experiment) {
         for (const ClaimFindings::Line& line : found.lines())
             shown.add(
                 {claim.id, claim.states, line.found(), line.verdict(), line.by_other_rules(), line.at_smaller_scale()});
-        for (const Finding* f : found.all()) json["claims"].push_back(json_of(*f));
+        for (const Finding* f : found.all()) json["claims"].push_back(json_of(*f, f == &found.first()));
         for (const Finding& f : found.varied) json["varied"].push_back(json_of_varied(f));
         sections += "\n" + section_of(found);
     }

@@ -33,6 +33,7 @@ namespace {
 
 namespace rows = rows_of::fig8_time;
 
+constexpr const char* paper_passes = "OpenGL (paper passes)";
 constexpr Range<double> budget_seconds{0, 1e6};
 /// The time of an iteration is measured on those after the first.
 constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "the first is not timed"};
@@ -120,7 +121,7 @@ struct Passes {
 
 /// image_by_image: and combined passes one image at a time, of which single iterations alone are timed.
 std::vector<Passes> passes_of(const Options& o, bool image_by_image) {
-    std::vector<Passes> all = {{"OpenGL (paper passes)", "paper", o.storage}};
+    std::vector<Passes> all = {{paper_passes, "paper", o.storage}};
     if (image_by_image) all.push_back({"OpenGL (combined passes, image by image)", "combined", o.storage, 1});
     all.push_back({"OpenGL (combined passes)", "combined", o.storage});
     if (o.storage != "fp32") all.push_back({"OpenGL (paper passes in 32 bits)", "paper", "fp32"});
@@ -194,16 +195,26 @@ struct Contestant {
     bool opengl;
     std::function<void(Runs&)> run;
     double seconds = 0;  ///< of its last run, agreement included
+
+    /// Whether claim C3 compares it with others round by round: all threads, and the paper's passes.
+    bool compared() const {
+        return opengl ? runs.method == paper_passes : runs.threads == thread_count() && runs.agreeing.has_value();
+    }
 };
 
-/// Those that may run in each of so many rounds with `available` seconds in all: the quickest. With one thread and a
-/// large dataset the CPU can take longer than all that the others need for nine rounds.
-std::vector<Contestant*> quickest_in_time(std::vector<Contestant>& all, double available, int rounds) {
+/// Those that may run in each of so many rounds with `available` seconds in all: first those that are compared, then
+/// the quickest. With one thread and a large dataset the CPU can take longer than all that the others need for nine
+/// rounds.
+std::vector<Contestant*> those_in_time(std::vector<Contestant>& all, double available, int rounds) {
     std::vector<Contestant*> chosen;
     for (Contestant& c : all) chosen.push_back(&c);
-    std::ranges::stable_sort(chosen, {}, &Contestant::seconds);
+    std::ranges::stable_sort(chosen, {}, [](const Contestant* c) { return std::pair(!c->compared(), c->seconds); });
     double seconds = 0;
-    std::erase_if(chosen, [&](const Contestant* c) { return (seconds += c->seconds) * rounds > available; });
+    std::erase_if(chosen, [&](const Contestant* c) {
+        if ((seconds + c->seconds) * rounds > available) return true;
+        seconds += c->seconds;
+        return false;
+    });
     std::ranges::sort(chosen);  // in the order of the first round
     return chosen;
 }
@@ -415,7 +426,7 @@ void fig8(Experiment& experiment) {
     double opengl_seconds = 0, iterations_seconds = 0;
     for (int r = 0; another_round(r, o.repetitions, r > 0 ? std::optional(iterations_seconds) : std::nullopt); ++r) {
         const int left = o.repetitions - r;
-        std::vector<Contestant*> running = quickest_in_time(
+        std::vector<Contestant*> running = those_in_time(
             all, r == 0 ? std::numeric_limits<double>::infinity() : seconds_left() - left * iterations_seconds, left);
         if (running.size() < all.size()) note_rounds_left_out();
         if (software && r > 0 && opengl_seconds >= o.software_seconds)

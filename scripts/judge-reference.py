@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Judges the claims anew from results/reference, after rows were added there: writes results/reference/claims.json, the table of
-docs/claims.md (of each claim the newest run's line), and README's counts. What changed is for the committer to read.
+docs/claims.md (of each claim the line that is told first), and README's counts. What changed is for the committer to read.
 Usage: scripts/judge-reference.py [BUILD]      the build folder with experiments/claims in it; build/release"""
 import json
 import pathlib
@@ -27,19 +27,10 @@ def judged(program):
         return (root / "judged/claims.json").read_text(), (root / "judged/claims.md").read_text()
 
 
-def newest_of(claims):
-    """The judged rows of each claim's newest run."""
-    newest = {}
-    for row in claims:
-        if row["profile"] == "paper":
-            newest[row["id"]] = max(newest.get(row["id"], row), row, key=lambda r: r["run"].rsplit("/", 1)[-1])
-    return newest
-
-
-def by_machine(newest):
+def by_machine(told):
     """Which machine each claim's rows are of, in a sentence."""
     claims = {}
-    for claim, row in newest.items():
+    for claim, row in told.items():
         about = json.loads((ROOT / row["run"] / "run.json").read_text())
         family = re.search(r"family \d+ model \d+", about["machine"].get("cpu_id", ""))
         name = re.sub(r"\((R|TM|family[^)]*)\)| Processor|@.*", "", about["cpu"]).strip()
@@ -59,26 +50,26 @@ def main():
     build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release").resolve()
     verdicts, report = judged(build / "experiments/claims")
     (ROOT / "results/reference/claims.json").write_text(verdicts, encoding="utf-8")
-    newest = newest_of(json.loads(verdicts)["claims"])
+    told = {row["id"]: row for row in json.loads(verdicts)["claims"] if row["told_first"]}
     lines = [" ".join(line.split()) for line in report.splitlines() if re.match(r"\| C\d+ ", line)]
     table = []
-    for claim, row in newest.items():
+    for claim, row in told.items():
         sentence = " ".join(row["sentence"].split())
         own = [line for line in lines if line.startswith(f"| {claim} |") and sentence in line
                and (OLDER in line) == row["rule_is_younger_than_rows"]]  # fmt: skip
         if not own:
             sys.exit(f"claims.md has no line of {claim} that says: {sentence}")
         table.append(own[0])
-    if len(newest) != 23:
-        sys.exit(f"{len(newest)} claims are judged, not 23")
+    if len(told) != 23:
+        sys.exit(f"{len(told)} claims are judged, not 23")
     replaced(ROOT / "docs/claims.md", r"(?<=\n)\| C1 \|.*\| C23 \|[^\n]*\n", "\n".join(table) + "\n")
-    replaced(ROOT / "docs/claims.md", r"By machine: [^\n]*\n", f"By machine: {by_machine(newest)}.\n")
-    found = [row["verdict"] for row in newest.values()]
+    replaced(ROOT / "docs/claims.md", r"By machine: [^\n]*\n", f"By machine: {by_machine(told)}.\n")
+    found = [row["verdict"] for row in told.values()]
     hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))
     counts = f"of 23, {hold} hold, {fail} do not, {23 - hold - fail - undecided} wait for a graphics chip or for rows of their own"
     counts += f", and undecided {'is' if undecided == 1 else 'are'} {undecided}"
     replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ wait for [a-z ]+, and undecided (is|are) \d+", counts)
-    older = sum(row["rule_is_younger_than_rows"] for row in newest.values())
+    older = sum(row["rule_is_younger_than_rows"] for row in told.values())
     replaced(ROOT / "README.md", r"\d+ of the verdicts are still of rows older", f"{older} of the verdicts are still of rows older")
     print(f"{counts}; {older} by rows older than their rule")
     print("now: python3 -B tests/check_figures.py --write && git diff")

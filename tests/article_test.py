@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -184,7 +185,9 @@ class OurOwn(Article):
         self.assertEqual(told, [])
 
     def test_the_makefile_builds_what_draws_its_figures(self):
-        drawn = re.findall(r"figure\(paper\.(\w+)\)", (ARTICLE / "article.md").read_text())
+        text, rules = (ARTICLE / "article.md").read_text(), tomllib.loads((ROOT / "experiments/claims/rules.toml").read_text())
+        drawn = re.findall(r"figure\(paper\.(\w+)\)", text)
+        drawn += [rules[claim]["experiment"] for claim in re.findall(r"figure\((C\d+)\.run\)", text)]
         recipe = re.search(r"^article:\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.M)[1]
         self.assertEqual(sorted(drawn), sorted(re.search(r"--target (.+)", recipe)[1].split()))
 

@@ -33,14 +33,14 @@ class ReportPage(ProgramTest):
         self.good("--config", "experiments/claims.toml", program=CLAIMS)
         return check_page(self, self.report(), json.loads((self.root / "results/claims.json").read_text())["claims"])
 
-    def newest(self, experiment, profile="paper"):
-        runs = [path.parent for path in (self.root / "results" / experiment).glob("*/*/run.json")
+    def newest(self, experiment, device="*", profile="paper"):
+        runs = [path.parent for path in (self.root / "results" / experiment).glob(f"{device}/*/run.json")
                 if json.loads(path.read_text())["profile"] == profile]
         return max(runs, key=lambda run: run.name)
 
-    def keep_newest(self, experiment):
+    def keep_newest(self, experiment, device="*"):
         """All its other runs go."""
-        kept = self.newest(experiment)
+        kept = self.newest(experiment, device)
         for run in (self.root / "results" / experiment).glob("*/*"):
             if run != kept:
                 shutil.rmtree(run)
@@ -68,7 +68,7 @@ class ReportPage(ProgramTest):
         self.assertIn("GNU 12.2.0", shown)
 
     def test_a_removed_and_a_damaged_file_of_rows(self):
-        run = self.keep_newest("streaming")
+        run = self.keep_newest("streaming", "llvmpipe*")
         (run / "iterations.csv").unlink()
         passes = self.keep_newest("passes") / "ladder.csv"
         passes.write_text(passes.read_text().replace("1", "2", 1))
@@ -161,7 +161,7 @@ class ReportPage(ProgramTest):
         page = read_page(self.report("--output", "one", path="one/report/index.html"))
         self.assertEqual(list(page.all("section", id="renderers")), [], "there is one alone")
         zink = "zink (llvmpipe (LLVM 15.0.6, 256 bits))"
-        run = self.keep_newest("streaming")
+        run = self.keep_newest("streaming", "llvmpipe*")
         other = shutil.copytree(run, run.parents[1] / "zink" / run.name)
         record = json.loads((other / "run.json").read_text())
         record["gl"]["renderer"] = zink

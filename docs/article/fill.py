@@ -6,8 +6,7 @@
 What stands between {{ and }} is a Python expression, with ` as FORMAT` behind it or not; the comment `<!-- fill ... -->` at the
 text's top has definitions for it. It knows
 
-    C1 ... C23            a claim of results/reference/claims.json, as judged from its newest run at the paper's scale that says
-                          something about it: C1.verdict, C1.sentence, every other field there, C1.told and C1.run
+    C1 ... C23            a claim of results/reference/claims.json, as judged from the run at the paper's scale that is told first: C1.verdict, C1.sentence, every other field there, C1.told and C1.run
     claims                all of them: claims.counted, claims.of("holds"), claims.table, ...
     paper.solvers         the newest run of an experiment at a profile, paper or standard: what its run.json says, such as
                           paper.solvers.config, and its files of rows: paper.solvers.vertices
@@ -152,12 +151,12 @@ class Run:
 
 
 class Profile:
-    """Of each experiment the newest run at one profile, with no setting of its own, on whatever machine: names of runs begin with
-    their time."""
+    """Of each experiment the newest run at one profile, with no setting of its own, on whatever machine, if there is one whose rounds
+    are all there: names of runs begin with their time."""
 
     def __init__(self, name, runs):
         self._name = name
-        self.runs = {run.about["program"]: run for run in sorted(runs, key=lambda r: r.folder.name)
+        self.runs = {run.about["program"]: run for run in sorted(runs, key=lambda r: (not r.about.get("rounds_left_out", False), r.folder.name))
                      if run.about["profile"] == name and run.about.get("standard", True)}  # fmt: skip
 
     def __getattr__(self, experiment):
@@ -198,7 +197,8 @@ class Claim:
 class Claims:
     def __init__(self, entries, runs):
         def weight(entry):
-            return (entry["verdict"] != "not run", entry["verdict"] not in SILENT, pathlib.PurePath(entry["run"]).name)
+            return (entry["verdict"] != "not run", entry["verdict"] not in SILENT, entry.get("told_first", False),
+                    pathlib.PurePath(entry["run"]).name)  # fmt: skip
 
         self._all = {}  # [id], of every machine
         for entry in entries:

@@ -45,7 +45,9 @@ std::vector<Finding> findings_of(const Claim& claim, const std::string& profile,
     std::vector<Finding> findings;
     for (RunRecord& record : runs) {
         const FinishedRun run(std::move(record), checkout);
-        findings.push_back(judged_by_all_rules({&claim, profile, run.name(), find(claim, run)}));
+        Finding finding{&claim, profile, run.name(), find(claim, run)};
+        finding.rounds_left_out = run.rounds_left_out();
+        findings.push_back(judged_by_all_rules(std::move(finding)));
     }
     if (!findings.empty()) return findings;
     Evidence none{.not_run =
@@ -90,12 +92,12 @@ std::vector<Finding> varied_findings(const Claim& claim, const RunFolders& folde
     return findings;
 }
 
-/// The newest; null if there is none.
+/// The one that is told first; null if there is none.
 const Finding* of_renderer(const std::vector<Finding>& findings, const std::string& renderer) {
-    const Finding* newest = nullptr;
+    const Finding* first = nullptr;
     for (const Finding& f : findings)
-        if (f.evidence.renderer == renderer && (!newest || newest->run_name() < f.run_name())) newest = &f;
-    return newest;
+        if (f.evidence.renderer == renderer && (!first || first->precedence() < f.precedence())) first = &f;
+    return first;
 }
 
 }  // namespace
@@ -180,12 +182,12 @@ std::vector<ClaimFindings::Line> ClaimFindings::lines() const {
     for (const std::string& renderer : renderers) {
         lines.push_back({of_renderer(judged, renderer), of_renderer(smaller, renderer)});
     }
-    const auto time_of = [](const Line& line) { return line.judged ? line.judged->run_name() : std::string(); };
-    Line& newest = *std::ranges::max_element(lines, {}, time_of);
+    const auto at = std::ranges::find(lines, &this->first(), &Line::judged);
+    Line& first = at == lines.end() ? lines.front() : *at;
     for (const Finding& other : varied) {
         const auto own = std::ranges::find(renderers, other.evidence.renderer);
-        Line& same = own == renderers.end() ? newest : lines[size_t(own - renderers.begin())];
-        (same.judged ? same : newest).varied.push_back(&other);
+        Line& same = own == renderers.end() ? first : lines[size_t(own - renderers.begin())];
+        (same.judged ? same : first).varied.push_back(&other);
     }
     return lines;
 }

@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "report/finished_runs.h"
@@ -47,6 +49,12 @@ struct Finding {
     bool rule_is_younger() const;
     /// Of a run of other settings: what differs, "object = 2"; else empty.
     std::string settings = {};
+    bool rounds_left_out = false;  ///< of the run, as its time was up
+    /// Of several findings the largest is told first: one of a run that the claim can be judged by, then one of a run
+    /// whose rounds are all there, then the newest.
+    std::tuple<bool, bool, std::string> precedence() const {
+        return {judgement.not_run.empty() && judgement.unmet.empty(), !rounds_left_out, run_name()};
+    }
     /// Verdicts of the other rules, in words: "as mathematics: undecided"; "by the rule until 2026-11-27: holds".
     std::vector<std::string> other_verdicts() const;
 };
@@ -72,6 +80,8 @@ struct ClaimFindings {
     };
     /// One line for each renderer that either profile has figures of; one line if there are none.
     std::vector<Line> lines() const;
+    /// Of the judged ones the one that is told first.
+    const Finding& first() const { return *std::ranges::max_element(judged, {}, &Finding::precedence); }
     /// The judged ones first; the varied ones left out.
     std::vector<const Finding*> all() const;
 };

@@ -16,6 +16,7 @@ public:
         return name_;
     }  ///< its path from the checkout on, or of one elsewhere from its results on
     const std::string& cpu() const { return record_.cpu; }
+    bool rounds_left_out() const { return record_.rounds_left_out; }
     std::string device() const;  ///< the GL renderer, or the CPU and its threads
     /// A number of the resolved config. Throws UserError if there is none.
     double setting(const char* key) const;

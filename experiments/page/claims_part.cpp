@@ -24,10 +24,6 @@ size_t rank(const std::string& verdict) {
     return size_t(std::ranges::find(verdicts, verdict, [](const auto& pair) { return pair.first; }) - verdicts.begin());
 }
 
-const Finding& newest(const ClaimFindings& claim) {
-    return *std::ranges::max_element(claim.judged, {}, &Finding::run_name);
-}
-
 /// The figures that a verdict is of, so many at most.
 Html measured(const Finding* finding) {
     constexpr size_t most = 2;
@@ -45,7 +41,7 @@ Html measured(const Finding* finding) {
     return list.empty() ? list : element("ul", {{"class", "figures"}}, list);
 }
 
-/// Verdicts by other runs than the newest, machine by machine.
+/// Verdicts by other runs than the one shown, machine by machine.
 Html other_machines(const ClaimFindings& claim, const ClaimFindings::Line& shown) {
     Html list;
     size_t count = 0;
@@ -136,7 +132,7 @@ Html claims_counts(std::span<const ClaimFindings> claims) {
     Html list;
     for (const auto& [verdict, meaning] : verdicts) {
         const auto count =
-            std::ranges::count_if(claims, [&](const ClaimFindings& c) { return newest(c).verdict() == verdict; });
+            std::ranges::count_if(claims, [&](const ClaimFindings& c) { return c.first().verdict() == verdict; });
         Html item = element("b", {{"class", "count"}}, std::to_string(count));
         item << " " << verdict_mark(verdict) << " " << element("small", meaning);
         list << element("li", item);
@@ -148,7 +144,7 @@ Html claims_summary(std::span<const ClaimFindings> claims) {
     std::vector<HtmlRow> rows;
     for (size_t i = 0; i < claims.size(); ++i) {
         const auto lines = claims[i].lines();
-        const Finding* best = &newest(claims[i]);
+        const Finding* best = &claims[i].first();
         const auto shown = std::ranges::find(lines, best, &ClaimFindings::Line::judged);
         rows.push_back(row_of(claims[i], i, shown == lines.end() ? lines.front() : *shown));
     }
@@ -194,7 +190,7 @@ Html claims_of(std::span<const ClaimFindings> claims, const std::string& experim
         const Claim& claim = *found.claim;
         if (experiment != claim.experiment) continue;
         items << element("li", link(fmt::format("#{}", claim.id), claim.id)
-                                   << " " << verdict_mark(newest(found).verdict()) << " " << claim.states);
+                                   << " " << verdict_mark(found.first().verdict()) << " " << claim.states);
     }
     return items.empty() ? items : element("ul", {{"class", "judged"}}, items);
 }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/half.h"
+#include "base/parallel.h"
 #include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 
@@ -45,19 +47,29 @@ void look_up(const uint8_t* __restrict rgb, size_t count, const std::array<std::
                                      uint64_t{tables[1][rgb[3 * i + 1]]} << 16 | tables[0][rgb[3 * i]]);
 }
 
-inline uint64_t rounded16(float x) { return static_cast<uint16_t>(std::min(std::max(0.0f, x) + 0.5f, 65535.0f)); }
+constexpr size_t together = 8;  ///< pixels
 
-/// Linear encodings: target / scale = value * factor of the channel.
-template <class Stored, class ToFloat>
-void multiply(const uint8_t* __restrict rgb, size_t count, const std::array<float, 3>& factors, ToFloat to_float,
+/// Linear encodings: target / scale = value * factor of the channel, rounded; to_floats(stored, values) makes
+/// `together` pixels' values. Written for vectors: what is beyond the end is worked out, too, and not stored.
+template <size_t value_bytes, class ToFloats>
+void multiply(const uint8_t* __restrict rgb, size_t count, const std::array<float, 3>& factors, ToFloats to_floats,
               uint8_t* __restrict rgba) {
-    const auto [red, green, blue] = factors;
-    const auto channel = [&](size_t at, float factor) {
-        return rounded16(to_float(load_word<Stored>(rgb + sizeof(Stored) * at)) * factor);
-    };
-    for (size_t i = 0; i < count; ++i)
-        store_word(rgba + 8 * i, uint64_t{0xffff} << 48 | channel(3 * i + 2, blue) << 32 |
-                                     channel(3 * i + 1, green) << 16 | channel(3 * i, red));
+    constexpr size_t channels = 3 * together, bytes = channels * value_bytes;
+    std::array<float, channels> factor, values;
+    for (size_t k = 0; k < channels; ++k) factor[k] = factors[k % 3];
+    std::array<uint8_t, bytes> end{};  // of the row
+    std::array<int32_t, channels> rounded;
+    for (size_t i = 0; i < count; i += together, rgb += bytes) {
+        const size_t pixels = std::min(together, count - i);
+        if (pixels < together) std::memcpy(end.data(), rgb, 3 * pixels * value_bytes);
+        to_floats(pixels < together ? end.data() : rgb, values.data());
+        for (size_t k = 0; k < channels; ++k)
+            rounded[k] = int32_t(std::min(std::max(0.0f, values[k] * factor[k]) + 0.5f, 65535.0f));
+        for (size_t p = 0; p < pixels; ++p) {
+            const auto channel = [&](size_t c) { return uint64_t(uint32_t(rounded[3 * p + c])) << 16 * c; };
+            store_word(rgba + 8 * (i + p), uint64_t{0xffff} << 48 | channel(2) | channel(1) | channel(0));
+        }
+    }
 }
 
 /// Clears the alpha (the top byte or half-word of Word) of pixels whose mask bit is 0.
@@ -92,7 +104,7 @@ struct ImageStream::State {
     std::shared_ptr<const std::vector<uint8_t>> kept;  ///< StreamSource::memory: the whole of images.bin, and a byte
     std::vector<uint8_t> buffer;                       ///< StreamSource::disk: one image, reused
     std::vector<uint8_t> mask_buffer;
-    std::vector<uint8_t> row;  ///< of targets
+    std::vector<uint8_t> rows;  ///< of targets, one of each worker
     std::shared_ptr<const std::vector<View>> views;
     std::shared_ptr<CheckedViews> checked;
     std::filesystem::path path;  ///< of images.bin
@@ -215,26 +227,36 @@ ImageStream ImageStream::another() const {
     return copy;
 }
 
+// What widen() looks up.
+void ImageStream::prepare(const View& view) {
+    if (bits_ == 16 && bytes_per_channel(state_->encoding) == 1) state_->make_tables(view.gain, double(scale_));
+}
+
 // The targets of `count` pixels, what the mask leaves out included.
-void ImageStream::widen(const View& view, const uint8_t* stored, size_t count, uint8_t* rgba) {
+void ImageStream::widen(const View& view, const uint8_t* stored, size_t count, uint8_t* rgba) const {
     if (bits_ == 8) return widen8(stored, count, rgba);
-    State& s = *state_;
+    const State& s = *state_;
     const auto factors = [&](double full) {
         std::array<float, 3> out;
         for (size_t c = 0; c < 3; ++c) out[c] = float(view.gain[c] / full / double(scale_));
         return out;
     };
     if (s.encoding == Encoding::f16_linear) {
-        multiply<uint16_t>(
-            stored, count, factors(1), [](uint16_t h) { return float_from_half(h); }, rgba);
+        const auto to_floats = [](const uint8_t* halves, float* values) {
+            for (size_t k = 0; k < 3 * together; k += 8) eight_floats_from_halves(halves + 2 * k, values + k);
+        };
+        multiply<2>(stored, count, factors(1), to_floats, rgba);
     } else if (s.encoding == Encoding::f32_linear) {
-        multiply<float>(
-            stored, count, factors(1), [](float x) { return x; }, rgba);
+        const auto to_floats = [](const uint8_t* floats, float* values) {
+            std::memcpy(values, floats, 3 * together * 4);
+        };
+        multiply<4>(stored, count, factors(1), to_floats, rgba);
     } else if (s.encoding == Encoding::u16_linear) {
-        multiply<uint16_t>(
-            stored, count, factors(65535), [](uint16_t v) { return float(v); }, rgba);
+        const auto to_floats = [](const uint8_t* words, float* values) {
+            for (size_t k = 0; k < 3 * together; ++k) values[k] = float(load_word<uint16_t>(words + 2 * k));
+        };
+        multiply<2>(stored, count, factors(65535), to_floats, rgba);
     } else {
-        s.make_tables(view.gain, double(scale_));
         look_up(stored, count, s.tables, rgba);
     }
 }
@@ -251,6 +273,7 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
     image.height = view.camera.height;
     image.bits = bits_;
     image.scale = scale_;
+    prepare(view);
     if (bits_ == 8) {
         image.rgba8.resize(4 * count);
         image.rgba16.clear();
@@ -266,21 +289,27 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
     seconds_ += wall_time_s() - start_s;
 }
 
-void ImageStream::load_rows(uint32_t index, const std::function<void(int y, const uint8_t* row)>& take) {
+void ImageStream::load_rows(uint32_t index, const std::function<void(int y, const uint8_t* row, int worker)>& take) {
     const double start_s = wall_time_s();
     State& s = *state_;
     const View& view = s.views->at(index);
     const size_t width = size_t(view.camera.width), stored = 3 * width * bytes_per_channel(s.encoding);
     const uint8_t *pixels = s.pixels_at(index, bytes_read_), *mask = s.mask_at(view, bytes_read_);
     s.masked.reset();
-    s.row.resize(width * size_t(bits_ / 2));
-    for (int y = 0; y < view.camera.height; ++y) {
-        widen(view, pixels + size_t(y) * stored, width, s.row.data());
-        const uint8_t* in = mask ? mask + size_t(y) * ((width + 7) / 8) : nullptr;
-        if (in && bits_ == 8) apply_mask<uint32_t, 24>(in, width, 1, s.row.data());
-        if (in && bits_ == 16) apply_mask<uint64_t, 48>(in, width, 1, s.row.data());
-        take(y, s.row.data());
-    }
+    prepare(view);
+    const size_t row_bytes = width * size_t(bits_ / 2);
+    s.rows.resize(size_t(thread_count()) * row_bytes);
+    const auto load_band = [&](size_t begin, size_t end, int worker) {
+        uint8_t* row = s.rows.data() + size_t(worker) * row_bytes;
+        for (size_t y = begin; y < end; ++y) {
+            widen(view, pixels + y * stored, width, row);
+            const uint8_t* in = mask ? mask + y * ((width + 7) / 8) : nullptr;
+            if (in && bits_ == 8) apply_mask<uint32_t, 24>(in, width, 1, row);
+            if (in && bits_ == 16) apply_mask<uint64_t, 48>(in, width, 1, row);
+            take(int(y), row, worker);
+        }
+    };
+    parallel_chunks(size_t(view.camera.height), band_rows, std::cref(load_band));
     seconds_ += wall_time_s() - start_s;
 }
 

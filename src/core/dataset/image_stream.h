@@ -60,8 +60,11 @@ public:
 
     /// Fills `image`, reusing its storage. Throws SystemError when the file cannot be read whole.
     void load(uint32_t view, TargetImage& image);
-    /// The same for who keeps pixels elsewhere: take(y, row) for each row in turn, [width][4] channels of bits().
-    void load_rows(uint32_t view, const std::function<void(int y, const uint8_t* row)>& take);
+    /// The same for who keeps pixels elsewhere, by all threads: take(y, row, worker) for each row, [width][4] channels
+    /// of bits(). Rows come in bands of band_rows, those of a band in order by one worker, as parallel_chunks() names
+    /// them.
+    void load_rows(uint32_t view, const std::function<void(int y, const uint8_t* row, int worker)>& take);
+    static constexpr int band_rows = 16;
     /// The targets [height][width][3] as they are before load() rounds them to 16 bits; negative values and what the
     /// mask leaves out are kept. Throws SystemError when the file cannot be read whole.
     void load_values(uint32_t view, std::vector<float>& values);
@@ -80,7 +83,8 @@ public:
 private:
     struct State;
     explicit ImageStream(std::unique_ptr<State> state);
-    void widen(const View& view, const uint8_t* stored, size_t count, uint8_t* rgba);
+    void prepare(const View& view);
+    void widen(const View& view, const uint8_t* stored, size_t count, uint8_t* rgba) const;
     std::unique_ptr<State> state_;
     int bits_ = 8;
     float scale_ = 1;

@@ -12,11 +12,11 @@ class ImageStack {
 public:
     /// Throws UserError beyond the context's limits.
     ImageStack(int width, int height, int bits, int images);
-    /// A row of an image to its places in `stack`, bytes() of all images: [width][4] channels. Rows come in order; what
-    /// images hold that get none is undefined.
-    void put_row(uint8_t* stack, int image, int y, const uint8_t* row);
+    /// A row of an image to its places in `stack`, bytes() of all images: [width][4] channels. Rows of a row of blocks
+    /// come in order, from one worker; what images hold that get none is undefined.
+    void put_row(uint8_t* stack, int image, int y, const uint8_t* row, int worker);
     /// Around put_row(): where `stack` is.
-    uint8_t* begin(PixelUploads& uploads) { return uploads.begin(words_); }
+    uint8_t* begin(PixelUploads& uploads);
     void end(PixelUploads& uploads) { uploads.end(words_); }
     const Texture& texture() const { return texture_; }
     size_t bytes() const { return words_.bytes(); }
@@ -30,10 +30,10 @@ public:
 
 private:
     int width_, height_, images_;
-    size_t pixel_bytes_;
+    size_t pixel_bytes_, blocks_bytes_;  ///< blocks_bytes_: of a row of one image's blocks
     Buffer words_;
     Texture texture_;
-    std::vector<uint8_t> blocks_;  ///< of the rows at hand, that they are written in one piece
+    std::vector<uint8_t> blocks_;  ///< [workers][blocks_bytes_], that they are written in one piece
 };
 
 }  // namespace radiafit

@@ -70,10 +70,7 @@ void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
     const size_t row_bytes = size_t(camera.width) * size_t(bits() / 2);
     uint8_t* to = nullptr;
     time_upload([&] { to = uploads_->begin(); });
-    const auto take = [&](int, const uint8_t* row) {
-        std::memcpy(to, row, row_bytes);
-        to += row_bytes;
-    };
+    const auto take = [&](int y, const uint8_t* row, int) { std::memcpy(to + size_t(y) * row_bytes, row, row_bytes); };
     stream_.load_rows(view, std::cref(take));  // by reference: a copy would take memory in every sweep
     time_upload([&] { slot.take(*uploads_, camera.width, camera.height); });
 }
@@ -82,7 +79,7 @@ void ImageSweep::fill(ImageStack& stack, size_t first) {
     uint8_t* to = nullptr;
     time_upload([&] { to = stack.begin(*uploads_); });
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
-        const auto put = [&](int y, const uint8_t* row) { stack.put_row(to, int(i), y, row); };
+        const auto put = [&](int y, const uint8_t* row, int worker) { stack.put_row(to, int(i), y, row, worker); };
         stream_.load_rows(views_[first + i], std::cref(put));
     }
     time_upload([&] { stack.end(*uploads_); });

@@ -26,11 +26,11 @@ struct Part {
     std::vector<std::string> command;
 };
 
-std::vector<Part> parts_of(const BenchOptions& o, const std::string& program, const fs::path& root,
+/// Each to be run in a checkout.
+std::vector<Part> parts_of(const BenchOptions& o, const std::string& program,
                            std::span<const BundledExperiment> bundle) {
-    std::vector<Part> parts = {{"bench",
-                                {program, "--scale", o.scale, "--repetitions", std::to_string(o.repetitions), "-o",
-                                 (root / "results").string()}}};
+    std::vector<Part> parts = {
+        {"bench", {program, "--scale", o.scale, "--repetitions", std::to_string(o.repetitions), "-o", "results"}}};
     // Said, or software alone would be refused.
     if (o.chosen_renderer)
         for (const std::string& word : {std::string("--platform"), to_string(o.context.kind)})
@@ -40,8 +40,8 @@ std::vector<Part> parts_of(const BenchOptions& o, const std::string& program, co
             parts[0].command.push_back(word);
     for (const BundledExperiment& e : bundle)
         parts.push_back({e.name,
-                         {program, "--part", e.name, "--config",
-                          (root / "experiments" / (std::string(e.name) + ".toml")).string(), "--profile", o.scale}});
+                         {program, "--part", e.name, "--config", fmt::format("experiments/{}.toml", e.name),
+                          "--profile", o.scale}});  // in `root`
     for (Part& part : parts)
         if (o.threads > 0) part.command.insert(part.command.end(), {"--threads", std::to_string(o.threads)});
     return parts;
@@ -75,7 +75,7 @@ int measure_all(const BenchOptions& o, const std::string& program, std::span<con
         setenv("RADIAFIT_OPENGL", std::to_string(o.context.device).c_str(), 1);
     catch_interrupts();
     const double end = wall_time_s() + 60 * o.minutes;
-    const std::vector<Part> parts = parts_of(o, program, root.path(), bundle);
+    const std::vector<Part> parts = parts_of(o, program, bundle);
     Table table({"part", "seconds", ""});
     bool failed = false;
     for (size_t i = 0; i < parts.size(); ++i) {
