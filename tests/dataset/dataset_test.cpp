@@ -114,13 +114,17 @@ TEST_P(EncodingTest, RoundTrip) {
         exact.load(i, whole);
         const auto* bytes = as_bytes ? whole.rgba8.data() : reinterpret_cast<const uint8_t*>(whole.rgba16.data());
         const size_t row_bytes = size_t(whole.width) * size_t(exact.bits() / 2);
-        std::vector<std::atomic<int>> came(size_t(whole.height));
-        exact.load_rows(i, [&](int y, const uint8_t* row, int) {
-            ASSERT_EQ(0, std::memcmp(row, bytes + size_t(y) * row_bytes, row_bytes)) << "view " << i << " row " << y;
-            ASSERT_TRUE(y % ImageStream::band_rows == 0 || came[size_t(y - 1)]) << "rows of a band come in order";
-            ++came[size_t(y)];
-        });
-        ASSERT_TRUE(std::ranges::all_of(came, [](int times) { return times == 1; }));
+        for (const bool by_all_threads : {false, true}) {
+            std::vector<std::atomic<int>> came(size_t(whole.height));
+            exact.load_rows(i, by_all_threads, [&](int y, const uint8_t* row, int) {
+                ASSERT_EQ(0, std::memcmp(row, bytes + size_t(y) * row_bytes, row_bytes))
+                    << "view " << i << " row " << y;
+                ASSERT_TRUE(y % (by_all_threads ? ImageStream::band_rows : whole.height) == 0 || came[size_t(y - 1)])
+                    << "rows come in order, or those of a band";
+                ++came[size_t(y)];
+            });
+            ASSERT_TRUE(std::ranges::all_of(came, [](int times) { return times == 1; }));
+        }
         // single pixels, backwards: the same bits, and the same mask
         exact.load_mask(i, mask);
         const auto count = uint32_t(values.size() / 3);

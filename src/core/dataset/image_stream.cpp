@@ -289,7 +289,8 @@ void ImageStream::load(uint32_t index, TargetImage& image) {
     seconds_ += wall_time_s() - start_s;
 }
 
-void ImageStream::load_rows(uint32_t index, const std::function<void(int y, const uint8_t* row, int worker)>& take) {
+void ImageStream::load_rows(uint32_t index, bool by_all_threads,
+                            const std::function<void(int y, const uint8_t* row, int worker)>& take) {
     const double start_s = wall_time_s();
     State& s = *state_;
     const View& view = s.views->at(index);
@@ -309,7 +310,11 @@ void ImageStream::load_rows(uint32_t index, const std::function<void(int y, cons
             take(int(y), row, worker);
         }
     };
-    parallel_chunks(size_t(view.camera.height), band_rows, std::cref(load_band));
+    const auto height = size_t(view.camera.height);
+    if (by_all_threads)
+        parallel_chunks(height, band_rows, std::cref(load_band));
+    else
+        load_band(0, height, 0);
     seconds_ += wall_time_s() - start_s;
 }
 

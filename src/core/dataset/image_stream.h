@@ -60,10 +60,11 @@ public:
 
     /// Fills `image`, reusing its storage. Throws SystemError when the file cannot be read whole.
     void load(uint32_t view, TargetImage& image);
-    /// The same for who keeps pixels elsewhere, by all threads: take(y, row, worker) for each row, [width][4] channels
-    /// of bits(). Rows come in bands of band_rows, those of a band in order by one worker, as parallel_chunks() names
-    /// them.
-    void load_rows(uint32_t view, const std::function<void(int y, const uint8_t* row, int worker)>& take);
+    /// The same for who keeps pixels elsewhere: take(y, row, worker) for each row, [width][4] channels of bits(). Rows
+    /// come in order or, by_all_threads, in bands of band_rows, those of a band in order by one worker, as
+    /// parallel_chunks() names them.
+    void load_rows(uint32_t view, bool by_all_threads,
+                   const std::function<void(int y, const uint8_t* row, int worker)>& take);
     static constexpr int band_rows = 16;
     /// The targets [height][width][3] as they are before load() rounds them to 16 bits; negative values and what the
     /// mask leaves out are kept. Throws SystemError when the file cannot be read whole.

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "fragment/view_order.h"
+#include "gl/context.h"
 
 namespace radiafit {
 
@@ -23,6 +24,7 @@ ImageSweep::ImageSweep(const Dataset& dataset, std::vector<uint32_t> views, Stre
 
 void ImageSweep::set_batch(int images) {
     batch_ = images;
+    by_all_threads_ = !Context::current().software();
     if (dataset_->has_grid())
         make_stacks();
     else
@@ -71,7 +73,7 @@ void ImageSweep::fill(ImageSlot& slot, uint32_t view) {
     uint8_t* to = nullptr;
     time_upload([&] { to = uploads_->begin(); });
     const auto take = [&](int y, const uint8_t* row, int) { std::memcpy(to + size_t(y) * row_bytes, row, row_bytes); };
-    stream_.load_rows(view, std::cref(take));  // by reference: a copy would take memory in every sweep
+    stream_.load_rows(view, by_all_threads_, std::cref(take));  // by reference: a copy would take memory in every sweep
     time_upload([&] { slot.take(*uploads_, camera.width, camera.height); });
 }
 
@@ -80,7 +82,7 @@ void ImageSweep::fill(ImageStack& stack, size_t first) {
     time_upload([&] { to = stack.begin(*uploads_); });
     for (size_t i = 0; i < std::min(size_t(batch_), views_.size() - first); ++i) {
         const auto put = [&](int y, const uint8_t* row, int worker) { stack.put_row(to, int(i), y, row, worker); };
-        stream_.load_rows(views_[first + i], std::cref(put));
+        stream_.load_rows(views_[first + i], by_all_threads_, std::cref(put));
     }
     time_upload([&] { stack.end(*uploads_); });
 }

@@ -79,6 +79,7 @@ private:
     std::vector<uint32_t> views_;
     ImageStream stream_;
     bool keep_on_device_;
+    bool by_all_threads_ = false;  ///< whether images are converted so: not where all threads draw
     int batch_ = 1;
     std::vector<ImageSlot> slots_;         ///< two batches: one is filled while the other is read; or one for each view
     std::vector<ImageStack> stacks_;       ///< two, to take turns as slots do; or as many as hold each view
