@@ -137,7 +137,7 @@ ResultFolder Experiment::open_results(const std::string& device) const {
 
 void Experiment::finish(ResultFolder& results, const std::string& caption) const {
     const std::string dated = fmt::format(
-        "{}{}; {}", caption, rounds_left_out() ? "; fewer rounds, as time was up" : "", utc_now().substr(0, 10));
+        "{}{}; {}", caption, rounds_left_out() ? "; cut short, as time was limited" : "", utc_now().substr(0, 10));
     if (rounds_left_out()) results.record().more.emplace_back("rounds_left_out", "true");
     results.record().more.emplace_back("caption", json_string(dated));
     std::vector<fs::path> shown;

@@ -33,7 +33,7 @@ namespace {
 
 namespace rows = rows_of::fig8_time;
 
-constexpr const char* paper_passes = "OpenGL (paper passes)";
+constexpr const char *paper_passes = "OpenGL (paper passes)", *compact_record = "two-step (compact record)";
 constexpr Range<double> budget_seconds{0, 1e6};
 /// The time of an iteration is measured on those after the first.
 constexpr Range<int> iterations_after_the_first{2, limits::iterations.upper, "the first is not timed"};
@@ -196,27 +196,24 @@ struct Contestant {
     std::function<void(Runs&)> run;
     double seconds = 0;  ///< of its last run, agreement included
 
-    /// Whether claim C3 compares it with others round by round: all threads, and the paper's passes.
+    /// Whether it goes first where time is limited: what claim C3 compares round by round, but for the CPU on one
+    /// thread, which can take longer than all others together. So a limited run can refute the claim, and not confirm
+    /// it.
     bool compared() const {
-        return opengl ? runs.method == paper_passes : runs.threads == thread_count() && runs.agreeing.has_value();
+        return opengl ? runs.method == paper_passes
+                      : runs.method == compact_record && runs.threads == thread_count() && runs.agreeing.has_value();
     }
 };
 
-/// Those that may run in each of so many rounds with `available` seconds in all: first those that are compared, then
-/// the quickest. With one thread and a large dataset the CPU can take longer than all that the others need for nine
-/// rounds.
-std::vector<Contestant*> those_in_time(std::vector<Contestant>& all, double available, int rounds) {
-    std::vector<Contestant*> chosen;
-    for (Contestant& c : all) chosen.push_back(&c);
-    std::ranges::stable_sort(chosen, {}, [](const Contestant* c) { return std::pair(!c->compared(), c->seconds); });
-    double seconds = 0;
-    std::erase_if(chosen, [&](const Contestant* c) {
-        if ((seconds + c->seconds) * rounds > available) return true;
-        seconds += c->seconds;
-        return false;
-    });
-    std::ranges::sort(chosen);  // in the order of the first round
-    return chosen;
+/// Those of them that run in a round of so many seconds.
+std::vector<Contestant*> those_in_time(const std::vector<Contestant*>& all, double seconds) {
+    std::vector<InRound> turns;
+    for (const Contestant* c : all) turns.push_back({c->compared(), c->seconds});
+    const std::vector<bool> chosen = radiafit::those_in_time(turns, seconds);
+    std::vector<Contestant*> running;
+    for (size_t i = 0; i < all.size(); ++i)
+        if (chosen[i]) running.push_back(all[i]);
+    return running;
 }
 
 /// Single iterations of one kind of passes: as they are; and cut to one texel, which leaves the commands alone.
@@ -322,13 +319,18 @@ Bar two_step_bar(const Runs& runs) {
 /// the total: counting samples, passes over maps, and making it all ready.
 Bar opengl_bar(const Runs& runs, int iterations, const Iterations& one) {
     const double directions = iterations + 1, lines = is_descent(runs.optimizer) ? 1 : iterations;
+    const auto of_rounds = [&](const auto& seconds) {  // of those that it ran in
+        std::vector<double> all;
+        for (const int round : runs.rounds) all.push_back(seconds(size_t(round)));
+        return median(all);
+    };
     const auto sum = [&](double HalfTime::*part) {
-        std::vector<double> sums;
-        for (const IterationTime& t : one.times) sums.push_back(directions * t.direction.*part + lines * t.line.*part);
-        return median(sums);
+        return of_rounds(
+            [&](size_t r) { return directions * one.times[r].direction.*part + lines * one.times[r].line.*part; });
     };
     Bar bar{.streaming = sum(&HalfTime::streaming), .total = median(runs.totals(iterations))};
-    bar.switching = directions * median(one.direction_switching) + lines * median(one.line_switching);
+    bar.switching =
+        of_rounds([&](size_t r) { return directions * one.direction_switching[r] + lines * one.line_switching[r]; });
     // timed apart, which may be at a slower time
     bar.computation = std::max(0.0, std::min(sum(&HalfTime::sweep), bar.total) - bar.streaming - bar.switching);
     return bar;
@@ -418,6 +420,7 @@ void fig8(Experiment& experiment) {
     const auto context = Context::create(o.request.context);
     note_gl(*context, experiment.record());
     const bool software = context->software();
+    if (!software && o.opengl_iterations(software) < o.request.iterations) note_rounds_left_out();
     std::vector<Contestant> all = contestants(o, dataset, software);
     context->make_current();
     std::vector<Iterations> iterations;
@@ -425,12 +428,13 @@ void fig8(Experiment& experiment) {
 
     double opengl_seconds = 0, iterations_seconds = 0;
     for (int r = 0; another_round(r, o.repetitions, r > 0 ? std::optional(iterations_seconds) : std::nullopt); ++r) {
-        const int left = o.repetitions - r;
-        std::vector<Contestant*> running = those_in_time(
-            all, r == 0 ? std::numeric_limits<double>::infinity() : seconds_left() - left * iterations_seconds, left);
-        if (running.size() < all.size()) note_rounds_left_out();
-        if (software && r > 0 && opengl_seconds >= o.software_seconds)
-            std::erase_if(running, [](const Contestant* c) { return c->opengl; });
+        std::vector<Contestant*> candidates;
+        for (Contestant& c : all)
+            if (!c.opengl || !software || r == 0 || opengl_seconds < o.software_seconds) candidates.push_back(&c);
+        const double seconds = r == 0 ? std::numeric_limits<double>::infinity()
+                                      : seconds_left() / (o.repetitions - r) - iterations_seconds;
+        const std::vector<Contestant*> running = those_in_time(candidates, seconds);
+        if (running.size() < candidates.size()) note_rounds_left_out();
         for (Contestant* c : running) {
             const Stopwatch clock;
             c->runs.rounds.push_back(r);

@@ -12,7 +12,7 @@ or table, which no reader sees, says where its numbers are from:
     1 %: given
     -->
 
-`rows:` takes the newest run of an experiment at a profile on a machine, which its processor's or renderer's name or number says. From there on
+`rows:` takes the newest run, cut short or not, of an experiment at a profile on a machine, which its processor's or renderer's name or number says. From there on
 its files of rows have their names, as in docs/article/fill.py: file(column="value") are the rows with that value, .column the
 value of the only one, .all("column") those of all; what its run.json says has its name, too. newest("standard", "family 26") are
 all such runs. `name = ...` and `name(...) = ...` abbreviate an expression for the rest of the page.

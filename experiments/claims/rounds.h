@@ -76,6 +76,12 @@ inline std::vector<double> each(const Rounds& a, const Rounds& b, const Operatio
         if (const auto other = b.find(round); other != b.end()) out.push_back(operation(value, other->second));
     return out;
 }
+/// Those of a's rounds that b has, too.
+inline Rounds shared(const Rounds& a, const Rounds& b) {
+    Rounds out = a;
+    std::erase_if(out, [&](const auto& one) { return !b.contains(one.first); });
+    return out;
+}
 inline std::vector<double> ratios(const Rounds& a, const Rounds& b) { return each(a, b, std::divides()); }
 
 }  // namespace radiafit::harness

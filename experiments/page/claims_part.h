@@ -7,9 +7,9 @@
 
 namespace radiafit::harness {
 
-/// How many claims have which verdict, by their newest runs.
+/// How many claims have which verdict, by the runs that are told first.
 Html claims_counts(std::span<const ClaimFindings> claims);
-/// One line of each claim, by its newest run; the verdicts of other machines are folded.
+/// One line of each claim, by the run that is told first; the verdicts of other machines are folded.
 Html claims_summary(std::span<const ClaimFindings> claims);
 /// Each claim with its rule, and what every run found.
 Html claims_in_full(std::span<const ClaimFindings> claims);

@@ -122,7 +122,8 @@ std::vector<RunRecord> shown_runs(const RunFolders& folders, const std::string& 
     std::vector<RunRecord> shown;
     for (const std::string& one : profiles) {
         std::vector<RunRecord> runs = folders.newest(experiment, one);
-        std::ranges::sort(runs, std::ranges::greater(), &RunRecord::utc);
+        std::ranges::sort(runs, std::ranges::greater(),
+                          [](const RunRecord& run) { return std::pair(!run.rounds_left_out, run.utc); });
         std::ranges::move(runs, std::back_inserter(shown));
     }
     return shown;

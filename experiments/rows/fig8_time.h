@@ -17,7 +17,7 @@ inline const RowFileOf<Repetition> repetitions{
      {"optimizer", key(), "cg or sd", &Repetition::optimizer},
      {"threads", key(), "of the CPU", &Repetition::threads},
      {"iterations", key(), "of the fit", &Repetition::iterations},
-     {"repetition", repetition(), "from 0", &Repetition::repetition},
+     {"repetition", repetition(), "round, from 0; in limited time slow methods sit out of some", &Repetition::repetition},
      {"distribution_s", times("{:.5g}"), "of the baseline's first step, which writes samples by vertex", &Repetition::distribution_s},
      {"streaming_s", times("{:.5g}"), "of reading images (OpenGL) or records (the baseline)", &Repetition::streaming_s},
      {"optimization_s", times("{:.5g}"), "of the rest", &Repetition::optimization_s},

@@ -256,7 +256,8 @@ def cpu_over_opengl(run):
         for threads in sorted({int(r["threads"]) for r in run.rows("repetitions", method="two-step (full record)")}):
             cpu = [run.rounds("repetitions", "total_s", method=f"two-step ({record} record)", optimizer=o, iterations=n,
                               threads=threads) for record in ("full", "compact")]
-            yield ratio(min(cpu, key=lambda c: median(c.values())), opengl)
+            both = set.intersection(*map(set, cpu))
+            yield ratio(min(cpu, key=lambda c: median(c[r] for r in both)), opengl)
 
 
 def share_of_distribution(run, **wanted):

@@ -9,9 +9,8 @@
 namespace radiafit {
 
 inline bool has_osmesa() {
-    void* library = dlopen("libOSMesa.so.8", RTLD_LAZY | RTLD_LOCAL);
-    if (library) dlclose(library);
-    return library != nullptr;
+    static const bool found = dlopen("libOSMesa.so.8", RTLD_LAZY | RTLD_LOCAL) != nullptr;  // never closed
+    return found;
 }
 
 /// EGL, and OSMesa where it is installed.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -39,6 +40,21 @@ bool another_round(int done, int wanted, std::optional<double> seconds) {
     log_warning(fmt::format("{} of {} rounds, as the time is up: intervals are wider, or missing", done, wanted));
     left_out = true;
     return false;
+}
+
+std::vector<bool> those_in_time(std::span<const InRound> all, double seconds) {
+    std::vector<size_t> order(all.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::ranges::stable_sort(order, {}, [&](size_t i) { return std::pair(!all[i].compared, all[i].seconds); });
+    std::vector<bool> chosen(all.size());
+    bool all_compared = true;
+    for (const size_t i : order) {
+        const bool fits = all[i].seconds <= seconds && (all[i].compared || all_compared);
+        chosen[i] = fits;
+        if (fits) seconds -= all[i].seconds;
+        if (all[i].compared && !fits) all_compared = false;
+    }
+    return chosen;
 }
 
 void note_rounds_left_out() { left_out = true; }

@@ -1,5 +1,7 @@
 #pragma once
 #include <optional>
+#include <span>
+#include <vector>
 
 /// How long a program measures: rounds end where the next one would be over too late.
 namespace radiafit {
@@ -18,9 +20,18 @@ double seconds_left();
 /// in time if it takes so many seconds; unless told, as many as those of the loop so far. Says where rounds are left
 /// out.
 bool another_round(int done, int wanted, std::optional<double> seconds = {});
-/// Of a round that left something out.
+/// Of what a loop measures in each round: whether others are compared with it, and how long it takes.
+struct InRound {
+    bool compared;
+    double seconds;
+};
+/// Which of them have a place in rounds of so many seconds: first those that are compared, the quickest first, and the
+/// others, likewise, where all of those have one.
+std::vector<bool> those_in_time(std::span<const InRound> all, double seconds);
+
+/// That a round, or what it measures, was cut short.
 void note_rounds_left_out();
-/// Whether any round was left out so far, or something of one.
+/// Whether any round was left out or cut short so far.
 bool rounds_left_out();
 
 }  // namespace radiafit

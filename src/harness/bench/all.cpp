@@ -41,7 +41,7 @@ std::vector<Part> parts_of(const BenchOptions& o, const std::string& program,
     for (const BundledExperiment& e : bundle)
         parts.push_back({e.name,
                          {program, "--part", e.name, "--config", fmt::format("experiments/{}.toml", e.name),
-                          "--profile", o.scale}});  // in `root`
+                          "--profile", o.scale}});
     for (Part& part : parts)
         if (o.threads > 0) part.command.insert(part.command.end(), {"--threads", std::to_string(o.threads)});
     return parts;

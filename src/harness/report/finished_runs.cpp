@@ -122,11 +122,14 @@ std::vector<RunRecord> newest_runs(const fs::path& root, const std::string& expe
     for (const fs::path& device : folders_in(root / experiment)) {
         std::vector<fs::path> runs = folders_in(device);
         std::ranges::reverse(runs);  // names start with the time in a form that sorts
-        for (const fs::path& folder : runs)
-            if (auto run = run_of(folder, profile)) {
-                result.push_back(*std::move(run));
-                break;
-            }
+        std::optional<RunRecord> newest;
+        for (const fs::path& folder : runs) {
+            auto run = run_of(folder, profile);
+            if (!run || (newest && run->rounds_left_out)) continue;
+            newest = std::move(run);
+            if (!newest->rounds_left_out) break;
+        }
+        if (newest) result.push_back(*std::move(newest));
     }
     return result;
 }
