@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -43,16 +42,19 @@ bool another_round(int done, int wanted, std::optional<double> seconds) {
 }
 
 std::vector<bool> those_in_time(std::span<const InRound> all, double seconds) {
-    std::vector<size_t> order(all.size());
-    std::iota(order.begin(), order.end(), size_t(0));
-    std::ranges::stable_sort(order, {}, [&](size_t i) { return std::pair(!all[i].compared, all[i].seconds); });
+    std::vector<size_t> others;
     std::vector<bool> chosen(all.size());
-    bool all_compared = true;
-    for (const size_t i : order) {
-        const bool fits = all[i].seconds <= seconds && (all[i].compared || all_compared);
-        chosen[i] = fits;
-        if (fits) seconds -= all[i].seconds;
-        if (all[i].compared && !fits) all_compared = false;
+    for (size_t i = 0; i < all.size(); ++i) {
+        chosen[i] = all[i].compared;
+        if (all[i].compared)
+            seconds -= all[i].seconds;
+        else
+            others.push_back(i);
+    }
+    std::ranges::stable_sort(others, {}, [&](size_t i) { return all[i].seconds; });
+    for (const size_t i : others) {
+        seconds -= all[i].seconds;
+        chosen[i] = seconds >= 0;
     }
     return chosen;
 }

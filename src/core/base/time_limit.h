@@ -25,8 +25,8 @@ struct InRound {
     bool compared;
     double seconds;
 };
-/// Which of them have a place in rounds of so many seconds: first those that are compared, the quickest first, and the
-/// others, likewise, where all of those have one.
+/// Which of them have a place in rounds of so many seconds: those that are compared, however long they take, and of the
+/// others the quickest, as many as fit beside them.
 std::vector<bool> those_in_time(std::span<const InRound> all, double seconds);
 
 /// That a round, or what it measures, was cut short.
