@@ -98,6 +98,17 @@ class MadeUp(Article):
         self.assertEqual(self.filled("<!-- fill\ndef twice(x):\n\n    return 2 * x\n-->\n\n{{twice(4)}}"), "8")
         self.refused("<!-- fill\nnonsense\n-->\n", "article.md: its definitions: NameError")
 
+    def test_a_run_that_was_cut_short_stands_behind_a_whole_one(self):
+        path = self.root / NEW / "run.json"
+        path.write_text(json.dumps({**json.loads(path.read_text()), "rounds_left_out": True}))
+        self.assertEqual(self.filled('{{paper.timing.rows(solver="c").seconds as ,}}'), "1,234,568^[r1](#r1)^")
+        shutil.rmtree(self.root / OLD)
+        self.assertEqual(self.filled('{{paper.timing.rows(solver="c").seconds as ,}}'), "2,469,136^[r1](#r1)^")
+
+    def test_a_claim_is_told_by_the_run_that_is_told_first(self):
+        self.claims(claim("C1", "holds", OLD, told_first=True), claim("C1", "does not hold", told_first=False))
+        self.assertEqual(self.filled("C1: {{C1.verdict}}."), "C1: holds.")
+
     def test_a_claim_is_told_by_its_newest_run_that_says_something(self):
         self.claims(claim("C1", "holds", OLD), claim("C1", "does not hold"), claim("C1", "undecided", profile="standard"),
                     claim("C2", "holds", OLD), claim("C2", "not comparable"), claim("C3", "not run", ""),
