@@ -234,12 +234,17 @@ TEST(ResultFolder, NewestStandardRunOfEachDevice) {
     add("b/20231231T235959Z-y", "smoke");
     add("b/20240102T000000Z-x", "paper", ", \"standard\": false");
     add("a/20200101T000000Z-z", "paper", ", \"standard\": true");
+    add("a/20200102T000000Z-z", "paper", ", \"rounds_left_out\": true");
+    add("c/20200101T000000Z-z", "paper", ", \"rounds_left_out\": true");
+    add("c/20200102T000000Z-z", "paper", ", \"rounds_left_out\": true");
     add("a/.radiafit-tmp-1-0-later", "paper");
     fs::create_directories(root.path() / "fig7" / "a" / "20990101T000000Z-without-record");
     fs::create_directories(root.path() / "fig7" / "a" / "20990102T000000Z-damaged");
     write_file(root.path() / "fig7/a/20990102T000000Z-damaged/run.json", "{}");
     EXPECT_EQ(newest(root.path(), "paper"),
-              (std::vector{root.path() / "fig7/a/20200101T000000Z-z", root.path() / "fig7/b/20240101T000000Z-x"}));
+              (std::vector{root.path() / "fig7/a/20200101T000000Z-z", root.path() / "fig7/b/20240101T000000Z-x",
+                           root.path() / "fig7/c/20200102T000000Z-z"}))
+        << "one cut short only where there is no other";
     EXPECT_EQ(newest(root.path(), "smoke"), std::vector{root.path() / "fig7/b/20231231T235959Z-y"});
 }
 

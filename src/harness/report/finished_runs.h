@@ -44,8 +44,8 @@ RunRecord read_run(const std::filesystem::path& folder);
 /// folder, no run, rows without their run.json, or one that is damaged.
 std::vector<RunRecord> find_runs(const std::filesystem::path& folder);
 
-/// The newest standard run of an experiment and profile on each device, in the order of ROOT/EXPERIMENT's folders;
-/// those that read_run() refuses are left out.
+/// The newest standard run of an experiment and profile on each device, in the order of ROOT/EXPERIMENT's folders; one
+/// that was cut short only where there is no other. Those that read_run() refuses are left out.
 std::vector<RunRecord> newest_runs(const std::filesystem::path& root, const std::string& experiment,
                                    const std::string& profile);
 
