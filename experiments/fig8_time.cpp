@@ -205,17 +205,6 @@ struct Contestant {
     }
 };
 
-/// Those of them that run in a round of so many seconds.
-std::vector<Contestant*> those_in_time(const std::vector<Contestant*>& all, double seconds) {
-    std::vector<InRound> turns;
-    for (const Contestant* c : all) turns.push_back({c->compared(), c->seconds});
-    const std::vector<bool> chosen = radiafit::those_in_time(turns, seconds);
-    std::vector<Contestant*> running;
-    for (size_t i = 0; i < all.size(); ++i)
-        if (chosen[i]) running.push_back(all[i]);
-    return running;
-}
-
 /// Single iterations of one kind of passes: as they are; and cut to one texel, which leaves the commands alone.
 class Iterations {
 public:
@@ -439,7 +428,12 @@ void fig8(Experiment& experiment) {
             if (!c.opengl || !software || r == 0 || opengl_seconds < o.software_seconds) candidates.push_back(&c);
         const double seconds = r == 0 ? std::numeric_limits<double>::infinity()
                                       : seconds_left() / (o.repetitions - r) - iterations_seconds;
-        const std::vector<Contestant*> running = those_in_time(candidates, seconds);
+        std::vector<InRound> turns;
+        for (const Contestant* c : candidates) turns.push_back({c->compared(), c->seconds});
+        const std::vector<bool> chosen = those_in_time(turns, seconds);
+        std::vector<Contestant*> running;
+        for (size_t i = 0; i < candidates.size(); ++i)
+            if (chosen[i]) running.push_back(candidates[i]);
         if (running.size() < candidates.size()) note_rounds_left_out();
         for (Contestant* c : running) {
             const Stopwatch clock;

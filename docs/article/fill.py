@@ -6,7 +6,8 @@
 What stands between {{ and }} is a Python expression, with ` as FORMAT` behind it or not; the comment `<!-- fill ... -->` at the
 text's top has definitions for it. It knows
 
-    C1 ... C23            a claim of results/reference/claims.json, as judged from the run at the paper's scale that is told first: C1.verdict, C1.sentence, every other field there, C1.told and C1.run
+    C1 ... C23            a claim of results/reference/claims.json, as judged from the run at the paper's scale that is told first:
+                          C1.verdict, C1.sentence, every other field there, C1.told and C1.run
     claims                all of them: claims.counted, claims.of("holds"), claims.table, ...
     paper.solvers         the newest run of an experiment at a profile, paper or standard: what its run.json says, such as
                           paper.solvers.config, and its files of rows: paper.solvers.vertices

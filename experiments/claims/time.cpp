@@ -151,8 +151,9 @@ Evidence streaming_of(const FinishedRun& run, const CsvTable& t, const Where& wh
     need_cold(e, run, t, where);
     e.sentence = fmt::format(
         "Fitting {} with the paper's passes, reading photographs from a cold disk, converting them and handing them to "
-        "OpenGL takes {} "
-        "of an iteration by steepest descent and {} of one by conjugate gradients; the paper says about {}.",
+        "OpenGL takes {} of an iteration by steepest descent and {} of one by conjugate gradients; the paper says "
+        "about "
+        "{}.",
         fitting, e.measures[0].value_text(), e.measures[1].value_text(), stated);
     return e;
 }
