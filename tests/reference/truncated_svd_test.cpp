@@ -5,6 +5,7 @@
 
 #include <Eigen/SVD>
 #include <cmath>
+#include <tuple>
 
 #include "base/rng.h"
 
@@ -86,6 +87,32 @@ TEST(TruncatedSvd, RefinementApproachesItFromAnywhere) {
     TruncatedSvd none{MatrixXd::Zero(4, 2), MatrixXd::Zero(3, 2)};
     refine(MatrixXd::Zero(4, 3), none);
     EXPECT_EQ(none.g.norm() + none.h.norm(), 0);
+}
+
+// The same as filling in and refining one after the other.
+TEST(TruncatedSvd, RefillingApproachesTheMeasuredEntries) {
+    Rng rng(17);
+    for (const auto& [rows, columns, terms] : {std::tuple{50, 20, 1}, {50, 20, 3}, {12, 30, 2}, {3, 8, 4}}) {
+        const MatrixXd a = random_matrix(rows, columns, rng);
+        Unmeasured unmeasured(rows, columns);
+        for (Index i = 0; i < a.size(); ++i) unmeasured.data()[i] = rng.uniform(0, 1) < 0.3f;
+        unmeasured.col(1).setOnes();
+        unmeasured.col(2).setZero();
+        const auto measured_distance = [&](const TruncatedSvd& svd) {
+            return (unmeasured.array() > 0).select(0, a - svd.g * svd.h.transpose()).norm();
+        };
+        TruncatedSvd svd = truncated_svd(a, terms), apart = svd;
+        double before = measured_distance(svd);
+        for (int i = 0; i < 20; ++i) {
+            const MatrixXd filled = (unmeasured.array() > 0).select(apart.g * apart.h.transpose(), a);
+            refine(filled, apart);
+            refine_measured(a, unmeasured, svd);
+            const double now = measured_distance(svd);
+            ASSERT_LE(now, before * (1 + 1e-12) + 1e-14);
+            before = now;
+            ASSERT_LT((svd.g * svd.h.transpose() - apart.g * apart.h.transpose()).norm(), 1e-11 * filled.norm());
+        }
+    }
 }
 
 }  // namespace

@@ -33,14 +33,11 @@ std::vector<PcaFit> pca_solver(const RingResampler& resampler, const LfmLayout& 
         DenseLightField& field = scratch[size_t(worker)];
         const bool seen = resampler.resample(v, field);
         for (size_t c = 0; c < 3 && seen; ++c) {
-            Eigen::MatrixXd& a = field.channel[c];
+            const Eigen::MatrixXd& a = field.channel[c];
             TruncatedSvd svd = truncated_svd(a, layout.terms());
             int done = 0;
             for (size_t i = 0; i < refills.size(); ++i) {
-                for (; done < refills[i]; ++done) {
-                    a = (field.invented.array() > 0).select(svd.g * svd.h.transpose(), a);
-                    refine(a, svd);
-                }
+                for (; done < refills[i]; ++done) refine_measured(a, field.invented, svd);
                 put(svd, layout, resampler.view_texels(), v, c, fits[i].parameters);
             }
         }

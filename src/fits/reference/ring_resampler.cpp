@@ -33,8 +33,9 @@ bool RingResampler::resample(size_t vertex, DenseLightField& out) const {
     std::vector<size_t> first_rows = {0};  // of the ring's tiles
     for (const Corner& corner : ring) first_rows.push_back(first_rows.back() + atlas_->tile(corner.triangle).texels());
     const size_t rows = first_rows.back();
-    for (Eigen::MatrixXd* m : {&out.channel[0], &out.channel[1], &out.channel[2], &out.invented})
-        m->setZero(Eigen::Index(rows), Eigen::Index(view_texels_.size()));
+    const auto height = Eigen::Index(rows), width = Eigen::Index(view_texels_.size());
+    for (Eigen::MatrixXd& m : out.channel) m.setZero(height, width);
+    out.invented.setZero(height, width);
     out.seen.assign(rows, 0);
     out.counts = {};
     std::map<ImageSet, Mixing> mixings;

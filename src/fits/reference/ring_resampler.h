@@ -10,6 +10,7 @@
 #include "reference/resampling_counts.h"
 #include "reference/subset_interpolation.h"
 #include "reference/tile_views.h"
+#include "reference/truncated_svd.h"
 
 namespace radiafit::fits {
 
@@ -17,7 +18,7 @@ namespace radiafit::fits {
 /// RingResampler::view_texels().
 struct DenseLightField {
     Eigen::MatrixXd channel[3];  ///< L t (Eq. 14)
-    Eigen::MatrixXd invented;    ///< 1 where an entry was made up
+    Unmeasured invented;         ///< where an entry was made up
     ResamplingCounts counts;
     std::vector<uint8_t> seen;  ///< [rows] by some image
 };

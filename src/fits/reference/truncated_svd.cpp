@@ -5,27 +5,30 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "base/rng.h"
 
 namespace radiafit::fits {
 namespace {
 
-// Terms from right singular vectors, the columns of v in descending order; nothing from the first one on whose singular
-// value is below 1e-7 of the largest. Gram matrices square the singular values, so what is smaller drowns in rounding:
-// far below what photographs of 8 or 16 bits hold.
-TruncatedSvd terms_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& v) {
-    TruncatedSvd out{a * v, v};
-    const double scale = std::sqrt(double(a.cols())), largest = out.g.col(0).norm();
-    bool negligible = false;
-    for (Eigen::Index k = 0; k < v.cols(); ++k) {
-        negligible = negligible || !(out.g.col(k).norm() > 1e-7 * largest);
-        if (negligible) {
+// Singular values below this share of the largest count as zero. Gram matrices square the singular values, so what is
+// smaller drowns in rounding: far below what photographs of 8 or 16 bits hold.
+constexpr double negligible = 1e-7;
+
+/// Terms from right singular vectors, the columns of h in descending order, and A times them, g; nothing from the first
+/// negligible one on.
+TruncatedSvd scaled(TruncatedSvd out) {
+    const double scale = std::sqrt(double(out.h.rows())), largest = out.g.col(0).norm();
+    bool ended = false;
+    for (Eigen::Index k = 0; k < out.h.cols(); ++k) {
+        ended = ended || !(out.g.col(k).norm() > negligible * largest);
+        if (ended) {
             out.g.col(k).setZero();
             out.h.col(k).setZero();
             continue;
         }
-        const double sign = v.col(k).sum() < 0 ? -1 : 1;
+        const double sign = out.h.col(k).sum() < 0 ? -1 : 1;
         out.g.col(k) *= sign / scale;
         out.h.col(k) *= sign * scale;
     }
@@ -84,7 +87,7 @@ TruncatedSvd truncated_svd(const Eigen::MatrixXd& a, int terms) {
         v.leftCols(count) = first_eigenvectors(gram(a.transpose()), count);
     else
         v.leftCols(count) = left_singular_vectors(a.transpose() * first_eigenvectors(gram(a), count));
-    return terms_of(a, v);
+    return scaled({a * v, v});
 }
 
 void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd) {
@@ -93,7 +96,51 @@ void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd) {
     const Eigen::MatrixXd b = a.transpose() * q;  // A's nearest within the span of q is q b^T
     Eigen::MatrixXd v = Eigen::MatrixXd::Zero(a.cols(), terms);
     v.leftCols(count) = left_singular_vectors(b);
-    svd = terms_of(a, v);
+    svd = scaled({a * v, v});
+}
+
+void refine_measured(const Eigen::MatrixXd& a, const Unmeasured& unmeasured, TruncatedSvd& svd) {
+    const Eigen::Index rows = a.rows(), terms = svd.h.cols(), count = std::min({terms, rows, a.cols()});
+    // Column after column, while a cache holds it. Of columns without a measured entry only g and h are needed.
+    Eigen::VectorXd filled(rows);
+    const auto each_column = [&](const auto& measured, const auto& wholly_unmeasured) {
+        for (Eigen::Index j = 0; j < a.cols(); ++j) {
+            const uint8_t* open = unmeasured.col(j).data();
+            if (!std::memchr(open, 0, size_t(rows))) {
+                wholly_unmeasured(j);
+                continue;
+            }
+            const double* entry = a.col(j).data();
+            filled.noalias() = svd.g * svd.h.row(j).transpose();
+            for (Eigen::Index i = 0; i < rows; ++i) filled[i] = open[i] ? filled[i] : entry[i];
+            measured(j);
+        }
+    };
+    Eigen::MatrixXd ah = Eigen::MatrixXd::Zero(rows, terms), of_h = Eigen::MatrixXd::Zero(terms, terms);
+    each_column([&](Eigen::Index j) { ah.noalias() += filled * svd.h.row(j); },
+                [&](Eigen::Index j) { of_h.noalias() += svd.h.row(j).transpose() * svd.h.row(j); });
+    ah.noalias() += svd.g * of_h;
+    const Eigen::MatrixXd q = orthonormal(ah.leftCols(count)), gq = svd.g.transpose() * q;
+    Eigen::MatrixXd b(a.cols(), count), ab = Eigen::MatrixXd::Zero(rows, count),
+                                        of_b = Eigen::MatrixXd::Zero(terms, count);
+    each_column(
+        [&](Eigen::Index j) {
+            b.row(j).noalias() = filled.transpose() * q;
+            ab.noalias() += filled * b.row(j);
+        },
+        [&](Eigen::Index j) {
+            b.row(j).noalias() = svd.h.row(j) * gq;
+            of_b.noalias() += svd.h.row(j).transpose() * b.row(j);
+        });
+    ab.noalias() += svd.g * of_b;
+    // b = u s w^T, so that A u = A b w / s
+    const Eigen::JacobiSVD<Eigen::MatrixXd> decomposed(b, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::VectorXd& s = decomposed.singularValues();
+    TruncatedSvd refined{Eigen::MatrixXd::Zero(rows, terms), Eigen::MatrixXd::Zero(a.cols(), terms)};
+    refined.h.leftCols(count) = decomposed.matrixU();
+    for (Eigen::Index k = 0; k < count && s[k] > negligible * s[0]; ++k)
+        refined.g.col(k).noalias() = ab * decomposed.matrixV().col(k) / s[k];
+    svd = scaled(std::move(refined));
 }
 
 }  // namespace radiafit::fits
