@@ -75,6 +75,13 @@ nlohmann::ordered_json json_of_varied(const Finding& f) {
             {"run", f.run}};
 }
 
+/// A verdict, and why there is no other one.
+std::string told(const ClaimFindings::Line& line) {
+    const std::string verdict = line.verdict(), why = line.judged ? line.judged->reason() : "";
+    const bool open = verdict == "undecided" || verdict == "not comparable";
+    return open && !why.empty() ? fmt::format("{}: {}", verdict, why) : verdict;
+}
+
 std::string told(const Finding& f, const Judgement& j) {
     std::string text = fmt::format("**{}**", f.verdict(j));
     if (const std::string reason = j.reason(); !reason.empty()) text += fmt::format(": {}", reason);
@@ -140,7 +147,7 @@ void write_claims(Experiment& experiment) {
         const Claim& claim = *found.claim;
         for (const ClaimFindings::Line& line : found.lines())
             shown.add(
-                {claim.id, claim.states, line.found(), line.verdict(), line.by_other_rules(), line.at_smaller_scale()});
+                {claim.id, claim.states, line.found(), told(line), line.by_other_rules(), line.at_smaller_scale()});
         for (const Finding* f : found.all()) json["claims"].push_back(json_of(*f, f == &found.first()));
         for (const Finding& f : found.varied) json["varied"].push_back(json_of_varied(f));
         sections += "\n" + section_of(found);

@@ -16,6 +16,7 @@ def main(profile, names):
         runs = sorted(pathlib.Path("results/reference", name).glob("*/*/run.json"), key=lambda path: path.parent.name)
         records = [(path.parent, json.loads(path.read_text())) for path in runs]
         records = [(folder, record) for folder, record in records if record.get("profile") == profile and record.get("standard", True)]
+        records.sort(key=lambda pair: not pair[1].get("rounds_left_out", False))  # last the newest of those that ran whole
         if not records:
             missing += [name] if name not in ("claims", "report") else []  # which measure nothing
             continue

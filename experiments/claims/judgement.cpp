@@ -92,6 +92,13 @@ Outcome Measure::outcome() const {
     return Outcome::undecided;
 }
 
+const char* Measure::why_undecided() const {
+    if (!figure.interval) return "too few repetitions for an interval";
+    if (failing && apart(*figure.interval, bound) && apart(*figure.interval, *failing))
+        return "the interval lies between what holds and what does not";
+    return "the interval straddles the bound";
+}
+
 std::string Measure::value_text() const { return with_unit(number_text(figure.value, unit), unit); }
 
 std::string Measure::interval_text() const {
@@ -154,8 +161,9 @@ std::string Judgement::reason() const {
     if (!rule->none.empty()) return rule->none;
     if (!unmet.empty()) return fmt::format("the claim is about {}", fmt::join(unmet, "; and about "));
     if (outcome() != Outcome::undecided) return "";
-    const bool few = std::ranges::any_of(measures, [](const Measure& m) { return !m.figure.interval; });
-    return few ? "too few repetitions for an interval" : "the interval straddles the bound";
+    for (const Measure& m : measures)
+        if (m.outcome() == Outcome::undecided) return m.why_undecided();
+    return "";
 }
 
 nlohmann::ordered_json Judgement::json() const {

@@ -10,7 +10,8 @@
 #include "report/table.h"
 
 /// A claim is judged by figures with 95 % intervals, each against a bound: what lies wholly within the bound holds,
-/// what lies wholly outside does not, and what straddles it is undecided.
+/// what lies wholly outside does not, and what straddles it is undecided, as is what lies between a bound and another
+/// from which on a claim does not hold.
 namespace radiafit::harness {
 
 /// A measured figure.
@@ -51,6 +52,7 @@ struct Measure {
     Bound bound = {};                   ///< where it holds
     std::optional<Bound> failing = {};  ///< where it does not; none: wherever it does not hold
     Outcome outcome() const;
+    const char* why_undecided() const;  ///< of such an outcome
     std::string value_text() const;     ///< "11.9"
     std::string interval_text() const;  ///< "11.2 to 12.6", or "too few repetitions", or "counted"
 };

@@ -191,7 +191,7 @@ Evidence memory_linear(const FinishedRun& run) {
         process_least = std::min(process_least, t.number(i, "process_bytes") / planned);
         process_most = std::max(process_most, t.number(i, "process_bytes") / planned);
     }
-    e.measure("held over planned", "the most that OpenGL holds over what was planned", exact(worst));
+    e.measure("held over planned", "the most that OpenGL holds over what was planned", exact(worst), "times");
     for (const auto& [name, slope] : lines.slopes)
         e.measure("slope", name + ", slope of bytes over parameters", exact(slope));
     const double triangles = t.number(0, "triangles"), vertices = t.number(0, "vertices");

@@ -211,9 +211,9 @@ Evidence combined_passes(const FinishedRun& run) {
         const Figure time =
             median_of_rounds(ratios(of(image_by_image, "switching_s"), of(paper_passes, "switching_s")));
         const double switches = fewer("switches", image_by_image), reads = fewer("reads", image_by_image);
-        e.measure("switches", upper(optimizer) + ", switches", exact(switches));
-        e.measure("switching time", upper(optimizer) + ", time of switching", time);
-        e.measure("texture reads", upper(optimizer) + ", texture reads", exact(reads));
+        e.measure("switches", upper(optimizer) + ", switches", exact(switches), "times");
+        e.measure("switching time", upper(optimizer) + ", time of switching", time, "times");
+        e.measure("texture reads", upper(optimizer) + ", texture reads", exact(reads), "times");
         found.push_back(fmt::format("{:.2g} times the switches and {:.2g} times the texture reads ({})", switches,
                                     reads, upper(optimizer)));
         e.beside.push_back(

@@ -15,7 +15,9 @@ namespace {
 constexpr std::array<std::pair<const char*, const char*>, 5> verdicts = {{
     {"holds", "the whole 95 % interval of every figure lies within what the rule asks for"},
     {"does not hold", "an interval lies wholly apart from it"},
-    {"undecided", "an interval straddles the rule's bound, or there were too few repetitions for one"},
+    {"undecided",
+     "an interval straddles the rule's bound or lies between what holds and what does not, or repetitions were too few "
+     "for one"},
     {"not comparable", "the claim is about something that these runs are not of, such as a graphics chip's time"},
     {"not run", "no rows to judge from"},
 }};
@@ -150,7 +152,8 @@ Html claims_summary(std::span<const ClaimFindings> claims) {
     }
     Html part;
     part << html_table(
-        "Each claim, judged at the paper's scale; in brackets intervals of 95 %. Rules and reasons: the claim's link.",
+        "Each claim, judged at the paper's scale; in brackets intervals of 95 %, \"counted\" where every run gives the "
+        "same, \"too few repetitions\" where there are fewer than nine. Rules and reasons: the claim's link.",
         {"Claim", "The paper states", "Section", "Verdict", "Measured", "Why"}, rows, {},
         {{"class", "claims sortable"}, {"id", "claims-table"}});
     return part;
