@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No include, and no link list, breaks the rings or the layers within them. RINGS: core, fits, harness, tools; a ring sees
 those within it. Layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference; image and gl on base,
-fragment on gl, and compute on fragment; synthetic on dataset; capture and fit on dataset and image, stereo on capture, eval on
+fragment on gl, and compute on fragment; synthetic on dataset; capture and fit on dataset and image, lamps on geometry, stereo on capture, eval on
 fit; report and command_line on base; bench on what reads no foreign file. Experiments are of the harness.
 
 Also: that src/CMakeLists.txt and the map in docs/architecture.md name the same layers, that no class is defined twice
@@ -17,7 +17,7 @@ RINGS = {
              "fit", "eval"],
     "fits": ["reference", "basis", "viewbasis", "lightbasis", "sg", "reachable", "fitting"],
     "harness": ["report", "command_line", "bench"],
-    "tools": ["capture", "stereo", "exchange", "publish", "cli", "python"],
+    "tools": ["lamps", "capture", "stereo", "exchange", "publish", "cli", "python"],
 }
 RING_OF = {layer: ring for ring, layers in RINGS.items() for layer in layers}
 CHAIN = ["base", "geometry", "model", "dataset", "samples", "optim"]
@@ -53,6 +53,7 @@ ALLOWED.update(
     report={"base"},
     command_line={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report", "command_line"},
+    lamps=up_to("geometry"),
     capture=up_to("dataset") | {"image"},
     stereo=up_to("dataset") | {"image", "capture"},
     exchange=rings("core", "fits") | {"image_web"},
