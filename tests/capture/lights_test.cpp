@@ -2,9 +2,9 @@
 #include "base/statistics.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
-#include "capture/photometric_stereo.h"
 #include "dataset/image_stream.h"
 #include "lights_fixture.h"
+#include "model/photometric_stereo.h"
 
 namespace radiafit {
 using namespace tools;

@@ -1,11 +1,11 @@
-#include "capture/photometric_stereo.h"
+#include "model/photometric_stereo.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
-namespace radiafit::tools {
+namespace radiafit {
 namespace {
 
 /// Of the mean of l lᵀ: below it, the lamps lie in one plane, or nearly, and noise decides.
@@ -70,4 +70,4 @@ Vec3f photometric_normal(std::span<const Vec3d> directions, std::span<const floa
     return g.normalized().cast<float>();
 }
 
-}  // namespace radiafit::tools
+}  // namespace radiafit

@@ -7,7 +7,7 @@
 
 /// Normals of a surface from images that show it pixel on pixel under distant lamps (Woodham 1980), by sums that
 /// shadows, highlights and interreflections sway little.
-namespace radiafit::tools {
+namespace radiafit {
 
 /// Whether such lamps determine normals: three at least, and not nearly in one plane. Directions are unit.
 bool lamps_give_normals(std::span<const Vec3d> directions);
@@ -18,4 +18,4 @@ bool lamps_give_normals(std::span<const Vec3d> directions);
 /// on) may be highlight: neither is used. The rest are fitted by least absolute errors (reweighted least squares).
 Vec3f photometric_normal(std::span<const Vec3d> directions, std::span<const float> values);
 
-}  // namespace radiafit::tools
+}  // namespace radiafit

@@ -21,7 +21,6 @@
 #include "capture/image_set.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
-#include "capture/photometric_stereo.h"
 #include "capture/picture_facts.h"
 #include "dataset/checksums.h"
 #include "dataset/encoding.h"
@@ -29,6 +28,7 @@
 #include "dataset/stream_views.h"
 #include "dataset/view_directions.h"
 #include "image/image_file.h"
+#include "model/photometric_stereo.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;

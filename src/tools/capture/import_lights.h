@@ -32,7 +32,7 @@ struct LightImportReport {
     size_t training = 0, held_out = 0;      ///< images written
     std::vector<std::string> notes;         ///< what the user should know, one line each
     std::vector<std::string> remarks = {};  ///< what a user may want to know, and is no cause to worry
-    bool computed_normals = false;          ///< from the training images (capture/photometric_stereo.h)
+    bool computed_normals = false;          ///< from the training images (model/photometric_stereo.h)
 };
 
 /// Packs the images into a dataset over a grid (dataset/grid.h), pixels as they are stored but for 16-bit sRGB, which
