@@ -149,30 +149,45 @@ def write_png(path, width, height, rgb, depth=8):
 
 def read_png(png):
     """Width, height and bytes of an 8-bit RGB image without interlacing; an alpha channel is left out. png: a path or bytes."""
+    width, height, form, rows = png_rows(png)
+    if form not in ((8, 2), (8, 6)):
+        raise AssertionError(f"{png if isinstance(png, pathlib.Path) else 'PNG'}: not plain 8-bit RGB: {form}")
+    return width, height, b"".join(row if form[1] == 2 else bytes(value for i, value in enumerate(row) if i % 4 < 3) for row in rows)
+
+
+def read_grey16(path):
+    """Width, height and numbers of a 16-bit grey image without interlacing."""
+    width, height, form, rows = png_rows(path)
+    if form != (16, 0):
+        raise AssertionError(f"{path}: not 16-bit grey: {form}")
+    return width, height, [value for row in rows for value in struct.unpack(f">{width}H", row)]
+
+
+def png_rows(png):
+    """Width, height, (bits, kind of colour) and rows of bytes."""
     data = png if isinstance(png, bytes) else png.read_bytes()
     at, packed = 8, b""
     while at < len(data):
         (length,) = struct.unpack_from(">I", data, at)
         kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
         if kind == b"IHDR":
-            width, height, *form = struct.unpack(">IIBBBBB", body)
-            if form not in ([8, 2, 0, 0, 0], [8, 6, 0, 0, 0]):
-                raise AssertionError(f"{png if data is not png else 'PNG'}: not plain 8-bit RGB: {form}")
-            channels = 3 if form[1] == 2 else 4
+            width, height, *form, packing, filtering, interlaced = struct.unpack(">IIBBBBB", body)
+            assert (packing, filtering, interlaced) == (0, 0, 0), "PNG: interlaced, or of another kind"
         if kind == b"IDAT":
             packed += body
         at += 12 + length
-    raw, stride, rows = zlib.decompress(packed), channels * width, []
+    apart = {0: 1, 2: 3, 4: 2, 6: 4}[form[1]] * form[0] // 8  # bytes to the pixel on the left
+    raw, stride, rows = zlib.decompress(packed), apart * width, []
     above = bytes(stride)
     for y in range(height):
         method, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)])
         for i in range(stride if method else 0):
-            a, b, c = (row[i - channels] if i >= channels else 0), above[i], (above[i - channels] if i >= channels else 0)
+            a, b, c = (row[i - apart] if i >= apart else 0), above[i], (above[i - apart] if i >= apart else 0)
             paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
             row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[method]) & 255
         above = bytes(row)
-        rows.append(above if channels == 3 else bytes(value for i, value in enumerate(row) if i % 4 < 3))
-    return width, height, b"".join(rows)
+        rows.append(above)
+    return width, height, tuple(form), rows
 
 
 def quaternion(r):

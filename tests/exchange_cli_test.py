@@ -8,7 +8,7 @@ import math
 import struct
 import unittest
 
-from cli_fixture import ProgramTest, read_png, take_arguments
+from cli_fixture import ProgramTest, read_grey16, read_png, take_arguments
 from exchange_fixture import Glb, psnr, srgb, write_dome
 
 
@@ -180,13 +180,73 @@ class Exchange(ProgramTest):
             ]
             self.assertGreater(psnr(computed, rendered), 35)
 
+    def exported_maps(self, fit, *options):
+        """The names, and maps.json."""
+        said = self.good("export", "maps", fit, *options, "-o", "maps").stderr
+        self.assertIn("maps: textures of", said)
+        return {path.name for path in (self.root / "maps").iterdir()}, json.loads((self.root / "maps/maps.json").read_text())
+
+    @staticmethod
+    def names(*maps):
+        return {"maps.json", *(f"{name}.{ending}" for name in maps for ending in ("png", "exr"))}
+
     def test_maps(self):
-        self.good("export", "maps", "lafortune", "-o", "maps")
-        names = {path.name for path in (self.root / "maps").iterdir()}
-        self.assertEqual(names, {"base_colour.png", "base_colour.exr", "roughness.png", "roughness.exr"})
+        names, about = self.exported_maps("lafortune")
+        self.assertEqual(names, self.names("base_colour", "roughness", "normals"))
+        self.assertEqual(about["base_colour"]["is_albedo"], True)
+        self.assertEqual((about["normals"]["from"], about["normals"]["axes"]), ("fit", "the mesh's"))
         glb = self.exported("lafortune")
         self.assertEqual((self.root / "maps/base_colour.png").read_bytes(), glb.image("base colour"))
         self.assertEqual((self.root / "maps/roughness.png").read_bytes(), glb.image("roughness"))
+        # The fit is shaded with the mesh's normals, which its lamps tell again; both maps are unit or empty.
+        found = read_png(self.root / "maps/normals.png")[2]
+        _, about = self.exported_maps("lafortune", "--normals", "dataset")
+        self.assertEqual((about["normals"]["from"], about["normals"]["lamps"]), ("dataset", 0))
+        given = read_png(self.root / "maps/normals.png")[2]
+        angles = []
+        for i in range(0, len(given), 3):
+            a, b = ([value / 127.5 - 1 for value in map_[i : i + 3]] for map_ in (found, given))
+            if math.hypot(*b) > 0.5:
+                self.assertAlmostEqual(math.hypot(*a), 1, delta=0.02)
+                angles.append(math.degrees(math.acos(min(1, sum(x * y for x, y in zip(a, b)) / math.hypot(*a) / math.hypot(*b)))))
+        self.assertLess(sorted(angles)[len(angles) // 2], 1)
+        names, about = self.exported_maps("sg")
+        self.assertEqual(names, self.names("base_colour", "roughness"))
+        self.assertEqual(about["base_colour"]["is_albedo"], False)
+        names, _ = self.exported_maps("lfm", "--normals", "dataset")
+        self.assertEqual(names, self.names("base_colour", "normals"))
+
+    def test_a_reliefs_height(self):
+        """The dome's relief is z = 1.25 cos(x / 5) - 1.75 cos(y / 7), y down."""
+        self.good("fit", "relief", "--model", "lightbasis", "--numbers", "9", "-o", "basis")
+        names, about = self.exported_maps("basis")
+        self.assertEqual(names, self.names("base_colour", "normals", "height"))
+        self.assertEqual((about["normals"]["from"], about["height"]["unit"], about["height"]["texel"]), ("fit", "pixel", [1, 1]))
+        width, height, values = read_grey16(self.root / "maps/height.png")
+        self.assertEqual((width, height, min(values), max(values)), (40, 30, 1, 65535))
+        _, _, normals = read_png(self.root / "maps/normals.png")
+        least, most = about["height"]["least"], about["height"]["most"]
+        heights = [least + (value - 1) / 65534 * (most - least) for value in values]
+        truth = [1.25 * math.cos(x / 5) - 1.75 * math.cos(y / 7) for y in range(height) for x in range(width)]
+        self.assertAlmostEqual(sum(heights), 0, delta=0.01 * len(heights))
+        mean, spread = sum(truth) / len(truth), max(truth) - min(truth)
+        self.assertLess(max(abs(a - b + mean) for a, b in zip(heights, truth)), 0.04 * spread)
+        for y in range(height):
+            for x in range(width):
+                n = [value / 127.5 - 1 for value in normals[3 * (y * width + x) : 3 * (y * width + x) + 3]]
+                true = (0.25 * math.sin(x / 5), 0.25 * math.sin(y / 7), 1)
+                cosine = sum(a * b for a, b in zip(n, true)) / math.hypot(*n) / math.hypot(*true)
+                self.assertLess(math.degrees(math.acos(min(1, cosine))), 4)
+        _, about = self.exported_maps("basis", "--normals", "dataset")
+        self.assertEqual((about["height"]["least"], about["height"]["most"]), (0, 0))
+        self.assertEqual(set(read_png(self.root / "maps/normals.png")[2]), {128, 255})
+
+    def test_lamps_that_tell_no_normals(self):
+        self.good("fit", self.flat_sample("two", count=2), "--model", "lambert", "-o", "twice-lit")
+        self.refused("export", "maps", "twice-lit", "--normals", "fit", "-o", "new", says=("twice-lit: the lamps", "--normals dataset"))
+        said = self.good("export", "maps", "twice-lit", "-o", "few").stderr
+        self.assertIn("tell no normals: those of the dataset are written", said)
+        self.assertEqual(json.loads((self.root / "few/maps.json").read_text())["normals"]["from"], "dataset")
 
     def test_what_stands_there(self):
         self.exported("ptm")
@@ -201,6 +261,8 @@ class Exchange(ProgramTest):
         (self.root / "twice/notes.txt").write_text("mine")
         self.refused("export", "maps", "ptm", "-o", "twice", says=("twice: holds notes.txt",))
         self.refused("export", "rti", "lafortune", "-o", "new", says=("has a mesh", "grid"))
+        self.refused("export", "maps", "sg", "--normals", "fit", "-o", "new", says=("sg: its model keeps the light", "--normals dataset"))
+        self.refused("export", "maps", "sg", "--normals", "mesh", "-o", "new", says=("normals 'mesh' does not exist", "fit, dataset"))
         self.refused("export", "rti", "sg", "-o", "new", says=("sg: its model keeps the light",))
 
 

@@ -13,7 +13,10 @@
 #include "cli/commands.h"
 #include "cli/render_options.h"
 #include "exchange/gltf.h"
+#include "exchange/maps_json.h"
+#include "exchange/relief.h"
 #include "exchange/relight.h"
+#include "exchange/surface_normals.h"
 #include "exchange/textures.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
@@ -31,6 +34,7 @@ struct ExportOptions {
     std::optional<int> planes;  ///< of relight
     int quality = 100;
     std::string basis = "bilinear";  ///< of relight
+    std::string normals;             ///< of maps; empty: as suits the fit
 };
 
 void add_fit_and_output(CommandLine& command, ExportOptions& o, const char* output) {
@@ -76,7 +80,8 @@ void check_folder_target(const fs::path& folder, const char* what, std::span<con
 constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg", "plane_2.jpg", "plane_3.jpg",
                                      "plane_4.jpg", "plane_5.jpg", "plane_6.jpg", "plane_7.jpg", "plane_8.jpg"};
 constexpr const char* map_files[] = {"base_colour.png", "base_colour.exr", "roughness.png",
-                                     "roughness.exr",   "normals.png",     "normals.exr"};
+                                     "roughness.exr",   "normals.png",     "normals.exr",
+                                     "height.png",      "height.exr",      "maps.json"};
 
 void export_gltf(const ExportOptions& o) {
     check_glb_target(o.output);
@@ -125,28 +130,69 @@ ExrImage exr_of(const TextureImage& texture, const std::vector<std::string>& cha
     return {texture.width, texture.height, channels, texture.values, {}};
 }
 
+enum class NormalsFrom { fit, dataset };
+
+/// asked: none, as suits the fit: those of the dataset if a grid has others than its plane's, else of the fit if its
+/// light moved, else nothing. Throws UserError where the fit is asked for what it can't tell.
+std::optional<SurfaceNormals> normals_for(Fitted& fit, const SurfaceLook& look, const std::string& folder,
+                                          std::optional<NormalsFrom> asked) {
+    const Dataset& dataset = fit.dataset();
+    if (asked.value_or(has_own_normals(dataset) ? NormalsFrom::dataset : NormalsFrom::fit) == NormalsFrom::dataset)
+        return normals_of_dataset(*look.atlas, dataset);
+    if (!takes_light(fit)) {
+        if (!asked) return std::nullopt;
+        throw UserError(
+            fmt::format("{}: its model keeps the light it was photographed under, which tells no normals; choose "
+                        "--normals dataset",
+                        folder));
+    }
+    auto normals = normals_of_fit(contestant_of(fit), *look.atlas, dataset, fitted_views(dataset, fit.record()));
+    if (normals) return normals;
+    const auto why =
+        fmt::format("{}: the lamps that were fitted, fewer than three or all in one plane, tell no normals", folder);
+    if (asked) throw UserError(why + "; choose --normals dataset");
+    log_info(why + ": those of the dataset are written");
+    return normals_of_dataset(*look.atlas, dataset);
+}
+
 void export_maps(const ExportOptions& o) {
+    std::optional<NormalsFrom> from;
+    if (!o.normals.empty())
+        from =
+            choose<NormalsFrom>("normals", o.normals, {{"fit", NormalsFrom::fit}, {"dataset", NormalsFrom::dataset}});
     check_folder_target(o.output, "exported maps", map_files);
     const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     auto fit = open_fit(o.fit, o.dataset);
+    const Dataset& dataset = fit.dataset();
     const SurfaceLook look = look_of(fit);
-    const LookTextures textures = textures_of(look, fit.dataset());
-    const fs::path& to = folder.path();
-    write_file(to / "base_colour.png", base_colour_png(textures));
+    const LookTextures textures = textures_of(look, dataset);
+    const std::optional<SurfaceNormals> normals = normals_for(fit, look, o.fit, from);
+    std::optional<Relief> relief;
+    if (normals && dataset.has_grid()) relief = relief_of(*normals, *look.atlas, dataset.grid);
+    const auto write = [&](const std::string& name, const std::string& png, const TextureImage& texture,
+                           const std::vector<std::string>& channels) {
+        write_file(folder.path() / (name + ".png"), png);
+        write_exr(folder.path() / (name + ".exr"), exr_of(texture, channels));
+    };
     const bool alpha = textures.base_colour.channels == 4;
-    write_exr(to / "base_colour.exr", exr_of(textures.base_colour, alpha ? std::vector<std::string>{"R", "G", "B", "A"}
-                                                                         : std::vector<std::string>{"R", "G", "B"}));
-    if (textures.roughness) {
-        write_file(to / "roughness.png", roughness_png(*textures.roughness));
-        write_exr(to / "roughness.exr", exr_of(*textures.roughness, {"Y"}));
+    write("base_colour", base_colour_png(textures), textures.base_colour,
+          alpha ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"R", "G", "B"});
+    if (textures.roughness) write("roughness", roughness_png(*textures.roughness), *textures.roughness, {"Y"});
+    if (normals) {
+        const auto texture =
+            normals_texture(normals->or_else(normals_of_dataset(*look.atlas, dataset)), look, textures);
+        write("normals", normals_png(texture), texture, {"x", "y", "z"});
     }
-    if (textures.normals) {
-        write_file(to / "normals.png", normals_png(*textures.normals));
-        write_exr(to / "normals.exr", exr_of(*textures.normals, {"x", "y", "z"}));
-    }
+    if (relief) write("height", height_png(*relief), relief->heights, {"Y", "A"});
+    write_file(folder.path() / "maps.json", maps_json(look, normals, relief, dataset.has_grid()));
     folder.commit();
     log_info(fmt::format("base colour: {}", look.meaning));
+    if (normals)
+        log_info("normals: " + (normals->lamps > 0 ? fmt::format("by photometric stereo on what the fit shows under {} "
+                                                                 "lamps",
+                                                                 normals->lamps)
+                                                   : std::string("those that were fitted with")));
     log_info(fmt::format("{}: textures of {} x {} pixels", o.output, textures.base_colour.width,
                          textures.base_colour.height));
 }
@@ -170,7 +216,12 @@ void add_export_files(CommandLine& exporter) {
     add_fit_and_output(rti, *o, "folder of info.json and the images");
     rti.on_run([=] { export_rti(*o); });
 
-    CommandLine& maps = exporter.add_command("maps", "base colour, roughness and normals as PNG and EXR textures");
+    CommandLine& maps =
+        exporter.add_command("maps", "base colour, roughness, normals and height as PNG and EXR textures");
+    maps.add_word("--normals", o->normals,
+                  "dataset: those that it was fitted with, the default of a grid that has some; fit: found from what "
+                  "it shows under its lamps, the default elsewhere")
+        .choices({"fit", "dataset"});
     add_fit_and_output(maps, *o, "folder of the textures");
     maps.on_run([=] { export_maps(*o); });
 }

@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "dataset/texel_shading.h"
 #include "eval/safe_relighting.h"
+#include "exchange/texel_pixels.h"
 #include "fitting/family.h"
 #include "model/lfm.h"
 
@@ -18,25 +19,6 @@ std::shared_ptr<const Atlas> not_owned(const Atlas& atlas) { return {std::shared
 
 Vec3f not_below_zero(const Vec3f& colour) {
     return colour.unaryExpr([](float x) { return std::max(0.0f, x); });  // not-a-number becomes 0, too
-}
-
-/// Pixels that see the centre of each texel, in the atlas's order.
-std::vector<RasterPixel> texel_centres(const TriangleAtlas& atlas) {
-    std::vector<RasterPixel> pixels(atlas.texel_count());
-    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
-        if (!atlas.usable(t)) continue;
-        const uint32_t triangle = t / atlas.texels_per_tile();
-        const auto& b = atlas.tile(triangle).barycentric(t % atlas.texels_per_tile());
-        pixels[t] = {triangle, b[1], b[2]};
-    }
-    return pixels;
-}
-
-std::vector<RasterPixel> grid_pixels(const Atlas& atlas) {
-    std::vector<RasterPixel> pixels(atlas.texel_count());
-    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
-        if (atlas.usable(t)) pixels[t].triangle = t;
-    return pixels;
 }
 
 /// Sums of colours and weights [texels], camera after camera, so that threads change nothing.
@@ -74,7 +56,7 @@ struct FacingMean {
 
 SurfaceLook mean_look(const Contestant& contestant, std::shared_ptr<const TriangleAtlas> atlas, const Dataset& dataset,
                       const std::vector<uint32_t>& training, SurfaceLookup lookup) {
-    const std::vector<RasterPixel> centres = texel_centres(*atlas);
+    const std::vector<RasterPixel> centres = texel_pixels(*atlas);
     FacingMean sums{std::vector<Vec3f>(centres.size(), Vec3f::Zero()), std::vector<float>(centres.size(), 0.0f)};
     const size_t cameras = std::min(most_cameras, training.size());
     std::vector<std::vector<float>> shown(static_cast<size_t>(thread_count()));
@@ -175,8 +157,7 @@ SurfaceLook look_of(const ViewBasisFit& fit, const TriangleAtlas& atlas, const D
 
 SurfaceLook look_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                     const std::vector<uint32_t>& training) {
-    const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
-    const std::vector<RasterPixel> centres = triangles ? texel_centres(*triangles) : grid_pixels(atlas);
+    const std::vector<RasterPixel> centres = texel_pixels(atlas);
     const Contestant contestant = contestant_of(fit, atlas, dataset, training);
     std::vector<Vec3f> sums(centres.size(), Vec3f::Zero());
     std::vector<float> squares(centres.size(), 0.0f), shown;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exchange/surface_normals.h"
 #include "image/png_file.h"
 
 namespace radiafit::tools {
@@ -34,16 +35,6 @@ bool all_usable(const Atlas& atlas) {
     return true;
 }
 
-TextureImage plane_normals(const Grid& grid) {
-    const Vec3d right = grid.right.normalized(), up = -grid.down.normalized(), out_of_it = grid.normal();
-    TextureImage out{grid.width, grid.height, 3, {}};
-    for (const Vec3f& normal : grid.texel_normals) {
-        const Vec3d n = normal.squaredNorm() > 0 ? Vec3d(normal.cast<double>()) : out_of_it;
-        out.values.insert(out.values.end(), {float(n.dot(right)), float(n.dot(up)), float(n.dot(out_of_it))});
-    }
-    return out;
-}
-
 }  // namespace
 
 LookTextures textures_of(const SurfaceLook& look, const Dataset& dataset) {
@@ -56,7 +47,20 @@ LookTextures textures_of(const SurfaceLook& look, const Dataset& dataset) {
     if (!look.roughness.empty()) out.roughness = texture(look.roughness, 1);
     if (out.tiles) return out;
     if (!all_usable(*look.atlas)) out.base_colour = with_alpha(out.base_colour, *look.atlas);
-    if (!dataset.grid.texel_normals.empty()) out.normals = plane_normals(dataset.grid);
+    if (!dataset.grid.texel_normals.empty())
+        out.normals = normals_texture(normals_of_dataset(*look.atlas, dataset).normals, look, out);
+    return out;
+}
+
+TextureImage normals_texture(const std::vector<Vec3f>& normals, const SurfaceLook& look, const LookTextures& textures) {
+    if (!textures.tiles) {
+        TextureImage out{look.atlas->width(), look.atlas->height(), 3, flat(normals)};
+        for (size_t i = 0; i < out.values.size(); i += 3)
+            if (Vec3f::Map(&out.values[i]).isZero(0)) out.values[i + 2] = 1;
+        return out;
+    }
+    TextureImage out = textures.tiles->bake(flat(normals), 3, look.lookup);
+    for (size_t i = 0; i < out.values.size(); i += 3) Vec3f::Map(&out.values[i]).normalize();
     return out;
 }
 

@@ -18,6 +18,9 @@ struct LookTextures {
 };
 /// The look's atlas and the dataset must outlive it. Throws UserError as PaddedTiles does.
 LookTextures textures_of(const SurfaceLook& look, const Dataset& dataset);
+/// Unit vectors in the layout of `textures`, of normals [texels] of the look's atlas; those of a grid are straight out
+/// where they are 0, and those of a mesh 0 where no triangle is.
+TextureImage normals_texture(const std::vector<Vec3f>& normals, const SurfaceLook& look, const LookTextures& textures);
 
 /// As PNG files' bytes, 8 bits: sRGB of linear light, clamped, and of the normals 0.5 n + 0.5; of roughness glTF's
 /// image, in which green is the roughness and blue, the metalness, is 0.
