@@ -28,13 +28,14 @@ def judged(program):
 
 
 def by_machine(told):
-    """Which machine each claim's rows are of, in a sentence."""
+    """Which machine and which revision each claim's rows are of, in a sentence."""
     claims = {}
     for claim, row in told.items():
         about = json.loads((ROOT / row["run"] / "run.json").read_text())
         family = re.search(r"family \d+ model \d+", about["machine"].get("cpu_id", ""))
         name = re.sub(r"\((R|TM|family[^)]*)\)| Processor|@.*", "", about["cpu"]).strip()
-        claims.setdefault(f"{name} ({family[0]})" if family else name, []).append(claim)
+        name = f"{name} ({family[0]})" if family else name
+        claims.setdefault(f"{name} at {about['git_revision'][:8]}", []).append(claim)
     return "; ".join(f"{', '.join(ids)} by an {name}" for name, ids in claims.items())
 
 
@@ -63,14 +64,15 @@ def main():
     if len(told) != 23:
         sys.exit(f"{len(told)} claims are judged, not 23")
     replaced(ROOT / "docs/claims.md", r"(?<=\n)\| C1 \|.*\| C23 \|[^\n]*\n", "\n".join(table) + "\n")
-    replaced(ROOT / "docs/claims.md", r"By machine: [^\n]*\n", f"By machine: {by_machine(told)}.\n")
+    replaced(ROOT / "docs/claims.md", r"By machine(?: and revision)?: [^\n]*\n", f"By machine and revision: {by_machine(told)}.\n")
     found = [row["verdict"] for row in told.values()]
     hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))
     counts = f"of 23, {hold} hold, {fail} do not, {23 - hold - fail - undecided} wait for a graphics chip or for rows of their own"
     counts += f", and undecided {'is' if undecided == 1 else 'are'} {undecided}"
     replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ wait for [a-z ]+, and undecided (is|are) \d+", counts)
     older = sum(row["rule_is_younger_than_rows"] for row in told.values())
-    replaced(ROOT / "README.md", r"\d+ of the verdicts are still of rows older", f"{older} of the verdicts are still of rows older")
+    still = f"; {older} of the verdicts are still of rows older than their rule, and say so" if older else ""
+    replaced(ROOT / "README.md", r"(?<=\nformer rules)(; \d+ of the verdicts[^.]*)?(?=\.\n)", still)
     print(f"{counts}; {older} by rows older than their rule")
     print("now: python3 -B tests/check_figures.py --write && git diff")
 

@@ -21,8 +21,8 @@ public:
     /// All of one size.
     void add(const LuminanceImage& image);
 
-    /// The most likely ones first, at most `count`, apart from each other; of radii from 1/60 to 1/4 of the shorter
-    /// side. Fewer where fewer have highlights of a quarter of the images, and an outline around them.
+    /// The most likely ones first, at most `count`, apart from each other; their highlights lie within a sixth of the
+    /// shorter side. Fewer where fewer have highlights of a quarter of the images, and an outline around them.
     std::vector<Circle> find(size_t count) const;
     /// The outline near `about`, within a sixth of its radius, to a fraction of a pixel: the strongest edges along 360
     /// rays from its centre, and the circle of least squares through those that lie near it. None: fewer than half do.
