@@ -197,6 +197,8 @@ class Report(ClaimsTest):
         older = sum(row["rule_is_younger_than_rows"] for row in first.values())
         said = re.search(r"(\d+) of the verdicts are still of rows older than their rule", text)
         self.assertEqual(int(said[1]) if said else 0, older)
+        builds = {json.loads((self.checkout / row["run"] / "run.json").read_text())["march"]["resolved"] for row in first.values()}
+        self.assertEqual(len(builds), 1, "rows of programs that were compiled for the same instructions")
         self.assertEqual([int(n) for n in counts.groups()], [verdicts.count("holds"), verdicts.count("does not hold"),
                          sum(v in ("not comparable", "not run") for v in verdicts), verdicts.count("undecided")])  # fmt: skip
 
