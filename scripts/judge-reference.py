@@ -67,9 +67,10 @@ def main():
     replaced(ROOT / "docs/claims.md", r"By machine(?: and revision)?: [^\n]*\n", f"By machine and revision: {by_machine(told)}.\n")
     found = [row["verdict"] for row in told.values()]
     hold, fail, undecided = (found.count(v) for v in ("holds", "does not hold", "undecided"))
-    counts = f"of 23, {hold} hold, {fail} do not, {23 - hold - fail - undecided} wait for a graphics chip or for rows of their own"
+    waiting = 23 - hold - fail - undecided
+    counts = f"of 23, {hold} hold, {fail} do not, {waiting} {'waits' if waiting == 1 else 'wait'} for a graphics chip or for rows of their own"
     counts += f", and undecided {'is' if undecided == 1 else 'are'} {undecided}"
-    replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ wait for [a-z ]+, and undecided (is|are) \d+", counts)
+    replaced(ROOT / "README.md", r"of 23, \d+ hold, \d+ do not, \d+ waits? for [a-z ]+, and undecided (is|are) \d+", counts)
     older = sum(row["rule_is_younger_than_rows"] for row in told.values())
     still = f"; {older} of the verdicts are still of rows older than their rule, and say so" if older else ""
     replaced(ROOT / "README.md", r"(?<=\nformer rules)(; \d+ of the verdicts[^.]*)?(?=\.\n)", still)

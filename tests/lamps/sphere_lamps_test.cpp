@@ -15,11 +15,11 @@ namespace {
 double degrees_between(const Vec3d& a, const Vec3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
 
 /// How far off, in standard deviations: few beyond two, hardly any beyond four.
-void expect_covered(const std::vector<double>& errors, const std::string& what, double most_beyond_two = 0.15) {
+void expect_covered(const std::vector<double>& errors, const std::string& what) {
     size_t beyond_two = 0, beyond_four = 0;
     double squares = 0;
     for (const double e : errors) beyond_two += e > 2, beyond_four += e > 4, squares += e * e / double(errors.size());
-    EXPECT_LE(double(beyond_two), most_beyond_two * double(errors.size())) << what;
+    EXPECT_LE(double(beyond_two), 0.15 * double(errors.size())) << what;
     EXPECT_LE(double(beyond_four), 0.02 * double(errors.size())) << what;
     EXPECT_GT(squares, 0.02) << what << ": deviations are far too large";
 }
@@ -173,7 +173,7 @@ TEST(RefineLamps, StrengthsOfKnownLampsAndTheirDeviations) {
         errors.push_back(off / found.deviations[i][1]);
         EXPECT_EQ(found.lamps[i].light.place, lamps[i].light.place);
     }
-    expect_covered(errors, "strengths", 0.3);  // a few thousandths, which clipped pixels and the lens add to
+    expect_covered(errors, "strengths");
 }
 
 }  // namespace

@@ -22,6 +22,9 @@ MatrixXd random_matrix(int rows, int columns, Rng& rng) {
     return a;
 }
 
+/// Where every entry is measured.
+void refine(const MatrixXd& a, TruncatedSvd& svd) { refine_measured(a, Unmeasured::Zero(a.rows(), a.cols()), svd); }
+
 TEST(TruncatedSvd, AgreesWithTheFullDecomposition) {
     Rng rng(11);
     std::vector<MatrixXd> matrices = {random_matrix(40, 12, rng), random_matrix(9, 30, rng), random_matrix(1, 5, rng),

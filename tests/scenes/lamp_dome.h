@@ -19,7 +19,9 @@ struct LampDome {
     std::vector<double> strengths;  ///< irradiance at the origin; geometric mean 1
     double lamp_radius = 0.05, noise = 0.01;
 
-    explicit LampDome(int count = 32, uint32_t seed = 1, double distance = 1.3) {
+    uint32_t seed;
+
+    explicit LampDome(int count = 24, uint32_t seed_of_all = 1, double distance = 1.3) : seed(seed_of_all) {
         std::mt19937 random(seed);
         const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
         double mean = 0;
@@ -79,7 +81,7 @@ struct LampDome {
                     for (int i = 0; i < n; ++i) sum += seen({x + (i + 0.5) / n, double(y) + (j + 0.5) / n}, lamp);
                 sharp.values[y * size_t(width) + size_t(x)] = float(sum / (n * n));
             }
-        std::mt19937 random{uint32_t(lamp)};
+        std::mt19937 random{1000 * seed + uint32_t(lamp)};
         std::normal_distribution<double> normal;
         double lens[5], whole = 0;
         for (int i = 0; i < 5; ++i) whole += lens[i] = std::exp(-0.5 * (i - 2) * (i - 2) / (0.7 * 0.7));

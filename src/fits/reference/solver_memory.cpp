@@ -95,8 +95,9 @@ uint64_t ceres_bytes(const LfmOptions& model, const VertexShape& vertex, CeresMe
 uint64_t pca_bytes(const LfmOptions& model, const VertexShape& vertex) {
     const Sizes s(model, vertex);
     const uint64_t rows = s.maps * s.surface_texels, columns = s.view_texels, least = std::min(rows, columns);
-    // Three channels and what is invented; two copies while one is factored, and its Gram matrix's eigenvectors.
-    return sizeof(double) * (6 * rows * columns + 5 * least * least);
+    // Three channels, a byte for whether an entry is invented, and of one channel the Gram matrix with its
+    // eigenvectors.
+    return (3 * sizeof(double) + 1) * rows * columns + sizeof(double) * 5 * least * least;
 }
 
 }  // namespace radiafit::fits

@@ -90,15 +90,6 @@ TruncatedSvd truncated_svd(const Eigen::MatrixXd& a, int terms) {
     return scaled({a * v, v});
 }
 
-void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd) {
-    const Eigen::Index terms = svd.h.cols(), count = std::min({terms, a.rows(), a.cols()});
-    const Eigen::MatrixXd q = orthonormal((a * svd.h).leftCols(count));
-    const Eigen::MatrixXd b = a.transpose() * q;  // A's nearest within the span of q is q b^T
-    Eigen::MatrixXd v = Eigen::MatrixXd::Zero(a.cols(), terms);
-    v.leftCols(count) = left_singular_vectors(b);
-    svd = scaled({a * v, v});
-}
-
 void refine_measured(const Eigen::MatrixXd& a, const Unmeasured& unmeasured, TruncatedSvd& svd) {
     const Eigen::Index rows = a.rows(), terms = svd.h.cols(), count = std::min({terms, rows, a.cols()});
     // Column after column, while a cache holds it. Of columns without a measured entry only g and h are needed.

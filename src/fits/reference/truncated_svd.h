@@ -15,14 +15,12 @@ struct TruncatedSvd {
 /// Uncentred: among all sums of K terms the one nearest to A, which must not be empty.
 TruncatedSvd truncated_svd(const Eigen::MatrixXd& a, int terms);
 
-/// One step of orthogonal iteration from an earlier factorization of a similar matrix: never farther from A than it.
-void refine(const Eigen::MatrixXd& a, TruncatedSvd& svd);
-
 /// 1 for an entry that nobody measured, 0 for the others.
 using Unmeasured = Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Refines as if A's unmeasured entries, [rows][columns] as A, had their values by the factorization: never farther
-/// from the measured entries than before. What A holds in the others is not read.
+/// One step of orthogonal iteration from an earlier factorization, as if A's unmeasured entries, [rows][columns] as A,
+/// had their values by it: never farther from the measured entries than it was. What A holds in the others does not
+/// matter.
 void refine_measured(const Eigen::MatrixXd& a, const Unmeasured& unmeasured, TruncatedSvd& svd);
 
 }  // namespace radiafit::fits

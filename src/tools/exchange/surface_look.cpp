@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "dataset/texel_shading.h"
 #include "eval/safe_relighting.h"
-#include "exchange/texel_pixels.h"
+#include "eval/texel_pixels.h"
 #include "fitting/family.h"
 #include "model/lfm.h"
 

@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "dataset/texel_shading.h"
 #include "dataset/view_directions.h"
-#include "exchange/texel_pixels.h"
+#include "eval/texel_pixels.h"
 #include "model/photometric_stereo.h"
 
 namespace radiafit::tools {

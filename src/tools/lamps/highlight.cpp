@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/statistics.h"
+#include "lamps/connected_pixels.h"
 
 namespace radiafit::tools {
 namespace {
@@ -56,41 +57,26 @@ std::optional<Highlight> find_highlight(const LuminanceImage& image, const Circl
     // Spots: what is connected above half of the way up. Of those nearly as bright as the brightest, which mirrored
     // surroundings may be where the image clips, the most compact; then some pixels around it, which are half covered.
     const double middle = quantile(values, 0.5), threshold = 0.5 * (peak + bright);
-    std::vector<uint8_t> spot(disc.within.size(), 0);
-    std::vector<std::pair<int, int>> open, members;
+    const auto is_bright = [&](int x, int y) {
+        return disc.has(x + disc.left, y + disc.top) && double(image.at(x + disc.left, y + disc.top)) >= threshold;
+    };
+    ConnectedPixels members;
     double least_spread = std::numeric_limits<double>::infinity();
-    for (int y = disc.top; y < disc.top + disc.height; ++y)
-        for (int x = disc.left; x < disc.left + disc.width; ++x) {
-            if (!disc.has(x, y) || spot[disc.index(x, y)] || double(image.at(x, y)) < threshold) continue;
-            spot[disc.index(x, y)] = 1;
-            open = {{x, y}};
-            std::vector<std::pair<int, int>> connected;
-            double brightest = 0;
-            Vec2d mean = Vec2d::Zero();
-            while (!open.empty()) {
-                const auto [px, py] = open.back();
-                open.pop_back();
-                connected.emplace_back(px, py);
-                brightest = std::max(brightest, double(image.at(px, py)));
-                mean += Vec2d(px, py);
-                for (int dy = -1; dy <= 1; ++dy)
-                    for (int dx = -1; dx <= 1; ++dx) {
-                        if (!disc.has(px + dx, py + dy) || spot[disc.index(px + dx, py + dy)]) continue;
-                        if (double(image.at(px + dx, py + dy)) < threshold) continue;
-                        spot[disc.index(px + dx, py + dy)] = 1;
-                        open.emplace_back(px + dx, py + dy);
-                    }
-            }
-            mean /= double(connected.size());
-            double spread = 0;
-            for (const auto& [px, py] : connected)
-                spread += (Vec2d(px, py) - mean).squaredNorm() / double(connected.size());
-            if (brightest < nearly * peak || spread >= least_spread) continue;
-            least_spread = spread;
-            members = std::move(connected);
+    for (const ConnectedPixels& part : connected_pixels(disc.width, disc.height, is_bright)) {
+        double brightest = 0, spread = 0;
+        Vec2d mean = Vec2d::Zero();
+        for (const auto& [x, y] : part) {
+            brightest = std::max(brightest, double(image.at(x + disc.left, y + disc.top)));
+            mean += Vec2d(x, y) / double(part.size());
         }
+        for (const auto& [x, y] : part) spread += (Vec2d(x, y) - mean).squaredNorm() / double(part.size());
+        if (brightest < nearly * peak || spread >= least_spread) continue;
+        least_spread = spread;
+        members = part;
+    }
+    for (auto& [x, y] : members) x += disc.left, y += disc.top;
     if (double(members.size()) > most_of_disc * double(disc.count)) return {};
-    std::fill(spot.begin(), spot.end(), uint8_t(0));
+    std::vector<uint8_t> spot(disc.within.size(), 0);
     for (const auto& [x, y] : members) spot[disc.index(x, y)] = 1;
     const size_t core = members.size();
     for (size_t i = 0; i < core; ++i)

@@ -70,6 +70,7 @@ public:
           prior_(std::move(prior)) {
         for (const CalibratedLamp& lamp : lamps) said_.push_back(LampPlace::of(lamp.light));
         places_ = said_;
+        prepare();
     }
 
     void solve() {
@@ -89,7 +90,7 @@ public:
         }
         face_pixels();
     }
-    double strength(size_t lamp) const { return std::exp(logarithm_[Eigen::Index(lamp)]); }
+    double strength(size_t lamp) const { return strengths_[lamp]; }
     const LampPlace& place(size_t lamp) const { return places_[lamp]; }
 
     /// Of all unknowns.
@@ -126,16 +127,26 @@ private:
         Eigen::Vector4d out = Eigen::Vector4d::Zero();
         out[0] = slope(p, k).dot(p.facing);
         if (of_lamp_ == 1) return out;
-        const LampPlace& place = places_[p.lamp[k]];
-        const Vec3d before = lit_from(place, p.position);
+        const Vec3d before = lit_from(places_[p.lamp[k]], p.position);
         for (int n = 0; n < 3; ++n) {
-            constexpr double step = 1e-6;
-            if (n == 2 && place.closeness <= 0) continue;
-            const double by = n == 2 ? step * place.closeness : step;
-            const Vec3d after = lit_from(place.moved(by * Vec3d::Unit(n)), p.position);
-            out[1 + n] = strength(p.lamp[k]) * (after - before).dot(p.facing) / by;
+            const Nearby& nearby = nearby_[3 * p.lamp[k] + size_t(n)];
+            if (nearby.step > 0)
+                out[1 + n] =
+                    strength(p.lamp[k]) * (lit_from(nearby.place, p.position) - before).dot(p.facing) / nearby.step;
         }
         return out;
+    }
+    /// What pixels ask of each lamp, after it was moved.
+    void prepare() {
+        strengths_.assign(places_.size(), 0);
+        for (size_t i = 0; i < places_.size(); ++i) strengths_[i] = std::exp(logarithm_[Eigen::Index(i)]);
+        if (of_lamp_ == 1) return;
+        nearby_.clear();
+        for (const LampPlace& place : places_)
+            for (int n = 0; n < 3; ++n) {
+                const double step = n == 2 ? 1e-6 * place.closeness : 1e-6;
+                nearby_.push_back({place.moved(step * Vec3d::Unit(n)), step});
+            }
     }
     void face_pixels() {
         parallel_for(pixels_.size(), 64, [&](size_t i, int) {
@@ -192,6 +203,7 @@ private:
             }
         }
         logarithm_.array() -= logarithm_.mean();
+        prepare();
     }
     void add_prior(Eigen::MatrixXd& to) const {
         if (of_lamp_ == 1) return;
@@ -227,7 +239,8 @@ private:
         for (size_t k = 0; k < p.lamp.size(); ++k) {
             if (!(p.weight[k] > 0)) continue;
             const Vec3d s = slope(p, k);
-            const Eigen::VectorXd d = by_lamp(p, k).head(of_lamp_);
+            const Eigen::Vector4d all = by_lamp(p, k);
+            const auto d = all.head(of_lamp_);
             const Eigen::Index at = of_lamp_ * Eigen::Index(p.lamp[k]);
             own += p.weight[k] * s * s.transpose();
             mixed.middleRows(at, of_lamp_) = p.weight[k] * d * s.transpose();
@@ -258,6 +271,12 @@ private:
     Eigen::Index of_lamp_, size_;
     Eigen::VectorXd logarithm_;  ///< of the strengths
     std::vector<LampPlace> said_, places_;
+    struct Nearby {
+        LampPlace place;
+        double step;
+    };
+    std::vector<Nearby> nearby_;     ///< [lamps][3] a step off in each number of moved()
+    std::vector<double> strengths_;  ///< [lamps]
     Eigen::MatrixXd prior_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "base/statistics.h"
 #include "lamps/lamp_place.h"
+#include "lamps/least_squares.h"
 
 namespace radiafit::tools {
 namespace {
@@ -65,151 +66,135 @@ public:
     Adjustment(std::vector<Circle> found, std::vector<Sight> sights, size_t lamps, const PictureFrame& frame, bool near)
         : found_(std::move(found)), sights_(std::move(sights)), frame_(&frame), numbers_(near ? 3 : 2) {
         for (Circle& c : found_) c.deviation = std::hypot(c.deviation, least_outline_deviation);
-        outlines = found_;
+        state_.outlines = found_;
+        const std::vector<GlossySphere> spheres = spheres_of(found_);
         std::vector<std::vector<Ray>> to(lamps);
-        for (const Sight& s : sights_)
-            to[s.lamp].push_back(to_lamp(s.seen.place, sphere_of(found_[s.sphere], frame), frame));
-        for (const auto& rays : to) places.push_back(nearest(rays, near));
+        for (const Sight& s : sights_) to[s.lamp].push_back(to_lamp(s.seen.place, spheres[s.sphere], frame));
+        for (const auto& rays : to) state_.places.push_back(nearest(rays, near));
     }
 
-    std::vector<LampPlace> places;
-    std::vector<Circle> outlines;
-    Eigen::MatrixXd covariance;  ///< of the lamps' steps, then of the outlines' x, y and radius
+    struct State {
+        std::vector<LampPlace> places;
+        std::vector<Circle> outlines;
+    };
 
     void solve() {
-        Eigen::VectorXd residuals = residuals_of(places, outlines);
-        double damping = 1e-6;
-        for (int step = 0; step < 100; ++step) {
-            const Eigen::MatrixXd jacobian = jacobian_of(residuals);
-            const Eigen::MatrixXd matrix = jacobian.transpose() * jacobian;
-            const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
-            bool better = false;
-            for (int attempt = 0; attempt < 20 && !better; ++attempt) {
-                Eigen::MatrixXd damped = matrix;
-                damped.diagonal() *= 1 + damping;
-                const Eigen::VectorXd change = -damped.ldlt().solve(gradient);
-                auto [moved, changed] = stepped(change);
-                const Eigen::VectorXd after = residuals_of(moved, changed);
-                better = after.squaredNorm() < residuals.squaredNorm();
-                damping = better ? damping / 10 : damping * 10;
-                if (!better) continue;
-                const double gain = residuals.squaredNorm() - after.squaredNorm();
-                places = std::move(moved);
-                outlines = std::move(changed);
-                residuals = after;
-                if (gain < 1e-12 * (1 + after.squaredNorm())) step = 100;
-            }
-            if (!better) break;
-        }
-        const Eigen::MatrixXd jacobian = jacobian_of(residuals);
-        const double freedom = double(2 * sights_.size()) - double(places.size() * size_t(numbers_));
-        const double scale = freedom > 0 ? std::max(1.0, residuals.squaredNorm() / freedom) : 1.0;
-        const Eigen::Index size = jacobian.cols();
-        covariance =
-            scale *
-            Eigen::MatrixXd(jacobian.transpose() * jacobian).ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+        const auto residuals = [&](const State& state) { return residuals_of(state); };
+        const auto jacobian = [&](const State& state, const Eigen::VectorXd& now) { return jacobian_of(state, now); };
+        const auto moved = [&](const State& state, const Eigen::VectorXd& step) { return stepped(state, step); };
+        const Eigen::VectorXd left = minimize(state_, residuals, jacobian, moved);
+        const double freedom = double(2 * sights_.size()) - double(state_.places.size() * size_t(numbers_));
+        const double scale = freedom > 0 ? std::max(1.0, left.squaredNorm() / freedom) : 1.0;
+        const Eigen::MatrixXd slope = jacobian_of(state_, left), matrix = slope.transpose() * slope;
+        covariance_ = scale * matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
     }
-    /// Root mean square distance of a lamp's highlights from where they should be, pixels.
-    std::vector<double> distances() const {
-        std::vector<double> squares(places.size(), 0), count(places.size(), 0);
+    const std::vector<Circle>& outlines() const { return state_.outlines; }
+    std::vector<CalibratedLamp> lamps() const {
+        std::vector<CalibratedLamp> out;
+        for (size_t i = 0; i < state_.places.size(); ++i) {
+            const LampPlace& place = state_.places[i];
+            const Eigen::Index at = Eigen::Index(i) * numbers_;
+            const Eigen::MatrixXd by_step = place.place_by_step().leftCols(numbers_);
+            out.push_back({.light = place.light()});
+            out.back().covariance = by_step * covariance_.block(at, at, numbers_, numbers_) * by_step.transpose();
+        }
+        const std::vector<GlossySphere> spheres = spheres_of(state_.outlines);
         for (const Sight& s : sights_) {
-            squares[s.lamp] += (expected(s, places, outlines) - s.seen.place).squaredNorm();
-            ++count[s.lamp];
+            CalibratedLamp& lamp = out[s.lamp];
+            lamp.residual += (highlight_of(lamp.light, spheres[s.sphere], *frame_) - s.seen.place).squaredNorm();
+            ++lamp.spheres;
         }
-        for (size_t i = 0; i < squares.size(); ++i) squares[i] = std::sqrt(squares[i] / std::max(count[i], 1.0));
-        return squares;
-    }
-    CalibratedLamp lamp(size_t i) const {
-        const LampPlace& place = places[i];
-        const Eigen::Index at = Eigen::Index(i) * numbers_;
-        const Eigen::MatrixXd by_step = place.place_by_step().leftCols(numbers_);
-        CalibratedLamp out{.light = place.light()};
-        out.covariance = by_step * covariance.block(at, at, numbers_, numbers_) * by_step.transpose();
-        for (const Sight& s : sights_) out.spheres += s.lamp == i;
-        out.residual = distances()[i];
+        for (CalibratedLamp& lamp : out) lamp.residual = std::sqrt(lamp.residual / double(lamp.spheres));
         return out;
     }
     /// Of all lamps' steps, three by three.
     Eigen::MatrixXd steps_covariance() const {
-        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * Eigen::Index(places.size()), 3 * Eigen::Index(places.size()));
-        for (Eigen::Index a = 0; a < Eigen::Index(places.size()); ++a)
-            for (Eigen::Index b = 0; b < Eigen::Index(places.size()); ++b)
+        const auto count = Eigen::Index(state_.places.size());
+        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+        for (Eigen::Index a = 0; a < count; ++a)
+            for (Eigen::Index b = 0; b < count; ++b)
                 out.block(3 * a, 3 * b, numbers_, numbers_) =
-                    covariance.block(a * numbers_, b * numbers_, numbers_, numbers_);
+                    covariance_.block(a * numbers_, b * numbers_, numbers_, numbers_);
         return out;
     }
 
 private:
-    Vec2d expected(const Sight& s, const std::vector<LampPlace>& at, const std::vector<Circle>& with) const {
-        return highlight_of(at[s.lamp].light(), sphere_of(with[s.sphere], *frame_), *frame_);
-    }
-    Eigen::VectorXd residuals_of(const std::vector<LampPlace>& at, const std::vector<Circle>& with) const {
-        Eigen::VectorXd out(Eigen::Index(2 * sights_.size() + 3 * with.size()));
-        for (size_t i = 0; i < sights_.size(); ++i) out.segment<2>(Eigen::Index(2 * i)) = residual(i, at, with);
-        for (size_t k = 0; k < with.size(); ++k)
-            out.segment<3>(Eigen::Index(2 * sights_.size() + 3 * k)) = of_outline(k, with[k]);
+    std::vector<GlossySphere> spheres_of(const std::vector<Circle>& outlines) const {
+        std::vector<GlossySphere> out;
+        for (const Circle& outline : outlines) out.push_back(sphere_of(outline, *frame_));
         return out;
     }
-    Vec2d residual(size_t i, const std::vector<LampPlace>& at, const std::vector<Circle>& with) const {
-        return (expected(sights_[i], at, with) - sights_[i].seen.place) / sights_[i].seen.deviation;
+    /// Of a highlight, and of an outline, in standard deviations.
+    Vec2d off(const Sight& s, const LampPlace& place, const GlossySphere& sphere) const {
+        return (highlight_of(place.light(), sphere, *frame_) - s.seen.place) / s.seen.deviation;
     }
-    Vec3d of_outline(size_t k, const Circle& now) const {
-        const Vec2d off = now.centre - found_[k].centre;
-        return Vec3d(off.x(), off.y(), now.radius - found_[k].radius) / found_[k].deviation;
+    Vec3d off(size_t outline, const Circle& now) const {
+        const Circle& then = found_[outline];
+        const Vec2d centre = now.centre - then.centre;
+        return Vec3d(centre.x(), centre.y(), now.radius - then.radius) / then.deviation;
+    }
+    Eigen::VectorXd residuals_of(const State& state) const {
+        const std::vector<GlossySphere> spheres = spheres_of(state.outlines);
+        Eigen::VectorXd out(Eigen::Index(2 * sights_.size() + 3 * found_.size()));
+        for (size_t i = 0; i < sights_.size(); ++i)
+            out.segment<2>(Eigen::Index(2 * i)) =
+                off(sights_[i], state.places[sights_[i].lamp], spheres[sights_[i].sphere]);
+        for (size_t k = 0; k < found_.size(); ++k)
+            out.segment<3>(Eigen::Index(2 * sights_.size() + 3 * k)) = off(k, state.outlines[k]);
+        return out;
     }
     /// By differences: a highlight depends on its lamp and its sphere alone.
-    Eigen::MatrixXd jacobian_of(const Eigen::VectorXd& residuals) const {
-        const Eigen::Index lamps = Eigen::Index(places.size()) * numbers_;
-        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(residuals.size(), lamps + 3 * Eigen::Index(outlines.size()));
-        std::vector<LampPlace> at = places;
-        std::vector<Circle> with = outlines;
+    Eigen::MatrixXd jacobian_of(const State& state, const Eigen::VectorXd& now) const {
+        constexpr double turn = 1e-5, pixels = 1e-4;
+        const std::vector<GlossySphere> spheres = spheres_of(state.outlines);
+        std::vector<GlossySphere> changed;  // [outline][x, y, radius]
+        for (const Circle& outline : state.outlines)
+            for (int k = 0; k < 3; ++k) changed.push_back(sphere_of(moved(outline, pixels * Vec3d::Unit(k)), *frame_));
+        const Eigen::Index lamps = Eigen::Index(state.places.size()) * numbers_;
+        Eigen::MatrixXd out = Eigen::MatrixXd::Zero(now.size(), lamps + 3 * Eigen::Index(found_.size()));
         for (size_t i = 0; i < sights_.size(); ++i) {
             const Eigen::Index row = Eigen::Index(2 * i);
             const Sight& s = sights_[i];
+            const LampPlace& place = state.places[s.lamp];
+            const double closer = 1e-5 * place.closeness + 1e-9 / (frame_->pixel * frame_->width);
             for (int k = 0; k < numbers_; ++k) {
-                const double step =
-                    k == 2 ? 1e-5 * places[s.lamp].closeness + 1e-9 / frame_->pixel / frame_->width : 1e-5;
-                at[s.lamp] = places[s.lamp].moved(step * Vec3d::Unit(k));
+                const double step = k == 2 ? closer : turn;
                 out.block<2, 1>(row, Eigen::Index(s.lamp) * numbers_ + k) =
-                    (residual(i, at, with) - residuals.segment<2>(row)) / step;
+                    (off(s, place.moved(step * Vec3d::Unit(k)), spheres[s.sphere]) - now.segment<2>(row)) / step;
             }
-            at[s.lamp] = places[s.lamp];
-            for (int k = 0; k < 3; ++k) {
-                constexpr double step = 1e-4;
-                with[s.sphere] = changed(outlines[s.sphere], step * Vec3d::Unit(k));
+            for (int k = 0; k < 3; ++k)
                 out.block<2, 1>(row, lamps + 3 * Eigen::Index(s.sphere) + k) =
-                    (residual(i, at, with) - residuals.segment<2>(row)) / step;
-            }
-            with[s.sphere] = outlines[s.sphere];
+                    (off(s, place, changed[3 * s.sphere + size_t(k)]) - now.segment<2>(row)) / pixels;
         }
-        for (size_t k = 0; k < outlines.size(); ++k)
+        for (size_t k = 0; k < found_.size(); ++k)
             out.block<3, 3>(Eigen::Index(2 * sights_.size() + 3 * k), lamps + 3 * Eigen::Index(k)) =
                 Mat3d::Identity() / found_[k].deviation;
         return out;
     }
-    static Circle changed(Circle circle, const Vec3d& by) {
+    static Circle moved(Circle circle, const Vec3d& by) {
         circle.centre += by.head<2>();
         circle.radius += by.z();
         return circle;
     }
-    std::pair<std::vector<LampPlace>, std::vector<Circle>> stepped(const Eigen::VectorXd& change) const {
-        std::vector<LampPlace> at;
-        for (size_t i = 0; i < places.size(); ++i) {
+    State stepped(const State& from, const Eigen::VectorXd& change) const {
+        State out;
+        for (const LampPlace& place : from.places) {
             Vec3d step = Vec3d::Zero();
-            step.head(numbers_) = change.segment(Eigen::Index(i) * numbers_, numbers_);
-            at.push_back(places[i].moved(step));
+            step.head(numbers_) = change.segment(Eigen::Index(out.places.size()) * numbers_, numbers_);
+            out.places.push_back(place.moved(step));
         }
-        std::vector<Circle> with;
-        const Eigen::Index lamps = Eigen::Index(places.size()) * numbers_;
-        for (size_t k = 0; k < outlines.size(); ++k)
-            with.push_back(changed(outlines[k], change.segment<3>(lamps + 3 * Eigen::Index(k))));
-        return {std::move(at), std::move(with)};
+        const Eigen::Index lamps = Eigen::Index(from.places.size()) * numbers_;
+        for (const Circle& outline : from.outlines)
+            out.outlines.push_back(moved(outline, change.segment<3>(lamps + 3 * Eigen::Index(out.outlines.size()))));
+        return out;
     }
 
     std::vector<Circle> found_;
     std::vector<Sight> sights_;
     const PictureFrame* frame_;
     int numbers_;  ///< of a lamp: 2 of its direction, and its closeness
+    State state_;
+    Eigen::MatrixXd covariance_;  ///< of the lamps' steps, then of the outlines' x, y and radius
 };
 
 }  // namespace
@@ -284,7 +269,7 @@ SphereLamps lamps_by_spheres(const std::vector<Circle>& outlines,
     if (outlines.empty()) throw std::invalid_argument("lamps_by_spheres: no sphere");
     std::vector<bool> left_out(highlights.size(), false);
     const auto adjusted = [&](bool near) {
-        std::vector<size_t> images;
+        std::vector<uint32_t> images;
         std::vector<Adjustment::Sight> sights;
         for (size_t i = 0; i < highlights.size(); ++i) {
             const auto count =
@@ -292,18 +277,16 @@ SphereLamps lamps_by_spheres(const std::vector<Circle>& outlines,
             if (left_out[i] || count < (near ? 2 : 1)) continue;
             for (size_t s = 0; s < outlines.size(); ++s)
                 if (highlights[i][s]) sights.push_back({images.size(), s, *highlights[i][s]});
-            images.push_back(i);
+            images.push_back(uint32_t(i));
         }
         Adjustment a(outlines, std::move(sights), images.size(), frame, near);
-        if (!images.empty()) a.solve();
-        SphereLamps out{.images = {images.begin(), images.end()},
-                        .lamps = {},
-                        .covariance = {},
-                        .outlines = a.outlines,
-                        .near = near};
-        for (size_t k = 0; k < images.size(); ++k) out.lamps.push_back(a.lamp(k));
-        out.covariance = a.steps_covariance();
-        return out;
+        if (images.empty()) return SphereLamps{.images = {}, .lamps = {}, .covariance = {}, .outlines = outlines};
+        a.solve();
+        return SphereLamps{.images = std::move(images),
+                           .lamps = a.lamps(),
+                           .covariance = a.steps_covariance(),
+                           .outlines = a.outlines(),
+                           .near = near};
     };
     const auto without_outliers = [&](bool near) {
         SphereLamps out = adjusted(near);

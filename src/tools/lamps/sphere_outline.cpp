@@ -8,6 +8,8 @@
 
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "lamps/connected_pixels.h"
+#include "lamps/least_squares.h"
 
 namespace radiafit::tools {
 namespace {
@@ -17,6 +19,7 @@ constexpr double band = 1.0 / 6;            // of the radius, to either side, wh
 constexpr double least_share = 0.5;         // of the rays that have their edge on the circle
 constexpr double highlights_within = 0.92;  // of an outline's radius: those of lamps just above the plane
 constexpr double least_spots = 0.25;        // for each image; those of lamps nearby are one
+constexpr double most_spots = 1.6;          // for each image: noise parts some
 constexpr double spot_over_mean = 6;        // of a spot's brightest value
 
 Vec2d ray(int i) {
@@ -93,32 +96,11 @@ std::vector<Vec2d> SphereFinder::spots() const {
         return most > 0.5f * largest && double(most) * double(images_) > spot_over_mean * double(sum_.at(x, y));
     };
     std::vector<Vec2d> out;
-    std::vector<uint8_t> known(brightest_.values.size(), 0);
-    std::vector<std::pair<int, int>> open;
-    for (int y = 0; y < brightest_.height; ++y)
-        for (int x = 0; x < brightest_.width; ++x) {
-            uint8_t& first = known[size_t(y) * size_t(brightest_.width) + size_t(x)];
-            if (first || !is_spot(x, y)) continue;
-            first = 1;
-            open = {{x, y}};
-            Vec2d sum = Vec2d::Zero();
-            size_t count = 0;
-            while (!open.empty()) {
-                const auto [px, py] = open.back();
-                open.pop_back();
-                sum += Vec2d(px + 0.5, py + 0.5);
-                ++count;
-                for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-                    const int nx = px + dx, ny = py + dy;
-                    if (nx < 0 || ny < 0 || nx >= brightest_.width || ny >= brightest_.height) continue;
-                    uint8_t& next = known[size_t(ny) * size_t(brightest_.width) + size_t(nx)];
-                    if (next || !is_spot(nx, ny)) continue;
-                    next = 1;
-                    open.emplace_back(nx, ny);
-                }
-            }
-            out.push_back(sum / double(count));
-        }
+    for (const ConnectedPixels& spot : connected_pixels(brightest_.width, brightest_.height, is_spot)) {
+        Vec2d sum = Vec2d::Zero();
+        for (const auto& [x, y] : spot) sum += Vec2d(x + 0.5, y + 0.5);
+        out.push_back(sum / double(spot.size()));
+    }
     return out;
 }
 
@@ -201,8 +183,8 @@ double rim_radius(const LuminanceImage& edges, const Circle& circle) {
         off.push_back(r);
         strength.push_back(sum);
     }
-    using Vec5 =
-        Eigen::Matrix<double, 5, 1>;  // shift, logarithm of the width, peak, level beyond, the one within over it
+    // shift, logarithm of the width, peak, level beyond, the one within over it
+    using Vec5 = Eigen::Matrix<double, 5, 1>;
     const auto expected = [](const Vec5& p, double r) {
         const double x = (r - p[0]) / std::exp(p[1]);
         return p[2] * std::exp(-0.5 * x * x) + p[3] + 0.5 * p[4] * std::erfc((x + 1) / std::numbers::sqrt2);
@@ -212,30 +194,15 @@ double rim_radius(const LuminanceImage& edges, const Circle& circle) {
         for (size_t i = 0; i < off.size(); ++i) out[Eigen::Index(i)] = expected(p, off[i]) - strength[i];
         return out;
     };
+    const auto jacobian = [&](const Vec5& p, const Eigen::VectorXd& now) {
+        constexpr double by = 1e-6;
+        Eigen::MatrixXd out(now.size(), 5);
+        for (int k = 0; k < 5; ++k) out.col(k) = (residuals(p + by * Vec5::Unit(k)) - now) / by;
+        return out;
+    };
     Vec5 p(0, 0, *std::ranges::max_element(strength) - strength.front(), strength.back(),
            strength.front() - strength.back());
-    double damping = 1e-3;
-    Eigen::VectorXd now = residuals(p);
-    for (int round = 0; round < 100; ++round) {
-        Eigen::MatrixXd jacobian(now.size(), 5);
-        for (int k = 0; k < 5; ++k) {
-            Vec5 moved = p;
-            moved[k] += 1e-6;
-            jacobian.col(k) = (residuals(moved) - now) / 1e-6;
-        }
-        Eigen::Matrix<double, 5, 5> matrix = jacobian.transpose() * jacobian;
-        matrix.diagonal() *= 1 + damping;
-        const Vec5 change = -matrix.ldlt().solve(Vec5(jacobian.transpose() * now));
-        const Eigen::VectorXd after = residuals(p + change);
-        if (after.squaredNorm() < now.squaredNorm()) {
-            p += change;
-            now = after;
-            damping /= 10;
-            if (change.norm() < 1e-9) break;
-        } else if ((damping *= 10) > 1e6) {
-            break;
-        }
-    }
+    minimize(p, residuals, jacobian, [](const Vec5& from, const Eigen::VectorXd& step) { return Vec5(from + step); });
     return std::abs(p[0]) < 1 ? circle.radius + p[0] : circle.radius;
 }
 
@@ -246,12 +213,12 @@ std::optional<Circle> SphereFinder::refined(const Circle& about) const {
     const std::vector<LuminanceImage> levels = edge_levels(about.radius);
     const double by = std::pow(2.0, double(levels.size() - 1));
     const Circle small = scaled(about, 1 / by);
-    Ranked best;
-    for (const Ranked& r : best_of_radii(levels.back(), small.centre, band * small.radius, (1 - band) * small.radius,
-                                         (1 + band) * small.radius, [](const Circle&) { return true; }))
-        if (r.contrast > best.contrast) best = r;
-    if (!(best.contrast > 0)) return {};
-    return sharpened(levels, best.circle);
+    const std::vector<Ranked> ranked =
+        best_of_radii(levels.back(), small.centre, band * small.radius, (1 - band) * small.radius,
+                      (1 + band) * small.radius, [](const Circle&) { return true; });
+    const Ranked& most = *std::ranges::max_element(ranked, {}, &Ranked::contrast);
+    if (!(most.contrast > 0)) return {};
+    return sharpened(levels, most.circle);
 }
 
 std::vector<LuminanceImage> SphereFinder::edge_levels(double radius) const {
@@ -342,7 +309,8 @@ std::vector<Circle> SphereFinder::find(size_t count) const {
                 apart = apart && !(distance >= radius && distance < 1.4 * radius);
             }
             const double share = double(group.size()) / double(images_);
-            if (apart && group.size() >= 3 && share >= least_spots && share <= 1.6) groups.push_back(std::move(group));
+            if (apart && group.size() >= 3 && share >= least_spots && share <= most_spots)
+                groups.push_back(std::move(group));
         }
     std::ranges::sort(groups,
                       [](const auto& a, const auto& b) { return a.size() != b.size() ? a.size() > b.size() : a < b; });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/texel_pixels.h"
 #include "publish/choices.h"
 #include "publish/page_model.h"
 
@@ -11,23 +12,6 @@ namespace {
 
 constexpr size_t views_asked = 8;
 constexpr float steps_of_scale = 250;
-
-/// A pixel at each texel's centre.
-std::vector<RasterPixel> texels_as_pixels(const Atlas& atlas) {
-    const auto* mesh = dynamic_cast<const TriangleAtlas*>(&atlas);
-    std::vector<RasterPixel> pixels(atlas.texel_count());
-    for (uint32_t t = 0; t < pixels.size(); ++t) {
-        if (!atlas.usable(t)) continue;
-        if (!mesh) {
-            pixels[t].triangle = t;
-            continue;
-        }
-        const uint32_t triangle = t / atlas.texels_per_tile();
-        const auto& b = mesh->tile(triangle).barycentric(t % atlas.texels_per_tile());
-        pixels[t] = {triangle, b[1], b[2]};
-    }
-    return pixels;
-}
 
 /// Only what faces camera and lamp.
 void leave_out_hidden(const View& view, const Atlas& atlas, std::vector<RasterPixel>& pixels) {
@@ -45,7 +29,7 @@ std::vector<uint32_t> uncertainty_views(const std::vector<uint32_t>& training) {
 
 PageMap uncertainty_map(const Contestant& fit, const Dataset& dataset, const std::vector<uint32_t>& training,
                         const Atlas& atlas, float& most) {
-    const std::vector<RasterPixel> texels = texels_as_pixels(atlas);
+    const std::vector<RasterPixel> texels = texel_pixels(atlas);
     std::vector<float> squares(texels.size()), count(texels.size());
     for (const uint32_t v : uncertainty_views(training)) {
         const View& view = dataset.views[v];

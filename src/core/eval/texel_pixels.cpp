@@ -1,6 +1,6 @@
-#include "exchange/texel_pixels.h"
+#include "eval/texel_pixels.h"
 
-namespace radiafit::tools {
+namespace radiafit {
 
 std::vector<RasterPixel> texel_pixels(const Atlas& atlas) {
     const auto* triangles = dynamic_cast<const TriangleAtlas*>(&atlas);
@@ -18,4 +18,4 @@ std::vector<RasterPixel> texel_pixels(const Atlas& atlas) {
     return pixels;
 }
 
-}  // namespace radiafit::tools
+}  // namespace radiafit
