@@ -10,7 +10,7 @@ after the #version line, and where the name of a file is a definition's, that in
   - with every combination on each line of its first ten, "-" being "not defined":
         // variants: TERMS=1,3 STORAGE=0,1,2 ALONG=-,1
     MODEL=* stands for every texel-local model of a lamp's and an eye's direction: those texts in shaders/model that define
-    BASIS_COUNT and sample_terms(). STEP=* and UPDATE=* stand for every step and update of an optimizer, with what belongs
+    BASIS_COUNT and sample_terms(), themselves or in a part that they include. STEP=* and UPDATE=* stand for every step and update of an optimizer, with what belongs
     to it; LOSS=* for none and every one in loss.glsl.
 
 Texts shared with C++ (shaders/model, shaders/optimize) that no stage reaches are compiled inside an empty stage, with
@@ -87,7 +87,11 @@ def expand(shaders, name, defines=(), files=None):
 
 def texel_models(shaders):
     texts = {path.stem: path.read_text(encoding="utf-8") for path in (shaders / "model").glob("*.glsl")}
-    return sorted(name for name, text in texts.items() if "#define BASIS_COUNT" in text and " sample_terms(" in text)
+    parts = {name: re.findall(r'#include "model/(\w+)\.glsl"', text) for name, text in texts.items()}
+    parts_of_others = {part for of_one in parts.values() for part in of_one}
+    whole = {name: "".join([text, *(texts[part] for part in parts[name])]) for name, text in texts.items()}
+    return sorted(name for name, text in whole.items()
+                  if name not in parts_of_others and "#define BASIS_COUNT" in text and " sample_terms(" in text)
 
 
 def optimizer_texts(shaders, axis):

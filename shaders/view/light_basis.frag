@@ -9,7 +9,7 @@ precision highp sampler2D;
 precision highp sampler2DArray;
 #include "model/prelude.glsl"
 #include "view/table.glsl"
-#include "view/srgb.glsl"
+#include "view/curve.glsl"
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
@@ -27,16 +27,6 @@ uniform float least_cosine, most_bright;            // where lamps leave the dir
 uniform float term[RANK + 1];                       // the mean, then the functions
 
 vec2 site_knowledge(Site site) { return surface_value(Z_MAPS + 1, site).xy; }
-
-vec3 light_on_curve(vec3 value) {
-#if CURVE == 0
-    return srgb_decoded(value);
-#elif CURVE == 1
-    return value * abs(value);
-#else
-    return value;
-#endif
-}
 
 /** As the direction at the surface's middle is turned back amid those that were fitted. */
 vec3 turned_inside(vec3 direction) {

@@ -1,14 +1,14 @@
 #version 300 es
 // A texel-local model (shaders/model/MODEL.glsl) under a lamp, as eval/safe_relighting.h shows it. Maps: BASIS_COUNT of
 // coefficients, (SHAPE_COUNT + 2) / 3 of the shape, then albedo and brightest, both as roots, and what is known.
-// variants: MODEL=* GRID=-,1 NORMAL_MAP=-,7 MAPS=12
+// variants: MODEL=* CURVE=0,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=12
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp sampler2DArray;
 #include "model/prelude.glsl"
 #include "view/table.glsl"
-#include "view/srgb.glsl"
+#include "view/curve.glsl"
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
@@ -36,7 +36,7 @@ vec3 fitted_value(Site site, vec3 u, vec3 v) {
     Basis b = basis(s, sample_terms(u, v));
     vec3 value = vec3(0.0);
     for (int k = 0; k < BASIS_COUNT; ++k) value += term[k] * b.x[k] * surface_value(k, site);
-    return value;
+    return light_on_curve(value);
 }
 
 vec3 model_value(Site site) {

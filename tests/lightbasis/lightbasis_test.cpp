@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "dataset/value_curve.h"
 #include "gauss.h"
 #include "geometry/direction_hull.h"
 #include "lightbasis/choose_kernel.h"
 #include "lightbasis/light_error_bars.h"
 #include "lightbasis/solve_light_basis.h"
+#include "model/value_curve.h"
 #include "shared_context.h"
 #include "texel_scene.h"
 

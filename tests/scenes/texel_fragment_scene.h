@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "bench/texel_oracle.h"
@@ -13,6 +14,16 @@
 /// Images of noise under a lamp each, over a mesh or a grid, and what they say of each texel in double.
 namespace radiafit::testing {
 using namespace harness;
+
+/// The models, but those whose text is the first part of another's.
+inline std::vector<const TexelModel*> models_of_own_text() {
+    std::vector<const TexelModel*> models;
+    for (const TexelModel* model : texel_models()) {
+        const std::string_view name = model->name;
+        if (name != "hsh2" && name != "hsh3" && name != "hsh4") models.push_back(model);
+    }
+    return models;
+}
 
 struct TexelScene {
     bool grid = false;

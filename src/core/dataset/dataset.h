@@ -14,6 +14,7 @@
 #include "geometry/camera.h"
 #include "geometry/light.h"
 #include "geometry/mesh.h"
+#include "model/value_curve.h"
 
 /// The packed dataset: the only thing a fitting program reads. A folder with dataset.json, images.bin and mesh.ply (or
 /// a grid of texels in its place), described field by field in docs/formats.md.
@@ -130,9 +131,6 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// sRGB transfer functions (IEC 61966-2-1); the same curve goes on above 1, and f(-x) = -f(x).
-double srgb_decode(double stored);
-double srgb_encode(double linear);
 /// Linear light of a stored value in [0, 1] or above, and back.
 double decode(Encoding encoding, double stored);
 double encode(Encoding encoding, double linear);

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "dataset/dataset.h"
 
 namespace radiafit {
@@ -23,16 +21,6 @@ std::string to_string(Encoding encoding) {
 int bytes_per_channel(Encoding encoding) {
     if (encoding == Encoding::f32_linear) return 4;
     return encoding == Encoding::u8_srgb || encoding == Encoding::u8_linear ? 1 : 2;
-}
-
-double srgb_decode(double stored) {
-    const double x = std::abs(stored);
-    return std::copysign(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4), stored);
-}
-
-double srgb_encode(double linear) {
-    const double x = std::abs(linear);
-    return std::copysign(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055, linear);
 }
 
 double decode(Encoding encoding, double stored) { return encoding == Encoding::u8_srgb ? srgb_decode(stored) : stored; }

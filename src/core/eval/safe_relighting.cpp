@@ -46,21 +46,20 @@ void SafeRelighting::find_bounds() {
 }
 
 SafeRelighting::Bounds SafeRelighting::bounds_of(uint32_t texel) const {
-    const TexelModel& model = *fit_->options.model;
-    const std::span<const float> p(&fit_->parameters[size_t(texel) * size_t(model.parameters)],
-                                   size_t(model.parameters));
+    const size_t n = size_t(fit_->options.model->parameters);
+    const std::span<const float> p(&fit_->parameters[size_t(texel) * n], n);
     const auto place = TexelShading::place(*atlas_, texel);
     Bounds out;
     float squares = 0;
     for (const View* view : training_) {
         const TexelShading::Lit lit = TexelShading::lit(place, *view);
-        const auto value = model.value(p, lit.u, lit.v);
+        const Vec3f value = shown_value(fit_->options, p, lit.u, lit.v);
         if (!(lit.u.z() > 0 && lit.v.z() > 0)) continue;
         squares += lit.u.z() * lit.u.z();
         for (int c = 0; c < 3; ++c) {
             // no brighter than the image can hold, beyond which it says nothing; not-a-number counts as none
             const float holds = float(view->peak * view->gain[0]) / std::max(lit.irradiance[c], 1e-20f);
-            const float seen = std::min(std::max(0.0f, value[size_t(c)]), holds);
+            const float seen = std::min(std::max(0.0f, value[c]), holds);
             out.albedo[c] += seen * lit.u.z();
             out.brightest[c] = std::max(out.brightest[c], seen);
         }
@@ -81,17 +80,16 @@ double SafeRelighting::share_at(double outside) {
 }
 
 Vec3f SafeRelighting::colour_of(uint32_t texel, const View& view, float share) const {
-    const TexelModel& model = *fit_->options.model;
     const TexelShading::Lit lit = TexelShading::lit(TexelShading::place(*atlas_, texel), view);
     if (!(lit.u.z() > 0 && lit.v.z() > 0)) return Vec3f::Zero();
     const Bounds& bounds = bounds_[texel];
     Vec3f colour = bounds.albedo * lit.u.z();
     if (fit_->samples[texel] > 0) {
-        const size_t n = size_t(model.parameters);
-        const auto value = model.value({&fit_->parameters[size_t(texel) * n], n}, lit.u, lit.v);
+        const size_t n = size_t(fit_->options.model->parameters);
+        const Vec3f value = shown_value(fit_->options, {&fit_->parameters[size_t(texel) * n], n}, lit.u, lit.v);
         const Vec3f most_bright = most * bounds.brightest;
         for (int c = 0; c < 3; ++c) {
-            const float fitted = std::min(std::max(0.0f, value[size_t(c)]), most_bright[c]);
+            const float fitted = std::min(std::max(0.0f, value[c]), most_bright[c]);
             colour[c] = std::min(share * fitted + (1 - share) * colour[c], most_bright[c]);
         }
     }

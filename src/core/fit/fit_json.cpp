@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "base/choose.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/json.h"
@@ -163,9 +164,13 @@ TexelFitNotes notes_of(const ReflectanceFit& fit) {
     const TexelOptions& o = fit.options;
     std::vector<std::string> parameters;
     for (int i = 0; i < o.model->parameters; ++i) parameters.push_back(o.model->parameter_name(i));
-    const Json own = {{"parameters", parameters},          {"surface_side", o.surface_side},
-                      {"mode", to_string(o.mode)},         {"mu", plain(o.mu)},
-                      {"clip_above", plain(o.clip_above)}, {"shadow_below", plain(o.shadow_below)}};
+    const Json own = {{"parameters", parameters},
+                      {"curve", name_of(o.curve)},
+                      {"surface_side", o.surface_side},
+                      {"mode", to_string(o.mode)},
+                      {"mu", plain(o.mu)},
+                      {"clip_above", plain(o.clip_above)},
+                      {"shadow_below", plain(o.shadow_below)}};
     return {o.model->name, reflectance_key, json_text(own)};
 }
 
@@ -177,6 +182,7 @@ void take_notes(const std::string& model, const std::string& own_json, Reflectan
     for (int i = 0; i < o.model->parameters; ++i)
         if (r.at("parameters").at(size_t(i)) != o.model->parameter_name(i))
             throw std::runtime_error("its parameters are those of another version of model " + model);
+    if (r.contains("curve")) o.curve = choose("curve", r.at("curve").get<std::string>(), value_curves());
     o.surface_side = whole(r, "surface_side");
     o.mode = one_of(r.at("mode"), {Mode::paper, Mode::modern}, "mode");
     o.mu = number(r, "mu");

@@ -13,6 +13,11 @@ void check_options(const TexelOptions& o) {
     require("shadow-below", double(o.shadow_below), limits::share);
 }
 
+Vec3f shown_value(const TexelOptions& options, std::span<const float> p, const Vec3f& u, const Vec3f& v) {
+    const std::array<float, 3> value = options.model->value(p, u, v);
+    return from_curve(options.curve, Vec3f(value[0], value[1], value[2]));
+}
+
 double bounds_penalty(const TexelOptions& options, std::span<const float> p) {
     double sum = 0;
     for (size_t i = 0; i < p.size(); ++i) {

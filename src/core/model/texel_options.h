@@ -1,16 +1,19 @@
 #pragma once
 #include "model/lfm.h"
 #include "model/texel_model.h"
+#include "model/value_curve.h"
 
 namespace radiafit {
 
 /// What a fit of a texel-local model is made of.
 ///
-/// The target of a sample is its pixel's linear value over the lamp's irradiance at the texel, per channel. A sample
+/// The target of a sample is its pixel's linear value over the lamp's irradiance at the texel, per channel, on the
+/// curve: under distant lamps of intensity 1, on sRGB's, what an sRGB picture stores. A sample
 /// counts if u_z > 0 and v_z > 0, and neither of the two rules below leaves it out, all channels alike; each problem's
 /// E is over its samples' number (S-bar: samples of the texel).
 struct TexelOptions {
     const TexelModel* model = nullptr;
+    ValueCurve curve = ValueCurve::linear;
     int surface_side = 16;     ///< n of a mesh's atlas; unused for a grid, which brings its texels
     Mode mode = Mode::modern;  ///< of the bounds penalty of streamed optimizers
     float mu = 1;              ///< its weight
@@ -25,6 +28,10 @@ struct TexelOptions {
 };
 /// Throws UserError unless side, weights and shares are in range.
 void check_options(const TexelOptions& options);
+
+/// What a texel with parameters p shows: light over the lamp's irradiance, per channel. u, v: as of
+/// TexelModel::value().
+Vec3f shown_value(const TexelOptions& options, std::span<const float> p, const Vec3f& u, const Vec3f& v);
 
 /// mu E_b of one texel's parameters, as streamed optimizers add it to E / S-bar.
 double bounds_penalty(const TexelOptions& options, std::span<const float> p);

@@ -9,7 +9,11 @@ namespace radiafit {
 
 TexelLoader::TexelLoader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                          const TexelOptions& options)
-    : atlas_(&atlas), shading_(dataset, views), shadow_below_(options.shadow_below), weights_(options.loss.weights) {
+    : atlas_(&atlas),
+      shading_(dataset, views),
+      shadow_below_(options.shadow_below),
+      weights_(options.loss.weights),
+      curve_(options.curve) {
     const bool clips = has_largest_value(dataset.encoding) && options.clip_above > 0;
     for (const uint32_t view : views)
         clipped_.push_back(clips ? options.clip_above * float(dataset.views[view].gain[0])
@@ -38,7 +42,13 @@ void TexelLoader::load(uint32_t texel, std::span<const TexelRadiance> samples, s
         out.push_back({lit.u, lit.v, {target(0), target(1), target(2)}, float(sample_weight(weights_, lit.v.z()))});
         if (which) which->push_back(uint32_t(&s - samples.data()));
     }
-    if (shadow_below_ <= 0) return;
+    if (shadow_below_ > 0) leave_out_shadows(out, which);
+    if (curve_ == ValueCurve::linear) return;
+    for (ShadedSample& s : out)
+        for (float& target : s.target) target = on_curve(curve_, target);
+}
+
+void TexelLoader::leave_out_shadows(std::vector<ShadedSample>& out, std::vector<uint32_t>* which) const {
     const float albedo = lambertian_albedo(out).sum();
     size_t kept = 0;
     for (size_t i = 0; i < out.size(); ++i) {

@@ -8,7 +8,7 @@ namespace radiafit {
 /// A sample that counts, as a texel-local model sees it.
 struct ShadedSample {
     Vec3f u, v;       ///< unit directions to lamp and camera in the texel's frame, z > 0
-    float target[3];  ///< value over irradiance
+    float target[3];  ///< value over irradiance, on the curve
     float weight;     ///< see SampleWeights
 };
 
@@ -25,11 +25,14 @@ public:
               std::vector<uint32_t>* which = nullptr) const;
 
 private:
+    void leave_out_shadows(std::vector<ShadedSample>& samples, std::vector<uint32_t>* which) const;
+
     const Atlas* atlas_;
     std::vector<uint32_t> texels_;  ///< of the atlas, in their order; empty: all
     TexelShading shading_;
     float shadow_below_;
     SampleWeights weights_;
+    ValueCurve curve_;
     std::vector<float> clipped_;  ///< [views] values from here on are left out
 };
 

@@ -1,12 +1,13 @@
 // The problems of a texel-local model, and its parameters, for other people's solvers: docs/problems.md.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/error.h"
 #include "cpu/texel_solver.h"
 #include "fitting/family.h"
 #include "fitting/solvers/solver.h"
-#include "gl/embedded_shaders.h"
+#include "gl/shader_text.h"
 #include "model/texel_local.h"
 
 namespace radiafit::fits {
@@ -26,8 +27,11 @@ constexpr const char* texel_formulas = R"json({
 
 /// GLSL of the model's values and derivatives.
 std::string text_of(const TexelModel& model) {
-    const std::string file = std::string("model/") + model.name + ".glsl";
-    return std::string(std::ranges::find(embedded_shaders(), file, &EmbeddedText::file)->text);
+    std::istringstream expanded(expand_shader(std::string("model/") + model.name + ".glsl").text);
+    std::string text;
+    for (std::string line; std::getline(expanded, line);)
+        if (!line.starts_with("#line")) text += line + "\n";
+    return text;
 }
 
 /// body(texel, samples that count, and the views' positions that they are of), texel after texel.
@@ -57,9 +61,9 @@ uint64_t write_split(const std::string& split, const TexelProblem& problem, Prob
     auto u =
         out.open<float>(split + "_u", {samples, 3}, "unit direction to the lamp in the texel's frame, z its normal");
     auto v = out.open<float>(split + "_v", {samples, 3}, "unit direction to the camera, likewise");
-    auto target =
-        out.open<float>(split + "_target", {samples, 3},
-                        "red, green, blue over the lamp's irradiance: a white diffuse texel that faces it is 1");
+    auto target = out.open<float>(
+        split + "_target", {samples, 3},
+        "red, green, blue over the lamp's irradiance, on the curve: a white diffuse texel that faces it is 1");
     auto weight = out.open<float>(split + "_weight", {samples}, "of a sample's squared residuals");
     auto image = out.open<int32_t>(split + "_image", {samples}, "the image that it is of");
     for_texels(problem, [&](const auto& shaded, const auto& images) {
@@ -94,6 +98,7 @@ void describe_objective(const TexelOptions& o, ProblemFolder& out) {
     }
     out.tell("objective",
              Json{{"mu", o.mu}, {"lower", lower}, {"upper", upper}, {"printed_bounds", o.mode == Mode::paper}}.dump());
+    out.tell("curve", json_string(name_of(o.curve)));
     out.tell("formulas", texel_formulas);
     out.tell("text", json_string(text_of(*o.model)));
 }

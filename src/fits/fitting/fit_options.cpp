@@ -126,6 +126,18 @@ FitOption optimizer_option() {
     return choice<const Method*>("optimizer", &FitFacts::optimizer, &FitRequest::optimizer, choices, help.c_str());
 }
 
+FitOption curve_option() {
+    FitOption o = choice<ValueCurve>(
+        "curve", [](const FitFacts& f) { return f.takes_light() && !f.on_fragment(); },
+        [](auto& r) -> auto& { return r.curve.emplace(); }, value_curves(),
+        "what of light is fitted: as sRGB pictures store it, its square root, or light itself; default: of light bases "
+        "srgb, of other models linear");
+    o.hide_default = true;
+    o.text = [](const FitRequest& r) { return name_of(r.value_curve()); };
+    o.json = [text = o.text](const FitRequest& r) { return dumped(text(r)); };
+    return o;
+}
+
 FitOption validation_option() {
     FitOption o =
         number("validation", {}, &FitRequest::validation, limits::validation,
@@ -177,7 +189,7 @@ std::vector<FitOption> make_fit_options() {
          of_problem(choice<TargetSpace>(
              "space", [](const FitFacts& f) { return !f.takes_light(); }, &FitRequest::space,
              {{"stored", TargetSpace::stored}, {"linear", TargetSpace::linear}}, "what residuals are formed in")),
-         of_problem(validation_option()),
+         of_problem(curve_option()), of_problem(validation_option()),
          of_problem(text("leave_out", {}, &FitRequest::leave_out, "names with commas between them",
                          "training images that are not fitted, such as those that judge says to look at")),
          of_resources(memory_option())});

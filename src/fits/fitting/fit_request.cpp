@@ -8,6 +8,7 @@
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
 #include "fitting/solvers/solver.h"
+#include "lightbasis/learn_light_basis.h"
 
 namespace radiafit::fits {
 
@@ -39,6 +40,10 @@ void FitRequest::check() const {
     if (lacks_engine())
         throw UserError(fmt::format("{} does not fit {}; choose {} or {}", option_name("engine fragment"),
                                     family_of(*this).name, option_name("engine cpu"), option_name("engine compute")));
+    if (facts.texel_local() && facts.on_fragment() && value_curve() != ValueCurve::linear)
+        throw UserError(fmt::format("{} fits light itself; choose {} or {}, or leave out {}",
+                                    option_name("engine fragment"), option_name("engine cpu"),
+                                    option_name("engine compute"), option_name("curve")));
     if (surface == SurfaceLookup::linear && facts.streams_images())
         throw UserError(
             fmt::format("{} fits colours at texels' centres, but where OpenGL distributes a texel takes a pixel; "
@@ -52,6 +57,11 @@ void FitRequest::check() const {
 /// The paper gives no weight. At 1 the jump of its penalty's gradient at the bound (Section 3.1: a - b, here -16)
 /// dwarfs the data term's and stalls conjugate gradients; 1e-4 is on a par with it.
 float FitRequest::bounds_weight() const { return !(mu < 0) ? float(mu) : mode == Mode::paper ? 1e-4f : 1.0f; }
+
+ValueCurve FitRequest::value_curve() const {
+    return curve.value_or(family_of(*this).kind == ModelKind::by_light ? LightBasisOptions().curve
+                                                                       : TexelOptions().curve);
+}
 
 Rule FitRequest::rule() const {
     const Method& method = optimizer ? *optimizer : methods[0];
@@ -84,6 +94,7 @@ LfmOptions FitRequest::model_options() const {
 TexelOptions FitRequest::texel_options() const {
     TexelOptions options;
     options.model = texel_model();
+    options.curve = value_curve();
     options.surface_side = model.surface_side;
     options.mode = mode;
     options.mu = bounds_weight();

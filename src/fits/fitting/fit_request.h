@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "compute/compute_options.h"
@@ -55,6 +56,7 @@ struct FitRequest {
     /// are given.
     double texels_per_pixel = 0;
     float clip_above = 0, shadow_below = 0;  ///< see TexelOptions
+    std::optional<ValueCurve> curve = {};    ///< of models under lamps; none: value_curve()'s choice
     PriorKind prior = PriorKind::none;
     double mu = -1;  ///< weight of the bounds; below 0: the mode's default
     bool deflate = false;
@@ -99,7 +101,8 @@ struct FitRequest {
 
     const TexelModel* texel_model() const { return find_texel_model(model_name); }  ///< null: none of them
     Rule rule() const;
-    float bounds_weight() const;  ///< mu, or the mode's default
+    float bounds_weight() const;     ///< mu, or the mode's default
+    ValueCurve value_curve() const;  ///< curve, or the model's default: sRGB's of light bases, linear of others
     OptimizerOptions optimizer_options() const;
     LfmOptions model_options() const;    ///< with mode and mu filled in, checked
     TexelOptions texel_options() const;  ///< checked

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "basis/basis_blocks.h"
-#include "dataset/value_curve.h"
 #include "geometry/mesh.h"
 #include "model/prelude.h"
+#include "model/value_curve.h"
 
 /// Colours of a texel under lamps that move: functions of the lamp's direction l,
 ///     y_c(l) = k(l) . (mean_c + sum over j < rank of z_j function_jc),

@@ -113,16 +113,19 @@ SurfaceLook look_of(const ReflectanceFit& fit, const Atlas& atlas, const Dataset
     look.atlas = not_owned(atlas);
     look.lookup = fit.surface;
     look.albedo = true;
-    look.meaning = model.diffuse ? "diffuse albedo, " + model.coefficient_names[size_t(*model.diffuse)]
-                                 : "the Lambertian albedo nearest to the model over the images that were fitted";
+    const bool of_light = fit.options.curve == ValueCurve::linear;
+    const bool has_diffuse = model.diffuse && of_light;
+    look.meaning = has_diffuse ? "diffuse albedo, " + model.coefficient_names[size_t(*model.diffuse)]
+                               : "the Lambertian albedo nearest to the model over the images that were fitted";
     const size_t n = size_t(model.parameters);
-    const bool has_lobe = !fit.parameters.empty() && model.lobe_exponent({fit.parameters.data(), n}).has_value();
+    const bool has_lobe =
+        of_light && !fit.parameters.empty() && model.lobe_exponent({fit.parameters.data(), n}).has_value();
     if (has_lobe) look.meaning += "; roughness = (2n + 1)^(-1/4) of the lobe's exponent n";
     for (size_t t = 0; t < atlas.texel_count(); ++t) {
         const std::span<const float> p(&fit.parameters[t * n], n);
         const bool seen = fit.samples[t] > 0;
         Vec3f colour = safe.bounds()[t].albedo;
-        if (seen && model.diffuse) colour = Vec3f::Map(&p[size_t(3 * *model.diffuse)]);
+        if (seen && has_diffuse) colour = Vec3f::Map(&p[size_t(3 * *model.diffuse)]);
         look.base_colour.push_back(not_below_zero(colour));
         if (has_lobe) look.roughness.push_back(seen ? roughness(lobe_of(model, p)) : 1.0f);
     }

@@ -52,9 +52,7 @@ PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Data
     page.tables = {table_of(basis), lamps_of(basis)};
     page.defines = {{"RANK", std::to_string(basis.rank)},
                     {"LAMPS", std::to_string(basis.lamps.size())},
-                    {"CURVE", std::to_string(basis.curve == ValueCurve::srgb   ? 0
-                                             : basis.curve == ValueCurve::root ? 1
-                                                                               : 2)}};
+                    {"CURVE", std::to_string(int(basis.curve))}};
     page.terms.push_back("mean");
     for (int k = 1; k <= basis.rank; ++k) page.terms.push_back(fmt::format("function {}", k));
     page.uniforms = {{"up", numbers(basis.up)},

@@ -43,7 +43,7 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
         page.maps.push_back(std::move(map));
     }
     page.maps.push_back(knowledge_map(fit, atlas));
-    page.defines = {{"MODEL", model.name}};
+    page.defines = {{"MODEL", model.name}, {"CURVE", std::to_string(int(fit.options.curve))}};
     const size_t normals = page.maps.size();
     const bool own_normals = has_normal_map(dataset);
     if (own_normals) {
@@ -53,6 +53,8 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
     for (const std::string& name : model.coefficient_names) page.terms.push_back(name);
     page.uniforms.push_back({"most", {SafeRelighting::most}});
     page.residual_unit = "reflectance, white = 1";
+    if (fit.options.curve != ValueCurve::linear)
+        page.residual_unit += fmt::format(", on the curve {}", name_of(fit.options.curve));
     if (!dataset.has_grid()) page.largest_side = fit.options.surface_side;
     page.atlas = &atlas;
 

@@ -14,6 +14,7 @@ namespace radiafit::fits {
 
 LightBasisOptions light_basis_options(const FitRequest& request) {
     LightBasisOptions options = request.own<LightBasisOptions>();
+    options.curve = request.value_curve();
     options.noise = request.own<ByViewOptions>().noise;
     options.blocks = request.own<ByViewOptions>().blocks;
     return options;

@@ -23,15 +23,21 @@ namespace {
 void show_error_bars(const FittedReflectance& m, const View& view, const std::vector<RasterPixel>& pixels,
                      std::vector<ErrorBar>& bars) {
     const ReflectanceRenderer renderer(*m.atlas, m.fit);
-    const size_t n = size_t(m.fit.options.model->parameters);
+    const TexelModel& model = *m.fit.options.model;
+    const size_t n = size_t(model.parameters);
     bars.assign(pixels.size(), {});
     for (size_t i = 0; i < pixels.size(); ++i) {
         if (pixels[i].triangle == no_triangle) continue;
         const uint32_t texel = renderer.texel_of(pixels[i]);
         const TexelShading::Lit lit = TexelShading::lit(TexelShading::place(*m.atlas, texel), view);
-        const auto value = m.error_bars->of_value(texel, {&m.fit.parameters[texel * n], n}, lit.u, lit.v);
-        bars[i].fit = Vec3f(value[0], value[1], value[2]).cwiseProduct(lit.irradiance);
-        bars[i].noise = m.error_bars->noise[texel] * lit.irradiance;
+        const std::span<const float> p(&m.fit.parameters[texel * n], n);
+        const auto value = model.value(p, lit.u, lit.v), deviation = m.error_bars->of_value(texel, p, lit.u, lit.v);
+        const auto in_light = [&](const Vec3f& of_value) -> Vec3f {
+            return deviation_of_light(m.fit.options.curve, Vec3f(value[0], value[1], value[2]), of_value)
+                .cwiseProduct(lit.irradiance);
+        };
+        bars[i].fit = in_light({deviation[0], deviation[1], deviation[2]});
+        bars[i].noise = in_light(Vec3f::Constant(m.error_bars->noise[texel]));
         if (m.error_bars->noise[texel] == 0) bars[i].fit.setConstant(INFINITY);  // nothing is known of it
     }
 }
@@ -96,7 +102,7 @@ SurfaceParts surface_parts(const FittedReflectance& m, const Dataset& dataset) {
 }
 
 std::vector<MaterialErrors> truth_errors(const FittedReflectance& m, const Dataset& dataset) {
-    if (!has_truth(dataset)) return {};
+    if (!has_truth(dataset) || m.fit.options.curve != ValueCurve::linear) return {};
     return truth_errors(m.fit, read_truth(dataset.folder),
                         m.error_bars ? m.error_bars->deviation : std::vector<float>());
 }

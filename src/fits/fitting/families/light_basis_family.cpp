@@ -86,9 +86,6 @@ const Family light_bases = {
             return by_view_options(
                 {rows::number("numbers", 0, rows::own(&LightBasisOptions::rank), limits::light_rank,
                               "of each texel: functions of the lamp's direction"),
-                 rows::choice<ValueCurve>(
-                     "curve", 0, rows::own(&LightBasisOptions::curve), value_curves(),
-                     "what of light is fitted: as sRGB pictures store it, its square root, or light itself"),
                  rows::text("underneath", 0, rows::own(&LightBasisOptions::underneath), "none, or a texel-local model",
                             "what the basis adds to: a reflectance model that is fitted first", check_underneath),
                  noise_option(), blocks_option()});

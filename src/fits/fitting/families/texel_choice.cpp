@@ -25,7 +25,8 @@ std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& data
     };
     std::vector<FitSetting> settings;
     for (const FitSetting& setting :
-         {selected("lafortune"), selected("ptm"), FitSetting{{"model", light_basis_name}}}) {
+         {selected("lafortune"), selected("ptm"), FitSetting{{"model", "ptm"}, {"curve", "srgb"}},
+          FitSetting{{"model", light_basis_name}}}) {
         FitRequest of_model = request;
         of_model.model_name = setting.front().second;
         if (!takes_given(given, of_model)) continue;
@@ -62,6 +63,9 @@ std::vector<TuneCandidate> texel_candidates(const Dataset& dataset) {
         robust.emplace_back("loss", "huber");
         out.push_back({{plain, selected, robust}, ladders});
     }
+    const auto on_curve = [](const char* model) { return FitSetting{{"model", model}, {"curve", "srgb"}}; };
+    ladders.push_back({"curve", {"srgb", "root", "linear"}});
+    out.push_back({{on_curve("ptm"), on_curve("hsh2"), on_curve("hsh3"), on_curve("hsh4"), on_curve("hsh5")}, ladders});
     return out;
 }
 

@@ -7,7 +7,12 @@
 
 namespace radiafit {
 
-/// What of light a model is fitted to. A curve brings errors in the dark and in the light nearer to how they look.
+/// sRGB's transfer functions (IEC 61966-2-1); the same curve goes on above 1, and f(-x) = -f(x).
+double srgb_decode(double stored);
+double srgb_encode(double linear);
+
+/// What of light a model is fitted to. A curve brings errors in the dark and in the light nearer to how they look. Its
+/// number is CURVE of shaders/view/curve.glsl.
 enum class ValueCurve {
     linear,
     root,  ///< its square root
@@ -23,6 +28,10 @@ inline Vec3f on_curve(ValueCurve curve, const Vec3f& light) {
 }
 inline Vec3f from_curve(ValueCurve curve, const Vec3f& value) {
     return {from_curve(curve, value[0]), from_curve(curve, value[1]), from_curve(curve, value[2])};
+}
+/// What a standard deviation of values is of the light, channel by channel.
+inline Vec3f deviation_of_light(ValueCurve curve, const Vec3f& value, const Vec3f& deviation) {
+    return (from_curve(curve, value + deviation) - from_curve(curve, value - deviation)) / 2;
 }
 
 }  // namespace radiafit

@@ -1,11 +1,19 @@
-#include "dataset/value_curve.h"
+#include "model/value_curve.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dataset/dataset.h"
-
 namespace radiafit {
+
+double srgb_decode(double stored) {
+    const double x = std::abs(stored);
+    return std::copysign(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4), stored);
+}
+
+double srgb_encode(double linear) {
+    const double x = std::abs(linear);
+    return std::copysign(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055, linear);
+}
 
 const std::vector<std::pair<std::string, ValueCurve>>& value_curves() {
     static const std::vector<std::pair<std::string, ValueCurve>> curves = {
