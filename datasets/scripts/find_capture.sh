@@ -1,12 +1,12 @@
 #!/bin/sh
 # Prints the folder of a capture after comparing its files with datasets/checksums/NAME*.sha256: one of the lists must fit.
 # datasets/captures.md says where captures come from and how they were prepared.
-# Usage: find_capture.sh cards_blue|diligent_reading|mold_gold_cape
+# Usage: find_capture.sh cards_blue|diligent_reading|mold_gold_cape|neural_dome
 # Looks in $RADIAFIT_CAPTURES (default ../shared/data beside the checkout). RADIAFIT_OTHER_CAPTURE=1 goes on with other
 # files, such as photographs that another version of COLMAP has undistorted: figures will differ from ours.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
-name=${1:?usage: find_capture.sh cards_blue|diligent_reading|mold_gold_cape}
+name=${1:?usage: find_capture.sh cards_blue|diligent_reading|mold_gold_cape|neural_dome}
 sums=$root/datasets/checksums/$name.sha256
 if [ ! -f "$sums" ]; then
     echo "no capture is called '$name'" >&2
