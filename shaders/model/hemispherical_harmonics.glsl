@@ -4,7 +4,15 @@
 // times the real spherical harmonics Y_lm, k = l^2 + l + m, l < HSH_ORDER, of the direction (x, y, z) on the whole sphere
 // that has u's azimuth and z = 2 u_z - 1. The model knows nothing of the view. HSH_ORDER: 2 to 5.
 #define TERM_COUNT 3
-#define BASIS_COUNT (HSH_ORDER * HSH_ORDER)
+#if HSH_ORDER == 2
+#define BASIS_COUNT 4
+#elif HSH_ORDER == 3
+#define BASIS_COUNT 9
+#elif HSH_ORDER == 4
+#define BASIS_COUNT 16
+#else
+#define BASIS_COUNT 25
+#endif
 #define SHAPE_COUNT 0
 struct Terms { real x[TERM_COUNT]; };
 struct Shape { real x[1]; };  // none

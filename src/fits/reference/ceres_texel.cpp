@@ -4,11 +4,15 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "base/error.h"
+#include "base/wording.h"
 #include "model/small_solve.h"
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
@@ -217,12 +221,18 @@ CeresTexelOutcome<Text> CeresTexels<Text>::solve(Samples samples, const Paramete
 }
 
 template <class Text>
-std::unique_ptr<CeresTexels<Text>> ceres_texels(const CeresTexelOptions& options) {
+std::unique_ptr<CeresTexels<Text>> ceres_texels([[maybe_unused]] const CeresTexelOptions& options) {
     using Method = CeresTexelOptions::Method;
-    if (options.method == Method::tiny || options.method == Method::tiny_pack) return tiny_texels<Text>(options);
-    if constexpr (TexelLocal<Text>::shape > 0)  // else the whole is linear
-        if (options.method == Method::projected) return std::make_unique<ByCeres<Text, ProjectedCost<Text>>>(options);
-    return std::make_unique<ByCeres<Text, WholeCost<Text>>>(options);
+    if constexpr (TexelLocal<Text>::parameters > most_ceres_parameters) {
+        throw UserError(fmt::format("Ceres is not made to fit {} numbers a texel, as {} has: choose {}",
+                                    TexelLocal<Text>::parameters, Text::name, option_name("solver stream")));
+    } else {
+        if (options.method == Method::tiny || options.method == Method::tiny_pack) return tiny_texels<Text>(options);
+        if constexpr (TexelLocal<Text>::shape > 0)  // else the whole is linear
+            if (options.method == Method::projected)
+                return std::make_unique<ByCeres<Text, ProjectedCost<Text>>>(options);
+        return std::make_unique<ByCeres<Text, WholeCost<Text>>>(options);
+    }
 }
 
 #define EACH(NAME)                                        \

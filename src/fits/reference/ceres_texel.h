@@ -25,6 +25,10 @@ struct CeresTexelOptions {
     double initial_radius = 1e4;  ///< of the trust region
 };
 
+/// Models of more parameters a texel are linear, and Levenberg-Marquardt on the CPU is done with them after one step; Ceres'
+/// solvers would take minutes to compile.
+constexpr int most_ceres_parameters = 18;
+
 template <class Text>
 struct CeresTexelOutcome {
     typename TexelLocal<Text>::Parameters parameters;  ///< canonical gauge
@@ -64,7 +68,7 @@ public:
     virtual ~CeresTexelSolver() = default;
     virtual CeresTexelFit solve(std::span<const ShadedSample> samples, std::span<const float> start) = 0;
 };
-/// Throws std::invalid_argument for a model that there isn't.
+/// Throws UserError for a model of more than most_ceres_parameters, std::invalid_argument for one that there isn't.
 std::unique_ptr<CeresTexelSolver> ceres_texel_solver(const TexelModel& model, const CeresTexelOptions& options);
 
 }  // namespace radiafit::fits

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "base/pack.h"
 #include "model/texel_texts.h"
@@ -145,10 +146,14 @@ private:
 }  // namespace
 
 template <class Text>
-std::unique_ptr<CeresTexels<Text>> tiny_texels(const CeresTexelOptions& options) {
-    if (options.method == CeresTexelOptions::Method::tiny_pack)
-        return std::make_unique<ByTinySolver<Text, TinyPackFunction<Text>>>(options);
-    return std::make_unique<ByTinySolver<Text, TinyFunction<Text>>>(options);
+std::unique_ptr<CeresTexels<Text>> tiny_texels([[maybe_unused]] const CeresTexelOptions& options) {
+    if constexpr (TexelLocal<Text>::parameters > most_ceres_parameters) {
+        throw std::logic_error("tiny_texels: ceres_texels() refuses it");
+    } else {
+        if (options.method == CeresTexelOptions::Method::tiny_pack)
+            return std::make_unique<ByTinySolver<Text, TinyPackFunction<Text>>>(options);
+        return std::make_unique<ByTinySolver<Text, TinyFunction<Text>>>(options);
+    }
 }
 
 #define EACH(NAME) \
