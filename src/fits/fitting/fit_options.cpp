@@ -127,11 +127,14 @@ FitOption optimizer_option() {
 }
 
 FitOption curve_option() {
-    FitOption o = choice<ValueCurve>(
+    FitOption o = option(
         "curve", [](const FitFacts& f) { return f.takes_light() && !f.on_fragment(); },
-        [](auto& r) -> auto& { return r.curve.emplace(); }, value_curves(),
         "what of light is fitted: as sRGB pictures store it, its square root, or light itself; default: of light bases "
         "srgb, of other models linear");
+    for (const auto& [name, curve] : value_curves()) o.choices.push_back(name);
+    o.type = "NAME";
+    o.values = fmt::format("{}", fmt::join(o.choices, ", "));
+    o.read = [](FitRequest& r, const std::string& value) { r.curve = choose("curve", value, value_curves()); };
     o.hide_default = true;
     o.text = [](const FitRequest& r) { return name_of(r.value_curve()); };
     o.json = [text = o.text](const FitRequest& r) { return dumped(text(r)); };
