@@ -67,7 +67,9 @@ std::optional<double> finite(double x) { return std::isfinite(x) ? std::optional
 size_t numbers_of(Fitted& fit) { return size_t(arrays_of(fit).front().shape.back()); }
 
 Row judged(const std::string& method, const FitSetting& setting, const Dataset& dataset) {
-    const FitRequest request = resolved_request(setting, dataset);
+    FitRequest request;
+    for (const auto& [option, value] : setting) request.set(option, value);
+    resolve_options(given_by(setting), dataset, request);
     FinishedFit fit = family_of(request).fit(dataset, request);
     const JudgeResult result = judge(contestant_of(fit.fit), dataset, Split::test, at_pixel_centres);
     double sum = 0;
@@ -90,9 +92,9 @@ Row judged_pictures(const fs::path& folder, const Dataset& dataset) {
     const Ended ended = run_program({program.string(), "judge", "--renders", folder.string(), "--dataset",
                                      dataset.folder.string(), "--json", "--quiet"});
     if (ended.status != 0)
-        throw UserError(fmt::format("{}: {}", folder.string(),
-                                    ended.message.empty() ? program.string() + " is missing: run make build"
-                                                          : single_line(ended.message)));
+        throw UserError(fmt::format(
+            "{}: {}", folder.string(),
+            ended.message.empty() ? program.string() + " is missing: run make build" : single_line(ended.message)));
     const auto told = parse_json<nlohmann::json>(ended.output);
     double sum = 0;
     for (const auto& image : told.at("per_image")) sum += image.at("psnr").get<double>();
@@ -114,7 +116,7 @@ void judge_capture(const Dataset& dataset, const Options& o, const fs::path& ren
     };
     for (const Method& method : o.fits) add(judged(method.name, method.setting, dataset));
     if (o.tune_seconds > 0) {
-        const std::vector<TriedSetting> tried = tune(dataset, {.seconds = o.tune_seconds});
+        const std::vector<TriedSetting> tried = tune(dataset, {.seconds = o.tune_seconds, .fixed = {}});
         add(judged(fmt::format("what tune recommends within {:g} s", o.tune_seconds), tried.front().setting, dataset));
     }
     if (!fs::is_directory(renders)) return;

@@ -5,12 +5,12 @@ namespace radiafit::harness::rows_of::relighting {
 using namespace columns;
 
 struct Method {
-    std::string capture, method, made;
-    std::optional<size_t> numbers;
+    std::string capture, method, made = {};
+    std::optional<size_t> numbers = {};
     size_t training, held_out;
     std::optional<double> mean_image_psnr_db, psnr_db;
     double ape;
-    std::optional<double> seconds;
+    std::optional<double> seconds = {};
 };
 inline const RowFileOf<Method> methods{
     "relighting.csv",

@@ -3,7 +3,6 @@
 #include <ceres/cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
-
 #include <fmt/format.h>
 
 #include <algorithm>
