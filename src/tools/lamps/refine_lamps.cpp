@@ -233,6 +233,7 @@ private:
         for (Eigen::Index i = 0; i < logarithm_.size(); ++i) out.segment<3>(4 * i + 1) -= pull.segment<3>(3 * i);
         return out;
     }
+    /// To the lower triangle.
     void add_reduced(const LitPixel& p, Eigen::MatrixXd& to) const {
         Eigen::Matrix<double, Eigen::Dynamic, 3> mixed = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(size_, 3);
         Mat3d own = Mat3d::Identity() * 1e-9;
@@ -247,7 +248,8 @@ private:
             to.block(at, at, of_lamp_, of_lamp_) += p.weight[k] * d * d.transpose();
         }
         const Eigen::Matrix<double, Eigen::Dynamic, 3> through = mixed * own.inverse();
-        to.noalias() -= through.lazyProduct(mixed.transpose());
+        for (Eigen::Index j = 0; j < size_; ++j)
+            to.col(j).tail(size_ - j).noalias() -= through.bottomRows(size_ - j).lazyProduct(mixed.row(j).transpose());
     }
     /// The pixels' unknowns eliminated; what all lamps' strengths share is held.
     Eigen::MatrixXd matrix() const {
@@ -258,6 +260,7 @@ private:
         });
         Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size_, size_);
         for (const Eigen::MatrixXd& m : sums) sum += m;
+        sum.triangularView<Eigen::StrictlyUpper>() = sum.transpose();
         const Eigen::Index lamps = logarithm_.size();
         double hold = 0;
         for (Eigen::Index i = 0; i < lamps; ++i) hold += sum(i * of_lamp_, i * of_lamp_) / double(lamps);
@@ -282,8 +285,7 @@ private:
 
 std::vector<LitPixel> enough(std::vector<LitPixel> pixels) {
     if (pixels.size() < least_pixels)
-        throw UserError(
-            "the surface is too dark, masked or clipped to tell how bright the lamps are: give their intensities");
+        throw UserError("the surface is too dark, masked or clipped to tell of its lamps");
     return pixels;
 }
 
