@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No include, and no link list, breaks the rings or the layers within them. RINGS: core, fits, harness, tools; a ring sees
 those within it. Layers: base < geometry < model < dataset < samples < optim < cpu | fragment | reference; image and gl on base,
-fragment on gl, and compute on fragment; synthetic on dataset; capture and fit on dataset and image, lamps on geometry, stereo on capture, eval on
+fragment on gl, and compute on fragment; synthetic on dataset; fit on dataset and image, capture on these and lamps, lamps on geometry, stereo on capture, eval on
 fit; report and command_line on base; bench on what reads no foreign file. Experiments are of the harness.
 
 Also: that src/CMakeLists.txt and the map in docs/architecture.md name the same layers, that no class is defined twice
@@ -54,8 +54,8 @@ ALLOWED.update(
     command_line={"base"},
     bench=up_to("optim") | {"cpu", "gl", "fragment", "compute", "synthetic", "report", "command_line"},
     lamps=up_to("geometry"),
-    capture=up_to("dataset") | {"image"},
-    stereo=up_to("dataset") | {"image", "capture"},
+    capture=up_to("dataset") | {"image", "lamps"},
+    stereo=up_to("dataset") | {"image", "lamps", "capture"},
     exchange=rings("core", "fits") | {"image_web"},
     publish=rings("core", "fits") | {"image_web"},
     cli=rings("core", "fits", "harness", "tools") | {"image_web"},

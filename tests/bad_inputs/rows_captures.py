@@ -363,6 +363,34 @@ rows.append((lights(more="--normals flat"), None, 0, "6 x 5"))
 rows.append((lights(more="--holdout none"), write(vectors, "0 0 1\n1 0 1\n-1 0 1\n2 0 1\n"), 0, "all in one plane", "give --normals"))
 rows.append((places, None, 0, "6 x 5", "lit/eyes.txt: one line, taken for all 4 images"))
 
+# Circles of glossy spheres
+circles = "lit/circles.txt"
+spheres = f"import lights --images lit/images --spheres {circles} -o new"
+rows += [
+    (spheres, None, 2, f"{circles}: no such list of circles"),
+    (spheres, folder(circles), 2, f"{circles}: cannot read this list of circles"),
+]
+for text, *words in (
+    ("", f"{circles}: holds no circle", "write x, y and radius"),
+    ("# x y radius\n", f"{circles}: holds no circle"),
+    ("3 2\n", f"{circles}:1: a circle takes three numbers, here are 2"),
+    ("3 2 wide\n", f"{circles}:1: circle is 'wide', which is no number"),
+    ("3 2 nan\n", f"{circles}:1: circle is 'nan', which is not finite"),
+    ("3 2 2\n3 2 0\n", f"{circles}:2: the circle's radius is 0: write x, y and a radius above 0"),
+    ("3 2 -1\n", f"{circles}:1: the circle's radius is -1"),
+    ("9 2 2\n", f"{circles}:1: the circle at (9, 2) of radius 2 is not within the images' 6 x 5 pixels", "top left corner"),
+    ("3 2 40\n", f"{circles}:1: the circle at (3, 2) of radius 40 is not within"),
+    ("3 2 2\n2 2 2\n", f"{circles}:2: the circle at (2, 2) overlaps the one at (3, 2): write each sphere once"),
+    ("3 2 2\n", f"{circles}: no outline of a sphere is seen near the circle at (3, 2) of radius 2"),
+):
+    rows.append((spheres, write(circles, text), 2, *words))
+rows += [
+    ("import lights --images lit/images --spheres auto -o new", None, 2, "lit/images: no glossy sphere was found in these images: say where one is (--spheres FILE", "or give the lamps (--lights)"),
+    ("import lights --images lit/pfm --spheres auto:3 -o new", None, 2, "lit/pfm: no glossy sphere was found"),
+    ("import lights --images lit/images --spheres auto --sample-width 6 --camera-positions lit/eyes.txt -o new", append("lit/eyes.txt", "0 0 12\n"), 2, "lit/eyes.txt: 2 camera positions, but spheres (--spheres) are seen by a camera that stands still"),
+    ("import lights --images lit/images --spheres auto --sample-width 6 --camera-positions lit/eyes.txt -o new", write("lit/eyes.txt", "0 0 -12\n"), 2, "lit/eyes.txt: the camera at (0, 0, -12) doesn't stand in front"),
+]
+
 # Images under lamps, in every format
 for kind, ending in (("images", "png"), ("pfm", "pfm"), ("exr", "exr"), ("tif", "tif"), ("jpg", "jpg")):
     rows.append((lights(kind), None, 0, "6 x 5"))

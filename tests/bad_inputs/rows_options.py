@@ -237,7 +237,17 @@ refuse(f"{lights} --max-size {{}} -o new", "-1 65537 x", "max-size = ", "choose 
 refuse(f"{lights} --transfer {{}} -o new", "gamma", "--transfer {}: choose auto, linear or srgb")
 refuse(f"{lights} --holdout {{}} -o new", "every:1", "--holdout {}: N is to be a whole number from 2 on")
 refuse("import lights --images lit/images --light-positions lit/places.txt --sample-width {} -o new", "0 nan 1e10", "sample-width = ", "choose a number from 1e-09 to 1e+09")
+for option in ("sphere-radius", "refine-lamps"):
+    refuse(f"{lights} --{option} {{}} -o new", "0 nan 1e10", f"{option} = ", "choose a number from ")
+refuse("import lights --images lit/images --spheres {} -o new", "auto:0 auto:x auto:99 auto:", "--spheres auto:N = ", "choose a whole number from 1 to 20")
 rows += [
+    (f"{lights} --spheres auto -o new", None, 2, "or as places (--light-positions), or have them found by glossy spheres in the images (--spheres)"),
+    (f"{lights} --sphere-radius 3 -o new", None, 2, "--sphere-radius says how large things are by the spheres (--spheres): leave it out"),
+    ("import lights --images lit/images --spheres auto --sphere-radius 3 --sample-width 9 -o new", None, 2, "--sphere-radius says how large", "leave it or --sample-width out"),
+    ("import lights --images lit/images --spheres auto --camera-positions lit/eyes.txt -o new", None, 2, "give --sample-width"),
+    ("import lights --images lit/images --spheres auto --by-order -o new", None, 2, "--spheres: names no images", "leave --by-order out"),
+    ("import lights --images lit/images --spheres auto --refine-lamps 2 -o new", None, 2, "--refine-lamps means nothing with --spheres"),
+    (f"{lights} --refine-lamps 2 -o new", None, 2, "lit/images: 4 images are too few for --refine-lamps, which takes 6"),
     (f"{lights} --sample-width 3 -o new", None, 2, "--sample-width says nothing about directions"),
     (f"{lights} --light-positions lit/places.txt -o new", None, 2, "either as directions (--lights) or as places (--light-positions)"),
     ("import lights --images lit/images -o new", None, 2, "either as directions (--lights) or as places (--light-positions)"),
@@ -261,7 +271,7 @@ for command, name in (
     (f"import colmap --model '' {colmap.split(' ', 2)[2]} -o new", "model"), (f"import colmap {colmap} --masks '' -o new", "masks"),
     (f"import colmap {colmap} --gains '' -o new", "gains"), (f"import colmap {colmap} --holdout '' -o new", "held-out"),
     (f"{lights} --mask '' -o new", "mask"), (f"{lights} --normals '' -o new", "normals"), (f"{lights} --names '' -o new", "names"),
-    (f"{lights} --intensities '' -o new", "intensities"), ("import lights --images '' --lights lit/lights.txt -o new", "images"),
+    (f"{lights} --intensities '' -o new", "intensities"), (f"{lights} --spheres '' -o new", "spheres"), ("import lights --images '' --lights lit/lights.txt -o new", "images"),
 ):  # fmt: skip
     rows.append((command, None, 2, f"{name} = '': give a name"))
 

@@ -11,6 +11,9 @@ inline constexpr const char* dataset_json_name = "dataset.json";
 inline constexpr const char* dataset_mesh_name = "mesh.ply";
 inline constexpr const char* dataset_images_name = "images.bin";
 inline constexpr const char* dataset_normals_name = "normals.f32";
+/// What an import leaves for people to read, and no fit needs: lamps that it calibrated.
+inline constexpr const char* dataset_lamps_name = "lamps.csv";
+inline constexpr const char* dataset_lamp_picture_name = "lamps.png";
 inline constexpr uint64_t image_alignment = 4096;  ///< of every View::pixel_offset: a page, and what O_DIRECT asks for
 
 /// What dataset.json says of the files beside it.

@@ -23,9 +23,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The files of a dataset's folder, which may be replaced with it.
-constexpr std::string_view our_files[] = {dataset_json_name,    dataset_mesh_name, dataset_images_name,
-                                          dataset_normals_name, truth_json_name,   truth_parameters_name,
-                                          truth_material_name};
+constexpr std::string_view our_files[] = {dataset_json_name,    dataset_mesh_name,  dataset_images_name,
+                                          dataset_normals_name, truth_json_name,    truth_parameters_name,
+                                          truth_material_name,  dataset_lamps_name, dataset_lamp_picture_name};
 
 /// Only what a writer left may be replaced: nobody's notes or photographs go with it.
 void check_replaceable(const fs::path& folder) {

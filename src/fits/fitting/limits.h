@@ -33,6 +33,7 @@ constexpr Range<int> cut_support{0, 1000, "0 is off"};
 constexpr Range<int> cut_close{0, 1000, "0 is off"};
 constexpr Range<int> mask_inset{0, 1000, "0 is off"};
 constexpr Range<double> sample_width{1e-9, 1e9};
+constexpr Range<double> refine_lamps{0.01, 30};
 constexpr Range<double> mesh_scale{1e-9, 1e9};
 constexpr Range<int> view{0, 1'000'000};
 constexpr Range<int> turntable{1, 10000};

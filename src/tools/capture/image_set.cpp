@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "base/error.h"
 #include "base/wording.h"
 #include "capture/image_scale.h"
+#include "dataset/encoding.h"
 #include "image/image_file.h"
 
 namespace radiafit::tools {
@@ -91,6 +93,23 @@ ImageSetFormat learn_format(const fs::path& file, const std::string& transfer, i
 std::vector<uint8_t> scaled_mask(const std::vector<uint8_t>& mask, const ImageSetFormat& format) {
     if (mask.empty() || !format.is_scaled()) return mask;
     return scale_down_mask(mask, format.file_width, format.file_height, format.width, format.height);
+}
+
+StoredLight::StoredLight(const ImageSetFormat& format)
+    : bytes_(size_t(bytes_per_channel(format.encoding))),
+      table_(format.bits == 32 ? nullptr : &linear_table(format.bits, format.encoding != Encoding::u8_srgb)),
+      clipped_(has_largest_value(format.encoding) ? 0.99f : std::numeric_limits<float>::infinity()) {}
+
+float StoredLight::at(const std::vector<uint8_t>& pixels, size_t i) const {
+    const uint8_t* bytes = pixels.data() + i * bytes_;
+    if (table_) {
+        uint16_t stored = 0;  // little-endian
+        std::memcpy(&stored, bytes, bytes_);
+        return (*table_)[stored];
+    }
+    float stored = 0;
+    std::memcpy(&stored, bytes, sizeof stored);
+    return stored;
 }
 
 /// A dataset has finite numbers only.

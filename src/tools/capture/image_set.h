@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -41,6 +42,21 @@ std::vector<uint8_t> without_transparent(std::vector<uint8_t> mask, const std::v
 /// file is taken for, if not null.
 PackedImage read_packed(const std::filesystem::path& file, const ImageSetFormat& format,
                         const std::vector<uint8_t>& mask, PictureFacts* facts = nullptr);
+
+/// Linear light of the values that packed images of a format hold.
+class StoredLight {
+public:
+    explicit StoredLight(const ImageSetFormat& format);
+    /// pixels: as PackedImage has them; i: of [height][width][3].
+    float at(const std::vector<uint8_t>& pixels, size_t i) const;
+    /// From here on light may have been more than could be stored; infinite where values are floats.
+    float clipped() const { return clipped_; }
+
+private:
+    size_t bytes_;                     ///< per value
+    const std::vector<float>* table_;  ///< of every stored value; null: floats
+    float clipped_;
+};
 
 /// Throws UserError for a value of rgb [height][width][3] that is not finite, unless mask [height][width] (empty: none)
 /// leaves its pixel out; then it becomes 0.

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <set>
 
+#include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -16,14 +16,17 @@
 #include "base/resources.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
-#include "capture/image_finder.h"
 #include "capture/image_scale.h"
 #include "capture/image_set.h"
+#include "capture/lamp_calibration.h"
+#include "capture/lamp_picture.h"
+#include "capture/lamp_table.h"
 #include "capture/light_file.h"
+#include "capture/light_list.h"
 #include "capture/normal_file.h"
 #include "capture/picture_facts.h"
 #include "dataset/checksums.h"
-#include "dataset/encoding.h"
+#include "dataset/dataset_json.h"
 #include "dataset/split.h"
 #include "dataset/stream_views.h"
 #include "dataset/view_directions.h"
@@ -40,22 +43,46 @@ struct Source {
     View view;
 };
 
-void check_options(const LightImportOptions& o) {
-    if (o.lights.empty() == o.light_positions.empty())
-        throw UserError(fmt::format("give the lights either as directions ({}) or as places ({})",
-                                    option_name("lights"), option_name("light-positions")));
+void check_scale(const LightImportOptions& o) {
     if (!(o.sample_width >= 0 && std::isfinite(o.sample_width)))
         throw UserError(fmt::format("{} {}: give what an image's width covers, above 0", option_name("sample-width"),
                                     o.sample_width));
+    if (!(o.sphere_radius >= 0 && std::isfinite(o.sphere_radius)))
+        throw UserError(
+            fmt::format("{} {}: give the spheres' radius, above 0", option_name("sphere-radius"), o.sphere_radius));
     const bool near = !o.light_positions.empty() || !o.camera_positions.empty();
-    if (near && o.sample_width == 0)
+    const bool scaled = o.sample_width > 0 || o.sphere_radius > 0;
+    if (o.sphere_radius > 0 && (o.spheres.empty() || o.sample_width > 0))
+        throw UserError(fmt::format("{} says how large things are by the spheres ({}): {}",
+                                    option_name("sphere-radius"), option_name("spheres"),
+                                    o.spheres.empty() ? "leave it out, or have lamps found by them"
+                                                      : "leave it or " + option_name("sample-width") + " out"));
+    if (near && !scaled)
         throw UserError(
             fmt::format("places of lights or cameras mean nothing without the sample's size: give {}, what an image's "
                         "width covers in the same unit",
                         option_name("sample-width")));
-    if (!near && o.sample_width > 0)
+    if (!near && o.spheres.empty() && o.sample_width > 0)
         throw UserError(
             fmt::format("{} says nothing about directions: give places, or leave it out", option_name("sample-width")));
+}
+
+void check_options(const LightImportOptions& o) {
+    const bool ways[] = {!o.lights.empty(), !o.light_positions.empty(), !o.spheres.empty()};
+    if (std::ranges::count(ways, true) != 1)
+        throw UserError(
+            fmt::format("give the lights either as directions ({}) or as places ({}), or have them found by "
+                        "glossy spheres in the images ({})",
+                        option_name("lights"), option_name("light-positions"), option_name("spheres")));
+    check_spheres(o.spheres);
+    if (!(o.refine_lamps >= 0 && o.refine_lamps <= 90))
+        throw UserError(fmt::format("{} {}: give degrees from 0 to 90", option_name("refine-lamps"), o.refine_lamps));
+    if (o.refine_lamps > 0 && !o.spheres.empty())
+        throw UserError(
+            fmt::format("{} means nothing with {}, whose lamps are refined by how sure they are: leave it "
+                        "out",
+                        option_name("refine-lamps"), option_name("spheres")));
+    check_scale(o);
     if (o.transfer != "auto" && o.transfer != "linear" && o.transfer != "srgb")
         throw UserError(fmt::format("{} {}: choose auto, linear or srgb", option_name("transfer"), o.transfer));
     if (o.max_size < 0)
@@ -67,85 +94,71 @@ void check_options(const LightImportOptions& o) {
             fmt::format("{}: no such folder of images: check {}", o.images.string(), option_name("images")));
 }
 
-/// Entry i of a list that has one entry per image or one for all.
-const Vec3d& entry_for(const std::vector<Vec3d>& list, size_t i) { return list.size() == 1 ? list[0] : list[i]; }
-
-void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images, LightImportReport& report) {
-    if (entries == 1 && images > 1)
-        report.remarks.push_back(fmt::format("{}: one line, taken for all {} images", file.string(), images));
-    if (entries != 1 && entries != images)
-        throw UserError(fmt::format("{}: {} {}, but there are {} images: write one line per image, or one for all",
-                                    file.string(), entries, what, images));
+/// Lamps by spheres, or refined; none if they are taken as they are given.
+std::optional<LampCalibration> calibrate(const LightImportOptions& o, const NamedImages& images,
+                                         const std::vector<Vec3d>& intensities, const ImageSetFormat& format,
+                                         const std::vector<uint8_t>& mask, LightImportReport& report) {
+    if (o.spheres.empty() && o.refine_lamps == 0) return {};
+    LitImages lit{.folder = o.images,
+                  .files = images.files,
+                  .format = format,
+                  .mask = mask,
+                  .width = o.sample_width > 0 ? o.sample_width : format.width,
+                  .eye = {},
+                  .intensities = intensities};
+    if (!o.spheres.empty() && !o.camera_positions.empty()) {
+        const std::vector<Vec3d> eyes = read_vectors(o.camera_positions, "camera position");
+        if (eyes.size() != 1)
+            throw UserError(
+                fmt::format("{}: {} camera positions, but spheres ({}) are seen by a camera that stands "
+                            "still: write one line",
+                            o.camera_positions.string(), eyes.size(), option_name("spheres")));
+        Grid::centered(format.width, format.height, 1).camera_at(eyes[0], o.camera_positions.string());
+        lit.eye = eyes[0];
+    }
+    LampCalibration out = o.spheres.empty()
+                              ? refine_on_surface(lit, given_lights(o, images, intensities), o.refine_lamps)
+                              : calibrate_by_spheres(lit, {o.spheres, o.sphere_radius});
+    report.notes.insert(report.notes.end(), out.notes.begin(), out.notes.end());
+    report.remarks.insert(report.remarks.end(), out.remarks.begin(), out.remarks.end());
+    return out;
 }
 
-/// Names, files and lights.
-std::vector<Source> list_sources(const LightImportOptions& o, LightImportReport& report) {
-    const bool near = !o.light_positions.empty();
-    const fs::path lights_file = near ? o.light_positions : o.lights;
-    LightFile lights = read_lights(lights_file);
-    fs::path named_by = lights_file;
-    if (!lights.names.empty() && !o.names.empty())
-        throw UserError(
-            fmt::format("{}: names its images itself: leave {} out", lights_file.string(), option_name("names")));
-    const std::vector<std::string> found = list_images(o.images);
-    std::vector<std::string> names = std::move(lights.names);
-    if (o.by_order) {
-        if (names.empty())
-            throw UserError(fmt::format("{}: names no images, which are taken by their order anyway: leave {} out",
-                                        lights_file.string(), option_name("by-order")));
-        names.clear();
-    }
-    const bool listed = !names.empty() || !o.names.empty();
-    if (!o.names.empty()) names = read_names(named_by = o.names);
-    if (!listed) names = found;
-    if (names.empty())
-        throw UserError(fmt::format("{}: no images here: check {}", o.images.string(), option_name("images")));
-    if (lights.vectors.size() != names.size())
-        throw UserError(fmt::format("{}: {} lights, but {} {} {} images: write one line per image, in the same order",
-                                    lights_file.string(), lights.vectors.size(),
-                                    listed ? o.names.string() : o.images.string(), listed ? "names" : "holds",
-                                    names.size()));
-    if (found.size() > names.size())
-        report.notes.push_back(fmt::format("{} images of {} are left out: {} does not name them",
-                                           found.size() - names.size(), o.images.string(), named_by.string()));
-
-    std::vector<Vec3d> intensities = {Vec3d::Ones()};
-    if (!o.intensities.empty()) {
-        intensities = read_intensities(o.intensities);
-        expect_entries(o.intensities, "intensities", intensities.size(), names.size(), report);
-    }
-    std::vector<Source> sources(names.size());
-    ImageFinder finder(o.images, named_by);
-    std::set<fs::path> files;
+std::vector<Source> make_sources(const LightImportOptions& o, const NamedImages& images,
+                                 const std::vector<Light>& lights) {
     std::vector<Vec3d> directions;  // from the surface's centre, where the world has its origin
-    for (const Vec3d& v : lights.vectors) directions.push_back(v.normalized());
-    const std::vector<uint8_t> held_out = choose_held_out(names, directions, o.holdout);
-    for (size_t i = 0; i < names.size(); ++i) {
-        const std::optional<fs::path> file = finder.find(names[i]);
-        if (!file)
-            throw UserError(fmt::format("{}: check {}, {}", finder.missing(names[i]), option_name("images"),
-                                        found.size() == names.size() && o.names.empty()
-                                            ? fmt::format("or give {}, which takes its {} images in the order of their "
-                                                          "own names",
-                                                          option_name("by-order"), found.size())
-                                            : "or take its line out"));
-        sources[i].file = o.images / *file;
-        if (!files.insert(sources[i].file.lexically_normal()).second)
-            throw UserError(fmt::format("{}: '{}' means {}, as another line does: give images of different names",
-                                        named_by.string(), names[i], sources[i].file.string()));
+    for (const Light& light : lights) directions.push_back(light.place.normalized());
+    const std::vector<uint8_t> held_out = choose_held_out(images.names, directions, o.holdout);
+    std::vector<Source> sources(images.files.size());
+    for (size_t i = 0; i < sources.size(); ++i) {
+        sources[i].file = images.files[i];
         View& view = sources[i].view;
-        view.name = sources[i].file.filename().string();
+        view.name = images.files[i].filename().string();
         view.held_out = held_out[i] != 0;
-        view.light = near ? Light{Light::Kind::near, lights.vectors[i], entry_for(intensities, i)}
-                          : Light{Light::Kind::distant, lights.vectors[i].normalized(), entry_for(intensities, i)};
+        view.light = lights[i];
     }
-    for (std::string& remark : finder.remarks()) report.remarks.push_back(std::move(remark));
-    if (o.by_order)
-        report.remarks.push_back(
-            fmt::format("{}: its lamps are those of the images in the order of their names, from "
-                        "'{}' to '{}', whatever images it names",
-                        lights_file.string(), names.front(), names.back()));
     return sources;
+}
+
+/// Those of the images whose lamps are known, and these lamps.
+std::vector<Source> calibrated_sources(const LightImportOptions& o, const NamedImages& images,
+                                       const LampCalibration& calibration) {
+    NamedImages kept;
+    std::vector<Light> lights;
+    for (size_t k = 0; k < calibration.images.size(); ++k) {
+        kept.names.push_back(images.names[calibration.images[k]]);
+        kept.files.push_back(images.files[calibration.images[k]]);
+        lights.push_back(calibration.lamps[k].light);
+    }
+    return make_sources(o, kept, lights);
+}
+
+/// What people may want to see of a calibration, beside the images.
+void write_calibration(const LampCalibration& calibration, const std::vector<Source>& sources, const fs::path& folder) {
+    std::vector<std::string> names;
+    for (const Source& s : sources) names.push_back(s.view.name);
+    write_file(folder / dataset_lamps_name, lamp_table(calibration, names));
+    if (!calibration.spheres.empty()) write_file(folder / dataset_lamp_picture_name, lamp_picture(calibration));
 }
 
 void pack(const std::vector<Source>& sources, const std::vector<uint8_t>& mask, const ImageSetFormat& format,
@@ -227,10 +240,14 @@ std::vector<Vec3f> read_normals(const LightImportOptions& o, const ImageSetForma
     return format.is_scaled() ? scale_normals(file, format) : std::move(file.normals);
 }
 
+bool has_near_light(const std::vector<Source>& sources) {
+    return std::ranges::any_of(sources, [](const Source& s) { return s.view.light->kind == Light::Kind::near; });
+}
+
 /// The images that normals are found from: fitted ones, never those held out, under distant lamps.
 std::vector<size_t> images_for_normals(const LightImportOptions& o, const std::vector<Source>& sources,
                                        LightImportReport& report) {
-    if (!o.normals.empty() || o.lights.empty()) return {};
+    if (!o.normals.empty() || has_near_light(sources)) return {};
     std::vector<size_t> chosen;
     std::vector<Vec3d> directions;
     for (size_t i = 0; i < sources.size(); ++i) {
@@ -248,33 +265,21 @@ std::vector<size_t> images_for_normals(const LightImportOptions& o, const std::v
 
 /// Linear light over the lamp's intensity, mean of the channels; not a number where it is left out or clipped.
 std::vector<float> grey_values(const PackedImage& image, const ImageSetFormat& format, const Vec3d& intensity) {
-    const size_t channel = size_t(bytes_per_channel(format.encoding)), pixels = image.pixels.size() / (3 * channel);
-    const double clipped = has_largest_value(format.encoding) ? 0.99 : std::numeric_limits<double>::infinity();
-    const std::vector<float>* table =
-        format.bits == 32 ? nullptr : &linear_table(format.bits, format.encoding != Encoding::u8_srgb);
-    std::vector<float> grey(pixels, std::numeric_limits<float>::quiet_NaN());
-    for (size_t p = 0; p < pixels; ++p) {
+    const StoredLight light(format);
+    std::vector<float> grey(size_t(format.width) * size_t(format.height), std::numeric_limits<float>::quiet_NaN());
+    for (size_t p = 0; p < grey.size(); ++p) {
         if (!image.mask.empty() && !image.mask[p]) continue;
-        double sum = 0, largest = 0;
+        double sum = 0;
+        float largest = 0;
         int lit = 0;
         for (size_t c = 0; c < 3; ++c) {
-            const uint8_t* at = image.pixels.data() + (3 * p + c) * channel;
-            double value = 0;
-            if (table) {
-                uint16_t stored = 0;  // little-endian
-                std::memcpy(&stored, at, channel);
-                value = double((*table)[stored]);
-            } else {
-                float stored = 0;
-                std::memcpy(&stored, at, sizeof stored);
-                value = double(stored);
-            }
+            const float value = light.at(image.pixels, 3 * p + c);
             largest = std::max(largest, value);
             if (intensity[ptrdiff_t(c)] <= 0) continue;
-            sum += value / intensity[ptrdiff_t(c)];
+            sum += double(value) / intensity[ptrdiff_t(c)];
             ++lit;
         }
-        if (lit && largest < clipped) grey[p] = static_cast<float>(sum / lit);
+        if (lit && largest < light.clipped()) grey[p] = static_cast<float>(sum / lit);
     }
     return grey;
 }
@@ -351,7 +356,8 @@ std::vector<Vec3f> choose_normals(const LightImportOptions& o, const std::vector
     return normals;
 }
 
-Needs needs_of(size_t images, size_t for_normals, const ImageSetFormat& format) {
+/// for_normals: images that normals are found from; calibrated: whether lamps are.
+Needs needs_of(size_t images, size_t for_normals, bool calibrated, const ImageSetFormat& format) {
     View view;
     view.camera.width = format.width;
     view.camera.height = format.height;
@@ -359,9 +365,10 @@ Needs needs_of(size_t images, size_t for_normals, const ImageSetFormat& format) 
     const uint64_t pixels = uint64_t(format.width) * uint64_t(format.height);
     const uint64_t file_pixels = uint64_t(format.file_width) * uint64_t(format.file_height);
     const uint64_t normals = pixels * sizeof(Vec3f);
-    constexpr uint64_t pixel_bytes = 40;  // as read, floats perhaps, as spread to RGB, and packed
+    constexpr uint64_t pixel_bytes = 40;        // as read, floats perhaps, as spread to RGB, and packed
+    constexpr uint64_t calibration_bytes = 24;  // sums over the images
     return {.memory = 4 * uint64_t(thread_count()) * file_pixels * pixel_bytes + 2 * normals +
-                      for_normals * pixels * sizeof(float),
+                      for_normals * pixels * sizeof(float) + (calibrated ? file_pixels * calibration_bytes : 0),
             .disk = images * (image_block_bytes(view, format.encoding) + 1000) + normals};
 }
 
@@ -373,6 +380,9 @@ std::string provenance(const LightImportOptions& o) {
     add("--images", o.images.string());
     add("--lights", o.lights.string());
     add("--light-positions", o.light_positions.string());
+    add("--spheres", o.spheres);
+    if (o.sphere_radius > 0) add("--sphere-radius", fmt::format("{}", o.sphere_radius));
+    if (o.refine_lamps > 0) add("--refine-lamps", fmt::format("{}", o.refine_lamps));
     add("--names", o.names.string());
     if (o.by_order) text += " --by-order";
     add("--intensities", o.intensities.string());
@@ -392,23 +402,36 @@ std::string provenance(const LightImportOptions& o) {
 LightImportReport import_lights(const LightImportOptions& options, const fs::path& out) {
     check_options(options);
     LightImportReport report;
-    std::vector<Source> sources = list_sources(options, report);
-    const ImageSetFormat format = learn_format(sources[0].file, options.transfer, options.depth, options.max_size);
-    const std::vector<uint8_t> mask = read_common_mask(options, format);
+    const NamedImages images = list_named(options, report);
+    const std::vector<Vec3d> intensities = given_intensities(options, images.files.size(), report);
+    const ImageSetFormat format = learn_format(images.files[0], options.transfer, options.depth, options.max_size);
+    std::vector<uint8_t> mask = read_common_mask(options, format);
+    DatasetWriter writer(out);
+    const bool calibrated = !options.spheres.empty() || options.refine_lamps > 0;
+    const bool finds_normals = options.normals.empty() && options.light_positions.empty();
+    announce_needs("import", needs_of(images.files.size(), finds_normals ? images.files.size() : 0, calibrated, format),
+                   out, options.force);
+
+    const std::optional<LampCalibration> calibration = calibrate(options, images, intensities, format, mask, report);
+    std::vector<Source> sources = calibration
+                                      ? calibrated_sources(options, images, *calibration)
+                                      : make_sources(options, images, given_lights(options, images, intensities));
+    double width = options.sample_width > 0 ? options.sample_width : format.width;  // world units
+    if (calibration) {
+        width = calibration->width;
+        mask = without_spheres(std::move(mask), calibration->spheres, format.file_width, format.file_height);
+        write_calibration(*calibration, sources, writer.temporary_folder());
+    }
     Dataset header;
-    header.grid =
-        Grid::centered(format.width, format.height, options.sample_width > 0 ? options.sample_width / format.width : 1);
+    header.grid = Grid::centered(format.width, format.height, width / format.width);
     place_cameras(options, header.grid, sources, report);
     const std::vector<size_t> for_normals = images_for_normals(options, sources, report);
-
-    DatasetWriter writer(out);
-    announce_needs("import", needs_of(sources.size(), for_normals.size(), format), out, options.force);
     header.grid.texel_normals = choose_normals(options, sources, for_normals, format, mask, report);
     writer.set_encoding(format.encoding);
     pack(sources, mask, format, writer, report);
     header.name = dataset_name(options.name, out);
     header.description = fmt::format("{} images of one real surface, pixel on pixel, under one {} lamp each; camera{}",
-                                     sources.size(), options.lights.empty() ? "near" : "distant",
+                                     sources.size(), has_near_light(sources) ? "near" : "distant",
                                      options.camera_positions.empty() ? " fixed and distant" : "s near");
     header.source = provenance(options);
     writer.finish(header);

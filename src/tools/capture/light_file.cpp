@@ -93,6 +93,33 @@ std::vector<Vec3d> read_intensities(const fs::path& file) {
     return intensities;
 }
 
+std::vector<Vec3d> read_circles(const fs::path& file, int width, int height) {
+    TextFile text(file, "list of circles");
+    std::vector<Vec3d> circles;
+    for (std::string_view line; text.next_entry(line);) {
+        std::string numbers(line);
+        const Vec3d c = to_vector(text, split_numbers(numbers), "circle");
+        if (!(c.z() > 0)) text.fail(fmt::format("the circle's radius is {:g}: write x, y and a radius above 0", c.z()));
+        const double within = 5.0 / 6 * c.z();  // its outline is looked for from there on
+        if (c.x() < within || c.y() < within || c.x() > width - within || c.y() > height - within)
+            text.fail(
+                fmt::format("the circle at ({:g}, {:g}) of radius {:g} is not within the images' {} x {} pixels: "
+                            "count them from the top left corner of the image files",
+                            c.x(), c.y(), c.z(), width, height));
+        for (const Vec3d& other : circles)
+            if ((c - other).head<2>().norm() < std::max(c.z(), other.z()))
+                text.fail(
+                    fmt::format("the circle at ({:g}, {:g}) overlaps the one at ({:g}, {:g}): write each sphere "
+                                "once",
+                                c.x(), c.y(), other.x(), other.y()));
+        circles.push_back(c);
+    }
+    if (circles.empty())
+        throw UserError(
+            fmt::format("{}: holds no circle: write x, y and radius of one sphere per line, in pixels", file.string()));
+    return circles;
+}
+
 std::vector<std::string> read_names(const fs::path& file) {
     TextFile text(file, "list of image names");
     std::vector<std::string> names;

@@ -25,6 +25,10 @@ std::vector<Vec3d> read_vectors(const std::filesystem::path& file, const std::st
 /// Linear red, green and blue per line, or one number for the three; not below 0 and not all 0.
 std::vector<Vec3d> read_intensities(const std::filesystem::path& file);
 
+/// Circles in pictures of such a size: x and y of the centre and the radius per line, pixels from the top left corner,
+/// x to the right and y down. Throws UserError also for none, for one outside the picture, and for two that overlap.
+std::vector<Vec3d> read_circles(const std::filesystem::path& file, int width, int height);
+
 /// One name per line, none twice.
 std::vector<std::string> read_names(const std::filesystem::path& file);
 

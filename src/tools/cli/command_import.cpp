@@ -101,12 +101,24 @@ void add_lights(CommandLine& command) {
     lights.add_text("--images", options->images, "folder of the images").required();
     lights.add_text("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
     lights.add_text("--light-positions", options->light_positions, "in their place: where near lamps stand");
+    lights.add_text("--spheres", options->spheres,
+                    "in their place: lamps by their highlights on glossy spheres in the images; auto finds up to two, "
+                    "auto:N up to N; or a file of circles, x y radius per line in pixels of the image files, y down");
+    lights
+        .add_number("--sphere-radius", options->sphere_radius, limits::sample_width,
+                    "of each of the spheres, in the unit wanted, in place of --sample-width")
+        .hide_default();
+    lights
+        .add_number("--refine-lamps", options->refine_lamps, limits::refine_lamps,
+                    "by so many degrees (standard deviation) --lights or --light-positions may be off: they are "
+                    "refined, with intensities, by what the surface shows")
+        .hide_default();
     lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted");
     lights.add_flag("--by-order", options->by_order,
                     "take the folder's images, sorted by name, in the order of an .lp file's lines, whatever it names");
     lights.add_text("--intensities", options->intensities,
                     "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
-                    "that faces the lamp, near lamps at distance 1; default: 1");
+                    "that faces the lamp, near lamps at distance 1; default: 1, or as found with the lamps");
     lights.add_text("--camera-positions", options->camera_positions,
                     "x y z per line, one per image or one for all; default: far away along +z");
     lights
