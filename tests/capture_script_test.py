@@ -230,6 +230,42 @@ exec {self.program} "$@"
         first, again = (self.root / out / "dataset/dataset/images.bin" for out in ("dome out", "dome again"))
         self.assertEqual(first.read_bytes(), again.read_bytes())
 
+    def test_lamps_by_a_sphere(self):
+        """A matt surface, and a mirroring sphere on it."""
+        width, height, radius, middle = 160, 120, 24, (40, 76)
+        folder = self.root / "mirrored"
+        folder.mkdir()
+        lamps = []
+        for i in range(8):
+            z, angle = 0.5 + 0.05 * i, 2.4 * i
+            lamps.append((math.sqrt(1 - z * z) * math.cos(angle), math.sqrt(1 - z * z) * math.sin(angle), z))
+
+        def value(x, y, lamp):
+            nx, ny = (x + 0.5 - middle[0]) / radius, (middle[1] - y - 0.5) / radius
+            if nx * nx + ny * ny < 1:
+                nz = math.sqrt(1 - nx * nx - ny * ny)
+                mirrored = (2 * nz * nx, 2 * nz * ny, 2 * nz * nz - 1)
+                return 1 if sum(a * b for a, b in zip(mirrored, lamp)) > math.cos(0.12) else 0.02
+            normal = (0.3 * math.sin(x / 9), 0.3 * math.sin(y / 11), 1)
+            return (0.3 + 0.1 * math.sin(x / 4) * math.cos(y / 5)) * max(0, sum(a * b for a, b in zip(normal, lamp)))
+
+        for i, lamp in enumerate(lamps):
+            grey = (int(255 * value(x, y, lamp) ** (1 / 2.2)) for y in range(height) for x in range(width))
+            write_png(folder / f"{i}.png", width, height, bytes(v for g in grey for v in (g, g, g)))
+        (folder / "old.lp").write_text("no light file that is read\n")
+        circles = self.root / "circles.txt"
+        circles.write_text(f"{middle[0] + 1} {middle[1] - 1} {radius + 1}\n")
+        self.assert_refused("--spheres", "nowhere.txt", folder, "mirrored out", says="nowhere.txt: no such file of circles")
+        done = self.captured("--spheres", "circles.txt", "--until", "dataset", folder, "mirrored out", PATH=os.environ["PATH"])
+        self.assertIn("1 sphere, in pixels of the files at (", done.stderr)
+        self.assertIn("directions of 8 lamps", done.stderr)
+        views = json.loads((self.root / "mirrored out/dataset/dataset/dataset.json").read_text())["views"]
+        for view, lamp in zip(views, lamps):
+            off = math.acos(min(1, sum(a * b for a, b in zip(view["light"]["direction"], lamp))))
+            self.assertLess(math.degrees(off), 2, view["name"])
+        again = ("--spheres", circles, "--until", "dataset", folder, "mirrored out")
+        self.assertIn("done before", self.captured(*again, PATH=os.environ["PATH"]).stderr)
+
 
 if __name__ == "__main__":
     CaptureScript.program, CHECKOUT = take_arguments(2)

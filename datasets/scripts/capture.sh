@@ -1,11 +1,14 @@
 #!/bin/sh
 # From photographs alone to a judged fit and a page: cameras by COLMAP, depths, mesh, masks, import, tune, fit, judge, publish.
 # A folder with an RTI light file (.lp) is imported with its lamps instead, also one of Cultural Heritage Imaging's, which has
-# that file in assembly-files and the images in jpeg-exports. docs/captures.md says how to photograph, and what each step checks.
+# that file in assembly-files and the images in jpeg-exports; with --spheres, lamps are found by glossy spheres in the photographs
+# (docs/rti.md). docs/captures.md says how to photograph, and what each step checks.
 # Usage: capture.sh [OPTIONS] PHOTOS OUT
 #   --masks DIR      masks of the photographs, white = object (NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png);
 #                    default: what the mesh covers
 #   --mesh FILE      a surface in the frame of OUT/flat/points.ply, in place of one made from depths
+#   --spheres WHICH  the photographs show one surface pixel on pixel, under a lamp each, and glossy spheres that mirror it:
+#                    auto, auto:N or a file of circles, as `radiafit import lights` takes; no light file is read then
 #   --size PX        longest side of the photographs that are fitted, default 1600
 #   --seconds S      about how long `radiafit tune` may take, default 300
 #   --threads N      default: all cores
@@ -22,10 +25,10 @@ export QT_QPA_PLATFORM=offscreen  # COLMAP asks for no display then
 
 die() { printf '%s\n' "capture.sh: $1" >&2; exit 2; }
 
-masks="" mesh="" size=1600 seconds=300 threads=0 camera=SIMPLE_RADIAL go_on="" until=""
+masks="" mesh="" spheres="" size=1600 seconds=300 threads=0 camera=SIMPLE_RADIAL go_on="" until=""
 while [ $# -gt 0 ]; do
     case $1 in
-    --masks | --mesh | --size | --seconds | --threads | --camera | --until)
+    --masks | --mesh | --spheres | --size | --seconds | --threads | --camera | --until)
         [ $# -gt 1 ] || die "$1 takes a value: see the top of $0"
         eval "$(printf %s "${1#--}")=\$2"
         shift 2
@@ -48,14 +51,22 @@ esac
 [ -d "$photos" ] || die "$photos: no such folder of photographs"
 [ -z "$masks" ] || [ -d "$masks" ] || die "$masks: no such folder of masks"
 [ -z "$mesh" ] || [ -f "$mesh" ] || die "$mesh: no such mesh"
+case $spheres in
+"" | auto | auto:*) ;;
+*)
+    [ -f "$spheres" ] || die "$spheres: no such file of circles: give --spheres auto, or x y radius of each sphere in it"
+    spheres=$(cd "$(dirname "$spheres")" && pwd)/$(basename "$spheres")
+    ;;
+esac
 [ -x "$radiafit" ] || die "$radiafit is missing: run make build"
 photos=$(cd "$photos" && pwd)
 [ -z "$masks" ] || masks=$(cd "$masks" && pwd)
 [ -z "$mesh" ] || mesh=$(cd "$(dirname "$mesh")" && pwd)/$(basename "$mesh")
 name=${photos##*/}
 light_files() { find "$1/" -maxdepth 1 -type f,l -iname '*.lp' ! -name '.*' | sort; }
-where=$photos lights=$(light_files "$photos")
-if [ -z "$lights" ] && [ -d "$photos/assembly-files" ] && [ -d "$photos/jpeg-exports" ]; then
+where=$photos lights=""
+[ -n "$spheres" ] || lights=$(light_files "$photos")
+if [ -z "$lights$spheres" ] && [ -d "$photos/assembly-files" ] && [ -d "$photos/jpeg-exports" ]; then
     where=$photos/assembly-files
     lights=$(light_files "$where")
     [ -n "$lights" ] || die "$where: no light file (.lp) here: make one with RTIBuilder or relight"
@@ -110,7 +121,7 @@ clock() { printf '%d:%02d' $(($1 / 60)) $(($1 % 60)); }
 
 steps="features matches cameras flat depths mesh masks dataset tune fit page"
 [ -z "$mesh" ] || steps="features matches cameras flat mesh masks dataset tune fit page"
-[ -z "$lights" ] || steps="dataset tune fit page"
+[ -z "$lights$spheres" ] || steps="dataset tune fit page"
 total=$(echo $steps | wc -w) number=0 redo="" began=$(date +%s) done_cost=0
 child=
 stop() {
@@ -301,8 +312,10 @@ dataset() {
         --masks "$out/masks/masks" --mesh "$(made_mesh)" --gains estimate --name "$name" -o "$part/dataset"
 }
 lit_dataset() {
-    run "$radiafit" $of_radiafit import lights --images "$photos" --lights "$lights" --max-size "$size" \
-        --name "$name" -o "$part/dataset"
+    if [ -n "$spheres" ]; then set -- --spheres "$spheres"; else set -- --lights "$lights"; fi
+    run "$radiafit" $of_radiafit import lights --images "$photos" "$@" --max-size "$size" \
+        --name "$name" -o "$part/dataset" || return 1
+    [ -z "$spheres" ] || grep -E '^(warning: |[0-9]+ spheres?, |[a-z]+ of [0-9]+ lamps )' "$part/log" >"$part/said" || true
 }
 tune() {
     run_into "$part/table" "$radiafit" $of_radiafit tune "$out/dataset/dataset" --seconds "$seconds" &&
@@ -325,7 +338,7 @@ page() {
 }
 
 overlap="take more photographs between neighbours (10 to 15 degrees apart), sharp, the object still, something structured around it"
-if [ -z "$lights" ]; then
+if [ -z "$lights$spheres" ]; then
     sh "$root/scripts/install-packages.sh" capture
     command -v colmap >/dev/null || die "colmap is missing: install Debian's package colmap"
     step features "features of $count photographs" "$(stamp "$photos") $camera" features "give JPEG, PNG or TIFF photographs that COLMAP can read"
@@ -341,7 +354,7 @@ if [ -z "$lights" ]; then
     step masks "masks" "" make_masks "correct what it says"
     step dataset "import" "" dataset "correct what it says"
 else
-    step dataset "import" "$lights $(stamp "$photos") $size" lit_dataset "correct what it says"
+    step dataset "import" "$lights$spheres $([ ! -f "$spheres" ] || stamp "$spheres")$(stamp "$photos") $size" lit_dataset "correct what it says"
 fi
 step tune "which model and options suit these photographs" "$seconds" tune "correct what it says"
 step fit "fit and judge" "" fit "correct what it says"
