@@ -109,7 +109,7 @@ TEST_F(ValueCurveFit, ComputeShadersShowThem) {
     on_device.set("engine", "compute").set("optimizer", "cg").set("iterations", "200");
     const ReflectanceFit fit = solve_reflectance(plane.dataset, on_device).fit;
     for (size_t i = 0; i < fit.problem_count(); ++i)
-        EXPECT_LT(std::sqrt(2 * fit.error[i] / float(3 * fit.samples[i])), 2e-3f) << i;
+        EXPECT_LT(std::sqrt(2 * fit.error[i] / float(3 * fit.samples[i])), 5e-3f) << i;
 }
 
 TEST(ValueCurveOption, IsOfModelsUnderLampsButNotOfFragmentPrograms) {
