@@ -235,6 +235,7 @@ refuse(f"{lights} --depth {{}} -o new", "7 x", "depth '{}' does not exist; choos
 refuse(f"{lights} --depth {{}} -o new", "16 32", "lit/images/0.png: ", "--depth {} was declared")
 refuse(f"{lights} --max-size {{}} -o new", "-1 65537 x", "max-size = ", "choose a whole number from 0 to 65536 (0 keeps the size)")
 refuse(f"{lights} --transfer {{}} -o new", "gamma", "--transfer {}: choose auto, linear or srgb")
+refuse(f"{lights} --light-axes {{}} -o new", "y x,x,z x,y x,y,z,x x,w,z", "--light-axes {}: give the file's axes that the world's x, y and z are, each axis once, such as x,-y,z")
 refuse(f"{lights} --holdout {{}} -o new", "every:1", "--holdout {}: N is to be a whole number from 2 on")
 refuse("import lights --images lit/images --light-positions lit/places.txt --sample-width {} -o new", "0 nan 1e10", "sample-width = ", "choose a number from 1e-09 to 1e+09")
 for option in ("sphere-radius", "refine-lamps"):
@@ -246,6 +247,7 @@ rows += [
     ("import lights --images lit/images --spheres auto --sphere-radius 3 --sample-width 9 -o new", None, 2, "--sphere-radius says how large", "leave it or --sample-width out"),
     ("import lights --images lit/images --spheres auto --camera-positions lit/eyes.txt -o new", None, 2, "give --sample-width"),
     ("import lights --images lit/images --spheres auto --by-order -o new", None, 2, "--spheres: names no images", "leave --by-order out"),
+    ("import lights --images lit/images --spheres auto --light-axes x,-y,z -o new", None, 2, "--light-axes means nothing with --spheres"),
     ("import lights --images lit/images --spheres auto --refine-lamps 2 -o new", None, 2, "--refine-lamps means nothing with --spheres"),
     (f"{lights} --refine-lamps 2 -o new", None, 2, "lit/images: 4 images are too few for --refine-lamps, which takes 6"),
     (f"{lights} --sample-width 3 -o new", None, 2, "--sample-width says nothing about directions"),
@@ -255,6 +257,7 @@ rows += [
     (f"{lights} --camera-positions lit/eyes.txt -o new", None, 2, "give --sample-width"),
     ("import lights --images lit/images --lights lit/dome.lp --names lit/names.txt -o new", None, 2, "names its images itself: leave --names out"),
     (f"{lights} -o new", None, 0, "6 x 5"),
+    (f"{lights} --light-axes x,-y,z -o new", None, 0, "6 x 5"),
     ("import lights --images lit/images --lights lit/dome.lp -o new", None, 0, "6 x 5"),
     ("import lights --images lit/images --light-positions lit/places.txt --camera-positions lit/eyes.txt --sample-width 6 -o new", None, 0, "6 x 5"),
 ]
@@ -271,6 +274,7 @@ for command, name in (
     (f"import colmap --model '' {colmap.split(' ', 2)[2]} -o new", "model"), (f"import colmap {colmap} --masks '' -o new", "masks"),
     (f"import colmap {colmap} --gains '' -o new", "gains"), (f"import colmap {colmap} --holdout '' -o new", "held-out"),
     (f"{lights} --mask '' -o new", "mask"), (f"{lights} --normals '' -o new", "normals"), (f"{lights} --names '' -o new", "names"),
+    (f"{lights} --light-axes '' -o new", "light-axes"),
     (f"{lights} --intensities '' -o new", "intensities"), (f"{lights} --spheres '' -o new", "spheres"), ("import lights --images '' --lights lit/lights.txt -o new", "images"),
 ):  # fmt: skip
     rows.append((command, None, 2, f"{name} = '': give a name"))

@@ -1,5 +1,6 @@
 // `import lights` as a whole: a Lambertian sphere and a flat sample rendered here read back.
 #include "base/statistics.h"
+#include "capture/light_doubt.h"
 #include "capture/light_file.h"
 #include "capture/normal_file.h"
 #include "dataset/image_stream.h"
@@ -11,6 +12,21 @@ using namespace tools;
 namespace {
 
 using namespace testing;
+
+TEST_F(LightsTest, OtherAxesReadBack) {
+    write_sphere();
+    const Dataset right = import();
+    EXPECT_EQ(light_doubt(right, options_.lights, "").value_or("none"), "none");
+    for (Vec3d& l : lights_) l = Vec3d(-l.y(), l.x(), -l.z());  // as the file has it
+    write_text();
+    options_.light_axes = "y, -x, -z";
+    const Dataset turned = import();
+    expect_in("--light-axes y, -x, -z", turned.source);
+    for (size_t i = 0; i < right.views.size(); ++i)
+        EXPECT_LT((turned.views[i].light->place - right.views[i].light->place).norm(), 1e-12);
+    options_.light_axes = "x,y,y";
+    EXPECT_NE(complaint([&] { import(); }).find("'light_axes' x,y,y: give the file's axes"), std::string::npos);
+}
 
 TEST_F(LightsTest, ASphereReadsBack) {
     write_sphere();

@@ -77,6 +77,9 @@ void check_options(const LightImportOptions& o) {
     check_spheres(o.spheres);
     if (!(o.refine_lamps >= 0 && o.refine_lamps <= 90))
         throw UserError(fmt::format("{} {}: give degrees from 0 to 90", option_name("refine-lamps"), o.refine_lamps));
+    if (!o.light_axes.empty() && !o.spheres.empty())
+        throw UserError(fmt::format("{} means nothing with {}, which read no light file: leave it out",
+                                    option_name("light-axes"), option_name("spheres")));
     if (o.refine_lamps > 0 && !o.spheres.empty())
         throw UserError(
             fmt::format("{} means nothing with {}, whose lamps are refined by how sure they are: leave it "
@@ -384,6 +387,7 @@ std::string provenance(const LightImportOptions& o) {
     if (o.sphere_radius > 0) add("--sphere-radius", fmt::format("{}", o.sphere_radius));
     if (o.refine_lamps > 0) add("--refine-lamps", fmt::format("{}", o.refine_lamps));
     add("--names", o.names.string());
+    add("--light-axes", o.light_axes);
     if (o.by_order) text += " --by-order";
     add("--intensities", o.intensities.string());
     add("--camera-positions", o.camera_positions.string());

@@ -17,6 +17,7 @@ struct LightImportOptions {
     double sphere_radius = 0;           ///< world units; in place of sample_width: says what an image's width covers
     double refine_lamps = 0;            ///< lights or light_positions are off by so many degrees; 0: by none
     std::filesystem::path names;        ///< images in the order of the lights; empty: those of the folder, sorted
+    std::string light_axes;             ///< the file's axes that are the world's ("x,-y,z": y down); empty: as it is
     bool by_order = false;              ///< whatever names an .lp file has, as if it had none
     std::filesystem::path intensities;  ///< per image or one for all (see Light::intensity); empty: 1
     std::filesystem::path camera_positions;  ///< per image or one for all; empty: far away along +z. Needs sample_width

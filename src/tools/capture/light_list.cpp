@@ -7,12 +7,29 @@
 
 #include "base/error.h"
 #include "base/wording.h"
+#include "capture/axes_turn.h"
 #include "capture/file_names.h"
 #include "capture/image_finder.h"
 #include "capture/light_file.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;
+namespace {
+
+/// In the world's axes.
+LightFile read_world_lights(const fs::path& file, const std::string& axes) {
+    LightFile lights = read_lights(file);
+    if (axes.empty()) return lights;
+    const std::optional<Mat3d> turn = parse_axes_turn(axes);
+    if (!turn)
+        throw UserError(
+            fmt::format("{} {}: give the file's axes that the world's x, y and z are, each axis once, such as x,-y,z",
+                        option_name("light-axes"), axes));
+    for (Vec3d& v : lights.vectors) v = (*turn * v).eval();
+    return lights;
+}
+
+}  // namespace
 
 void expect_entries(const fs::path& file, const char* what, size_t entries, size_t images, LightImportReport& report) {
     if (entries == 1 && images > 1)
@@ -24,7 +41,7 @@ void expect_entries(const fs::path& file, const char* what, size_t entries, size
 
 NamedImages list_named(const LightImportOptions& o, LightImportReport& report) {
     const fs::path lights_file = o.lights.empty() ? o.light_positions : o.lights;
-    LightFile lights = lights_file.empty() ? LightFile{} : read_lights(lights_file);
+    LightFile lights = lights_file.empty() ? LightFile{} : read_world_lights(lights_file, o.light_axes);
     fs::path named_by = lights_file;
     if (!lights.names.empty() && !o.names.empty())
         throw UserError(

@@ -2,49 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "base/error.h"
 #include "base/wording.h"
+#include "capture/axes_turn.h"
 
 namespace radiafit::tools {
 namespace {
-
-/// Exactly three parts between commas; blanks around them are dropped.
-std::optional<std::array<std::string_view, 3>> three_parts(std::string_view text) {
-    std::array<std::string_view, 3> parts;
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t comma = text.find(',');
-        if ((comma == std::string_view::npos) != (k == 2)) return {};
-        std::string_view part = text.substr(0, comma);
-        while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
-        while (!part.empty() && part.back() == ' ') part.remove_suffix(1);
-        parts[k] = part;
-        text.remove_prefix(k == 2 ? text.size() : comma + 1);
-    }
-    return parts;
-}
-
-std::optional<Mat3d> parse_turn(std::string_view text) {
-    const auto parts = three_parts(text);
-    if (!parts) return {};
-    Mat3d turn = Mat3d::Zero();
-    for (int row = 0; row < 3; ++row) {
-        std::string_view part = (*parts)[size_t(row)];
-        double sign = 1;
-        if (part.starts_with('-') || part.starts_with('+')) {
-            sign = part[0] == '-' ? -1 : 1;
-            part.remove_prefix(1);
-        }
-        if (part.size() != 1 || part[0] < 'x' || part[0] > 'z') return {};
-        turn(row, part[0] - 'x') = sign;
-    }
-    if (std::abs(turn.determinant()) != 1) return {};  // an axis twice
-    return turn;
-}
 
 std::optional<Vec3d> parse_shift(std::string_view text) {
     const auto parts = three_parts(text);
@@ -58,16 +25,6 @@ std::optional<Vec3d> parse_shift(std::string_view text) {
         if (error != std::errc() || at != end || !std::isfinite(shift[axis])) return {};
     }
     return shift;
-}
-
-/// The turn's text if the matrix is a turn of axes, mirrored or not.
-std::string turn_text(const Mat3d& turn) {
-    std::string text;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            if (turn(row, column) != 0)
-                text += fmt::format("{}{}{}", row ? "," : "", turn(row, column) < 0 ? "-" : "", "xyz"[column]);
-    return text;
 }
 
 /// The scale if the matrix is a turn of axes and one scale.
@@ -88,7 +45,7 @@ MeshPlacement parse_placement(std::string_view turn, double scale, std::string_v
     MeshPlacement placement;
     placement.flip_faces = flip_faces;
     if (!turn.empty()) {
-        const auto linear = parse_turn(turn);
+        const auto linear = parse_axes_turn(turn);
         if (!linear)
             throw UserError(
                 fmt::format("{} {}: give the old axes that the new x, y and z are, each axis once, such as x,z,-y",
@@ -114,7 +71,7 @@ std::string describe_placement(const MeshPlacement& placement) {
     const auto option = [](const char* name) { return option_name(name); };
     if (const auto scale = scale_of(placement.linear)) {
         const Mat3d turn = placement.linear / *scale;
-        if (!turn.isIdentity(0)) add(option("mesh-turn") + " " + turn_text(turn));
+        if (!turn.isIdentity(0)) add(option("mesh-turn") + " " + axes_turn_text(turn));
         if (*scale != 1) add(fmt::format("{} {}", option("mesh-scale"), *scale));
     } else {
         const Mat3d& m = placement.linear;

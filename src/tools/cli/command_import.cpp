@@ -6,6 +6,7 @@
 #include "base/output_lock.h"
 #include "capture/import.h"
 #include "capture/import_lights.h"
+#include "capture/light_doubt.h"
 #include "cli/commands.h"
 #include "fitting/image_checks.h"
 #include "fitting/limits.h"
@@ -113,6 +114,8 @@ void add_lights(CommandLine& command) {
                     "by so many degrees (standard deviation) --lights or --light-positions may be off: they are "
                     "refined, with intensities, by what the surface shows")
         .hide_default();
+    lights.add_text("--light-axes", options->light_axes,
+                    "the light file's axes that are x (right), y (up), z (to the camera): x,-y,z if its y points down");
     lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted");
     lights.add_flag("--by-order", options->by_order,
                     "take the folder's images, sorted by name, in the order of an .lp file's lines, whatever it names");
@@ -144,7 +147,11 @@ void add_lights(CommandLine& command) {
     add_json(lights, *json);
     lights.on_run([=] {
         const OutputLock lock(*out);
-        const LightImportReport report = import_lights(*options, *out);
+        LightImportReport report = import_lights(*options, *out);
+        const std::filesystem::path& file = options->lights.empty() ? options->light_positions : options->lights;
+        if (!file.empty())
+            if (const auto doubt = light_doubt(open_dataset(*out), file, options->light_axes))
+                report.notes.push_back(*doubt);
         tell(report, *out, *json);
     });
 }
