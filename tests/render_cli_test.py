@@ -164,6 +164,30 @@ class Render(ProgramTest):
         for i in range(6):
             bright = srgb_decode(read_png(self.root / f"lamps/turn00{i}.png")[2][0] / 255) / 0.8
             self.assertTrue(0.61 < bright < 0.89, bright)
+        # Raking light: each lamp is where the picture's name says, as low as asked for; and a film of it.
+        said = self.good("render", "flat-fit", "--raking", "15", "--directions", "4", "-o", "raking").stderr
+        self.assertRegex(said, r"4 of 4 lamps lie beyond those that were fitted, by up to \d+ degrees: there the model guesses")
+        up, along = math.sin(math.radians(15)), math.cos(math.radians(15))
+        for name, x, y in (("000_top", 0, 1), ("090_right", 1, 0), ("180_bottom", 0, -1), ("270_left", -1, 0)):
+            lamp = f"{along * x!r},{along * y!r},{up!r}"
+            self.good("render", "flat-fit", "--light", lamp, "-o", "one")
+            for ending in ("png", "exr"):
+                self.assertEqual((self.root / f"raking/raking_{name}.{ending}").read_bytes(), (self.root / f"one.{ending}").read_bytes())
+        self.assertEqual(len(list((self.root / "raking").iterdir())), 8)
+        film = ("--raking", "60", "--directions", "3", "--video", "raking.mp4")
+        self.assertNotIn("beyond", self.good("render", "flat-fit", *film, environment=self.with_ffmpeg).stderr)
+        self.assertEqual((self.root / "raking.mp4").read_text().split("\n")[-4:], ["00000.png", "00001.png", "00002.png", ""])
+
+        # Enhanced: where lamp and camera stand alike, as much darker and brighter as asked for; no strength changes no bit.
+        head_on = lambda *enhance: self.good("render", "flat-fit", "--light", "0,0,1", *enhance, "-o", "one").stderr
+        head_on()
+        plain, shown = (self.root / "one.exr").read_bytes(), read_png(self.root / "one.png")[2]
+        head_on("--enhance", "1,0,75")
+        self.assertEqual((self.root / "one.exr").read_bytes(), plain)
+        self.assertIn("specular enhancement: by normals found from the fit", head_on("--enhance", "0.25,0.5,40"))
+        light = [srgb_decode(read_png(self.root / "one.png")[2][i] / 255) / srgb_decode(shown[i] / 255) for i in range(3)]
+        for share in light:
+            self.assertAlmostEqual(share, 0.75, delta=0.01)
         self.refused("render", "flat-fit", "--turntable", "2", "--light", "0,0,1", "-o", "no", says=["--light", "--turntable"])
         self.refused("render", "flat-fit", "--size", "9x9", "-o", "no", says=["--size", "a pixel per texel"])
 

@@ -192,6 +192,10 @@ refuse("render fit --size {} -o new", "9 9x x9 0x9 9x8193 9x9x9 axb -1x4 9999999
 refuse("render fit --background {} -o new", "red 1 1,2 1,2,256 -1,2,3 1,2,3,4 1,,3 nan,0,0", "background = ")
 refuse("render fit --turntable 2 --video {}", "new.avi new .mp4", "--video {}: name a file that ends in .mp4 or .webm")
 refuse("render flatfit --light {} -o new", "0,0,0 nan,0,1 inf,0,1 1e300,0,0", "--light", "a direction's length is finite and not 0")
+refuse("render flatfit --raking {} -o new", "0 91 x nan", "raking = ", "choose a number from 0.1 to 90")
+refuse("render flatfit --raking 15 --directions {} -o new", "0 361 x", "directions = ", "choose a whole number from 1 to 360")
+refuse("render flatfit --enhance {} -o new", "glossy 1 1,2", "enhance = '{}': give KD,KS,EXPONENT")
+refuse("render flatfit --enhance {} -o new", "-1,1,75 1,nan,75 11,1,75 1,1,0.5 1,1,75,2 ,,", "enhance = ", "choose a number from ")
 refuse("render flatfit --light {} -o new", "1,2 a,b,c 1,2,3,4", "--light")
 refuse("publish fit --megabytes {} -o new", "0 x 10001", "megabytes = ", "choose a number from 0.1 to 10000")
 refuse("publish fit --fidelity {} -o new", "19 x 101", "fidelity = ", "choose a number from 20 to 100")
@@ -201,14 +205,21 @@ rows += [
     ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: is there, and is no page"),
     ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
     ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
-    ("render fit --light 0,0,1 -o new", None, 2, "--light: a light field map keeps the light"),
+    ("render fit --light 0,0,1 -o new", None, 2, "--light: this fit's model keeps the light"),
     ("render flatfit --turntable 2 --light 0,0,1 -o new", None, 2, "--light", "the lamp that --turntable moves"),
     ("render flatfit --size 9x9 -o new", None, 2, "--size: over a grid"),
     ("render fit --full-circle -o new", None, 2, "--full-circle says nothing without --turntable"),
     ("render fit --video new.mp4", None, 2, "--video says nothing without --turntable"),
     ("PATH=/nowhere render fit --turntable 2 --video new.mp4", None, 2, "new.mp4: ffmpeg is missing", "apt-get install ffmpeg"),
     ("render fit --turntable 2 --video new.mp4 --background transparent", None, 2, "new.mp4: .mp4 has no transparency"),
-    ("render fit --view 1 --video new.mp4", None, 2, "--video", "--view"),
+    ("render fit --view 1 --video new.mp4", None, 2, "--video says nothing without --turntable or --raking"),
+    ("render fit --raking 15 -o new", None, 2, "--raking: this fit's model keeps the light"),
+    ("render fit --enhance specular -o new", None, 2, "--enhance: this fit's model keeps the light"),
+    ("render flatfit --directions 8 -o new", None, 2, "--directions says nothing without --raking"),
+    ("render flatfit --raking 15 --light 0,0,1 -o new", None, 2, "--raking", "--light"),
+    ("render flatfit --raking 15 --turntable 2 -o new", None, 2, "--raking", "--turntable"),
+    ("render flatfit --enhance specular --all train -o new", None, 2, "--enhance", "--all"),
+    ("render flatfit --raking 15 --directions 2 --enhance 0.4,0.7,75 -o new", None, 0, "raking_180_bottom"),
     ("render flatfit --problems --size 9x9 -o new", None, 2, "--problems", "--size"),
     ("render flatfit --turntable 2 -o new", None, 0, "turn001"),
     ("render fit --turntable 2 --full-circle --size 40x30 --background 1,2,3 -o new", None, 0, "turn001", "a full circle"),

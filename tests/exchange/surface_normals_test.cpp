@@ -136,6 +136,9 @@ TEST(SurfaceNormals, LampsInOnePlaneTellNone) {
     const GridAtlas atlas = make_atlas(cap.dataset.grid);
     EXPECT_FALSE(normals_of_fit(cap.contestant(false), atlas, cap.dataset, cap.training()));
     EXPECT_FALSE(normals_of_fit(cap.contestant(false), atlas, cap.dataset, {0, 1}));
+    const SurfaceNormals plane = finest_normals(cap.contestant(false), atlas, cap.dataset, {0, 1});
+    EXPECT_EQ(plane.lamps, 0u);
+    EXPECT_EQ(plane.normals, normals_of_dataset(atlas, cap.dataset).normals);
 }
 
 // The atlas's normals stand for a fit's bumps: what is found is not the mesh's own.
@@ -188,6 +191,9 @@ TEST(SurfaceNormals, AGridsAreThoseOfItsPlane) {
     const GridAtlas atlas = make_atlas(dataset.grid);
     EXPECT_TRUE(has_own_normals(dataset));
     const SurfaceNormals normals = normals_of_dataset(atlas, dataset);
+    const std::vector<Vec3f> back = in_world(normals.normals, dataset);
+    for (size_t t = 0; t < back.size(); ++t) EXPECT_LT((back[t] - dataset.grid.texel_normals[t]).norm(), 1e-6f);
+    EXPECT_EQ(finest_normals({}, atlas, dataset, {}).normals, normals.normals);  // the fit isn't asked
     EXPECT_LT((normals.normals[0] - Vec3f(0.6f, 0, 0.8f)).norm(), 1e-6f);
     EXPECT_LT((normals.normals[1] - Vec3f(0, -0.6f, 0.8f)).norm(), 1e-6f);
     const Relief relief = relief_of(normals, atlas, dataset.grid);

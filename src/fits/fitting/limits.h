@@ -37,6 +37,8 @@ constexpr Range<double> refine_lamps{0.01, 30};
 constexpr Range<double> mesh_scale{1e-9, 1e9};
 constexpr Range<int> view{0, 1'000'000};
 constexpr Range<int> turntable{1, 10000};
+constexpr Range<double> raking{0.1, 90};
+constexpr Range<int> raking_directions{1, 360};
 constexpr Range<int> picture_side{1, 8192};
 constexpr Range<int> srgb_byte{0, 255};
 constexpr Range<double> page_megabytes{0.1, 10000};

@@ -12,7 +12,9 @@
 #include "base/output_lock.h"
 #include "cli/commands.h"
 #include "cli/pictures.h"
+#include "cli/raking.h"
 #include "cli/render_options.h"
+#include "cli/shown_fit.h"
 #include "cli/turntable.h"
 #include "fitting/family.h"
 #include "report/problem_picture.h"
@@ -36,7 +38,7 @@ Light lamp_towards(const std::vector<double>& xyz) {
 class Views {
 public:
     Views(const RenderOptions& options, Fitted& fitted, Pictures& pictures)
-        : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(contestant_of(fitted)) {}
+        : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(shown_fit(options, fitted)) {}
 
     /// Adds the fit as a photograph shows it, and the sheet that compares the two.
     void add_photographed(const std::string& name, uint32_t view) {
@@ -49,16 +51,15 @@ public:
             name, comparison_sheet(judged, &trivial, dataset.encoding),
             fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, baseline_name(*fitted_)));
     }
-    /// Under another lamp, so that there is nothing to compare with.
+    /// Under another lamp, or enhanced, so that there is nothing to compare with.
     void add_relit(const std::string& name, const View& shown) { pictures_->add(name, picture(shown)); }
 
     double share_of_fit(const View& shown) const { return fit_.share_of_fit ? fit_.share_of_fit(shown) : 1; }
 
 private:
-    LightImage picture(View shown) const {
-        if (!fitted_->dataset().has_grid()) shown.camera = photograph_camera(shown);
-        if (options_->size) shown.camera = fitted_into(shown.camera, (*options_->size)[0], (*options_->size)[1]);
-        return render(fit_, fitted_->dataset(), shown, options_->points());
+    LightImage picture(const View& shown) const {
+        const Dataset& dataset = fitted_->dataset();
+        return render(fit_, dataset, options_->framed(shown, dataset), options_->points());
     }
 
     const RenderOptions* options_;
@@ -75,7 +76,7 @@ void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const Vi
     pictures.check(name, {".png", ".exr", "_sheet.png"});
     Views views(o, fitted, pictures);
     describe_share(views.share_of_fit(shown));
-    if (o.light.empty())
+    if (o.light.empty() && !o.enhancement)
         views.add_photographed(name, view);
     else
         views.add_relit(name, shown);
@@ -147,8 +148,9 @@ void render_fit(const RenderOptions& o) {
     if (!o.output.empty()) of_pictures.emplace(picture_stem(o.output));
     if (!o.video.empty()) of_video.emplace(o.video);
     auto fit = open_fit(o.fit, o.dataset);
-    if (!o.light.empty() && !takes_light(fit))
-        throw UserError("--light: a light field map keeps the light it was photographed under");
+    if (!o.light.empty()) require_lamps(fit, "--light");
+    if (o.raking) require_lamps(fit, "--raking");
+    if (o.enhancement) require_lamps(fit, "--enhance");
     if (o.problems) return render_problems(o, fit);
     const Dataset& dataset = fit.dataset();
     if (o.size && dataset.has_grid())
@@ -158,6 +160,7 @@ void render_fit(const RenderOptions& o) {
     View shown = dataset.views[view];
     if (!o.light.empty()) shown.light = lamp_towards(o.light);
     if (o.turntable > 0) return render_turntable(o, fit, shown);
+    if (o.raking) return render_raking(o, fit, shown);
     render_view(o, fit, view, shown);
 }
 

@@ -6,6 +6,7 @@
 
 #include "command_line/command_line.h"
 #include "eval/render.h"
+#include "eval/specular_enhancement.h"
 
 namespace radiafit::tools {
 
@@ -15,15 +16,20 @@ struct RenderOptions {
     std::optional<int> view;
     int turntable = 0;
     bool full_circle = false;
-    std::string video;                       ///< a film of the turntable; or empty
-    std::string all;                         ///< of which split every view is shown; empty: one
-    std::vector<double> light;               ///< direction, or empty
+    std::string video;              ///< a film of the turntable; or empty
+    std::string all;                ///< of which split every view is shown; empty: one
+    std::vector<double> light;      ///< direction, or empty
+    std::optional<double> raking;   ///< degrees of the lamp above the surface
+    std::optional<int> directions;  ///< of raking light; none: 8
+    std::optional<SpecularEnhancement> enhancement;
     std::optional<std::array<int, 2>> size;  ///< width and height
     Background background;
     std::optional<int> pixel_points;
     bool problems = false;
 
     int points() const { return pixel_points.value_or(as_photographed); }
+    /// The view with the whole photograph as its picture, in the size that was asked for.
+    View framed(View shown, const Dataset& dataset) const;
 };
 
 /// Adds all of them to the command.

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <numbers>
-#include <optional>
 
 #include "base/error.h"
 #include "base/log.h"
-#include "cli/pictures.h"
-#include "cli/video.h"
+#include "cli/frames.h"
+#include "cli/shown_fit.h"
 #include "dataset/view_directions.h"
 #include "eval/turntable.h"
 
@@ -77,43 +75,16 @@ Revolution turn_of_lamp(const Dataset& dataset, const RenderOptions& o, const Vi
     return turn;
 }
 
-std::string frame_name(size_t i) { return fmt::format("turn{:03d}", i); }
-
 }  // namespace
-
-void describe_share(double share) {
-    if (share < 1)
-        log_warning(
-            fmt::format("lamp or camera are far from those of the training images: the picture shows {:.0f} % of the "
-                        "fit, the rest is Lambertian",
-                        100 * share));
-}
 
 void render_turntable(const RenderOptions& o, Fitted& fitted, const View& shown) {
     const Dataset& dataset = fitted.dataset();
     if (dataset.has_grid() && !o.light.empty())
         throw UserError("--light: over a grid it is the lamp that --turntable moves; leave one of the two out");
-    const Contestant fit = contestant_of(fitted);
     const Revolution turn = dataset.has_grid() ? turn_of_lamp(dataset, o, shown) : turn_of_camera(dataset, o, shown);
-
-    std::optional<Pictures> pictures;
-    if (!o.output.empty()) pictures.emplace(o.output, o.background);
-    for (size_t i = 0; i < turn.frames.size() && pictures; ++i) pictures->check(frame_name(i), {".png", ".exr"});
-    std::optional<Video> video;
-    if (!o.video.empty()) video.emplace(o.video, o.background);
-    double least_share = 1;
-    Progress progress("turntable", turn.frames.size());
-    for (size_t i = 0; i < turn.frames.size(); ++i) {
-        if (fit.share_of_fit) least_share = std::min(least_share, fit.share_of_fit(turn.frames[i]));
-        const LightImage frame = render(fit, dataset, turn.frames[i], o.points());
-        if (pictures) pictures->add(frame_name(i), frame);
-        if (video) video->add(frame);
-        progress.advance();
-    }
-    progress.finish();
-    if (video) video->encode();
-    if (pictures) pictures->commit();
-    if (video) video->commit();
+    std::vector<NamedView> frames;
+    for (const View& view : turn.frames) frames.push_back({fmt::format("turn{:03d}", frames.size()), view});
+    const double least_share = render_frames(o, shown_fit(o, fitted), dataset, frames, "turntable");
     const bool circle = turn.path.span >= 2 * std::numbers::pi;
     log_info(fmt::format("turntable: {}, never more than {:.0f} degrees from the direction of a training {}{}",
                          circle ? "a full circle" : fmt::format("{:.0f} degrees and back", turn.path.span * degrees),

@@ -10,7 +10,4 @@ namespace radiafit::tools {
 /// camera goes with it. `shown`: the view that lends its size, and its lamp or camera.
 void render_turntable(const RenderOptions& options, Fitted& fitted, const View& shown);
 
-/// Warns where views lie so far from the images that were fitted that they show only this share of the fit.
-void describe_share(double share);
-
 }  // namespace radiafit::tools

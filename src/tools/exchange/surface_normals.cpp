@@ -54,6 +54,13 @@ std::vector<Vec3f> SurfaceNormals::or_else(const SurfaceNormals& others) const {
     return out;
 }
 
+std::vector<Vec3f> in_world(std::vector<Vec3f> normals, const Dataset& dataset) {
+    if (!dataset.has_grid()) return normals;
+    const Eigen::Matrix3f turn = plane_from_world(dataset.grid).transpose().cast<float>();
+    for (Vec3f& normal : normals) normal = turn * normal;
+    return normals;
+}
+
 SurfaceNormals normals_of_dataset(const Atlas& atlas, const Dataset& dataset) {
     const Mat3d turn = dataset.has_grid() ? plane_from_world(dataset.grid) : Mat3d(Mat3d::Identity());
     SurfaceNormals out;
@@ -109,6 +116,15 @@ std::optional<SurfaceNormals> normals_of_fit(const Contestant& contestant, const
         }
     });
     return out;
+}
+
+SurfaceNormals finest_normals(const Contestant& contestant, const Atlas& atlas, const Dataset& dataset,
+                              const std::vector<uint32_t>& training) {
+    SurfaceNormals own = normals_of_dataset(atlas, dataset);
+    if (has_own_normals(dataset)) return own;
+    auto found = normals_of_fit(contestant, atlas, dataset, training);
+    if (!found) return own;
+    return {found->or_else(own), found->lamps};
 }
 
 }  // namespace radiafit::tools

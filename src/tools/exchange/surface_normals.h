@@ -16,6 +16,8 @@ struct SurfaceNormals {
     /// Those of `others`, which has as many texels, where there is none.
     std::vector<Vec3f> or_else(const SurfaceNormals& others) const;
 };
+/// From a grid's axes, as SurfaceNormals has them, to the world's; a mesh's are there already.
+std::vector<Vec3f> in_world(std::vector<Vec3f> normals, const Dataset& dataset);
 
 /// Those that a fit of the dataset is shaded with; 0 for texels that aren't usable.
 SurfaceNormals normals_of_dataset(const Atlas& atlas, const Dataset& dataset);
@@ -29,5 +31,10 @@ bool has_own_normals(const Dataset& dataset);
 /// training: the views that were fitted. contestant: of linear light, over the atlas.
 std::optional<SurfaceNormals> normals_of_fit(const Contestant& contestant, const Atlas& atlas, const Dataset& dataset,
                                              const std::vector<uint32_t>& training);
+
+/// Those that tell most of a surface: a grid's own; else those of the fit, and the dataset's where that has none.
+/// Arguments as those of normals_of_fit().
+SurfaceNormals finest_normals(const Contestant& contestant, const Atlas& atlas, const Dataset& dataset,
+                              const std::vector<uint32_t>& training);
 
 }  // namespace radiafit::tools

@@ -1,0 +1,53 @@
+#include "cli/shown_fit.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "exchange/surface_normals.h"
+
+namespace radiafit::tools {
+namespace {
+
+const Atlas& atlas_of(const Fitted& fitted) {
+    return std::visit(
+        [](const auto& m) -> const Atlas& {
+            if constexpr (requires { *m.atlas; })
+                return *m.atlas;
+            else
+                throw std::logic_error("atlas_of: a light field map");
+        },
+        fitted.model);
+}
+
+}  // namespace
+
+Contestant shown_fit(const RenderOptions& options, Fitted& fitted) {
+    const Contestant fit = contestant_of(fitted);
+    if (!options.enhancement) return fit;
+    const Dataset& dataset = fitted.dataset();
+    const Atlas& atlas = atlas_of(fitted);
+    const SurfaceNormals normals = finest_normals(fit, atlas, dataset, fitted_views(dataset, fitted.record()));
+    log_info(normals.lamps > 0
+                 ? fmt::format("specular enhancement: by normals found from the fit under {} lamps", normals.lamps)
+                 : std::string("specular enhancement: by the dataset's normals"));
+    return enhanced(fit, *options.enhancement, atlas, in_world(normals.normals, dataset));
+}
+
+void require_lamps(const Fitted& fitted, const char* option) {
+    if (!takes_light(fitted))
+        throw UserError(
+            fmt::format("{}: this fit's model keeps the light it was photographed under; fit one for lamps "
+                        "to images whose lamp moves",
+                        option));
+}
+
+void describe_share(double share) {
+    if (share < 1)
+        log_warning(
+            fmt::format("lamp or camera are far from those of the training images: the picture shows {:.0f} % of the "
+                        "fit, the rest is Lambertian",
+                        100 * share));
+}
+
+}  // namespace radiafit::tools
