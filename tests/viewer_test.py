@@ -10,6 +10,7 @@ import unittest
 
 from browser import Browser, chromium
 from cli_fixture import ProgramTest, read_png, take_arguments
+from exchange_fixture import write_dome
 
 AGREEMENT = 38  # dB: maps at 50 dB and more, and edges that a graphics chip's rasterizer decides otherwise
 
@@ -120,6 +121,7 @@ class Viewer(ProgramTest):
         data = self.check_family("ornament", "--model", "lightbasis", "--numbers", "9", times=4)  # for outlines, as above
         for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and beyond them
             self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
+        self.check_enhanced(data, "0.3,0.2,0.9", times=4)
 
     def test_single_file_controls_and_compared_pictures(self):
         self.good("fit", "ornament", "--model", "lambert", "-o", "lambert")
@@ -147,12 +149,68 @@ class Viewer(ProgramTest):
         self.key("ArrowRight")
         self.assertIsNotNone(state("lamp"))
 
+        # Raking light stays as low above the picture, whatever turns; H adds highlights, and the address tells both.
+        height = lambda: self.browser.evaluate("""{
+            const { state, stage } = radiafit_viewer, { forward } = stage.pose();
+            -state.lamp.reduce((sum, x, i) => sum + x * forward[i], 0); }""")
+        for key in ("r", "ArrowRight", "ArrowUp", "h"):
+            self.key(key)
+            self.assertAlmostEqual(height(), math.sin(math.radians(15)), places=6)
+        self.browser.evaluate("radiafit_viewer.act.turn(40, 10)")
+        self.assertAlmostEqual(height(), math.sin(math.radians(15)), places=6)
+        self.assertEqual(state("enhance"), 1)
+        self.browser.wait_for("location.hash.includes('raking') && location.hash.includes('enhance=1')")
+        self.key("h")
+        self.browser.evaluate("radiafit_viewer.act.own_lamp()")
+        self.assertEqual((state("enhance"), state("raking"), state("lamp")), (0, False, None))
+
         # Touch: one finger turns, two zoom.
         self.touch([[100, 200]], [[140, 200]])
         self.assertIsNotNone(state("pose"))
         self.touch([[150, 200], [200, 200]], [[100, 200], [250, 200]])
         self.assertGreater(state("zoom"), 1.5)
         self.assertEqual(self.browser.errors, [])
+
+    def test_enhancement_and_raking_light_over_a_grid(self):
+        """Of a flat grid, whose normals the page has from the fit."""
+        width, height = 96, 72
+        write_dome(self.root / "dome", width, height, 24)
+        self.good("import", "lights", "--images", "dome/images", "--lights", "dome/lights.lp", "--normals", "flat", "-o", "relief")
+        self.good("fit", "relief", "--model", "lightbasis", "--numbers", "9", "-o", "grid")
+        self.good("publish", "grid", "--views", "1", "-o", "grid_page")
+        data = self.page_data("grid_page")
+        self.assertIn("fit_normal", [one["name"] for one in data["maps"]])
+        self.open("grid_page/index.html", "bare", width, height)
+
+        def check(fragment, picture, *render):
+            self.turn_to(f"bare&intensity=1&{fragment}", width, height)
+            self.good("render", "grid", *render)
+            rendered = read_png(self.root / picture)
+            shot = self.browser.picture(lambda shot: shot[:2] == rendered[:2] and psnr(shot[2], rendered[2]) > AGREEMENT)
+            self.assertGreater(psnr(shot[2], rendered[2]), AGREEMENT, fragment)
+            return shot[2]
+
+        lamp = "0.3,0.2,0.9"
+        plain = check(f"lamp={lamp}", "plain.png", "--light", lamp, "-o", "plain")
+        enhanced = check(f"lamp={lamp}&enhance=1", "one.png", "--light", lamp, "--enhance", "specular", "-o", "one")
+        self.assertLess(psnr(plain, enhanced), 30)
+        # From straight above the button takes the lamp to the upper left, and a key from there by an eighth of the circle.
+        self.turn_to("bare&intensity=1&lamp=0,0,1", width, height)
+        self.browser.evaluate("document.getElementById('raking').click()")
+        lamp = self.browser.evaluate("radiafit_viewer.state.lamp.join()")
+        check(f"lamp={lamp}&raking", "raking/raking_315_top_left.png", "--raking", "15", "-o", "raking")
+        self.browser.evaluate("radiafit_viewer.act.turn(75, 0)")
+        lamp = self.browser.evaluate("radiafit_viewer.state.lamp.join()")
+        check(f"lamp={lamp}&raking", "raking/raking_000_top.png", "--raking", "15", "-o", "raking")
+        self.assertEqual(self.browser.errors, [])
+
+    def check_enhanced(self, data, lamp, times=1):
+        """Highlights as `render` adds them, which are to be seen; none at a strength of 0."""
+        fragment = f"&lamp={lamp}&intensity=1"
+        self.check_agreement(data, "--light", lamp, "--enhance", "specular", fragment=f"{fragment}&enhance=1", views=1, times=times)
+        enhanced = self.browser.picture()
+        self.check_agreement(data, "--light", lamp, fragment=f"{fragment}&enhance=0", views=1, times=times)
+        self.assertLess(psnr(self.browser.picture()[2], enhanced[2]), 30)
 
     def key(self, key):
         for kind in ("keyDown", "keyUp"):
@@ -170,6 +228,7 @@ class Viewer(ProgramTest):
             !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || e.textContent.trim() ||
               e.labels?.length)).map((e) => e.outerHTML)""")
         self.assertEqual(nameless, [])
+        self.assertTrue(self.browser.evaluate("document.getElementById('lamp_section').hidden"))  # it keeps its light
         self.assertEqual(self.browser.errors, [])
 
     def test_without_webgl(self):

@@ -3,6 +3,7 @@
 // Maps: RANK / 3 of z, the number of the texel's block of the surface, what is known. Tables: the reference lamps; for every
 // block and lamp what its kernel is multiplied by in the mean and the functions, the three channels of each.
 // variants: RANK=1,9,27 LAMPS=49 CURVE=0,1,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=30
+// variants: RANK=9 LAMPS=49 CURVE=0 GRID=-,1 NORMAL_MAP=-,7 FIT_NORMALS=8 MAPS=30
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -13,6 +14,7 @@ precision highp sampler2DArray;
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
+#include "view/enhancement.glsl"
 #include "view/view_frame.glsl"
 #include "model/light_kernel.glsl"
 #define Z_MAPS ((RANK + 2) / 3)
@@ -63,6 +65,7 @@ vec3 model_value(Site site) {
     if (lamp_seen == lamp_inside) darker = 1.0;
     vec3 irradiance = intensity;
     if (lamp.w > 0.5) irradiance /= dot(lamp.xyz - position, lamp.xyz - position);
-    return darker * light_on_curve(max(value, vec3(0.0))) * irradiance / white;
+    vec3 light = darker * light_on_curve(max(value, vec3(0.0))) * irradiance / white;
+    return enhanced_value(light, site, direction, direction_to(eye, position));
 }
 #include "view/texel.glsl"

@@ -50,14 +50,17 @@ vec3 plain_normal(Site site) {
 }
 #endif
 
+vec3 unit_or_zero(vec3 normal) {
+    float length_of = length(normal);
+    return length_of > 0.001 ? normal / length_of : vec3(0.0);
+}
+
 // The normal, unit or zero: from the dataset's map of normals where it has one (NORMAL_MAP is its number), else the
 // plane's, or those of the triangle's corners, interpolated.
 vec3 site_normal(Site site) {
 #ifdef NORMAL_MAP
-    vec3 normal = surface_value(NORMAL_MAP, site);
+    return unit_or_zero(surface_value(NORMAL_MAP, site));
 #else
-    vec3 normal = plain_normal(site);
+    return unit_or_zero(plain_normal(site));
 #endif
-    float length_of = length(normal);
-    return length_of > 0.001 ? normal / length_of : vec3(0.0);
 }

@@ -2,6 +2,7 @@
 // A texel-local model (shaders/model/MODEL.glsl) under a lamp, as eval/safe_relighting.h shows it. Maps: BASIS_COUNT of
 // coefficients, (SHAPE_COUNT + 2) / 3 of the shape, then albedo and brightest, both as roots, and what is known.
 // variants: MODEL=* CURVE=0,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=12
+// variants: MODEL=lambert CURVE=0 GRID=-,1 NORMAL_MAP=-,7 FIT_NORMALS=8 MAPS=12
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -12,6 +13,7 @@ precision highp sampler2DArray;
 #include "view/maps.glsl"
 #include "view/frame.glsl"
 #include "view/site.glsl"
+#include "view/enhancement.glsl"
 #include "model/MODEL.glsl"
 #define SHAPE_MAPS ((SHAPE_COUNT + 2) / 3)
 #define ALBEDO_MAP (BASIS_COUNT + SHAPE_MAPS)
@@ -42,8 +44,9 @@ vec3 fitted_value(Site site, vec3 u, vec3 v) {
 vec3 model_value(Site site) {
     vec3 position = site_position(site);
     mat3 frame = frame_of(site_normal(site));
-    vec3 u = to_local(frame, direction_to(lamp, position));
-    vec3 v = to_local(frame, direction_to(eye, position));
+    vec3 to_lamp = direction_to(lamp, position), to_eye = direction_to(eye, position);
+    vec3 u = to_local(frame, to_lamp);
+    vec3 v = to_local(frame, to_eye);
     if (!(u.z > 0.0 && v.z > 0.0)) return vec3(0.0);
     vec3 irradiance = intensity;
     if (lamp.w > 0.5) irradiance /= dot(lamp.xyz - position, lamp.xyz - position);
@@ -53,6 +56,6 @@ vec3 model_value(Site site) {
         vec3 fitted = min(max(vec3(0.0), fitted_value(site, u, v)), most_bright);
         colour = min(share * fitted + (1.0 - share) * colour, most_bright);
     }
-    return colour * irradiance;
+    return enhanced_value(colour * irradiance, site, to_lamp, to_eye);
 }
 #include "view/texel.glsl"

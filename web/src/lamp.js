@@ -1,9 +1,8 @@
 // The disc on which the lamp is moved: the hemisphere towards the viewer, with the photographs' lamps as dots.
 export class LampDisc {
-    /** `moved([x, y])`: as far right and up as the sine of the angle. */
-    constructor(canvas, moved) {
+    /** `moved([x, y])`: as far right and up as the sine of the angle. `stepped([x, y])`: by keys, so many steps right and up. */
+    constructor(canvas, moved, stepped) {
         this.canvas = canvas;
-        this.at = [0, 0];
         const point = (event) => {
             const box = canvas.getBoundingClientRect();
             moved([(2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height]);
@@ -19,13 +18,12 @@ export class LampDisc {
             const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
             if (!by) return;
             event.preventDefault();
-            moved([this.at[0] + 0.05 * by[0], this.at[1] + 0.05 * by[1]]);
+            stepped(by);
         });
     }
 
     /** at, dots: places on the disc; behind: the lamp is behind the surface. */
     draw(at, dots, behind) {
-        this.at = at;
         const c = this.canvas.getContext("2d"), side = this.canvas.width, r = side / 2 - 4;
         const style = getComputedStyle(this.canvas);
         const to_x = (x) => side / 2 + r * x, to_y = (y) => side / 2 - r * y;

@@ -3,7 +3,9 @@ import { attach, attach_divider } from "./controls.js";
 import { LampDisc } from "./lamp.js";
 import { build, by_id, choose, decibels, picture_word, show_terms } from "./panel.js";
 import { Renderer } from "./renderer.js";
-import { axes_of, from_disc, lamp_direction, lamp_of, on_disc, outside_of, scene_of, share_of } from "./scene.js";
+import {
+    axes_of, from_disc, lamp_direction, lamp_of, on_disc, outside_of, raking_height, raking_place, scene_of, share_of, side_of,
+} from "./scene.js";
 import { Stage } from "./stage.js";
 import { hash_of, state_of } from "./state.js";
 import { dot, normalized, orbited } from "./vectors.js";
@@ -37,9 +39,23 @@ function main(renderer) {
         stage.rearrange();
         show();
     }
+    const lamp_place = () => on_disc(lamp_now(), axes());
     function set_lamp(place) {
-        state.lamp = from_disc(place, axes());
+        state.lamp = from_disc(state.raking ? raking_place(place) : place, axes());
         changed();
+    }
+    /** By so much to the right and up; a raking lamp goes around, clockwise. */
+    function move_lamp(dx, dy) {
+        const [x, y] = lamp_place();
+        if (!state.raking) return set_lamp([x + dx, y + dy]);
+        const around = Math.abs(dx) > Math.abs(dy) ? dx : dy;
+        set_lamp(raking_place([x, y], -around));
+    }
+    /** Turns the camera: a raking lamp goes with it. */
+    function with_camera(turn) {
+        const place = state.raking && lamp_place();
+        turn();
+        if (place) state.lamp = from_disc(raking_place(place), axes());
     }
     function whole() {
         state.zoom = 1;
@@ -50,10 +66,9 @@ function main(renderer) {
         turn(dx, dy) {
             const radians = Math.PI / Math.max(300, Math.min(canvas.clientWidth, canvas.clientHeight));
             if (!flat) {
-                state.pose = orbited(stage.pose(), page.surface.centre, up, -dx * radians, dy * -radians);
+                with_camera(() => (state.pose = orbited(stage.pose(), page.surface.centre, up, -dx * radians, dy * -radians)));
             } else if (page.model.takes_light) {
-                const [x, y] = on_disc(lamp_now(), axes());
-                return set_lamp([x + dx * radians, y - dy * radians]);
+                return move_lamp(dx * radians, -dy * radians);
             } else return act.pan(dx, dy);
             changed();
         },
@@ -78,14 +93,14 @@ function main(renderer) {
             changed(false);
         },
         view(i) {
-            state.view = i;
+            with_camera(() => ([state.view, state.pose] = [i, null]));
             act.back();
         },
         step(by) {
             act.view((state.view + by + page.views.length) % page.views.length);
         },
         back() {
-            state.pose = null;
+            with_camera(() => (state.pose = null));
             whole();
             changed(false);
         },
@@ -93,6 +108,7 @@ function main(renderer) {
             if (value !== "fit" && state.pose) state.pose = null, stage.change(false);
             state.show = value;
             if (value !== "fit" && state.lamp) act.own_lamp();
+            if (value === "error") state.enhance = 0, stage.change(false);
             if (value === "fit" && state.layout !== "alone") state.layout = "alone", stage.change(false);
             arranged();
         },
@@ -110,8 +126,21 @@ function main(renderer) {
             state.brightness = value;
             changed();
         },
+        enhance(value) {
+            if (!page.model.enhancement) return;
+            state.enhance = value;
+            if (state.show === "error" || state.layout === "alone") act.show("fit");
+            changed();
+        },
+        raking() {
+            if (!page.model.takes_light) return;
+            state.raking = !state.raking;
+            if (state.raking) set_lamp(lamp_place());
+            else arranged();
+        },
         own_lamp() {
             state.lamp = null;
+            state.raking = false;
             state.brightness = 1;
             changed(false);
         },
@@ -125,7 +154,7 @@ function main(renderer) {
         },
     };
 
-    const disc = new LampDisc(by_id("lamp"), set_lamp);
+    const disc = new LampDisc(by_id("lamp"), set_lamp, ([x, y]) => move_lamp(0.05 * x, 0.05 * y));
 
     /** Brings words and controls up to date. */
     function show() {
@@ -158,7 +187,7 @@ function main(renderer) {
         const compared = state.show !== "fit" || state.layout !== "alone";
         const words = {
             photograph: `Photograph ${view.name}`, baseline: `Baseline: ${page.model.baseline}`,
-            error: "4 × |fit − photograph|", fit: "Fit",
+            error: "4 × |fit − photograph|", fit: state.enhance > 0 ? "Fit, enhanced" : "Fit",
         };
         const first = by_id("first_label"), second = by_id("second_label");
         first.hidden = !compared;
@@ -179,11 +208,16 @@ function main(renderer) {
         if (!page.model.takes_light) return;
         const here = axes(), direction = lamp_now();
         const height = Math.asin(Math.max(-1, Math.min(1, -dot(direction, here.forward)))) * (180 / Math.PI);
-        by_id("lamp_text").textContent = state.lamp
-            ? `Moved: ${Math.round(height)}° above the ${flat ? "plane" : "horizon"}, of the photographs' mean brightness.`
-            : `As in ${view.name}: ${Math.round(height)}° above the ${flat ? "plane" : "horizon"}.`;
+        const above = flat ? "plane" : "horizon";
+        by_id("lamp_text").textContent = state.raking
+            ? `Raking: ${raking_height}° above the ${above}, from the ${side_of(on_disc(direction, here))}.`
+            : state.lamp
+            ? `Moved: ${Math.round(height)}° above the ${above}, of the photographs' mean brightness.`
+            : `As in ${view.name}: ${Math.round(height)}° above the ${above}.`;
         by_id("own_lamp").hidden = !state.lamp && state.brightness === 1;
         by_id("brightness").value = Math.log2(state.brightness);
+        by_id("enhance").value = state.enhance;
+        by_id("raking").setAttribute("aria-pressed", state.raking);
         const dots = page.directions.lamps.filter((d) => dot(d, here.forward) < 0).map((d) => on_disc(d, here));
         disc.draw(on_disc(direction, here), dots, height < 0);
     }
@@ -198,6 +232,8 @@ function main(renderer) {
         if (far >= 1) words.push(`The ${what} is ${Math.round(far)}° outside the fitted photographs': extrapolated${faded}.`);
         if (state.pose && state.show === "fit" && state.layout === "alone" && state.known === "colour" && far < 1)
             words.push("Between the photographs: interpolated.");
+        if (state.enhance > 0 && state.known === "colour" && !(state.layout === "alone" && state.show !== "fit"))
+            words.push("Specular enhancement: highlights are drawn, not photographed.");
         by_id("status").textContent = words.join(" ");
     }
 
@@ -246,6 +282,7 @@ function main(renderer) {
     const keys = {
         "[": () => act.step(-1), "]": () => act.step(1),
         f: () => act.show("fit"), p: () => act.show("photograph"), b: () => act.show("baseline"), e: () => act.show("error"),
+        r: () => act.raking(), h: () => act.enhance(state.enhance > 0 ? 0 : 1),
         1: () => act.layout("alone"), w: () => act.layout("wipe"), s: () => act.layout("beside"),
     };
     document.addEventListener("keydown", (event) => {

@@ -60,6 +60,8 @@ export function build(page, act) {
     segments("layout", paired(layouts, layout_words), act.layout);
     segments("known", paired(meanings_of(model), meaning_words), act.known);
     by_id("brightness").addEventListener("input", (event) => act.brightness(2 ** Number(event.target.value)));
+    by_id("enhance").addEventListener("input", (event) => act.enhance(Number(event.target.value)));
+    by_id("raking").addEventListener("click", () => act.raking());
     by_id("own_lamp").addEventListener("click", () => act.own_lamp());
     by_id("lamp_section").hidden = !model.takes_light;
     build_terms(model.terms, act);
@@ -103,6 +105,7 @@ function build_help(page) {
         ["[ ]", "previous, next photograph"],
         ["F P B E", "fit, photograph, baseline, error"],
         ["1 W S", "one picture, wipe, side by side"],
+        ...(page.model.takes_light ? [["R H", "raking light, specular enhancement"]] : []),
     ];
     by_id("help").append(...rows.flatMap(([key, what]) => [element("dt", {}, key), element("dd", {}, what)]));
 }

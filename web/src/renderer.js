@@ -78,6 +78,7 @@ export class Renderer {
         for (const name of ["lamp_seen", "lamp_inside"]) value(name, new THREE.Vector3(0, 0, 1));
         value("target_size", new THREE.Vector2());
         value("clip_from_world", new THREE.Matrix4());
+        value("enhancement", new THREE.Vector3(1, 0, 1));
         value("share", 1);
         value("shown", 0);
         value("most_shown", 1);
@@ -144,7 +145,7 @@ export class Renderer {
     }
 
     /** What is to be shown: camera, lamp, terms. Counts as new whatever was drawn before. */
-    set_scene({ pose, direction, camera, lamp, lamp_seen, lamp_inside, share, terms, shown, most_shown }) {
+    set_scene({ pose, direction, camera, lamp, lamp_seen, lamp_inside, share, enhancement, terms, shown, most_shown }) {
         const u = this.uniforms;
         this.view = { pose, camera };
         u.eye.value = direction ? with_place(direction, false) : with_place(pose.eye, true);
@@ -155,11 +156,12 @@ export class Renderer {
             u.lamp_inside.value.set(...lamp_inside);
         }
         u.share.value = share;
+        u.enhancement.value.set(...enhancement);
         u.term.value = terms;
         u.shown.value = shown;
         u.most_shown.value = most_shown;
         const meaning = JSON.stringify([terms, shown, most_shown]);
-        const told = JSON.stringify([u.eye.value, u.lamp.value, u.intensity.value, share, meaning]);
+        const told = JSON.stringify([u.eye.value, u.lamp.value, u.intensity.value, share, enhancement, meaning]);
         if (meaning !== this.meaning) this.all_texels = true;  // those that are hidden, too: they may be seen before their turn
         if (told !== this.told) this.texels_known = false;  // else the camera only turned, or the picture's frame moved
         this.meaning = meaning;

@@ -42,6 +42,13 @@ export function share_of(page, outside) {
     return Math.min(1, Math.max(0, 1 - Math.max(0, far) / page.directions.fade));
 }
 
+/** Of eval/specular_enhancement.h, `enhance` from 0 (off) to 1: shares of the colour and its luminance, the power. */
+export function enhancement_of({ model }, { enhance }) {
+    if (!model.enhancement) return [1, 0, 1];
+    const { diffuse, highlight, exponent } = model.enhancement;
+    return [1 + enhance * (diffuse - 1), enhance * highlight, exponent];
+}
+
 export function scene_of(page, state) {
     const view = page.views[state.view];
     const lamp = page.model.takes_light ? lamp_of(page, state) : null;
@@ -55,10 +62,28 @@ export function scene_of(page, state) {
         lamp_seen: seen,
         lamp_inside: seen && nearest_inside(page.directions.lamps, seen),
         share: page.model.takes_light ? share_of(page, outside_of(page, state)) : 1,
+        enhancement: enhancement_of(page, state),
         terms: state.terms,
         shown,
         most_shown: [1, Math.log2(1 + page.model.most_samples), page.model.most_residual, page.model.most_uncertainty][shown],
     };
+}
+
+// Raking light: so low above the surface, where relief shows best.
+export const raking_height = 15;  // degrees
+const raking_radius = Math.cos(raking_height / degrees);
+
+/** A place on the lamp's disc, moved to where the lamp rakes from the same side, and by an angle in radians around it; of a lamp
+ *  straight above, from the upper left. */
+export function raking_place([x, y], turned = 0) {
+    const around = (Math.hypot(x, y) > 1e-3 ? Math.atan2(y, x) : (3 * Math.PI) / 4) + turned;
+    return [raking_radius * Math.cos(around), raking_radius * Math.sin(around)];
+}
+
+/** Where a place on the disc is, in words. */
+export function side_of([x, y]) {
+    const sides = ["right", "upper right", "top", "upper left", "left", "lower left", "bottom", "lower right"];
+    return sides[(Math.round((4 * Math.atan2(y, x)) / Math.PI) + 8) % 8];
 }
 
 /** A direction as the lamp's disc has it: x to the right, y up; its length is the sine of the angle to the viewer. */

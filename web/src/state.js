@@ -15,7 +15,7 @@ export function state_of(hash, { views, model }) {
     const state = {
         view: 0, pose: null, zoom: 1, pan: [0, 0],
         show: "fit", layout: "alone", divider: 0.5,
-        lamp: null, brightness: 1, intensity: null,
+        lamp: null, raking: false, brightness: 1, intensity: null, enhance: 0,
         terms: Array(terms).fill(1), known: "colour", bare: asked.has("bare"),
     };
     const one_of = (key, choices) => {
@@ -28,6 +28,9 @@ export function state_of(hash, { views, model }) {
     state.view = Math.max(0, views.findIndex((v) => v.number === view));
     const lamp = numbers(asked.get("lamp") ?? "");
     if (lamp.length === 3 && lamp.some((x) => x !== 0)) state.lamp = lamp.map((x) => x / Math.hypot(...lamp));
+    state.raking = state.lamp !== null && asked.has("raking");
+    const enhance = Number(asked.get("enhance") ?? NaN);
+    if (model.enhancement && enhance >= 0 && enhance <= 1) state.enhance = enhance;
     const intensity = Number(asked.get("intensity") ?? NaN);
     if (intensity > 0) state.intensity = intensity;
     const brightness = Number(asked.get("brightness") ?? NaN);
@@ -51,6 +54,8 @@ export function hash_of(state, views) {
     if (state.layout === "wipe") out.set("divider", short(state.divider));
     if (state.known !== "colour") out.set("known", state.known);
     if (state.lamp) out.set("lamp", state.lamp.map(short).join(","));
+    if (state.raking) out.set("raking", "");
+    if (state.enhance > 0) out.set("enhance", short(state.enhance));
     if (state.intensity) out.set("intensity", short(state.intensity));
     if (state.brightness !== 1) out.set("brightness", short(state.brightness));
     if (state.terms.includes(0)) out.set("terms", state.terms.join(""));

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/output_lock.h"
 #include "cli/commands.h"
+#include "exchange/surface_normals.h"
 #include "fit/error_bar_maps.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
@@ -45,15 +46,23 @@ void publish_fit(const PublishCommand& o) {
         for (const uint32_t v : uncertainty_views(training)) asked.push_back(dataset.views[v]);
         find_error_bars(fitted, asked);
     }
+    const Contestant fit = contestant_of(fitted);
+    PageModel model = page_model_of(fitted);
+    std::vector<Vec3f> fit_normals;
+    if (takes_light(fitted)) {
+        SurfaceNormals finest = finest_normals(fit, *model.atlas, dataset, training);
+        if (finest.lamps > 0) fit_normals = std::move(finest.normals);
+    }
     const PublishOutcome outcome = publish({.dataset = dataset,
                                             .record = fitted.record(),
                                             .description = description_of(fitted),
-                                            .fit = contestant_of(fitted),
+                                            .fit = fit,
                                             .baseline = contestant_of(baseline),
                                             .baseline_name = baseline_name(fitted),
                                             .takes_light = takes_light(fitted),
                                             .training = training,
-                                            .model = page_model_of(fitted)},
+                                            .model = std::move(model),
+                                            .fit_normals = std::move(fit_normals)},
                                            o.page);
     write_page(o.output, o.single_file, outcome.page);
     log_info(text_of(outcome));

@@ -1,13 +1,22 @@
 #include "publish/pages.h"
 
+#include "fit/fit_maps.h"
 #include "fitting/family.h"
 
 namespace radiafit::tools {
 namespace {
 
-constexpr float finest_normals = 1.0f / 512;  // at least so fine, since lamps move to where no image shows the error
+/// At least so fine, since lamps move to where no image shows the error.
+constexpr float finest_normals_step = 1.0f / 512;
+constexpr float byte_normals = 1.0f / 127;
 
 std::vector<TexelMap> normal_maps() { return {{"normal", {"x", "y", "z"}, 0}}; }
+
+std::vector<float> numbers_of(std::span<const Vec3f> normals) {
+    std::vector<float> numbers;
+    for (const Vec3f& n : normals) numbers.insert(numbers.end(), n.begin(), n.end());
+    return numbers;
+}
 
 }  // namespace
 
@@ -16,14 +25,20 @@ bool has_normal_map(const Dataset& dataset) {
 }
 
 PageMap normal_map(const Atlas& atlas) {
-    std::vector<float> values;
-    for (uint32_t t = 0; t < atlas.texel_count(); ++t) {
-        const Vec3f n = atlas.usable(t) ? atlas.normal(t) : Vec3f::Zero();
-        values.insert(values.end(), n.begin(), n.end());
-    }
-    PageMap map = parameter_maps(normal_maps(), values, atlas)[0];
+    std::vector<Vec3f> normals;
+    for (uint32_t t = 0; t < atlas.texel_count(); ++t)
+        normals.push_back(atlas.usable(t) ? atlas.normal(t) : Vec3f(Vec3f::Zero()));
+    PageMap map = parameter_maps(normal_maps(), numbers_of(normals), atlas)[0];
     map.one_unit = true;
-    map.most_step = finest_normals;
+    map.most_step = finest_normals_step;
+    return map;
+}
+
+PageMap fit_normal_map(std::span<const Vec3f> normals, const Atlas& atlas, bool over_grid) {
+    std::vector<std::string> axes = {"x", "y", "z"};
+    if (over_grid) axes.pop_back();
+    PageMap map{.name = "fit_normal", .image = parameter_image(atlas, numbers_of(normals), {"", axes, 0})};
+    map.fixed_step = {byte_normals, byte_normals, byte_normals};
     return map;
 }
 

@@ -20,6 +20,8 @@ PageMap block_map(const BasisBlocks& blocks, const Atlas& atlas);
 /// with such a map's normals, decoded, of triangles' tiles of this side.
 bool has_normal_map(const Dataset& dataset);
 PageMap normal_map(const Atlas& atlas);
+/// Normals [texels] that are only for highlights, in steps of a byte. over_grid: in the axes of its plane, without z.
+PageMap fit_normal_map(std::span<const Vec3f> normals, const Atlas& atlas, bool over_grid);
 std::unique_ptr<Atlas> atlas_with(const PageMap& normals, const Atlas& atlas, const Dataset& dataset, int side);
 /// What a page needs to show a fit of any family.
 PageModel page_model_of(Fitted& fitted);

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/wording.h"
 #include "publish/choices.h"
+#include "publish/pages.h"
 #include "publish/scene_json.h"
 #include "publish/steps.h"
 #include "publish/uncertainty.h"
@@ -74,6 +75,12 @@ void add_uncertainty(Published& fit) {
     fit.fit.error_bars = {};  // known for these views alone, but the judge would ask for others
 }
 
+void add_fit_normals(Published& fit) {
+    PageModel& model = fit.model;
+    model.defines.emplace_back("FIT_NORMALS", std::to_string(model.maps.size()));
+    model.maps.push_back(fit_normal_map(fit.fit_normals, *model.atlas, fit.dataset.has_grid()));
+}
+
 Json scores_json(const PublishOutcome& o, double bytes_of_maps) {
     return {{"split", o.split == Split::test ? "held out" : "training"},
             {"photographs", o.photographs},
@@ -92,6 +99,7 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
     Page& page = out.page;
     page.title = dataset.name;
     if (fit.fit.error_bars) add_uncertainty(fit);
+    if (!fit.fit_normals.empty()) add_fit_normals(fit);
     const auto held_out = dataset.split(true);
     out.split = held_out.empty() ? Split::train : Split::test;
 

@@ -17,6 +17,9 @@ struct Published {
     bool takes_light;                ///< may be shown under any lamp
     std::vector<uint32_t> training;  ///< views that were fitted
     PageModel model;
+    /// [texels] of the model's atlas, for specular enhancement, where the fit tells finer ones than it is shaded with:
+    /// unit, of a grid x right, y up, z out of its plane, of a mesh in its coordinates. Empty: there are none.
+    std::vector<Vec3f> fit_normals = {};
 };
 
 struct PublishOptions {

@@ -12,6 +12,7 @@
 #include "base/json.h"
 #include "dataset/view_directions.h"
 #include "eval/safe_relighting.h"
+#include "eval/specular_enhancement.h"
 #include "geometry/triangles_across.h"
 #include "gl/program.h"
 #include "image/web/webp_image.h"
@@ -100,6 +101,11 @@ Json light_json(const Light& light) {
     return {{"near", light.kind == Light::Kind::near},
             {"place", json_of(light.place)},
             {"intensity", json_of(light.intensity)}};
+}
+
+Json enhancement_json() {
+    const SpecularEnhancement by;
+    return {{"diffuse", by.diffuse}, {"highlight", by.highlight}, {"exponent", by.exponent}};
 }
 
 bool interpolated(const Published& fit) { return fit.record.surface == SurfaceLookup::linear; }
@@ -200,6 +206,7 @@ std::string model_json(const Published& fit, Page& page) {
     for (const auto& [name, value] : fit.model.whole_uniforms) whole[name] = value;
     return json_text(Json{{"description", fit.description},
                           {"takes_light", fit.takes_light},
+                          {"enhancement", fit.takes_light ? enhancement_json() : Json()},
                           {"terms", fit.model.terms},
                           {"tables", tables},
                           {"uniforms", uniforms},
