@@ -17,7 +17,7 @@ RINGS = {
              "fit", "eval"],
     "fits": ["reference", "basis", "viewbasis", "lightbasis", "sg", "reachable", "fitting"],
     "harness": ["report", "command_line", "bench"],
-    "tools": ["lamps", "capture", "stereo", "exchange", "publish", "cli", "python"],
+    "tools": ["lamps", "capture", "stereo", "rti", "exchange", "publish", "cli", "python"],
 }
 RING_OF = {layer: ring for ring, layers in RINGS.items() for layer in layers}
 CHAIN = ["base", "geometry", "model", "dataset", "samples", "optim"]
@@ -56,6 +56,7 @@ ALLOWED.update(
     lamps=up_to("geometry"),
     capture=up_to("dataset") | {"image", "lamps"},
     stereo=up_to("dataset") | {"image", "lamps", "capture"},
+    rti=rings("core", "fits") | {"capture"},
     exchange=rings("core", "fits") | {"image_web"},
     publish=rings("core", "fits") | {"image_web"},
     cli=rings("core", "fits", "harness", "tools") | {"image_web"},

@@ -97,6 +97,30 @@ def write_lit(out):
     write_pfm(out / "normals.pfm", 6, 5, [0, 0, 1] * 30)
 
 
+def write_rti(out):
+    """What `import rti` reads, of 6 x 5 pixels: .ptm of both kinds and of JPEG planes, .rti, relight's folders."""
+    out.mkdir()
+    head = "PTM_1.2\nPTM_FORMAT_{}\n6\n5\n2 2 2 2 2 2 \n160 160 160 127 127 0\n"
+    values = bytes(7 * i % 90 + 100 for i in range(540))
+    (out / "lrgb.ptm").write_bytes(head.format("LRGB").encode() + values[:270])
+    (out / "rgb.ptm").write_bytes(head.format("RGB").encode() + values)
+    lists = ["0 0 1" + 6 * " 0", "0" + 8 * " 0", "0" + 8 * " 0", "0 1 2 3 4 5 6 7 8", "-1 -1 0" + 6 * " -1",
+             " ".join([str(len(JPEG))] * 9), "0 0 5" + 6 * " 0"]  # fmt: skip
+    (out / "jpeg.ptm").write_bytes((head.format("JPEG_LRGB") + "90\n" + "\n".join(lists) + "\n").encode()
+                                   + b"".join(JPEG + (b"\0\0\0\7z" if i == 2 else b"") for i in range(9)))
+    floats = struct.pack("<8f", 1, 1, 1, 1, 0.2, -0.5, -0.5, -0.5)
+    (out / "hsh.rti").write_bytes(b"#HSH1.2\r\n3\r\n6 5 3\r\n4 2 1\r\n" + floats + values[:360])
+    info = {"width": 6, "height": 5, "format": "jpg", "type": "ptm", "colorspace": "lrgb", "nplanes": 9,
+            "materials": [{"scale": [1.2] * 9, "bias": [0.1] * 9, "range": [300] * 9}]}  # fmt: skip
+    bilinear = {**info, "type": "bilinear", "colorspace": "mrgb", "resolution": 2, "basis": [99] * 120}
+    rbf = {**info, "type": "rbf", "colorspace": "mycc", "yccplanes": [3, 3, 3], "lights": [0, 0, 1, 0.6, 0, 0.8], "basis": [99] * 60}
+    for name, text in (("lptm", info), ("bilinear", bilinear), ("rbf", rbf)):
+        (out / name).mkdir()
+        (out / name / "info.json").write_text(json.dumps(text))
+        for i in range(3):
+            (out / name / f"plane_{i}.jpg").write_bytes(JPEG)
+
+
 def write_other_calibrations(out):
     """The same cameras as a NeRF's transforms.json and as LLFF's poses_bounds.npy."""
     frames, rows = [], []
@@ -203,6 +227,7 @@ def make(run, root, source):
     """All fixtures below `root`; run(command...) runs radiafit there, source is the checkout."""
     write_tiny(root / "photos")
     write_lit(root / "lit")
+    write_rti(root / "rti")
     write_runs(root / "runs")
     photos = ("import", "colmap", "--model", "photos/text", "--images", "photos/images", "--mesh", "photos/mesh.obj")
     run(*photos, "--holdout", "every:3", "-o", "tiny")

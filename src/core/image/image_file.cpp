@@ -16,12 +16,16 @@
 namespace radiafit {
 namespace {
 
-/// The file's bytes, what they promise, and then the pixels of the same bytes.
-RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check, ImageHeader& header) {
-    std::string bytes = read_file(file, "image file");
+/// What a file's bytes promise, and then the pixels of the same bytes.
+RawImage decode_raw(const std::filesystem::path& file, std::string bytes, const HeaderCheck& check,
+                    ImageHeader& header) {
     header = read_image_header(file, bytes);
     if (check) check(int(header.width), int(header.height));
     return header.format->read_pixels(file, std::move(bytes), header);
+}
+
+RawImage read_raw(const std::filesystem::path& file, const HeaderCheck& check, ImageHeader& header) {
+    return decode_raw(file, read_file(file, "image file"), check, header);
 }
 
 void check_colors(const std::filesystem::path& file, const RawImage& raw) {
@@ -76,11 +80,7 @@ void narrow_numbers(RawImage& raw) {
     raw.values = std::vector<uint8_t>(wide->begin(), wide->end());
 }
 
-}  // namespace
-
-ImageFile read_image(const std::filesystem::path& file, bool floats, const HeaderCheck& check) {
-    ImageHeader header;
-    RawImage raw = read_raw(file, check, header);
+ImageFile image_of(const std::filesystem::path& file, RawImage raw, ImageHeader header, bool floats) {
     check_colors(file, raw);
     ImageFile image;
     image.grey = raw.colors() == 1;
@@ -103,6 +103,20 @@ ImageFile read_image(const std::filesystem::path& file, bool floats, const Heade
     };
     std::visit(take, raw.values);
     return image;
+}
+
+}  // namespace
+
+ImageFile read_image(const std::filesystem::path& file, bool floats, const HeaderCheck& check) {
+    ImageHeader header;
+    RawImage raw = read_raw(file, check, header);
+    return image_of(file, std::move(raw), std::move(header), floats);
+}
+
+ImageFile decode_image(const std::filesystem::path& file, std::string bytes, const HeaderCheck& check) {
+    ImageHeader header;
+    RawImage raw = decode_raw(file, std::move(bytes), check, header);
+    return image_of(file, std::move(raw), std::move(header), false);
 }
 
 MaskFile read_mask(const std::filesystem::path& file, const HeaderCheck& check) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "image/color_tags.h"
@@ -33,6 +34,8 @@ using HeaderCheck = std::function<void(int width, int height)>;
 /// PFM, TIFF) are taken too. Throws UserError that names file and cure: missing, another format, truncated or corrupt,
 /// larger than image/image_header.h allows, neither 8 nor 16 bits, neither grey nor RGB.
 ImageFile read_image(const std::filesystem::path& file, bool floats = false, const HeaderCheck& check = {});
+/// The same of a picture that lies in memory, a part of `file`; without floats.
+ImageFile decode_image(const std::filesystem::path& file, std::string bytes, const HeaderCheck& check = {});
 
 /// A mask [height][width], 255 = object, 0 = not: of values from 0 to 255, 128 or more. Where no value is so large and
 /// there are at most 16, so that they number what is seen (labels), whatever is not 0; a lossy format has no labels.

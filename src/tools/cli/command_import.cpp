@@ -1,15 +1,21 @@
-// import: real captures, packed.
+// import: real captures, packed; files of RTI as fits.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
 
 #include "base/log.h"
 #include "base/output_lock.h"
+#include "base/record.h"
 #include "capture/import.h"
 #include "capture/import_lights.h"
 #include "capture/light_doubt.h"
 #include "cli/commands.h"
 #include "fitting/image_checks.h"
 #include "fitting/limits.h"
+#include "rti/import_rti.h"
 
 namespace radiafit::tools {
 namespace {
@@ -156,12 +162,54 @@ void add_lights(CommandLine& command) {
     });
 }
 
+/// What became of a file, in words.
+std::string describe(const RtiImportReport& report, const std::string& out) {
+    std::string text = fmt::format("{}, {} x {} pixels, as a fit of model {}; see {}", report.kind, report.width,
+                                   report.height, report.model, out);
+    if (report.difference > 0)
+        text += fmt::format(
+            ". Its functions are approximated: what it shows differs by {:.2f} of 255 (root mean square amid the "
+            "lamps, {:.1f} dB)",
+            255 * report.difference, -20 * std::log10(report.difference));
+    return text;
+}
+
+void add_rti(CommandLine& command, const Invocation& invocation) {
+    auto options = std::make_shared<RtiImportOptions>();
+    auto out = std::make_shared<std::string>();
+    CommandLine& rti =
+        command.add_command("rti", "another program's file of RTI, as a fit: .ptm, .rti (HSH), relight's info.json");
+    rti.add_text("file", options->file, "the file; of relight info.json or its folder").required();
+    rti.add_text(
+        "--dataset", options->dataset,
+        "the packed images that it was made of; default: some are made of it, at the output's name with -lamps "
+        "behind it");
+    rti.add_text("-o,--output", *out, "folder of the fit").required();
+    add_force(rti, options->force);
+    rti.on_run([=] {
+        RtiImportOptions chosen = *options;
+        std::filesystem::path images = std::filesystem::path(*out).lexically_normal();
+        if (!images.has_filename()) images = images.parent_path();
+        chosen.images = images += "-lamps";
+        const OutputLock lock(*out);
+        std::optional<OutputLock> images_lock;
+        if (chosen.dataset.empty()) images_lock.emplace(chosen.images);
+        chosen.provenance_json = record_json(make_record(invocation.argc, invocation.argv));
+        const RtiImportReport report = import_rti(chosen, *out);
+        log_info(describe(report, *out));
+        if (chosen.dataset.empty())
+            log_info(fmt::format("{}: images made of the file, for what needs lamps and a judgement of its storing",
+                                 report.dataset.string()));
+    });
+}
+
 }  // namespace radiafit::tools
 
-void add_import(CommandLine& program, const Invocation&) {
-    CommandLine& command = program.add_command("import", "pack a real capture");
+void add_import(CommandLine& program, const Invocation& invocation) {
+    CommandLine& command = program.add_command("import", "pack a real capture, or take another program's fit");
     for (const CalibrationFormat& format : calibration_formats) add_calibrated(command, format);
     add_lights(command);
+    add_rti(command, invocation);
 }
 
 }  // namespace radiafit::tools
