@@ -56,7 +56,7 @@ ALLOWED.update(
     lamps=up_to("geometry"),
     capture=up_to("dataset") | {"image", "lamps"},
     stereo=up_to("dataset") | {"image", "lamps", "capture"},
-    rti=rings("core", "fits") | {"capture"},
+    rti=rings("core", "fits") | {"lamps", "capture"},
     exchange=rings("core", "fits") | {"image_web"},
     publish=rings("core", "fits") | {"image_web"},
     cli=rings("core", "fits", "harness", "tools") | {"image_web"},
