@@ -51,7 +51,7 @@ class Relighting(ProgramTest):
     def test_a_program_that_shows_a_fit_scores_as_the_fit(self):
         self.pack()
         self.good("fit", "datasets/packed/neural_dome", "--model", "ptm", "--curve", "srgb", "-o", "fit", program=RADIAFIT)
-        self.good("render", "fit", "--split", "test", "-o", "datasets/renders/neural_dome/other", program=RADIAFIT)
+        self.good("render", "fit", "--all", "held-out", "-o", "datasets/renders/neural_dome/other", program=RADIAFIT)
         self.good("--profile", "smoke", "--set", 'fits=["what fit chooses:", "polynomial: --model ptm --curve srgb"]')
         rows = self.rows()
         self.assertEqual(set(rows), {"what fit chooses", "polynomial", "what tune recommends within 1 s", "other"})

@@ -1,6 +1,7 @@
 #version 300 es
 // A texel-local model (shaders/model/MODEL.glsl) under a lamp, as eval/safe_relighting.h shows it. Maps: BASIS_COUNT of
 // coefficients, (SHAPE_COUNT + 2) / 3 of the shape, then albedo and brightest, both as roots, and what is known.
+// variants: MODEL=hsh5 CURVE=1 GRID=1 MAPS=31
 // variants: MODEL=* CURVE=0,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=12
 // variants: MODEL=lambert CURVE=0 GRID=-,1 NORMAL_MAP=-,7 FIT_NORMALS=8 MAPS=12
 precision highp float;

@@ -16,7 +16,7 @@ using namespace testing;
 TEST_F(LightsTest, OtherAxesReadBack) {
     write_sphere();
     const Dataset right = import();
-    EXPECT_EQ(light_doubt(right, options_.lights, "").value_or("none"), "none");
+    EXPECT_EQ(light_doubt(right, options_.lights, false, "").value_or("none"), "none");
     for (Vec3d& l : lights_) l = Vec3d(-l.y(), l.x(), -l.z());  // as the file has it
     write_text();
     options_.light_axes = "y, -x, -z";

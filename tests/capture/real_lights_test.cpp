@@ -60,11 +60,11 @@ protected:
     }
     /// Right, nothing is said of the lights; otherwise what helps.
     static void expect_doubts(const Dataset& right) {
-        EXPECT_EQ(light_doubt(right, "lights.txt", "").value_or("none"), "none");
+        EXPECT_EQ(light_doubt(right, "lights.txt", false, "").value_or("none"), "none");
         const auto doubt = [&](const auto& change) {
             Dataset set = right;
             change(set.views);
-            return light_doubt(set, "lights.txt", "").value_or("none");
+            return light_doubt(set, "lights.txt", false, "").value_or("none");
         };
         const auto each = [](const auto& change) {
             return [change](std::vector<View>& views) {

@@ -141,7 +141,7 @@ std::string fit_to_json(const LightFieldFit& fit, const TriangleAtlas& atlas, co
                         const std::vector<std::string>& files) {
     const LfmOptions& o = fit.options;
     const size_t vertices = fit.problem_count() / 3;
-    Json json = head(fit, lfm_name, o.sides ? own_sides_version : fit_version);
+    Json json = head(fit, lfm_name, o.sides ? newer_version : fit_version);
     json[lfm_name] = {{"terms", o.terms},
                       {"surface_side", o.surface_side},
                       {"view_side", o.view_side},
@@ -171,7 +171,7 @@ TexelFitNotes notes_of(const ReflectanceFit& fit) {
                       {"mu", plain(o.mu)},
                       {"clip_above", plain(o.clip_above)},
                       {"shadow_below", plain(o.shadow_below)}};
-    return {o.model->name, reflectance_key, json_text(own)};
+    return {o.model->name, reflectance_key, json_text(own), o.curve != ValueCurve::linear};
 }
 
 void take_notes(const std::string& model, const std::string& own_json, ReflectanceFit& fit) {
@@ -193,7 +193,7 @@ void take_notes(const std::string& model, const std::string& own_json, Reflectan
 
 std::string fit_to_json(const FitRecord& fit, const TexelFitNotes& notes, const Atlas& atlas,
                         const std::string& dataset_path, const std::vector<std::string>& files) {
-    Json json = head(fit, notes.model);
+    Json json = head(fit, notes.model, notes.newer ? newer_version : fit_version);
     json[notes.key] = object_of(notes.own_json, "model's entries");
     json["maps"] = {{"width", atlas.width()}, {"height", atlas.height()}};
     add_tail(json, fit, dataset_path, files);
@@ -216,7 +216,7 @@ std::string checksum_of(const std::vector<uint8_t>& sides) {
 
 std::string model_in_json(const std::filesystem::path& path, const std::string& text) {
     return reading(
-        path, text, [](const Json& json) { return json.at("model").get<std::string>(); }, own_sides_version);
+        path, text, [](const Json& json) { return json.at("model").get<std::string>(); }, newer_version);
 }
 
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, LightFieldFit& fit) {
@@ -238,21 +238,24 @@ FitPromises fit_from_json(const std::filesystem::path& path, const std::string& 
             o.upper = number(lfm, "upper");
             check_options(o);
             FitPromises promises = take_record(json, fit);
-            if (json.at("version") == own_sides_version) promises.sides = lfm.at("sides").get<std::string>();
+            if (json.at("version") == newer_version) promises.sides = lfm.at("sides").get<std::string>();
             const auto sides = std::ranges::count(json.at("files"), Json("sides.exr"));
             if (sides != 0 && promises.sides.empty())
                 throw std::runtime_error("it lists sides.exr, but its version has none");
             return promises;
         },
-        own_sides_version);
+        newer_version);
 }
 
 FitPromises fit_from_json(const std::filesystem::path& path, const std::string& text, const std::string& key,
                           const TakeNotes& take, FitRecord& fit) {
-    return reading(path, text, [&](const Json& json) {
-        take(json.at("model").get<std::string>(), json.contains(key) ? json_text(json.at(key)) : "{}");
-        return take_record(json, fit);
-    });
+    return reading(
+        path, text,
+        [&](const Json& json) {
+            take(json.at("model").get<std::string>(), json.contains(key) ? json_text(json.at(key)) : "{}");
+            return take_record(json, fit);
+        },
+        newer_version);
 }
 
 }  // namespace radiafit

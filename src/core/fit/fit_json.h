@@ -11,7 +11,8 @@
 namespace radiafit {
 
 inline constexpr const char* fit_format = "radiafit-fit";
-inline constexpr int fit_version = 1, own_sides_version = 2;  ///< the latter where surface maps differ in side
+inline constexpr int fit_version = 1,
+                     newer_version = 2;  ///< the latter where surface maps differ in side, or on a curve
 inline constexpr const char* fit_json_name = "fit.json";
 
 /// `dataset_path` is what is saved: relative to the fit folder. `files`: the names in the folder. Throws

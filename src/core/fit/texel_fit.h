@@ -21,6 +21,7 @@ struct TexelMap {
 /// What fit.json says of the model: its name, and under `key` a JSON object private to the model.
 struct TexelFitNotes {
     std::string model, key, own_json;
+    bool newer = false;  ///< what programs that know version 1 alone would read wrongly
 };
 using TakeNotes = std::function<void(const std::string& model, const std::string& own_json)>;
 

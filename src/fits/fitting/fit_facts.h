@@ -27,6 +27,7 @@ struct SolverFacts {
     bool mean_colours = false;  ///< of the surface's texels is all that it finds: no view maps
     bool resamples = false;     ///< images to whole light fields, and has to invent what no image shows
     bool ceres = false;         ///< by the setting of Ceres that --ceres chooses
+    int most_parameters = 0;    ///< of a texel that it fits; 0: any number
 };
 
 struct FitFacts : SolverFacts {

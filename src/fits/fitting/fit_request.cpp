@@ -31,6 +31,10 @@ void FitRequest::check() const {
     const FitFacts facts = facts_of(*this);
     model_options();
     if (texel_model()) texel_options();
+    if (texel_model() && facts.most_parameters && texel_model()->parameters > facts.most_parameters)
+        throw UserError(fmt::format("{} fits up to {} numbers a texel, and {} has {}: choose {}",
+                                    option_name("solver " + solver), facts.most_parameters, model_name,
+                                    texel_model()->parameters, option_name("solver stream")));
     const bool own_sides = texels_per_pixel > 0 || model.sides;
     if (own_sides && (facts.streams_images() || (facts.distributes() && distributor == DistributorKind::gl)))
         throw UserError(

@@ -73,6 +73,15 @@ private:
         return std::ranges::any_of(options_.fixed, [&](const auto& o) { return o.first == option; });
     }
 
+    /// Whether a fit takes all fixed options: each means something to it, and none excludes what the setting has.
+    bool is_possible(const FitSetting& setting) const {
+        try {
+            return takes_given(given_by(options_.fixed), request_of(setting));
+        } catch (const UserError&) {
+            return false;
+        }
+    }
+
     /// The candidates that take all fixed options, with these in place of what they would try of them.
     std::vector<TuneCandidate> with_fixed(const std::vector<TuneCandidate>& candidates) const {
         std::vector<TuneCandidate> out;
@@ -80,8 +89,10 @@ private:
             const std::string model = candidate.starts.front().front().second;
             for (FitSetting& start : candidate.starts)
                 for (const auto& [option, value] : options_.fixed) start = with(std::move(start), option, value);
-            const FitSetting& first = candidate.starts.front();
-            if (first.front().second != model || !takes_given(given_by(options_.fixed), request_of(first))) continue;
+            std::erase_if(candidate.starts, [&](const FitSetting& start) {
+                return start.front().second != model || !is_possible(start);
+            });
+            if (candidate.starts.empty()) continue;
             std::erase_if(candidate.ladders, [&](const Ladder& ladder) { return is_fixed(ladder.option); });
             out.push_back(std::move(candidate));
         }

@@ -3,15 +3,12 @@
 #include <ceres/cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <unordered_map>
 
-#include "base/error.h"
-#include "base/wording.h"
 #include "model/small_solve.h"
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
@@ -223,8 +220,7 @@ template <class Text>
 std::unique_ptr<CeresTexels<Text>> ceres_texels([[maybe_unused]] const CeresTexelOptions& options) {
     using Method = CeresTexelOptions::Method;
     if constexpr (TexelLocal<Text>::parameters > most_ceres_parameters) {
-        throw UserError(fmt::format("Ceres is not made to fit {} numbers a texel, as {} has: choose {}",
-                                    TexelLocal<Text>::parameters, Text::name, option_name("solver stream")));
+        throw std::invalid_argument("ceres_texels: too many parameters");
     } else {
         if (options.method == Method::tiny || options.method == Method::tiny_pack) return tiny_texels<Text>(options);
         if constexpr (TexelLocal<Text>::shape > 0)  // else the whole is linear

@@ -68,7 +68,7 @@ public:
     virtual ~CeresTexelSolver() = default;
     virtual CeresTexelFit solve(std::span<const ShadedSample> samples, std::span<const float> start) = 0;
 };
-/// Throws UserError for a model of more than most_ceres_parameters, std::invalid_argument for one that there isn't.
+/// Throws std::invalid_argument for a model of more than most_ceres_parameters, and for one that there isn't.
 std::unique_ptr<CeresTexelSolver> ceres_texel_solver(const TexelModel& model, const CeresTexelOptions& options);
 
 }  // namespace radiafit::fits

@@ -370,8 +370,11 @@ Needs needs_of(size_t images, size_t for_normals, bool calibrated, const ImageSe
     const uint64_t normals = pixels * sizeof(Vec3f);
     constexpr uint64_t pixel_bytes = 40;        // as read, floats perhaps, as spread to RGB, and packed
     constexpr uint64_t calibration_bytes = 24;  // sums over the images
+    // 16 matrices of a number for each pair of images (lamps/lamp_order), of 16 for each pair of lamps
+    // (lamps/refine_lamps)
+    const uint64_t pairs = images * images * 16 * sizeof(double) * (calibrated ? 16 : 1);
     return {.memory = 4 * uint64_t(thread_count()) * file_pixels * pixel_bytes + 2 * normals +
-                      for_normals * pixels * sizeof(float) + (calibrated ? file_pixels * calibration_bytes : 0),
+                      for_normals * pixels * sizeof(float) + (calibrated ? file_pixels * calibration_bytes : 0) + pairs,
             .disk = images * (image_block_bytes(view, format.encoding) + 1000) + normals};
 }
 

@@ -30,7 +30,7 @@ constexpr const char* automatic_n = "auto:";  // and their number
 
 size_t spheres_wanted(const std::string& spheres) {
     if (spheres == automatic) return 2;
-    constexpr Range<int> count{1, 20};
+    constexpr Range<int> count{1, most_spheres};
     return size_t(parse_number(option_name("spheres") + " " + automatic_n + "N", spheres.substr(5), count));
 }
 bool is_automatic(const std::string& spheres) { return spheres == automatic || spheres.starts_with(automatic_n); }

@@ -53,9 +53,14 @@ void add_image(const Dataset& dataset, uint32_t view, int block, ImageStream& st
 
 std::string as_percent(double share) { return fmt::format("{:.0f} %", 100 * std::max(share, 0.0)); }
 
-std::string shift_words(const OrderFinding& found) {
+/// named: the file's lines name their images.
+std::string shift_words(const OrderFinding& found, bool named) {
     const int by = std::abs(found.shift);
     const std::string lines = by == 1 ? "line" : fmt::format("{} lines", by);
+    if (named)
+        return fmt::format("those of the images {} {} in the list: give each name the numbers that stand {} {} it", by,
+                           found.shift > 0 ? "earlier" : "later", by == 1 ? "one line" : lines,
+                           found.shift > 0 ? "below" : "above");
     return found.shift > 0
                ? fmt::format("those of the images {} earlier in the list: move its first {} to its end", by, lines)
                : fmt::format("those of the images {} later in the list: move its last {} to its beginning", by, lines);
@@ -74,21 +79,24 @@ std::string swap_words(const OrderFinding& found, const std::vector<std::string>
     return text + ": exchange these lamps";
 }
 
-std::string order_words(const OrderFinding& found, const std::vector<std::string>& names) {
+std::string order_words(const OrderFinding& found, bool named, const std::vector<std::string>& names) {
     using Kind = OrderFinding::Kind;
     if (found.kind == Kind::swapped) return swap_words(found, names);
     std::string text;
     if (found.kind == Kind::reversed)
-        text = "its lamps are those of the images in reverse order: turn the order of its lines round";
-    if (found.kind == Kind::shifted) text = "its lamps are " + shift_words(found);
+        text = fmt::format("its lamps are those of the images in reverse order: {}",
+                           named ? "give the numbers of its lines to its names in reverse order"
+                                 : "turn the order of its lines round");
+    if (found.kind == Kind::shifted) text = "its lamps are " + shift_words(found, named);
     if (found.kind == Kind::by_number)
         text = fmt::format(
-            "its lamps are those of the images in the order of their numbers (img2 before img10): list them so "
-            "for {}, or give all numbers as many digits",
-            option_name("names"));
+            "its lamps are those of the images in the order of their numbers (img2 before img10): {}",
+            named ? "give them to its names in that order"
+                  : fmt::format("list them so for {}, or give all numbers as many digits", option_name("names")));
     if (found.kind == Kind::unknown)
-        text = fmt::format("its lamps are not those of the images in this order: check the names in it, {} and {}",
-                           option_name("names"), option_name("by-order"));
+        text = fmt::format("its lamps are not those of the images in this order: check {}",
+                           named ? fmt::format("the names in it, or try {}", option_name("by-order"))
+                                 : fmt::format("{}, or the images' names", option_name("names")));
     text += fmt::format(" (as it is, it explains {} of what changes with the lamp", as_percent(found.explained));
     if (found.kind != Kind::unknown) text += fmt::format(", so {}", as_percent(found.explained_so));
     return text + ")";
@@ -119,7 +127,7 @@ std::string turn_words(const AxesTurn& turn, const std::string& axes) {
     };
     if (turn.mirrored)
         return fmt::format("its axes are left-handed and turned: {}, and turn its lamps by {}", option, by(degrees));
-    return fmt::format("it is turned by about {}: turn its lamps, or the images, back", by(degrees));
+    return fmt::format("it is turned by about {}: turn its lamps back", by(degrees));
 }
 
 }  // namespace
@@ -145,12 +153,12 @@ LightStack light_stack(const Dataset& dataset) {
     return stack;
 }
 
-std::optional<std::string> light_doubt(const Dataset& dataset, const std::filesystem::path& file,
+std::optional<std::string> light_doubt(const Dataset& dataset, const std::filesystem::path& file, bool named,
                                        const std::string& axes) {
     const LightFinding found = check_lights(light_stack(dataset));
     std::vector<std::string> names;
     for (const View& view : dataset.views) names.push_back(view.name);
-    if (found.order) return fmt::format("{}: {}", file.string(), order_words(*found.order, names));
+    if (found.order) return fmt::format("{}: {}", file.string(), order_words(*found.order, named, names));
     if (!found.turn) return {};
     if (!found.turn_is_sure)
         return fmt::format("{}: its axes are not those of the images (x right, y up); perhaps {}", file.string(),

@@ -13,9 +13,9 @@ namespace radiafit::tools {
 LightStack light_stack(const Dataset& dataset);
 
 /// What the images say against their light file, and what helps, in one line: other axes, or another order of the
-/// images. file: for the words; axes: by which it was read (LightImportOptions::light_axes). None: they suit, or the
-/// images cannot tell.
-std::optional<std::string> light_doubt(const Dataset& dataset, const std::filesystem::path& file,
+/// images. file: for the words; named: its lines name the images; axes: by which it was read
+/// (LightImportOptions::light_axes). None: they suit, or the images cannot tell.
+std::optional<std::string> light_doubt(const Dataset& dataset, const std::filesystem::path& file, bool named,
                                        const std::string& axes);
 
 }  // namespace radiafit::tools

@@ -58,8 +58,10 @@ LightFile read_lp(const fs::path& file) {
 
 }  // namespace
 
+bool names_images(const fs::path& file) { return lower_ending(file) == ".lp"; }
+
 LightFile read_lights(const fs::path& file) {
-    if (lower_ending(file) == ".lp") return read_lp(file);
+    if (names_images(file)) return read_lp(file);
     TextFile text(file, "list of lights");
     LightFile lights;
     for (std::string_view line; text.next_entry(line);) {
@@ -113,6 +115,7 @@ std::vector<Vec3d> read_circles(const fs::path& file, int width, int height) {
                                 "once",
                                 c.x(), c.y(), other.x(), other.y()));
         circles.push_back(c);
+        if (circles.size() > most_spheres) text.fail(fmt::format("more than {} circles: leave some out", most_spheres));
     }
     if (circles.empty())
         throw UserError(

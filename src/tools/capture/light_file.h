@@ -19,6 +19,9 @@ struct LightFile {
 /// an .lp file with another number of lines than it says.
 LightFile read_lights(const std::filesystem::path& file);
 
+/// Whether a file of this name says which image each light is of.
+bool names_images(const std::filesystem::path& file);
+
 /// Three numbers per line; `what` names their role, such as "camera position".
 std::vector<Vec3d> read_vectors(const std::filesystem::path& file, const std::string& what);
 
@@ -28,6 +31,7 @@ std::vector<Vec3d> read_intensities(const std::filesystem::path& file);
 /// Circles in pictures of such a size: x and y of the centre and the radius per line, pixels from the top left corner,
 /// x to the right and y down. Throws UserError also for none, for one outside the picture, and for two that overlap.
 std::vector<Vec3d> read_circles(const std::filesystem::path& file, int width, int height);
+inline constexpr int most_spheres = 20;
 
 /// One name per line, none twice.
 std::vector<std::string> read_names(const std::filesystem::path& file);

@@ -12,6 +12,7 @@
 #include "capture/import.h"
 #include "capture/import_lights.h"
 #include "capture/light_doubt.h"
+#include "capture/light_file.h"
 #include "cli/commands.h"
 #include "fitting/image_checks.h"
 #include "fitting/limits.h"
@@ -153,12 +154,12 @@ void add_lights(CommandLine& command) {
     add_json(lights, *json);
     lights.on_run([=] {
         const OutputLock lock(*out);
-        LightImportReport report = import_lights(*options, *out);
+        const LightImportReport report = import_lights(*options, *out);
         const std::filesystem::path& file = options->lights.empty() ? options->light_positions : options->lights;
-        if (!file.empty())
-            if (const auto doubt = light_doubt(open_dataset(*out), file, options->light_axes))
-                report.notes.push_back(*doubt);
         tell(report, *out, *json);
+        if (file.empty()) return;
+        const bool named = names_images(file) && !options->by_order;
+        if (const auto doubt = light_doubt(open_dataset(*out), file, named, options->light_axes)) log_warning(*doubt);
     });
 }
 

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/error.h"
 #include "base/resources.h"
+#include "base/wording.h"
 #include "dataset/stream_views.h"
 #include "fitting/family.h"
 #include "rti/rti_fit.h"
@@ -53,6 +55,18 @@ void show(const RtiFile& file, const Vec3d& lamp, std::vector<uint8_t>& rgb) {
     }
 }
 
+constexpr const char* made_from = "images that were made from another program's file";
+
+/// Throws UserError where a dataset of other images is, which made ones would replace.
+void check_made(const fs::path& images) {
+    if (!fs::exists(images / "dataset.json")) return;
+    if (open_dataset(images).description.find(made_from) == std::string::npos)
+        throw UserError(fmt::format(
+            "{}: a dataset is there that was not made from a file; choose another output, or give {}, if the file was "
+            "made of it",
+            images.string(), option_name("dataset")));
+}
+
 Dataset make_images(const RtiFile& file, const RtiImportOptions& options, DatasetWriter& writer) {
     const std::vector<MadeLamp> lamps = made_lamps();
     stream_views("making images", lamps.size(), writer, [&](size_t i, int, PackedImage& image) {
@@ -69,10 +83,8 @@ Dataset make_images(const RtiFile& file, const RtiImportOptions& options, Datase
     Dataset header;
     header.grid = Grid::centered(file.width, file.height, 1);
     header.name = options.images.filename().string();
-    header.description = fmt::format(
-        "{} images that were made from another program's file ({}), no photographs; camera "
-        "fixed and distant",
-        lamps.size(), file.kind);
+    header.description =
+        fmt::format("{} {} ({}), no photographs; camera fixed and distant", lamps.size(), made_from, file.kind);
     header.source = fmt::format("what {} shows", options.file.string());
     writer.finish(header);
     return open_dataset(options.images);
@@ -94,7 +106,10 @@ Needs needs_of(const RtiImportOptions& options, int width, int height, size_t nu
 RtiImportReport import_rti(const RtiImportOptions& options, const fs::path& out) {
     check_fit_target(out);
     std::optional<DatasetWriter> writer;
-    if (options.dataset.empty()) writer.emplace(options.images);
+    if (options.dataset.empty()) {
+        check_made(options.images);
+        writer.emplace(options.images);
+    }
     std::optional<Dataset> dataset;
     if (!writer) dataset = open_dataset(options.dataset);
     const RtiFile file = read_rti(options.file, [&](int width, int height, size_t numbers) {

@@ -14,6 +14,9 @@ constexpr double least_images_of_lafortune = 4;
 constexpr double least_images_of_contest = 8;  // so that some can be left out to judge by
 constexpr const char *clip_above = "0.98", *shadow_below = "0.1";
 
+/// Of what sRGB pictures store.
+FitSetting on_curve(const char* model) { return {{"model", model}, {"curve", "srgb"}}; }
+
 }  // namespace
 
 std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& dataset, const FitRequest& request) {
@@ -25,11 +28,11 @@ std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& data
     };
     std::vector<FitSetting> settings;
     for (const FitSetting& setting :
-         {selected("lafortune"), selected("ptm"), FitSetting{{"model", "ptm"}, {"curve", "srgb"}},
-          FitSetting{{"model", light_basis_name}}}) {
+         {selected("lafortune"), selected("ptm"), on_curve("ptm"), FitSetting{{"model", light_basis_name}}}) {
         FitRequest of_model = request;
         of_model.model_name = setting.front().second;
         if (!takes_given(given, of_model)) continue;
+        if (setting == on_curve("ptm") && (given("--curve") || of_model.on_fragment_engine())) continue;
         if (of_model.texel_model() || lamps_have_all_colours(dataset)) settings.push_back(setting);
     }
     std::vector<ContestResult> results;
@@ -63,9 +66,8 @@ std::vector<TuneCandidate> texel_candidates(const Dataset& dataset) {
         robust.emplace_back("loss", "huber");
         out.push_back({{plain, selected, robust}, ladders});
     }
-    const auto on_curve = [](const char* model) { return FitSetting{{"model", model}, {"curve", "srgb"}}; };
     ladders.push_back({"curve", {"srgb", "root", "linear"}});
-    out.push_back({{on_curve("ptm"), on_curve("hsh2"), on_curve("hsh3"), on_curve("hsh4"), on_curve("hsh5")}, ladders});
+    for (const char* model : {"ptm", "hsh2", "hsh3", "hsh4", "hsh5"}) out.push_back({{on_curve(model)}, ladders});
     return out;
 }
 

@@ -134,7 +134,7 @@ std::span<const Solver> solvers() {
         .iterates = true, .objective = true, .optimizer = true, .list = true, .records = true};
     constexpr SolverFacts vertex_by_vertex = {.iterates = true, .objective = true, .list = true};
     constexpr SolverFacts by_ceres = {.iterates = true, .objective = true, .list = true, .ceres = true};
-    constexpr SolverFacts texel_by_texel = {.iterates = true, .list = true};
+    constexpr SolverFacts texel_by_texel = {.iterates = true, .list = true, .most_parameters = most_ceres_parameters};
     static constexpr Solver table[] = {
         {.name = "stream",
          .help = "the paper's optimizers over --engine",
