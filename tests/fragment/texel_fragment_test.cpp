@@ -199,7 +199,7 @@ std::vector<Case> texel_cases() {
     std::vector<Case> list;
     for (const Passes passes : {Passes::paper, Passes::combined}) {
         const std::string prefix = to_string(passes);
-        for (const TexelModel* model : models_of_own_text()) {
+        for (const TexelModel* model : models_up_to(most_fragment_parameters)) {
             const std::string name = prefix + "_" + model->name;
             list.push_back({.name = name + "_mesh_near",
                             .model = model->name,
@@ -432,7 +432,7 @@ TEST(TexelFragment, AllocatesWhatThePlanSaysAndReturnsIt) {
     const auto context = make_context(second_kind());
     for (const bool grid : {false, true}) {
         const TexelDataset data({.grid = grid, .encoding = grid ? Encoding::u8_linear : Encoding::u16_linear});
-        for (const TexelModel* model : models_of_own_text())
+        for (const TexelModel* model : models_up_to(most_fragment_parameters))
             for (const Passes passes : {Passes::paper, Passes::r300, Passes::combined})
                 for (const auto& [storage, sums, resident] :
                      {std::tuple{Storage::fp32, Sums::fp32, false}, std::tuple{Storage::fp16, Sums::fp16, false},

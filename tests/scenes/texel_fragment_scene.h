@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -15,12 +16,12 @@
 namespace radiafit::testing {
 using namespace harness;
 
-/// The models, but those whose text is the first part of another's.
-inline std::vector<const TexelModel*> models_of_own_text() {
+/// The models of so many parameters at most; of the harmonics the largest of order 2 or 3.
+inline std::vector<const TexelModel*> models_up_to(int parameters) {
     std::vector<const TexelModel*> models;
     for (const TexelModel* model : texel_models()) {
-        const std::string_view name = model->name;
-        if (name != "hsh2" && name != "hsh3" && name != "hsh4") models.push_back(model);
+        const bool first_of_another = model->name == std::string_view("hsh2") && parameters >= 27;
+        if (model->parameters <= std::min(parameters, 27) && !first_of_another) models.push_back(model);
     }
     return models;
 }

@@ -29,6 +29,10 @@ enum class Passes {
 };
 std::string to_string(Passes passes);
 
+/// Of a texel-local model on OpenGL's fragment programs: six maps of three numbers, which a pass may write all at once,
+/// beside sums, where OpenGL 4.5 promises eight attachments.
+inline constexpr int most_fragment_parameters = 18;
+
 struct FragmentOptions {
     Passes passes = Passes::paper;
     Storage storage = Storage::fp32;

@@ -35,6 +35,11 @@ void FitRequest::check() const {
         throw UserError(fmt::format("{} fits up to {} numbers a texel, and {} has {}: choose {}",
                                     option_name("solver " + solver), facts.most_parameters, model_name,
                                     texel_model()->parameters, option_name("solver stream")));
+    if (texel_model() && facts.on_fragment() && texel_model()->parameters > most_fragment_parameters)
+        throw UserError(fmt::format("{} fits up to {} numbers a texel, and {} has {}: choose {} or {}",
+                                    option_name("engine fragment"), most_fragment_parameters, model_name,
+                                    texel_model()->parameters, option_name("engine cpu"),
+                                    option_name("engine compute")));
     const bool own_sides = texels_per_pixel > 0 || model.sides;
     if (own_sides && (facts.streams_images() || (facts.distributes() && distributor == DistributorKind::gl)))
         throw UserError(
