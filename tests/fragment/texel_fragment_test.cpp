@@ -268,9 +268,9 @@ std::vector<Case> texel_cases() {
                         .passes = passes,
                         .clip_above = 1});
     }
-    // A root of the direction's height magnifies what directions near the surface are wrong by more than the oracle
-    // allows: harmonics are compared over grids, whose lamps stand high.
-    std::erase_if(list, [](const Case& c) { return std::string_view(c.model).starts_with("hsh") && !c.scene.grid; });
+    // Of harmonics, whose functions differ most, compute shaders are compared alone: starts of texels with few samples
+    // depend on the last bits there.
+    std::erase_if(list, [](const Case& c) { return std::string_view(c.model).starts_with("hsh"); });
     return list;
 }
 INSTANTIATE_TEST_SUITE_P(Cases, TexelFragmentAgreement, ::testing::ValuesIn(texel_cases()),
