@@ -39,11 +39,7 @@ if [ "${1:-}" = --leave-out ]; then
 fi
 out=${1:-$root/datasets/packed}
 capture=$("$root/datasets/scripts/find_capture.sh" cards_blue)
-radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
-if [ ! -x "$radiafit" ]; then
-    echo "$radiafit is missing: run make build" >&2
-    exit 2
-fi
+radiafit=$("$root/datasets/scripts/find_radiafit.sh")
 mkdir -p "$out"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -16,11 +16,7 @@ if [ "${1:-}" = --pack-only ]; then
 fi
 out=${1:-$root/datasets/packed}
 capture=$("$root/datasets/scripts/find_capture.sh" diligent_reading)
-radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
-if [ ! -x "$radiafit" ]; then
-    echo "$radiafit is missing: run make build" >&2
-    exit 2
-fi
+radiafit=$("$root/datasets/scripts/find_radiafit.sh")
 mkdir -p "$out"
 "$radiafit" import lights --images "$capture/images" --names "$capture/filenames.txt" \
     --lights "$capture/light_directions.txt" --intensities "$capture/light_intensities.txt" \

@@ -15,11 +15,7 @@ if [ "${1:-}" = --pack-only ]; then
 fi
 out=${1:-$root/datasets/packed}
 capture=$("$root/datasets/scripts/find_capture.sh" mold_gold_cape)
-radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
-if [ ! -x "$radiafit" ]; then
-    echo "$radiafit is missing: run make build" >&2
-    exit 2
-fi
+radiafit=$("$root/datasets/scripts/find_radiafit.sh")
 mkdir -p "$out"
 
 "$radiafit" import colmap --model "$capture/sparse" --images "$capture/images" --masks "$capture/masks" \

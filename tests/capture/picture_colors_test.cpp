@@ -14,6 +14,8 @@ namespace radiafit {
 using namespace tools;
 namespace {
 
+double decoded(double stored) { return srgb_decode(stored); }
+
 using namespace testing;
 using Kind = ColorReading::Kind;
 using Matrix = std::array<double, 9>;
@@ -68,7 +70,7 @@ TEST(PictureColors, ProfilesAreConvertedToTheRightValues) {
             EXPECT_EQ(image.linear, bits == 16);
             for (size_t i = 0; i < 12; ++i) {
                 const double light =
-                    p3 ? converted(before, i, p3_to_srgb, srgb_decode) : converted(before, i, adobe_to_srgb, power);
+                    p3 ? converted(before, i, p3_to_srgb, decoded) : converted(before, i, adobe_to_srgb, power);
                 // One step of 8 bits; in light, what five digits of the primaries leave.
                 if (bits == 8) {
                     EXPECT_NEAR(image.rgb8[i], 255 * srgb_encode(light), 1.0) << i;
@@ -116,7 +118,7 @@ TEST(PictureColors, ChunksAndChromaticitiesAreConvertedAsProfilesAre) {
     ImageFile image = before;
     EXPECT_EQ(convert_colors(image).kind, Kind::converted);
     for (size_t i = 0; i < 12; ++i)  // a gamma near 1 / 2.2 is sRGB's curve
-        EXPECT_NEAR(image.rgb16[i] / 65535.0, converted(before, i, adobe_to_srgb, srgb_decode), 5e-4) << i;
+        EXPECT_NEAR(image.rgb16[i] / 65535.0, converted(before, i, adobe_to_srgb, decoded), 5e-4) << i;
     chunks.gamma = 1 / 1.8;
     chunks.chromaticities = {};
     image = picture(16, chunks);
@@ -190,7 +192,7 @@ TEST_F(PictureColorsOfFiles, PngsByNumbers) {
     const ImageFile before = p3;
     EXPECT_EQ(convert_colors(p3).kind, Kind::converted);
     for (size_t c = 0; c < 3; ++c)
-        EXPECT_NEAR(p3.rgb8[c], 255 * srgb_encode(converted(before, c, p3_to_srgb, srgb_decode)), 1) << c;
+        EXPECT_NEAR(p3.rgb8[c], 255 * srgb_encode(converted(before, c, p3_to_srgb, decoded)), 1) << c;
     ImageFile srgb = read(1, 13, iccp_chunk(display_p3().encode()));
     EXPECT_EQ(convert_colors(srgb).by, "the chunk cICP");
     EXPECT_EQ(srgb.rgb8, before.rgb8);
@@ -213,7 +215,7 @@ TEST_F(PictureColorsOfFiles, TiffsByChromaticities) {
     EXPECT_EQ(reading.by, "its chromaticities") << reading.ignored;
     EXPECT_EQ(reading.kind, Kind::converted);
     for (size_t c = 0; c < 3; ++c)
-        EXPECT_NEAR(image.rgb8[c], 255 * srgb_encode(converted(before, c, adobe_to_srgb, srgb_decode)), 1) << c;
+        EXPECT_NEAR(image.rgb8[c], 255 * srgb_encode(converted(before, c, adobe_to_srgb, decoded)), 1) << c;
 }
 
 TEST(PictureColors, GreyProfiles) {

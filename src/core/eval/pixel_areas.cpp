@@ -13,16 +13,6 @@ namespace {
 
 constexpr int most_points = 9;  // 81 in all: their numbers fit bytes
 
-// As srgb_decode() and srgb_encode(), in floats: of nine points a pixel, powers of doubles would take most of the time.
-float light_of(float stored) {
-    const float x = std::abs(stored);
-    return std::copysign(x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f), stored);
-}
-float stored_of(float light) {
-    const float x = std::abs(light);
-    return std::copysign(x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f, light);
-}
-
 }  // namespace
 
 void check_pixel_points(int n) {
@@ -61,13 +51,13 @@ void PixelAreas::shade_points(const Contestant& contestant, const View& view, in
             for (size_t i = 0; i < pixels; ++i) {
                 if (points[i].triangle == no_triangle) continue;
                 ++seen_[i];
-                for (size_t c = 3 * i; c < 3 * i + 3; ++c) rgb_[c] += curved ? light_of(at_point_[c]) : at_point_[c];
+                for (size_t c = 3 * i; c < 3 * i + 3; ++c) rgb_[c] += curved ? srgb_decode(at_point_[c]) : at_point_[c];
             }
         }
     for (size_t i = 0; i < pixels; ++i)
         for (size_t c = 3 * i; c < 3 * i + 3 && seen_[i] > 0; ++c) {
             rgb_[c] /= float(seen_[i]);
-            if (curved) rgb_[c] = stored_of(rgb_[c]);
+            if (curved) rgb_[c] = srgb_encode(rgb_[c]);
         }
 }
 

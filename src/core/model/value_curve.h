@@ -10,6 +10,8 @@ namespace radiafit {
 /// sRGB's transfer functions (IEC 61966-2-1); the same curve goes on above 1, and f(-x) = -f(x).
 double srgb_decode(double stored);
 double srgb_encode(double linear);
+float srgb_decode(float stored);  ///< the same in floats, which are faster
+float srgb_encode(float linear);
 
 /// What of light a model is fitted to. A curve brings errors in the dark and in the light nearer to how they look. Its
 /// number is CURVE of shaders/view/curve.glsl.

@@ -23,6 +23,7 @@ FitFacts facts_of(const FitRequest& request, bool grid) {
     facts.family = &family;
     facts.kind = family.kind;
     if (solving->on_engine) facts.engine = request.engine;
+    if (facts.texel_local() && facts.on_fragment()) facts.most_parameters = most_fragment_parameters;
     facts.method = request.optimizer;
     facts.samples = request.samples;
     facts.surface = request.surface;

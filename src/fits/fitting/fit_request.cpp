@@ -32,13 +32,10 @@ void FitRequest::check() const {
     model_options();
     if (texel_model()) texel_options();
     if (texel_model() && facts.most_parameters && texel_model()->parameters > facts.most_parameters)
-        throw UserError(fmt::format("{} fits up to {} numbers a texel, and {} has {}: choose {}",
-                                    option_name("solver " + solver), facts.most_parameters, model_name,
-                                    texel_model()->parameters, option_name("solver stream")));
-    if (texel_model() && facts.on_fragment() && texel_model()->parameters > most_fragment_parameters)
-        throw UserError(fmt::format("{} fits up to {} numbers a texel, and {} has {}: choose {} or {}",
-                                    option_name("engine fragment"), most_fragment_parameters, model_name,
-                                    texel_model()->parameters, option_name("engine cpu"),
+        throw UserError(fmt::format("{} has {} numbers a texel, where {} fits up to {}: choose {} and {} or {}",
+                                    model_name, texel_model()->parameters,
+                                    option_name(facts.on_fragment() ? "engine fragment" : "solver " + solver),
+                                    facts.most_parameters, option_name("solver stream"), option_name("engine cpu"),
                                     option_name("engine compute")));
     const bool own_sides = texels_per_pixel > 0 || model.sides;
     if (own_sides && (facts.streams_images() || (facts.distributes() && distributor == DistributorKind::gl)))

@@ -25,8 +25,8 @@ struct CeresTexelOptions {
     double initial_radius = 1e4;  ///< of the trust region
 };
 
-/// Models of more parameters a texel are linear, and Levenberg-Marquardt on the CPU is done with them after one step;
-/// Ceres' solvers would take minutes to compile.
+/// Models of more parameters a texel are linear, and Levenberg-Marquardt on the CPU is done with them after one step:
+/// not worth the time that Ceres' solvers of so many take to compile.
 constexpr int most_ceres_parameters = 18;
 
 template <class Text>
