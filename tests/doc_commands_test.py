@@ -18,6 +18,7 @@ import subprocess
 import unittest
 
 from cli_fixture import ProgramTest, read_png, take_arguments, write_capture, write_png, write_points
+from exchange_fixture import hsh_file, ptm_file
 
 CHECKOUT = None
 
@@ -96,7 +97,8 @@ class DocCommands(ProgramTest):
         (self.folder / "mesh.obj").write_text("\n".join(vertices + faces) + "\n")
 
     def dome(self):
-        """images and lights.lp of a bumpy surface, its normals and a mask; lamps and cameras near a flat sample."""
+        """images and lights.lp of a bumpy surface, its normals and a mask; lamps and cameras near a flat sample; a coin, packed and as
+        other programs' files."""
         side, lamps = 24, 24
         images = self.folder / "images"
         images.mkdir()
@@ -121,6 +123,10 @@ class DocCommands(ProgramTest):
         normals = [(0.3 * math.sin(x / 3), 0.3 * math.sin(y / 4), 1.0) for y in reversed(range(side)) for x in range(side)]
         body = b"".join(struct.pack("<3f", *(v / math.sqrt(sum(a * a for a in n)) for v in n)) for n in normals)
         (self.folder / "normals.pfm").write_bytes(f"PF\n{side} {side}\n-1\n".encode() + body)
+        self.shell("radiafit import lights --images images --lights lights.lp --normals flat -o coin")
+        grey = [(128, 128, 128, 140, 120, 200)] * side**2
+        (self.folder / "coin.ptm").write_bytes(ptm_file(side, (1,) * 6, (128,) * 5 + (0,), grey, [(200, 150, 100)] * side**2))
+        (self.folder / "coin.rti").write_bytes(hsh_file(side, (2, 1, 1, 1), (0,) * 4, [[(150, 20, 10, 5)] * 3] * side**2))
 
     def run_page(self, name):
         page, ran = CHECKOUT / name, 0

@@ -36,6 +36,23 @@ def srgb(linear):
     return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
 
 
+def ptm_file(width, scale, bias, pixels, paint):
+    """A polynomial texture map (LRGB) by its format's description: rows from the bottom; `pixels` has six bytes and `paint` three of each
+    pixel, from the top left; value = scale (byte - bias) of x^2, y^2, xy, x, y, 1, times the paint."""
+    height = len(pixels) // width
+    head = f"PTM_1.2\nPTM_FORMAT_LRGB\n{width}\n{height}\n{' '.join(map(str, scale))}\n{' '.join(map(str, bias))}\n"
+    upwards = [y * width + x for y in range(height - 1, -1, -1) for x in range(width)]
+    return head.encode() + b"".join(bytes(plane[i]) for plane in (pixels, paint) for i in upwards)
+
+
+def hsh_file(width, scale, bias, pixels):
+    """Hemispherical harmonics in a byte each: of each pixel, from the top left, `pixels` has one row of terms for each channel;
+    coefficient = byte / 255 scale + bias."""
+    terms = len(scale)
+    head = f"#HSH1.2\n3\n{width} {len(pixels) // width} 3\n{terms} {math.isqrt(terms)} 1\n".encode()
+    return head + struct.pack(f"<{2 * terms}f", *scale, *bias) + b"".join(bytes(channel) for pixel in pixels for channel in pixel)
+
+
 class Glb:
     """A GLB file by its specification, with `struct` and `json` alone."""
 
