@@ -77,6 +77,10 @@ for place, value in (("lights", [0, 0]), ("lights", []), ("lights", GONE), ("ycc
     bad(lamps, field(lamps, place, value), again)
 rows += [
     (f"import rti {info} -o new", field(info, "nplanes", 12), 2, f"{info}: ", again),
+    (f"import rti {info} -o new", field(info, "colorprofile", "P3"), 2, f"{info}: ", "profile P3", "-I srgb"),
+    (f"import rti {info} -o new", field(info, "colorprofile", 3), 2, f"{info}: ", again),
+    (f"import rti {info} --curve root -o new", None, 2, "curve", "srgb", "linear"),
+    (f"import rti {info} --curve linear -o new", None, 0, "see new"),
     (f"import rti {info} -o new", field(info, "width", 7), 2, "rti/lptm/plane_0.jpg: 6 x 5 pixels", "says 7 x 5", "take both from one folder"),
     (f"import rti {info} -o new", remove("rti/lptm/plane_0.jpg"), 2, "rti/lptm/plane_0.jpg: "),
     (f"import rti {info} -o new", remove("rti/lptm/plane_2.jpg"), 2, "rti/lptm/plane_2.jpg: "),

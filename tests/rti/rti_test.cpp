@@ -46,10 +46,12 @@ protected:
                 }
         }
     }
-    /// The fit shows, under lamps amid the made ones, the light whose sRGB that is.
-    void expect_shown(const std::filesystem::path& file, const Value& value, double error) const {
+    /// The fit shows, under lamps amid the made ones, the light whose sRGB that is; or with `curve`, on that.
+    void expect_shown(const std::filesystem::path& file, const Value& value, double error,
+                      ValueCurve curve = ValueCurve::srgb, std::optional<ValueCurve> chosen = {}) const {
         const auto out = folder_.path() / "fit", lamps = folder_.path() / "fit-lamps";
-        import_rti({.file = file, .dataset = {}, .images = lamps, .provenance_json = {}, .force = true}, out);
+        import_rti(
+            {.file = file, .dataset = {}, .images = lamps, .curve = chosen, .provenance_json = {}, .force = true}, out);
         Fitted fit = open_fit(out);
         const Dataset& dataset = fit.dataset();
         const Contestant contestant = contestant_of(fit);
@@ -58,7 +60,8 @@ protected:
             view.light->place = lamp;
             const LightImage shown = render(contestant, dataset, view);
             for (size_t i = 0; i < shown.rgb.size(); ++i) {
-                const double light = srgb_decode(std::clamp(value(i / 3, i % 3, lamp), 0.0, 1.0));
+                const auto stored = float(std::clamp(value(i / 3, i % 3, lamp), 0.0, 1.0));
+                const double light = double(from_curve(curve, stored));
                 ASSERT_NEAR(std::min(1.0f, shown.rgb[i]), light, error)
                     << "lamp " << lamp.transpose() << ", value " << i;
             }
@@ -239,6 +242,22 @@ std::vector<int> smooth_basis(const std::vector<Vec3d>& lamps, size_t planes) {
     return bytes;
 }
 
+/// Values are light where info.json or the user says so.
+TEST_F(RtiFiles, LightItself) {
+    RelightFolder relight(folder_.path() / "plain", "ptm", "rgb", 9);
+    const Value value = [&](size_t p, size_t c, const Vec3d& l) {
+        return relight.number(c, p) + l.x() * relight.number(3 + c, p) + l.y() * relight.number(6 + c, p);
+    };
+    relight.info["colorprofile"] = "RGB";
+    expect_shown(relight.write(), value, 1e-5, ValueCurve::linear);
+    expect_shown(relight.folder, value, 1e-5, ValueCurve::srgb, ValueCurve::srgb);
+    relight.info["colorprofile"] = "sRGB";
+    expect_shown(relight.write(), value, 1e-5, ValueCurve::srgb);
+    expect_shown(relight.folder, value, 1e-5, ValueCurve::linear, ValueCurve::linear);
+    relight.info["colorprofile"] = "P3";
+    EXPECT_THROW(read_rti(relight.write()), UserError);
+}
+
 /// What components are of a lamp, c, as relight says: byte / 255 of the mean, (byte - 127) / range of the others.
 double component(const RelightFolder& relight, size_t lamps, size_t plane, size_t lamp, size_t c) {
     const double byte = relight.info["basis"][(plane * lamps + lamp) * 3 + c].get<double>();
@@ -333,36 +352,39 @@ TEST_F(RtiFiles, RelightsLuminanceAndChroma) {
     expect_values(read_rti(relight.write()), value);
 }
 
-/// The figure that an import tells is how far renders are from the file, in sRGB.
+/// The figure that an import tells is how far renders are from the file, on its curve.
 TEST_F(RtiFiles, TellsHowNearALightBasisComes) {
     const std::vector<Vec3d> lamps = testing::some_lamps(60, 2);
     RelightFolder relight(folder_.path() / "rbf", "rbf", "mrgb", 6);
     for (const Vec3d& l : lamps)
         for (int c = 0; c < 3; ++c) relight.info["lights"].push_back(l[c]);
     relight.info["basis"] = smooth_basis(lamps, 6);
-    const RtiFile file = read_rti(relight.write());
-    const auto images = folder_.path() / "fit-lamps";
-    const RtiImportReport report =
-        import_rti({.file = relight.folder, .dataset = {}, .images = images, .provenance_json = {}, .force = true},
-                   folder_.path() / "fit");
-    EXPECT_EQ(report.model, "lightbasis");
-    Fitted fit = open_fit(folder_.path() / "fit");
-    const Contestant contestant = contestant_of(fit);
-    double squares = 0, count = 0;
-    for (const Vec3d& lamp : testing::some_lamps(60, 9)) {
-        View view = fit.dataset().views.front();
-        view.light->place = lamp;
-        const LightImage shown = render(contestant, fit.dataset(), view);
-        const LampMatrix at = file.functions(lamp);
-        for (size_t i = 0; i < shown.rgb.size(); ++i, ++count) {
-            double value = at(int(i % 3), 0);
-            for (size_t k = 0; k < 6; ++k) value += at(int(i % 3), int(k) + 1) * double(file.values[i / 3 * 6 + k]);
-            squares += std::pow(srgb_encode(double(shown.rgb[i])) - std::max(0.0, value), 2);
+    for (const char* profile : {"sRGB", "RGB"}) {
+        relight.info["colorprofile"] = profile;
+        const RtiFile file = read_rti(relight.write());
+        const auto images = folder_.path() / "fit-lamps";
+        const RtiImportReport report =
+            import_rti({.file = relight.folder, .dataset = {}, .images = images, .provenance_json = {}, .force = true},
+                       folder_.path() / "fit");
+        EXPECT_EQ(report.model, "lightbasis");
+        Fitted fit = open_fit(folder_.path() / "fit");
+        const Contestant contestant = contestant_of(fit);
+        double squares = 0, count = 0;
+        for (const Vec3d& lamp : testing::some_lamps(60, 9)) {
+            View view = fit.dataset().views.front();
+            view.light->place = lamp;
+            const LightImage shown = render(contestant, fit.dataset(), view);
+            const LampMatrix at = file.functions(lamp);
+            for (size_t i = 0; i < shown.rgb.size(); ++i, ++count) {
+                double value = at(int(i % 3), 0);
+                for (size_t k = 0; k < 6; ++k) value += at(int(i % 3), int(k) + 1) * double(file.values[i / 3 * 6 + k]);
+                squares += std::pow(double(on_curve(file.curve, shown.rgb[i])) - std::max(0.0, value), 2);
+            }
         }
+        EXPECT_LT(std::sqrt(squares / count), 2 * report.difference) << profile;
+        EXPECT_GT(std::sqrt(squares / count), report.difference / 2) << profile;
+        EXPECT_LT(report.difference, 0.02) << profile;
     }
-    EXPECT_LT(std::sqrt(squares / count), 2 * report.difference);
-    EXPECT_GT(std::sqrt(squares / count), report.difference / 2);
-    EXPECT_LT(report.difference, 0.02);
 }
 
 TEST_F(RtiFiles, DatasetsThatDoNotFit) {

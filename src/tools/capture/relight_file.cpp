@@ -270,6 +270,16 @@ constexpr RelightType relight_types[] = {{.name = "ptm", .functions = relight_po
                                          {.name = "rbf", .weights = radial},
                                          {.name = "bilinear", .weights = between_grid}};
 
+/// relight writes so since 2026; before, it left values as pictures stored them.
+ValueCurve curve_of(const RelightInfo& info) {
+    if (!info.has("colorprofile")) return ValueCurve::srgb;
+    const std::string profile = info.word("colorprofile");
+    if (profile == "RGB") return ValueCurve::linear;
+    if (profile != "sRGB")
+        info.refuse("colour profile " + profile, "build it again with the profile sRGB (relight-cli -I srgb)");
+    return ValueCurve::srgb;
+}
+
 }  // namespace
 
 RtiFile read_relight(const fs::path& file, std::string_view text, const RtiSizeCheck& check) {
@@ -283,6 +293,7 @@ RtiFile read_relight(const fs::path& file, std::string_view text, const RtiSizeC
         info.refuse(fmt::format("type {} in colour space {}", name, colours),
                     "build it as ptm or hsh in rgb or lrgb, or as rbf or bilinear in mrgb or mycc");
     out.kind = fmt::format("relight's {}, {}", name, colours);
+    out.curve = curve_of(info);
     RelightPlanes planes;
     const std::vector<int> component = colours == "mycc" ? components_of_planes(info) : std::vector<int>();
     planes.count = component.empty() ? size_t(info.whole("nplanes", 1, most_planes)) : component.size();

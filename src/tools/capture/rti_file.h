@@ -7,6 +7,7 @@
 
 #include "base/linear.h"
 #include "model/texel_model.h"
+#include "model/value_curve.h"
 
 /// Images under lamps that move, as other programs store them: polynomial texture maps (.ptm), hemispherical harmonics
 /// (.rti), and what relight writes (info.json).
@@ -16,12 +17,13 @@ namespace radiafit::tools {
 using LampMatrix = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 /// In each pixel and channel a sum of functions of the lamp's direction. Lamps are distant and of intensity 1; the sum
-/// is what sRGB stores of the light, 1 being white.
+/// is the light, on a curve, 1 being white.
 struct RtiFile {
-    std::string kind;           ///< a few words, such as "PTM_FORMAT_LRGB"
-    int width = 0, height = 0;  ///< pixels
-    size_t numbers = 0;         ///< of each pixel
-    std::vector<float> values;  ///< [height][width][numbers], row 0 on top
+    std::string kind;                     ///< a few words, such as "PTM_FORMAT_LRGB"
+    ValueCurve curve = ValueCurve::srgb;  ///< where a file does not say: what the pictures stored that it was made of
+    int width = 0, height = 0;            ///< pixels
+    size_t numbers = 0;                   ///< of each pixel
+    std::vector<float> values;            ///< [height][width][numbers], row 0 on top
     /// At the unit direction to a lamp (x right, y up, z towards the camera), z above 0: what is shown of no number
     /// (column 0), and what each number is multiplied by.
     std::function<LampMatrix(const Vec3d& lamp)> functions;

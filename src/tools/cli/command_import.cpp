@@ -185,6 +185,9 @@ void add_rti(CommandLine& command, const Invocation& invocation) {
         "--dataset", options->dataset,
         "the packed images that it was made of; default: some are made of it, at the output's name with -lamps "
         "behind it");
+    rti.add_choice("--curve", options->curve, {{"srgb", ValueCurve::srgb}, {"linear", ValueCurve::linear}},
+                   "of the file's values: what sRGB pictures store, or light; default: what relight's info.json says, "
+                   "srgb of others");
     rti.add_text("-o,--output", *out, "folder of the fit").required();
     add_force(rti, options->force);
     rti.on_run([=] {

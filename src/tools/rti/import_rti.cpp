@@ -50,8 +50,11 @@ void show(const RtiFile& file, const Vec3d& lamp, std::vector<uint8_t>& rgb) {
     for (size_t p = 0; p < rgb.size() / 3; ++p) {
         const Eigen::Map<const Eigen::VectorXf> z(&file.values[p * file.numbers], numbers);
         const Vec3f value = at.col(0) + at.rightCols(numbers) * z;
-        for (int c = 0; c < 3; ++c)
-            rgb[3 * p + size_t(c)] = uint8_t(std::lround(255 * std::clamp(value[c], 0.0f, 1.0f)));
+        for (int c = 0; c < 3; ++c) {
+            const float stored =
+                file.curve == ValueCurve::srgb ? value[c] : srgb_encode(from_curve(file.curve, value[c]));
+            rgb[3 * p + size_t(c)] = uint8_t(std::lround(255 * std::clamp(stored, 0.0f, 1.0f)));
+        }
     }
 }
 
@@ -112,9 +115,10 @@ RtiImportReport import_rti(const RtiImportOptions& options, const fs::path& out)
     }
     std::optional<Dataset> dataset;
     if (!writer) dataset = open_dataset(options.dataset);
-    const RtiFile file = read_rti(options.file, [&](int width, int height, size_t numbers) {
+    RtiFile file = read_rti(options.file, [&](int width, int height, size_t numbers) {
         announce_needs("import", needs_of(options, width, height, numbers), out, options.force);
     });
+    file.curve = options.curve.value_or(file.curve);
     if (writer)
         dataset = make_images(file, options, *writer);
     else

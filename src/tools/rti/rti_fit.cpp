@@ -28,12 +28,12 @@ Frame frame_of(const Grid& grid) {
 }
 
 /// What the record of every fit says; `training`: views that it could have been made of.
-void describe(FitRecord& fit, const char* model, const Atlas& atlas, const Dataset& dataset) {
+void describe(FitRecord& fit, const char* model, ValueCurve curve, const Atlas& atlas, const Dataset& dataset) {
     const auto training = uint32_t(dataset.split(false).size());
     fit.space = TargetSpace::linear;
     fit.solver = "imported";
     fit.engine = "none";
-    fit.options_json = nlohmann::json{{"model", model}, {"curve", name_of(ValueCurve::srgb)}}.dump();
+    fit.options_json = nlohmann::json{{"model", model}, {"curve", name_of(curve)}}.dump();
     const size_t texels = atlas.texel_count();
     fit.iterations.assign(texels, 0);
     fit.error.assign(texels, 0);
@@ -74,8 +74,8 @@ Fitted reflectance_of(const RtiFile& file, const Dataset& dataset) {
     FittedReflectance out;
     out.atlas = texel_atlas(dataset, 1);
     out.fit.options.model = file.model;
-    out.fit.options.curve = ValueCurve::srgb;
-    describe(out.fit, file.model->name, *out.atlas, dataset);
+    out.fit.options.curve = file.curve;
+    describe(out.fit, file.model->name, file.curve, *out.atlas, dataset);
     using Coefficients = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  // [coefficient][channel]
     const Eigen::MatrixXf of_functions =
         coefficients_of_functions(file, make_frame(dataset.grid.normal().cast<float>()), frame_of(dataset.grid));
@@ -198,7 +198,8 @@ RtiFit light_basis_of(const RtiFile& file, const Dataset& dataset) {
     out.atlas = texel_atlas(dataset, 1);
     out.fit.basis = std::move(best.basis);
     out.fit.parameters = file.values;
-    describe(out.fit, light_basis_name, *out.atlas, dataset);
+    out.fit.basis.curve = file.curve;
+    describe(out.fit, light_basis_name, file.curve, *out.atlas, dataset);
     return {{std::move(out), dataset}, best.difference};
 }
 

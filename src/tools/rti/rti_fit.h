@@ -8,8 +8,8 @@ namespace radiafit::tools {
 /// A file as a fit over a dataset's grid.
 struct RtiFit {
     fits::Fitted fit;
-    /// Root mean square difference, in sRGB values, of what the fit shows under lamps amid the dataset's training lamps
-    /// from what the file does; 0 where its functions are the model's.
+    /// Root mean square difference, on the file's curve, of what the fit shows under lamps amid the dataset's training
+    /// lamps from what the file does; 0 where its functions are the model's.
     double difference = 0;
 };
 
