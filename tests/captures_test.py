@@ -57,7 +57,7 @@ class Captures(ProgramTest):
                 rows[name] = list(csv.DictReader(file))
         kinds = {(row["capture"], row["split"], row["method"]): row for row in rows["captures"]}
         self.assertEqual(len(kinds), len(rows["captures"]))
-        self.assertEqual(len(kinds), 2 * 7 + 2 * 3 + 4)
+        self.assertEqual(len(kinds), 2 * 7 + 2 * 3 + 5)
         for key, row in kinds.items():
             images = [image for image in rows["images"] if (image["capture"], image["split"], image["method"]) == key]
             self.assertEqual(len(images), int(row["held_out"]))

@@ -141,7 +141,8 @@ class Parts(PartsTest):
         self.refused("fit", *options, "--memory", "151M", "-o", "none", says=["too little", "--memory"])
 
     def test_parts_share_a_light_basis(self):
-        self.merged_like_whole("ornament", "--model", "lightbasis", "--numbers", "7")
+        self.merged_like_whole("flat-set", "--model", "lightbasis", "--numbers", "7", "--blocks", "3")
+        self.merged_like_whole("ornament", "--model", "lightbasis", "--numbers", "7", shards=2)  # each learns it, for seconds
 
     def test_memory_cuts_a_fit_and_resumes_it(self):
         fit = ("fit", "star", *FIT, "--engine", "compute")  # which holds vectors of all vertices

@@ -27,12 +27,13 @@ std::optional<Chosen> choose_texel_model(const Given& given, const Dataset& data
         return FitSetting{{"model", model}, {"clip_above", clip_above}, {"shadow_below", shadow_below}};
     };
     std::vector<FitSetting> settings;
-    for (const FitSetting& setting :
-         {selected("lafortune"), selected("ptm"), on_curve("ptm"), FitSetting{{"model", light_basis_name}}}) {
+    for (const FitSetting& setting : {selected("lafortune"), on_curve("lafortune"), selected("ptm"), on_curve("ptm"),
+                                      FitSetting{{"model", light_basis_name}}}) {
         FitRequest of_model = request;
         of_model.model_name = setting.front().second;
         if (!takes_given(given, of_model)) continue;
-        if (setting == on_curve("ptm") && (given("--curve") || of_model.on_fragment_engine())) continue;
+        const bool curved = setting.back().first == "curve";
+        if (curved && (given("--curve") || of_model.on_fragment_engine())) continue;
         if (of_model.texel_model() || lamps_have_all_colours(dataset)) settings.push_back(setting);
     }
     std::vector<ContestResult> results;
@@ -67,7 +68,8 @@ std::vector<TuneCandidate> texel_candidates(const Dataset& dataset) {
         out.push_back({{plain, selected, robust}, ladders});
     }
     ladders.push_back({"curve", {"srgb", "root", "linear"}});
-    for (const char* model : {"ptm", "hsh2", "hsh3", "hsh4", "hsh5"}) out.push_back({{on_curve(model)}, ladders});
+    for (const char* model : {"lafortune", "ptm", "hsh2", "hsh3", "hsh4", "hsh5"})
+        out.push_back({{on_curve(model)}, ladders});
     return out;
 }
 
