@@ -67,7 +67,8 @@ class Viewer(ProgramTest):
         for view in data["views"][:views]:
             width, height = times * view["camera"]["width"], times * view["camera"]["height"]
             self.turn_to(f"view={view['number']}&bare{fragment}", width, height)
-            self.good("render", "fit", "--view", view["number"], "--size", f"{width}x{height}", *render, "-o", "picture")
+            size = ("--size", f"{width}x{height}") if times > 1 else ()
+            self.good("render", "fit", "--view", view["number"], *size, *render, "-o", "picture")
             rendered = read_png(self.root / "picture.png")
             self.assertGreater(max(rendered[2]), 60)
             shot = self.browser.picture(lambda shot: shot[:2] == rendered[:2] and psnr(shot[2], rendered[2]) > AGREEMENT)
@@ -123,6 +124,20 @@ class Viewer(ProgramTest):
             self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
         self.check_enhanced(data, "0.3,0.2,0.9", times=4)
 
+    RELIEF = (96, 72)
+
+    def relief(self):
+        if not (self.root / "relief").exists():
+            write_dome(self.root / "dome", *self.RELIEF, 24)
+            self.good("import", "lights", "--images", "dome/images", "--lights", "dome/lights.lp", "--normals", "flat", "-o", "relief")
+        return "relief"
+
+    def test_light_basis_upon_a_model(self):
+        data = self.check_family(self.relief(), "--model", "lightbasis", "--numbers", "6", "--underneath", "lafortune")
+        for lamp in ("0.3,0.2,0.9", "0.8,-0.58,0.12"):  # amid the photographs', and where the model underneath fades
+            self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=1)
+        self.assertEqual(len(data["model"]["terms"]), 1 + 6 + 2)
+
     def test_single_file_controls_and_compared_pictures(self):
         self.good("fit", "ornament", "--model", "lambert", "-o", "lambert")
         self.good("publish", "lambert", "--single-file", "--views", "2", "-o", "one.html")
@@ -173,10 +188,8 @@ class Viewer(ProgramTest):
 
     def test_enhancement_and_raking_light_over_a_grid(self):
         """Of a flat grid, whose normals the page has from the fit."""
-        width, height = 96, 72
-        write_dome(self.root / "dome", width, height, 24)
-        self.good("import", "lights", "--images", "dome/images", "--lights", "dome/lights.lp", "--normals", "flat", "-o", "relief")
-        self.good("fit", "relief", "--model", "lightbasis", "--numbers", "9", "-o", "grid")
+        width, height = self.RELIEF
+        self.good("fit", self.relief(), "--model", "lightbasis", "--numbers", "9", "-o", "grid")
         self.good("publish", "grid", "--views", "1", "-o", "grid_page")
         data = self.page_data("grid_page")
         self.assertIn("fit_normal", [one["name"] for one in data["maps"]])

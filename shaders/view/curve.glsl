@@ -11,3 +11,13 @@ vec3 light_on_curve(vec3 value) {
     return value;
 #endif
 }
+
+vec3 curve_of_light(vec3 light) {
+#if CURVE == 2
+    return srgb_encoded(light);
+#elif CURVE == 1
+    return sign(light) * sqrt(abs(light));
+#else
+    return light;
+#endif
+}

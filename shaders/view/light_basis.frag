@@ -1,7 +1,5 @@
 #version 300 es
-// Colours by lamp direction on a learned basis (src/fits/lightbasis/light_basis.h): sums of kernels at reference lamps.
-// Maps: RANK / 3 of z, the number of the texel's block of the surface, what is known. Tables: the reference lamps; for every
-// block and lamp what its kernel is multiplied by in the mean and the functions, the three channels of each.
+// A light basis by itself: view/light_basis.glsl.
 // variants: RANK=1,9,27 LAMPS=49 CURVE=0,1,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=30
 // variants: RANK=9 LAMPS=49 CURVE=0 GRID=-,1 NORMAL_MAP=-,7 FIT_NORMALS=8 MAPS=30
 precision highp float;
@@ -18,54 +16,13 @@ precision highp sampler2DArray;
 #include "view/view_frame.glsl"
 #include "model/light_kernel.glsl"
 #define Z_MAPS ((RANK + 2) / 3)
-uniform sampler2D basis_table, lamp_table;
-uniform float length_between;                       // of the kernel
-uniform vec4 lamp;                                  // as eye
-uniform vec3 intensity;                             // linear, of a near lamp at distance 1
-uniform vec3 lamp_seen, lamp_inside;                // from the surface's middle; the nearest direction amid those fitted
-uniform vec3 frame_x, frame_y, frame_z;             // that directions are in, over a grid
-uniform vec3 white;                                 // light of which the curve's 1 is
-uniform float least_cosine, most_bright;            // where lamps leave the directions that were fitted
-uniform float term[RANK + 1];                       // the mean, then the functions
+#define BLOCK_MAP Z_MAPS
+#define ALL_TERMS (RANK + 1)
+vec3 light_of_basis(Site site, vec3 value, float darker);
+#include "view/light_basis.glsl"
 
-vec2 site_knowledge(Site site) { return surface_value(Z_MAPS + 1, site).xy; }
-
-/** As the direction at the surface's middle is turned back amid those that were fitted. */
-vec3 turned_inside(vec3 direction) {
-    vec3 both = lamp_seen + lamp_inside;
-    return direction - both * (dot(both, direction) / max(1.0 + dot(lamp_seen, lamp_inside), 1e-6)) +
-           2.0 * lamp_inside * dot(lamp_seen, direction);
-}
-
-vec3 model_value(Site site) {
-    vec3 position = site_position(site);
-    vec3 direction = direction_to(lamp, position), inside = turned_inside(direction);
-#ifdef GRID
-    mat3 frame = mat3(frame_x, frame_y, frame_z);
-    vec3 facing = frame_z;
-#else
-    vec3 facing = site_normal(site);
-    mat3 frame = view_frame(facing);
-    if (!(dot(facing, direction) > 0.0)) return vec3(0.0);
-#endif
-    vec3 local = to_local(frame, inside);
-    vec3 along[RANK + 1];  // the mean, then the functions, at the lamp
-    for (int k = 0; k <= RANK; ++k) along[k] = vec3(0.0);
-    int entry = int(surface_value(Z_MAPS, site).x + 0.5) * LAMPS * (RANK + 1);
-    for (int i = 0; i < LAMPS; ++i) {
-        float weight = light_kernel(table_entry(lamp_table, i).xyz, local, length_between);
-        for (int k = 0; k <= RANK; ++k, ++entry) along[k] += weight * table_entry(basis_table, entry).xyz;
-    }
-    vec3 value = term[0] * along[0];
-    for (int m = 0; m < Z_MAPS; ++m) {
-        vec3 z = surface_value(m, site);
-        for (int i = 0; i < 3 && 3 * m + i < RANK; ++i) value += term[3 * m + i + 1] * z[i] * along[3 * m + i + 1];
-    }
-    float darker = min(most_bright, max(0.0, dot(facing, direction)) / max(least_cosine, dot(facing, inside)));
-    if (lamp_seen == lamp_inside) darker = 1.0;
-    vec3 irradiance = intensity;
-    if (lamp.w > 0.5) irradiance /= dot(lamp.xyz - position, lamp.xyz - position);
-    vec3 light = darker * light_on_curve(max(value, vec3(0.0))) * irradiance / white;
-    return enhanced_value(light, site, direction, direction_to(eye, position));
+/** Per irradiance. */
+vec3 light_of_basis(Site site, vec3 value, float darker) {
+    return darker * light_on_curve(max(value, vec3(0.0))) / white;
 }
 #include "view/texel.glsl"

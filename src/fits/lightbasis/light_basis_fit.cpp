@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "dataset/view_directions.h"
-#include "eval/safe_relighting.h"
 #include "eval/texel_of_pixel.h"
 #include "fit/fit_maps.h"
 #include "geometry/direction_hull.h"
@@ -41,7 +40,7 @@ Eigen::Matrix3f turn_between(const Vec3d& lamp, const std::vector<Vec3d>& lamps)
 class LitTexels {
 public:
     LitTexels(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
-              const std::vector<uint32_t>& training)
+              const std::vector<uint32_t>& training, std::vector<SafeRelighting::Bounds> bounds)
         : fit_(&fit),
           atlas_(&atlas),
           texel_of_(atlas),
@@ -50,7 +49,9 @@ public:
           lamps_(lamp_directions(dataset, training, centre_)) {
         if (!fit.underneath) return;
         underneath_ = underneath_of(fit);
-        safe_ = std::make_unique<SafeRelighting>(dataset, training, atlas, underneath_);
+        safe_ = bounds.empty()
+                    ? std::make_unique<SafeRelighting>(dataset, training, atlas, underneath_)
+                    : std::make_unique<SafeRelighting>(dataset, training, atlas, underneath_, std::move(bounds));
     }
 
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const {
@@ -226,8 +227,8 @@ StoredLightBasis read_light_basis(const std::filesystem::path& folder, const std
 }
 
 Contestant contestant_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
-                         const std::vector<uint32_t>& training) {
-    const auto lit = std::make_shared<const LitTexels>(fit, atlas, dataset, training);
+                         const std::vector<uint32_t>& training, std::vector<SafeRelighting::Bounds> bounds) {
+    const auto lit = std::make_shared<const LitTexels>(fit, atlas, dataset, training, std::move(bounds));
     return {
         [lit](const View& view, const auto& pixels, std::vector<float>& rgb, int) { lit->shade(view, pixels, rgb); },
         TargetSpace::linear, [lit](const View& view) { return lit->share_of_fit(view); }};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eval/contestant.h"
+#include "eval/safe_relighting.h"
 #include "fit/fit_folder.h"
 #include "fit/texel_fit.h"
 #include "lightbasis/learn_light_basis.h"
@@ -52,8 +53,9 @@ Eigen::Matrix3f turn_inside(const Dataset& dataset, const std::vector<uint32_t>&
 
 /// Where a lamp's direction leaves the cone of the training lamps', the basis says nothing: all lamps' directions are
 /// turned back into it, as its centre sees them, and the surface darkens by the cosine with its normal. `training`: the
-/// views that were fitted. All must outlive the contestant.
+/// views that were fitted; bounds: [texels], of the model underneath, used instead of finding them. All but bounds must
+/// outlive the contestant.
 Contestant contestant_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
-                         const std::vector<uint32_t>& training);
+                         const std::vector<uint32_t>& training, std::vector<SafeRelighting::Bounds> bounds = {});
 
 }  // namespace radiafit::fits

@@ -75,7 +75,7 @@ void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const Vi
     Pictures pictures(stem.parent_path(), o.background);
     pictures.check(name, {".png", ".exr", "_sheet.png"});
     Views views(o, fitted, pictures);
-    describe_share(views.share_of_fit(shown));
+    describe_share(fitted, views.share_of_fit(shown));
     if (o.light.empty() && !o.enhancement)
         views.add_photographed(name, view);
     else

@@ -77,10 +77,7 @@ void render_raking(const RenderOptions& o, Fitted& fitted, const View& shown) {
             fmt::format("{} of {} lamps lie beyond those that were fitted, by up to {:.0f} degrees: there the model "
                         "guesses{}",
                         outside, frames.size(), std::ranges::max(beyond),
-                        least_share < 1 ? fmt::format(", and the pictures show down to {:.0f} % of it, the rest is "
-                                                      "Lambertian",
-                                                      100 * least_share)
-                                        : ""));
+                        least_share < 1 ? "; farthest out " + share_in_words(fitted, least_share) : ""));
 }
 
 }  // namespace radiafit::tools

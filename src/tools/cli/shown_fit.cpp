@@ -42,12 +42,16 @@ void require_lamps(const Fitted& fitted, const char* option) {
                         option));
 }
 
-void describe_share(double share) {
+std::string share_in_words(const Fitted& fitted, double share) {
+    const auto* basis = std::get_if<FittedLightBasis>(&fitted.model);
+    if (basis && !basis->fit.underneath)
+        return "shown as under the nearest lamp that was fitted, darkened by the cosine";
+    return fmt::format("{:.0f} % of the fit is shown, the rest is Lambertian", 100 * share);
+}
+
+void describe_share(const Fitted& fitted, double share) {
     if (share < 1)
-        log_warning(
-            fmt::format("lamp or camera are far from those of the training images: the picture shows {:.0f} % of the "
-                        "fit, the rest is Lambertian",
-                        100 * share));
+        log_warning("lamp or camera are far from those of the training images: " + share_in_words(fitted, share));
 }
 
 }  // namespace radiafit::tools

@@ -11,7 +11,9 @@ Contestant shown_fit(const RenderOptions& options, Fitted& fitted);
 /// Throws UserError for a fit that keeps its light. option: "--light".
 void require_lamps(const Fitted& fitted, const char* option);
 
-/// Warns where views lie so far from the images that were fitted that they show only this share of the fit.
-void describe_share(double share);
+/// What views show that lie so far from the images that were fitted that this share of the fit, below 1, is left.
+std::string share_in_words(const Fitted& fitted, double share);
+/// Warns of it, where it is below 1.
+void describe_share(const Fitted& fitted, double share);
 
 }  // namespace radiafit::tools

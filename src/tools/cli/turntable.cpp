@@ -90,7 +90,7 @@ void render_turntable(const RenderOptions& o, Fitted& fitted, const View& shown)
                          circle ? "a full circle" : fmt::format("{:.0f} degrees and back", turn.path.span * degrees),
                          std::max(1.0, turn.path.farthest * degrees), turn.what,
                          circle ? "" : "; --full-circle goes all around"));
-    describe_share(least_share);
+    describe_share(fitted, least_share);
 }
 
 }  // namespace radiafit::tools

@@ -1,8 +1,6 @@
 // Light bases; shaders/view/light_basis.frag.
 #include <fmt/format.h>
 
-#include "base/error.h"
-#include "base/wording.h"
 #include "publish/pages.h"
 
 namespace radiafit::tools {
@@ -40,13 +38,16 @@ std::vector<float> numbers(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 
 PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                         const std::vector<uint32_t>& training) {
-    if (fit.underneath)
-        throw UserError(fmt::format("a page shows light bases by themselves; fit without {}, or render pictures",
-                                    option_name("underneath")));
     const std::vector<TexelMap> maps = maps_of(fit);
     const LightBasis& basis = fit.basis;
-    PageModel page{.shader = "light_basis"};
+    PageModel page{.shader = fit.underneath ? "light_basis_upon" : "light_basis"};
     page.maps = parameter_maps(maps, fit.parameters, atlas);
+    const size_t parameters = page.maps.size();
+    if (fit.underneath) {
+        const ReflectanceFit underneath = underneath_of(fit);
+        const SafeRelighting safe(dataset, training, atlas, underneath);
+        for (PageMap& map : bound_maps(safe.bounds(), atlas)) page.maps.push_back(std::move(map));
+    }
     page.maps.push_back(block_map(basis, atlas));
     page.maps.push_back(knowledge_map(fit, atlas));
     page.tables = {table_of(basis), lamps_of(basis)};
@@ -60,11 +61,17 @@ PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Data
                      {"length_between", {basis.length}},
                      {"least_cosine", {least_cosine}},
                      {"most_bright", {most_bright}}};
+    if (fit.underneath) {
+        page.defines.emplace_back("MODEL", fit.underneath->name);
+        for (const std::string& name : fit.underneath->coefficient_names) page.terms.push_back(name);
+        page.uniforms.push_back({"most", {SafeRelighting::most}});
+    }
     if (basis.frame) {
         page.uniforms.emplace_back("frame_x", numbers(basis.frame->tangent));
         page.uniforms.emplace_back("frame_y", numbers(basis.frame->bitangent));
         page.uniforms.emplace_back("frame_z", numbers(basis.frame->normal));
     }
+    page.fades = fit.underneath != nullptr;
     page.residual_unit = fmt::format("on the curve {}, white = 1", name_of(basis.curve));
     if (!dataset.has_grid()) page.largest_side = fit.surface_side;
     page.atlas = &atlas;
@@ -74,12 +81,17 @@ PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Data
         page.maps.push_back(normal_map(atlas));
         page.defines.emplace_back("NORMAL_MAP", std::to_string(normals));
     }
-    page.shown = [&fit, &atlas, &dataset, training, maps, normals, own_normals](const std::vector<PageMap>& decoded) {
+    page.shown = [&fit, &atlas, &dataset, training, maps, parameters, normals,
+                  own_normals](const std::vector<PageMap>& decoded) {
         const auto shown = std::make_shared<ShownLightBasis>();
         shown->fit = fit;
         shown->fit.parameters = parameters_of(maps, decoded, atlas);
         if (own_normals) shown->atlas = atlas_with(decoded[normals], atlas, dataset, fit.surface_side);
-        return kept_alive(contestant_of(shown->fit, own_normals ? *shown->atlas : atlas, dataset, training), shown);
+        std::vector<SafeRelighting::Bounds> bounds;
+        if (fit.underneath) bounds = bounds_of(&decoded[parameters], atlas);
+        return kept_alive(
+            contestant_of(shown->fit, own_normals ? *shown->atlas : atlas, dataset, training, std::move(bounds)),
+            shown);
     };
     return page;
 }

@@ -12,6 +12,9 @@ constexpr float byte_normals = 1.0f / 127;
 
 std::vector<TexelMap> normal_maps() { return {{"normal", {"x", "y", "z"}, 0}}; }
 
+constexpr float root_step = 1.0f / 255;
+std::vector<TexelMap> maps_of_bounds() { return {{"albedo", map_channels(), 0}, {"brightest", map_channels(), 3}}; }
+
 std::vector<float> numbers_of(std::span<const Vec3f> normals) {
     std::vector<float> numbers;
     for (const Vec3f& n : normals) numbers.insert(numbers.end(), n.begin(), n.end());
@@ -57,6 +60,27 @@ std::unique_ptr<Atlas> atlas_with(const PageMap& normals, const Atlas& atlas, co
     Grid grid = dataset.grid;
     grid.texel_normals = std::move(unit);
     return std::make_unique<GridAtlas>(make_atlas(grid));
+}
+
+std::vector<PageMap> bound_maps(const std::vector<SafeRelighting::Bounds>& bounds, const Atlas& atlas) {
+    std::vector<float> all;
+    for (const auto& b : bounds) {
+        all.insert(all.end(), b.albedo.begin(), b.albedo.end());
+        all.insert(all.end(), b.brightest.begin(), b.brightest.end());
+    }
+    std::vector<PageMap> maps = parameter_maps(maps_of_bounds(), all, atlas);
+    for (PageMap& map : maps) {
+        map.root = true;
+        map.fixed_step = {root_step, root_step, root_step};
+    }
+    return maps;
+}
+
+std::vector<SafeRelighting::Bounds> bounds_of(const PageMap* decoded, const Atlas& atlas) {
+    const std::vector<float> flat = parameters_of(maps_of_bounds(), {decoded, 2}, atlas);
+    std::vector<SafeRelighting::Bounds> bounds(atlas.texel_count());
+    for (size_t t = 0; t < bounds.size(); ++t) bounds[t] = {Vec3f::Map(&flat[6 * t]), Vec3f::Map(&flat[6 * t + 3])};
+    return bounds;
 }
 
 PageMap block_map(const BasisBlocks& blocks, const Atlas& atlas) {

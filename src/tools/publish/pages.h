@@ -1,4 +1,5 @@
 #pragma once
+#include "eval/safe_relighting.h"
 #include "fitting/fitted.h"
 #include "publish/page_model.h"
 
@@ -14,6 +15,9 @@ PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas);
 PageModel page_model_of(const SgFit& fit, const TriangleAtlas& atlas);
 PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                         const std::vector<uint32_t>& training);
+/// What bounds a texel-local model that is shown safely: albedo, brightest; and the way back from these two, decoded.
+std::vector<PageMap> bound_maps(const std::vector<SafeRelighting::Bounds>& bounds, const Atlas& atlas);
+std::vector<SafeRelighting::Bounds> bounds_of(const PageMap* decoded, const Atlas& atlas);
 /// The number of each texel's block of the surface.
 PageMap block_map(const BasisBlocks& blocks, const Atlas& atlas);
 /// Whether normals are finer than a mesh's, or a plane's, so that a page needs a map of them; the map; and the atlas

@@ -206,6 +206,7 @@ std::string model_json(const Published& fit, Page& page) {
     for (const auto& [name, value] : fit.model.whole_uniforms) whole[name] = value;
     return json_text(Json{{"description", fit.description},
                           {"takes_light", fit.takes_light},
+                          {"fades", fit.model.fades},
                           {"enhancement", fit.takes_light ? enhancement_json() : Json()},
                           {"terms", fit.model.terms},
                           {"tables", tables},

@@ -8,24 +8,11 @@
 namespace radiafit::tools {
 namespace {
 
-constexpr float root_step = 1.0f / 255;
-
 /// What a page shows: a fit with the numbers of decoded maps.
 struct Shown {
     ReflectanceFit fit;
     std::unique_ptr<Atlas> atlas;
 };
-
-std::vector<TexelMap> bound_maps() { return {{"albedo", map_channels(), 0}, {"brightest", map_channels(), 3}}; }
-
-std::vector<float> floats_of(const std::vector<SafeRelighting::Bounds>& bounds) {
-    std::vector<float> all;
-    for (const auto& b : bounds) {
-        all.insert(all.end(), b.albedo.begin(), b.albedo.end());
-        all.insert(all.end(), b.brightest.begin(), b.brightest.end());
-    }
-    return all;
-}
 
 }  // namespace
 
@@ -37,11 +24,7 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
     page.maps = parameter_maps(maps, fit.parameters, atlas);
     const size_t parameters = page.maps.size();
     const SafeRelighting safe(dataset, training, atlas, fit);
-    for (PageMap& map : parameter_maps(bound_maps(), floats_of(safe.bounds()), atlas)) {
-        map.root = true;
-        map.fixed_step = {root_step, root_step, root_step};
-        page.maps.push_back(std::move(map));
-    }
+    for (PageMap& map : bound_maps(safe.bounds(), atlas)) page.maps.push_back(std::move(map));
     page.maps.push_back(knowledge_map(fit, atlas));
     page.defines = {{"MODEL", model.name}, {"CURVE", std::to_string(int(fit.options.curve))}};
     const size_t normals = page.maps.size();
@@ -64,12 +47,9 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
         shown->fit = fit;
         shown->fit.parameters = parameters_of(maps, decoded, atlas);
         if (own_normals) shown->atlas = atlas_with(decoded[normals], atlas, dataset, fit.options.surface_side);
-        const std::vector<float> flat = parameters_of(bound_maps(), {&decoded[parameters], 2}, atlas);
-        std::vector<SafeRelighting::Bounds> bounds(atlas.texel_count());
-        for (size_t t = 0; t < bounds.size(); ++t) bounds[t] = {Vec3f::Map(&flat[6 * t]), Vec3f::Map(&flat[6 * t + 3])};
         const Atlas& texels = own_normals ? *shown->atlas : atlas;
         return kept_alive(contestant_of(std::make_shared<const SafeRelighting>(dataset, training, texels, shown->fit,
-                                                                               std::move(bounds))),
+                                                                               bounds_of(&decoded[parameters], atlas))),
                           shown);
     };
     return page;
