@@ -19,18 +19,18 @@ struct Shape { real x[1]; };  // none
 struct Basis { real x[BASIS_COUNT]; };
 
 SHARED_FN Terms sample_terms(real3 u, real3 v) {
-    real wider = real(2.0) * sqrt(u.z / (real(1.0) + u.z));
     Terms t;
-    t.x[0] = wider * u.x;
-    t.x[1] = wider * u.y;
-    t.x[2] = real(2.0) * u.z - real(1.0);
+    t.x[0] = u.x;
+    t.x[1] = u.y;
+    t.x[2] = u.z;
     return t;
 }
 
 SHARED_FN Basis basis(Shape s, Terms t) {
-    real x = t.x[0];
-    real y = t.x[1];
-    real z = t.x[2];
+    real wider = real(2.0) * sqrt(t.x[2] / (real(1.0) + t.x[2]));
+    real x = wider * t.x[0];
+    real y = wider * t.x[1];
+    real z = real(2.0) * t.x[2] - real(1.0);
     Basis b;
     b.x[0] = real(0.39894228);
     b.x[1] = real(0.690988299) * y;

@@ -136,9 +136,6 @@ std::vector<Case> texel_cases() {
                     .scene = {.grid = true, .one_eye = true},
                     .loss = {LossKind::huber, 0.3f, SampleWeights::facing}});
     list.push_back({.name = "eight_bits", .scene = {.encoding = Encoding::u8_linear, .views = 8}});
-    // Harmonics are compared over grids, whose lamps stand high: in their terms is a root of the direction's height,
-    // and on a mesh sums are off by 1.2e-5 of their magnitudes, where 1e-5 is allowed for.
-    std::erase_if(list, [](const Case& c) { return std::string_view(c.model).starts_with("hsh") && !c.scene.grid; });
     return list;
 }
 INSTANTIATE_TEST_SUITE_P(Cases, TexelComputeAgreement, ::testing::ValuesIn(texel_cases()),
