@@ -108,8 +108,10 @@ def goal_of(psnr_db, short_db):
 
 def torch_contestants(o, problem, setup, goal, facts):
     def contestant(name, method, most, setup=setup, batch=facts["problems"]):
-        curve = descend(problem, method, most, goal["target_db"])
+        curve = descend(problem, method, most, goal["target_db"], o["most_seconds"])
         last = curve[-1]["iterations"]
+        print(f"PyTorch {name}: {curve[-1]['psnr_db']:.3f} of {goal['target_db']:.3f} dB after {last} iterations, {curve[-1]['seconds']:.1f} s",
+              file=sys.stderr)  # fmt: skip
         return Contestant("PyTorch", name, lambda: (descend(problem, method, last)[-1], setup), curve, goal,
                           precision="32", batch=batch, **facts)  # fmt: skip
 

@@ -64,14 +64,15 @@ def lbfgs(problem, clock, history):
         yield [p.detach() for p in parameters]
 
 
-def descend(problem, method, steps, target=None):
-    """Points of a descent from the start: after every step until the target is reached, or without one after the last alone."""
+def descend(problem, method, steps, target=None, most_seconds=float("inf")):
+    """Points of a descent from the start: after every step until the target is reached or time is up, or without a target after the
+    last alone."""
     points, clock = [], Clock()
     for step, maps in enumerate(method(problem, clock), 1):
         if target is not None or step == steps:
             with clock.stopped():
                 points.append(point(problem, maps, step, clock.seconds()))
-        if step == steps or (target is not None and points[-1]["psnr_db"] >= target):
+        if step == steps or (target is not None and (points[-1]["psnr_db"] >= target or points[-1]["seconds"] > most_seconds)):
             return points
 
 
