@@ -188,7 +188,7 @@ class DocCommands(ProgramTest):
 
     def test_scaling(self):
         self.dome(64)
-        (self.folder / "coin").rename(self.folder / "star")  # each of its many shards is fitted in a tenth of a second
+        (self.folder / "coin").rename(self.folder / "star")  # fitted in a tenth of a second; parts_cli_test.py cuts meshes
         self.check_page("docs/scaling.md")
 
     def test_viewer(self):

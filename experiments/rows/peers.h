@@ -33,7 +33,7 @@ inline const RowFile peers{
     {{"setting", key(), "maps and weights, by their name in peers.toml"},
      {"library", key(), "PyTorch, SciPy or radiafit"},
      {"solver", key(), "Adam with its rate, L-BFGS, LM (Levenberg-Marquardt) in all parameters or by projection; SciPy's methods; or one of ours"},
-     {"reached", exact(), "1: it arrives within the iterations that it is given"},
+     {"reached", exact(), "1: it arrives within the iterations that it is given, and of PyTorch within 120 s (`most_seconds`)"},
      {"iterations", work(), "that were timed: to arrive, or all"},
      {"psnr_db", rough_decibels(""), "that it came to; of SciPy in the triangles that it has all corners of"},
      {"target_db converged_db", rough_decibels(""), "to reach, and of the converged fit, ours; of SciPy's rows in those triangles"},
@@ -66,7 +66,8 @@ inline const ExperimentEntry experiment{
         "better "
         "figures than they end with. A setting is the maps and the weights of their smoothness. Everybody is timed by turns, with the fewest iterations that arrive; who does not arrive is timed "
         "once, "
-        "with all, and SciPy once, on its way. Whose ratio is algorithm and whose is engineering, `precision`, `batch` and the same method on both sides tell: variable projection is in PyTorch's "
+        "with all (PyTorch for 120 s, `most_seconds`), and SciPy once, on its way. Whose ratio is algorithm and whose is engineering, `precision`, `batch` and the same method on both sides tell: "
+        "variable projection is in PyTorch's "
         "rows "
         "and in ours.",
     .files = {&peers, &times, &curves},

@@ -1,5 +1,5 @@
 // Colours by lamp direction on a learned basis (src/fits/lightbasis/light_basis.h): sums of kernels at reference lamps.
-// Maps: Z_MAPS of z, others, from BLOCK_MAP on the number of the texel's block of the surface, and what is known. Tables: the
+// Maps: from 0 on Z_MAPS of z; at BLOCK_MAP the number of the texel's block of the surface; behind it what is known. Tables: the
 // reference lamps; for every block and lamp what its kernel is multiplied by in the mean and the functions, the three channels
 // of each. The first of ALL_TERMS terms are the mean and the functions. The includer has
 //     vec3 light_of_basis(Site site, vec3 value, float darker)     per irradiance, of a value on the curve

@@ -1,8 +1,8 @@
 #version 300 es
 // A light basis upon a texel-local model (shaders/model/MODEL.glsl): view/light_basis.glsl, whose other maps are those of
-// view/safe_texel.glsl. Beyond the lamps that were fitted the basis fades out, and the model goes on by itself.
-// variants: MODEL=* RANK=9 LAMPS=49 CURVE=0,1,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=30
-// variants: MODEL=lambert RANK=9 LAMPS=49 CURVE=2 GRID=-,1 NORMAL_MAP=-,7 FIT_NORMALS=8 MAPS=30
+// view/safe_texel.glsl. Both fade far from the images that were fitted.
+// variants: MODEL=* RANK=9 LAMPS=49 CURVE=0,1,2 GRID=-,1 NORMAL_MAP=-,33 MAPS=34
+// variants: MODEL=lambert RANK=9 LAMPS=49 CURVE=2 GRID=-,1 NORMAL_MAP=-,32 FIT_NORMALS=33 MAPS=34
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -36,6 +36,6 @@ vec3 light_of_basis(Site site, vec3 value, float darker) {
     mat3 frame = frame_of(site_normal(site));
     vec3 under = safe_value(site, to_local(frame, direction_to(lamp, position)), to_local(frame, direction_to(eye, position)),
                             site_knowledge(site).x > 0.03);
-    return light_on_curve(max(curve_of_light(under * white) + darker * value, vec3(0.0))) / white;
+    return light_on_curve(max(curve_of_light(under * white) + share * darker * value, vec3(0.0))) / white;
 }
 #include "view/texel.glsl"

@@ -228,7 +228,7 @@ function main(renderer) {
         const what = outside.lamp > outside.camera ? "lamp" : "camera";
         const share = page.model.takes_light ? share_of(page, outside) : 1;
         const left = page.model.fades ? `${Math.round(100 * share)} % of the fit, the rest is matt` : "as from the nearest fitted lamp";
-        const faded = share < 1 ? `; ${left}` : "";
+        const faded = share < 1 && (page.model.fades || what === "lamp") ? `; ${left}` : "";
         const words = [];
         if (far >= 1) words.push(`The ${what} is ${Math.round(far)}° outside the fitted photographs': extrapolated${faded}.`);
         if (state.pose && state.show === "fit" && state.layout === "alone" && state.known === "colour" && far < 1)

@@ -19,7 +19,7 @@ TexelComputeEngine::TexelComputeEngine(const Dataset& dataset, const Atlas& atla
                                        const TexelOptions& options, const TexelSource& source)
     : options_((require_lights(dataset), check_options(options), options)),
       shape_(atlas, *options.model, options.loss),
-      wide_(!has_largest_value(dataset.encoding)),
+      wide_(!has_largest_value(dataset.encoding) || options.curve != ValueCurve::linear),
       unit_(wide_ ? 1 : ImageStream(dataset, StreamSource::disk, TargetSpace::linear).scale16()),
       surface_(GL_RGBA32F, shape_.width(), shape_.height(), 2) {
     make({.problems = "texels_given",
@@ -59,6 +59,7 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
                         "engine",
                         views.size(), most_images));
     const TexelLoader loader(dataset, *shape_.atlas, views, options_);
+    const TexelShading shading(dataset, views);
     const size_t texels = shape_.texels();
     statistics_.samples.assign(texels, 0);
     statistics_.mean.assign(3 * texels, 0.0f);
@@ -74,6 +75,13 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
             const auto all = samples.of(i);
             loader.load(uint32_t(texel), all, shaded, &which);
             for (const uint32_t w : which) counted[texel].push_back(all[w]);
+            if (options_.curve != ValueCurve::linear)  // what the shaders divide by the irradiance
+                for (size_t s = 0; s < shaded.size(); ++s) {
+                    TexelRadiance& sample = counted[texel][s];
+                    const auto place = TexelShading::place(*shape_.atlas, uint32_t(texel));
+                    const Vec3f irradiance = shading.lit(place, sample.image).irradiance;
+                    for (int c = 0; c < 3; ++c) sample.value[c] = shaded[s].target[c] * irradiance[c];
+                }
             statistics_.samples[texel] = uint32_t(which.size());
             const Vec3f albedo = lambertian_albedo(shaded);
             for (int c = 0; c < 3; ++c) statistics_.mean[3 * texel + size_t(c)] = albedo[c];

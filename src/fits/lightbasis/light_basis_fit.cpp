@@ -57,7 +57,7 @@ public:
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const {
         rgb.assign(3 * pixels.size(), 0.0f);
         const Eigen::Matrix3f inward = turn_between(view.light->direction_from(centre_), lamps_);
-        const float share = safe_ ? float(safe_->share_of_fit(view)) : 1.0f;
+        const auto share = float(share_of_fit(view));
         Functions functions;
         for (size_t i = 0; i < pixels.size(); ++i)
             if (pixels[i].triangle != no_triangle)
@@ -65,6 +65,7 @@ public:
     }
 
     double share_of_fit(const View& view) const {
+        if (safe_) return safe_->share_of_fit(view);
         return SafeRelighting::share_at(angle_outside(lamps_, view.light->direction_from(centre_)));
     }
 
@@ -81,7 +82,7 @@ private:
         functions = {block, direction, functions_.at(block, direction)};
     }
 
-    /// share: of the model underneath, as SafeRelighting fades it.
+    /// share: of the fit, which fades with the model underneath; a basis by itself does not.
     Vec3f light_of(uint32_t texel, const View& view, const Eigen::Matrix3f& inward, float share,
                    Functions& functions) const {
         const LightBasis& basis = fit_->basis;
@@ -99,10 +100,9 @@ private:
                                  : std::min(most_bright, std::max(0.0f, facing.dot(direction)) /
                                                              std::max(least_cosine, facing.dot(inside)));
         const Vec3f irradiance = view.light->irradiance_at(position.cast<double>()).cast<float>();
-        // Beyond the lamps that were fitted, what is left over fades out and the model underneath goes on by itself.
         if (safe_) {
             const Vec3f under = basis.value_of(safe_->colour_of(texel, view, share), irradiance);
-            return basis.light_of((under + darker * value).cwiseMax(0.0f), irradiance);
+            return basis.light_of((under + share * darker * value).cwiseMax(0.0f), irradiance);
         }
         return darker * basis.light_of(value.cwiseMax(0.0f), irradiance);
     }

@@ -52,9 +52,9 @@ inline constexpr float least_cosine = 0.05f, most_bright = 2;
 Eigen::Matrix3f turn_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view);
 
 /// Where a lamp's direction leaves the cone of the training lamps', the basis says nothing: all lamps' directions are
-/// turned back into it, as its centre sees them, and the surface darkens by the cosine with its normal. `training`: the
-/// views that were fitted; bounds: [texels], of the model underneath, used instead of finding them. All but bounds must
-/// outlive the contestant.
+/// turned back into it, as its centre sees them, and the surface darkens by the cosine with its normal. Upon a model
+/// the basis fades with that (SafeRelighting). `training`: the views that were fitted; bounds: [texels], of the model
+/// underneath, used instead of finding them. All but bounds must outlive the contestant.
 Contestant contestant_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                          const std::vector<uint32_t>& training, std::vector<SafeRelighting::Bounds> bounds = {});
 

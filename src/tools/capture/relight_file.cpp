@@ -270,7 +270,7 @@ constexpr RelightType relight_types[] = {{.name = "ptm", .functions = relight_po
                                          {.name = "rbf", .weights = radial},
                                          {.name = "bilinear", .weights = between_grid}};
 
-/// relight writes so since 2026; before, it left values as pictures stored them.
+/// relight names the profile since 2026; before, it left values as pictures stored them.
 ValueCurve curve_of(const RelightInfo& info) {
     if (!info.has("colorprofile")) return ValueCurve::srgb;
     const std::string profile = info.word("colorprofile");

@@ -169,8 +169,8 @@ std::string describe(const RtiImportReport& report, const std::string& out) {
                                    report.height, report.model, out);
     if (report.difference > 0)
         text += fmt::format(
-            ". Its functions are approximated: what it shows differs by {:.2f} of 255 (root mean square amid the "
-            "lamps, {:.1f} dB)",
+            ". Its functions are approximated: values, as the file has them, differ by {:.2f} of 255 (root mean square "
+            "amid the lamps, {:.1f} dB)",
             255 * report.difference, -20 * std::log10(report.difference));
     return text;
 }

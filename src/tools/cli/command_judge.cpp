@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "cli/commands.h"
 #include "cli/rendered_pictures.h"
+#include "cli/shown_fit.h"
 #include "eval/outliers.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
@@ -25,6 +26,8 @@ struct Judgement {
     const char* baseline_name = nullptr;  ///< null: there is none
     std::vector<MaterialErrors> truth;
     std::vector<JudgedBeside> beside;
+    std::string far =
+        {};  ///< what is shown of the fit farthest from the images that were fitted, where not all of it is
 };
 
 /// Models that are made of all training photographs (reachable/reachable.h), by name. Throws UserError.
@@ -64,6 +67,9 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
                      baseline_name(fit),
                      std::move(errors),
                      {}};
+    double least_share = 1;
+    for (const ImageFigures& image : out.fit.images) least_share = std::min(least_share, image.share_of_fit);
+    if (least_share < 1) out.far = share_in_words(fit, least_share);
     for (const ReachableModel* other : others)
         out.beside.push_back(
             {other->name, other->words,
@@ -137,9 +143,7 @@ void print_judgement(const Judgement& j) {
         fmt::print("  the mesh lacks {:.1f} % of the masks' pixels; with these, black in a render: {}\n",
                    100 * j.fit.missing_share(), text_of(j.fit.with_missing()));
     const auto faded = std::ranges::count_if(j.fit.images, [](const ImageFigures& i) { return i.share_of_fit < 1; });
-    if (faded > 0)
-        fmt::print("  {} of them, far from what was fitted, show less than the whole fit, the least {:.0f} % of it\n",
-                   faded, 100 * std::ranges::min(j.fit.images, {}, &ImageFigures::share_of_fit).share_of_fit);
+    if (faded > 0) fmt::print("  {} of them far from what was fitted; farthest out: {}\n", faded, j.far);
     if (const auto outliers = outlying_images(j.fit); !outliers.empty())
         fmt::print(
             "  look at {}: the fit misses {} by far more than the others; fit --leave-out-outliers fits without\n",

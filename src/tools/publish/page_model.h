@@ -50,8 +50,8 @@ struct PageModel {
     std::vector<uint8_t> sides = {};      ///< [triangles] of tiles; empty: all have largest_side
     int largest_side = 0;                 ///< 0: over a grid
     const Atlas* atlas = nullptr;         ///< of the surface's maps; the fit's, or kept by `shown`
-    bool fades =
-        true;  ///< to a Lambertian colour beyond the lamps that were fitted; else it is carried over from these
+    /// To a Lambertian colour, beyond the lamps that were fitted; else it is carried over from the nearest of them.
+    bool fades = true;
     float most_uncertainty = 0;  ///< where the scale of the map of uncertainty ends; 0: there is none
     /// How these maps look, decoded and in the same order. It owns what it needs but for the fit and its dataset.
     std::function<Contestant(const std::vector<PageMap>& maps)> shown = {};

@@ -23,7 +23,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int page_format = 1;
-constexpr double least_fidelity = 30, fidelity_step = 2;  // dB
+constexpr double least_fidelity = 30, fidelity_step = 2, fidelity_slack = 3;  // dB
+constexpr int most_attempts = 3;
 constexpr double base64_growth = 4.0 / 3;
 
 std::vector<CodedMap> coded_maps(const PageModel& model, const std::vector<std::array<float, 3>>& steps) {
@@ -42,11 +43,10 @@ double values_with_chosen_steps(const PageModel& model) {
 }
 
 /// Lowers the fidelity until the page is small enough: by 6 dB for each bit that values have to lose, less a margin.
-std::vector<CodedMap> maps_within(PageModel& model, const Dataset& dataset, const std::vector<uint32_t>& training,
-                                  const PublishOptions& options, uint64_t other_bytes) {
-    const auto effects = map_effects(model, dataset, training);
+std::vector<CodedMap> maps_within(const PageModel& model, const std::vector<std::array<float, 3>>& effects,
+                                  const PublishOptions& options, uint64_t other_bytes, double& fidelity) {
     const double decibels_per_bit = 20 * std::log10(2), values = values_with_chosen_steps(model);
-    for (double fidelity = options.fidelity;;) {
+    for (;;) {
         std::vector<CodedMap> coded = coded_maps(model, map_steps(model, effects, std::pow(10, -fidelity / 20)));
         uint64_t bytes = other_bytes;
         for (const CodedMap& map : coded) bytes += uint64_t(base64_growth * double(map.bytes()));
@@ -124,18 +124,27 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
     json["views"] = views;
     page.json = json_text(json);
 
-    const std::vector<CodedMap> coded = maps_within(fit.model, dataset, fit.training, options, page.written_bytes());
-    std::vector<PageMap> decoded;
-    double bytes = 0;
-    for (size_t m = 0; m < coded.size(); ++m) {
-        decoded.push_back(decoded_map(coded[m], fit.model.maps[m]));
-        bytes += double(coded[m].bytes());
+    // Where a map's numbers cancel, the effect of noise on it alone tells too little: then finer ones are tried.
+    const auto effects = map_effects(fit.model, dataset, fit.training);
+    std::vector<CodedMap> coded;
+    Contestant shown;
+    double asked = options.fidelity;
+    for (int attempt = 0;; ++attempt) {
+        double kept = asked;
+        coded = maps_within(fit.model, effects, options, page.written_bytes(), kept);
+        std::vector<PageMap> decoded;
+        for (size_t m = 0; m < coded.size(); ++m) decoded.push_back(decoded_map(coded[m], fit.model.maps[m]));
+        shown = fit.model.shown(decoded);
+        ErrorSums differences;
+        for (size_t i = 0; i < chosen.size(); ++i)
+            add_differences(judged[i], judged_view(shown, dataset, chosen[i]), differences);
+        out.fidelity = differences.psnr();
+        const double missing = options.fidelity - out.fidelity;
+        if (!(missing > fidelity_slack) || kept < asked || attempt == most_attempts) break;
+        asked += missing;
     }
-    const Contestant shown = fit.model.shown(decoded);
-    ErrorSums differences;
-    for (size_t i = 0; i < chosen.size(); ++i)
-        add_differences(judged[i], judged_view(shown, dataset, chosen[i]), differences);
-    out.fidelity = differences.psnr();
+    double bytes = 0;
+    for (const CodedMap& map : coded) bytes += double(map.bytes());
     const JudgeResult of_fit = judge(fit.fit, dataset, out.split);
     out.photographs = of_fit.images.size();
     out.psnr = of_fit.psnr();

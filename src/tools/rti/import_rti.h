@@ -11,8 +11,8 @@ struct RtiImportOptions {
     std::filesystem::path file;
     std::filesystem::path dataset;  ///< the packed images that the file was made of; empty: some are made of the file
     std::filesystem::path images;   ///< where those go
-    std::optional<ValueCurve> curve =
-        {};                       ///< of the file's values, in place of what it says or what such files mostly have
+    /// Of the file's values, in place of what it says or what such files mostly have.
+    std::optional<ValueCurve> curve = {};
     std::string provenance_json;  ///< of the fit: a JSON object
     bool force = false;           ///< go on where memory or disk will not suffice
 };

@@ -107,7 +107,10 @@ std::vector<ContestResult> lamp_contest(const Dataset& dataset, const std::vecto
             errors =
                 errors_of(contestant_of(fit, *few.atlas, dataset, fitted), dataset, judged, few, *truth.samples.source);
         }
-        if (!std::isnan(errors.psnr())) out.push_back({setting, errors.psnr()});
+        FitSetting own = setting;  // what the user did not set
+        std::erase_if(own,
+                      [&](const auto& option) { return given(find_fit_option(option.first).first_flag().c_str()); });
+        if (!std::isnan(errors.psnr())) out.push_back({own, errors.psnr()});
     }
     std::ranges::stable_sort(out, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
     return out;
