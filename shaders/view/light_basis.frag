@@ -18,11 +18,11 @@ precision highp sampler2DArray;
 #define Z_MAPS ((RANK + 2) / 3)
 #define BLOCK_MAP Z_MAPS
 #define ALL_TERMS (RANK + 1)
-vec3 light_of_basis(Site site, vec3 value, float darker);
+vec3 light_of_basis(Site site, vec3 position, vec3 to_lamp, vec3 value, float darker);
 #include "view/light_basis.glsl"
 
 /** Per irradiance. */
-vec3 light_of_basis(Site site, vec3 value, float darker) {
+vec3 light_of_basis(Site site, vec3 position, vec3 to_lamp, vec3 value, float darker) {
     return darker * light_on_curve(max(value, vec3(0.0))) / white;
 }
 #include "view/texel.glsl"

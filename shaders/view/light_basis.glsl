@@ -2,7 +2,8 @@
 // Maps: from 0 on Z_MAPS of z; at BLOCK_MAP the number of the texel's block of the surface; behind it what is known. Tables: the
 // reference lamps; for every block and lamp what its kernel is multiplied by in the mean and the functions, the three channels
 // of each. The first of ALL_TERMS terms are the mean and the functions. The includer has
-//     vec3 light_of_basis(Site site, vec3 value, float darker)     per irradiance, of a value on the curve
+//     vec3 light_of_basis(Site site, vec3 position, vec3 to_lamp, vec3 value, float darker)
+//         per irradiance, of a value on the curve
 uniform sampler2D basis_table, lamp_table;
 uniform float length_between;                       // of the kernel
 uniform vec4 lamp;                                  // as eye
@@ -62,6 +63,6 @@ vec3 model_value(Site site) {
     if (!(dot(facing, direction) > 0.0)) return vec3(0.0);
 #endif
     vec3 value = basis_value(site, frame, inside);
-    vec3 light = light_of_basis(site, value, darkening(facing, direction, inside)) * irradiance_at(position);
+    vec3 light = light_of_basis(site, position, direction, value, darkening(facing, direction, inside)) * irradiance_at(position);
     return enhanced_value(light, site, direction, direction_to(eye, position));
 }

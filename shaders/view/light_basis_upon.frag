@@ -23,7 +23,7 @@ precision highp sampler2DArray;
 #define ALL_TERMS (RANK + 1 + BASIS_COUNT)
 vec3 shown_sum(vec3 sum);
 float model_term(int k);
-vec3 light_of_basis(Site site, vec3 value, float darker);
+vec3 light_of_basis(Site site, vec3 position, vec3 to_lamp, vec3 value, float darker);
 #include "view/safe_texel.glsl"
 #include "view/light_basis.glsl"
 
@@ -31,10 +31,9 @@ vec3 shown_sum(vec3 sum) { return sum; }
 float model_term(int k) { return term[RANK + 1 + k]; }
 
 /** Per irradiance. */
-vec3 light_of_basis(Site site, vec3 value, float darker) {
-    vec3 position = site_position(site);
+vec3 light_of_basis(Site site, vec3 position, vec3 to_lamp, vec3 value, float darker) {
     mat3 frame = frame_of(site_normal(site));
-    vec3 under = safe_value(site, to_local(frame, direction_to(lamp, position)), to_local(frame, direction_to(eye, position)),
+    vec3 under = safe_value(site, to_local(frame, to_lamp), to_local(frame, direction_to(eye, position)),
                             site_knowledge(site).x > 0.03);
     return light_on_curve(max(curve_of_light(under * white) + share * darker * value, vec3(0.0))) / white;
 }

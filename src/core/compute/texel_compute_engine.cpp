@@ -75,13 +75,14 @@ void TexelComputeEngine::upload_samples(const Dataset& dataset, const std::vecto
             const auto all = samples.of(i);
             loader.load(uint32_t(texel), all, shaded, &which);
             for (const uint32_t w : which) counted[texel].push_back(all[w]);
-            if (options_.curve != ValueCurve::linear)  // what the shaders divide by the irradiance
+            if (options_.curve != ValueCurve::linear) {  // what the shaders divide by the irradiance
+                const auto place = TexelShading::place(*shape_.atlas, uint32_t(texel));
                 for (size_t s = 0; s < shaded.size(); ++s) {
                     TexelRadiance& sample = counted[texel][s];
-                    const auto place = TexelShading::place(*shape_.atlas, uint32_t(texel));
                     const Vec3f irradiance = shading.lit(place, sample.image).irradiance;
                     for (int c = 0; c < 3; ++c) sample.value[c] = shaded[s].target[c] * irradiance[c];
                 }
+            }
             statistics_.samples[texel] = uint32_t(which.size());
             const Vec3f albedo = lambertian_albedo(shaded);
             for (int c = 0; c < 3; ++c) statistics_.mean[3 * texel + size_t(c)] = albedo[c];

@@ -5,25 +5,29 @@
 
 namespace radiafit {
 
-double srgb_decode(double stored) {
-    const double x = std::abs(stored);
-    return std::copysign(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4), stored);
+namespace {
+
+template <class Real>
+Real decoded(Real stored) {
+    const Real x = std::abs(stored);
+    const Real linear = x <= Real(0.04045) ? x / Real(12.92) : std::pow((x + Real(0.055)) / Real(1.055), Real(2.4));
+    return std::copysign(linear, stored);
 }
 
-double srgb_encode(double linear) {
-    const double x = std::abs(linear);
-    return std::copysign(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055, linear);
+template <class Real>
+Real encoded(Real linear) {
+    const Real x = std::abs(linear);
+    const Real stored =
+        x <= Real(0.0031308) ? Real(12.92) * x : Real(1.055) * std::pow(x, Real(1) / Real(2.4)) - Real(0.055);
+    return std::copysign(stored, linear);
 }
 
-float srgb_decode(float stored) {
-    const float x = std::abs(stored);
-    return std::copysign(x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f), stored);
-}
+}  // namespace
 
-float srgb_encode(float linear) {
-    const float x = std::abs(linear);
-    return std::copysign(x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f, linear);
-}
+double srgb_decode(double stored) { return decoded(stored); }
+double srgb_encode(double linear) { return encoded(linear); }
+float srgb_decode(float stored) { return decoded(stored); }
+float srgb_encode(float linear) { return encoded(linear); }
 
 const std::vector<std::pair<std::string, ValueCurve>>& value_curves() {
     static const std::vector<std::pair<std::string, ValueCurve>> curves = {
