@@ -223,6 +223,7 @@ class Bench(ProgramTest):
             (["--repetition", "3"], ["'--repetition'", "--repetitions"]),
             (["smoke"], ["'smoke'", "--help"]),
             (["--all", "-o", "rows"], ["--output rows", ".tar"]),
+            (["--replace", "-o", "rows"], ["--replace is of --all"]),
             (["--all", "--device", "cpu"], ["--device", "leave it out"]),
             (["--minutes", "0"], ["--minutes = 0", "from 0.01"]),
         ]:

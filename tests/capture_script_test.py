@@ -131,11 +131,14 @@ class CaptureScript(ProgramTest):
         share = [sum(rgb[::3]) / 255 / (w * h) for w, h, rgb in map(read_png, masks)]
         self.assertTrue(all(0.02 < s < 0.98 for s in share), share)
 
-        # The same again does nothing; another option begins behind what it does not change.
+        # The same again does nothing; another option is refused, or begins behind what it does not change.
         again = self.captured("--seconds", "2", "photographs of a star", out)
         self.assertEqual(again.stderr.count("done before"), len(STEPS))
         self.assertEqual(again.stdout, done.stdout)
-        until = self.captured("--seconds", "1", "--until", "tune", "photographs of a star", out)
+        other = ("--seconds", "1", "--until", "tune", "photographs of a star", out)
+        self.assert_refused(*other, says=["whole run/tune: is there already", "--replace puts this one in its place"])
+        self.assertTrue((out / "page/index.html").exists())
+        until = self.captured("--replace", *other)
         self.assertEqual(until.stderr.count("done before"), STEPS.index("tune"))
 
         # The user's own mesh in place of depths, and masks.
@@ -220,7 +223,7 @@ exec {self.program} "$@"
         dataset = self.root / "dome out/dataset/dataset"
         said = self.good("fit", dataset, "-o", "glossy").stderr
         self.assertRegex(said, r"warning: glossy: on 3 held-out images the Lambertian baseline is better: PSNR [\d.]+ against [\d.]+ dB; `radiafit tune`")
-        self.assertNotIn("baseline", self.good("fit", dataset, "--model", "lafortune", "-o", "glossy").stderr)
+        self.assertNotIn("baseline", self.good("fit", dataset, "--model", "lafortune", "--replace", "-o", "glossy").stderr)
         # The same as Cultural Heritage Imaging lays its captures out.
         for file in list(folder.iterdir()):
             inside = folder / ("assembly-files" if file.suffix == ".LP" else "jpeg-exports")

@@ -90,7 +90,7 @@ class Files(CommandLine):
 
     def test_what_fit_left(self):
         description = strict_json((self.root / "fit/fit.json").read_text())
-        self.assertEqual(sorted(description["files"]), sorted(p.name for p in (self.root / "fit").iterdir()))
+        self.assertEqual(sorted([*description["files"], ".radiafit-made.json"]), sorted(p.name for p in (self.root / "fit").iterdir()))
         info = strict_json(self.good("info", "fit", "--json").stdout)
         vertices = strict_json(self.good("info", "star", "--json").stdout)["vertices"]
         self.assertEqual((info["kind"], info["problems"], sum(info["status"].values())), ("fit", 3 * vertices, 3 * vertices))
@@ -100,9 +100,9 @@ class Files(CommandLine):
         self.assertEqual(errors, sorted(errors, reverse=True))  # a trial that raises a problem's error is not taken
         self.assertLess(errors[-1], 0.1 * errors[0])
 
-    def test_a_fit_again_replaces_the_earlier_one(self):
+    def test_a_fit_replaces_an_earlier_one(self):
         self.good("fit", "star", "--terms", "2", "--iterations", "1", "-o", "again")
-        self.good("fit", "star", "--terms", "1", "--iterations", "1", "-o", "again/")
+        self.good("fit", "star", "--terms", "1", "--iterations", "1", "--replace", "-o", "again/")
         names = sorted(p.name for p in (self.root / "again").iterdir())
         self.assertFalse([n for n in names if "term1" in n], names)
         self.assertFalse([p.name for p in self.root.iterdir() if p.name.startswith(".")])
@@ -159,7 +159,7 @@ class Judge(CommandLine):
         self.good("render", "fit", "--all", "held-out", "-o", "held")
         dataset = strict_json((self.root / "star/dataset.json").read_text(encoding="utf-8"))
         held_out = [i for i, view in enumerate(dataset["views"]) if view["held_out"]]
-        names = sorted(p.name for p in (self.root / "held").iterdir())
+        names = sorted(p.name for p in (self.root / "held").glob("[!.]*"))
         self.assertEqual(names, sorted(f"view{i:04d}{end}" for i in held_out for end in (".exr", ".png", "_sheet.png")))
         self.good("render", "fit", "--view", str(held_out[1]), "-o", "one")
         for end in (".png", "_sheet.png"):
@@ -249,8 +249,8 @@ class Tune(CommandLine):
         self.assertEqual([t["psnr"] for t in tried], sorted((t["psnr"] for t in tried), reverse=True))
         # What it tells is what a fit without the same views is worth on them.
         every = re.search(r"one in (\d+) training views", result.stdout)[1]
-        self.good("fit", "star", *tried[0]["options"].split(), "--validation", every, "-o", "again")
-        self.assertAlmostEqual(self.judge("again", "validation")["psnr"], tried[0]["psnr"], places=3)
+        self.good("fit", "star", *tried[0]["options"].split(), "--validation", every, "-o", "validated")
+        self.assertAlmostEqual(self.judge("validated", "validation")["psnr"], tried[0]["psnr"], places=3)
 
     def test_leaves_options_that_are_given_as_they_are(self):
         given = ("--model", "lfm", "--terms", "2", "--deflate")

@@ -145,7 +145,7 @@ class Exchange(ProgramTest):
     def test_rti_says_what_it_holds(self):
         said = self.good("export", "rti", "ptm", "--basis", "ptm", "-o", "rti").stderr
         self.assertIn("rti/info.json: 40 x 30 pixels", said)
-        self.assertEqual({path.name for path in (self.root / "rti").iterdir()}, {"info.json", *(f"plane_{k}.jpg" for k in range(6))})
+        self.assertEqual({path.name for path in (self.root / "rti").glob("[!.]*")}, {"info.json", *(f"plane_{k}.jpg" for k in range(6))})
         info = json.loads((self.root / "rti/info.json").read_text())
         for key, value in {"width": 40, "height": 30, "type": "ptm", "colorspace": "rgb", "nplanes": 18, "format": "jpg"}.items():
             self.assertEqual(info[key], value)
@@ -182,9 +182,9 @@ class Exchange(ProgramTest):
 
     def exported_maps(self, fit, *options):
         """The names, and maps.json."""
-        said = self.good("export", "maps", fit, *options, "-o", "maps").stderr
+        said = self.good("export", "maps", fit, *options, "--replace", "-o", "maps").stderr
         self.assertIn("maps: textures of", said)
-        return {path.name for path in (self.root / "maps").iterdir()}, json.loads((self.root / "maps/maps.json").read_text())
+        return {path.name for path in (self.root / "maps").glob("[!.]*")}, json.loads((self.root / "maps/maps.json").read_text())
 
     @staticmethod
     def names(*maps):

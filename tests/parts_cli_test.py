@@ -114,7 +114,7 @@ class Parts(PartsTest):
             self.good("fit", "ornament", *options, "--prior", "none", "-o", "alone")
             self.assertNotEqual(self.maps("one"), self.maps("alone"))
         self.merged_like_whole("flat-set", "--model", "ptm")  # a grid of which all texels have few samples
-        self.good("fit", "ornament", *few, "-o", "one")
+        self.good("fit", "ornament", *few, "--replace", "-o", "one")
         done = self.good("fit", "ornament", *few, "--memory", "147M", "-o", "bounded")
         self.assertRegex(done.stderr, "part 2 of [2-9]")
         self.assertEqual(self.maps("one"), self.maps("bounded"))

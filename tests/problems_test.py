@@ -116,7 +116,7 @@ class Folders(Problems):
         for problems in (self.export("star", "--terms", "3"), self.export("ornament", "--model", "lafortune")):
             folder = self.root / problems
             about = json.loads((folder / "problems.json").read_text())
-            self.assertEqual({p.name for p in folder.iterdir()}, {"problems.json", *(f"{name}.npy" for name in about["arrays"])})
+            self.assertEqual({p.name for p in folder.glob("[!.]*")}, {"problems.json", *(f"{name}.npy" for name in about["arrays"])})
             for name, array in about["arrays"].items():
                 data = (folder / f"{name}.npy").read_bytes()
                 self.assertEqual(data[:8], b"\x93NUMPY\1\0")

@@ -113,6 +113,9 @@ class PythonModule(ProgramTest):
         self.good("fit", "star", "--model", "viewbasis", "--rank", "3", "--surface-side", "4", "-o", "theirs")
         fit = radiafit.fit(self.star, model="viewbasis", rank=3, surface_side=4)
         fit.save(self.root / "mine")
+        with self.assertRaisesRegex(radiafit.UserError, "is there already; replace=True"):
+            fit.save(self.root / "mine")
+        fit.save(self.root / "mine", replace=True)
         theirs = {p.name: p.read_bytes() for p in (self.root / "theirs").rglob("*") if p.suffix == ".exr"}
         self.assertTrue(theirs)
         self.assertEqual(theirs, {p.name: p.read_bytes() for p in (self.root / "mine").rglob("*") if p.suffix == ".exr"})

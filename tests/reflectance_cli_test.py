@@ -73,7 +73,7 @@ class Reflectance(ProgramTest):
         write_lit(self.root / "warm")
         write_pfm(self.root / "warm/pfm/2.pfm", 6, 5, [1e5] + [0.5] * 89)
         self.good("import", "lights", "--images", "warm/pfm", "--lights", "warm/lights.txt", "-o", "hot")
-        fit = ("fit", "hot", "--model", "lambert", "--iterations", "1", "-o", "hot-fit")
+        fit = ("fit", "hot", "--model", "lambert", "--iterations", "1", "--replace", "-o", "hot-fit")
         told = self.good(*fit, "--engine", "fragment", "--optimizer", "cg").stderr
         self.assertRegex(told, r"warning: hot: image '2.pfm' goes up to 1e\+05, image '\d.pfm' to 0?\.\d+ only: ")
         self.assertNotIn("warning", self.good(*fit).stderr)  # values themselves, not 16 bits of them
@@ -94,7 +94,7 @@ class Reflectance(ProgramTest):
         self.assertEqual(set(before), {"records.json", "index.bin", "records.bin"})
         for options in (("lafortune", "--optimizer", "cg", "--iterations", "2"), ("lambert", "--clip-above", "0.9"),
                         ("ptm", "--shadow-below", "0.1")):
-            again = self.good(*fit("--model", *options, "-o", "shared"))
+            again = self.good(*fit("--model", *options, "--replace", "-o", "shared"))
             self.assertIn("records of an earlier run: records", again.stderr)
         self.assertEqual(before, snapshot(self.root / "records"))
         self.refused(*fit("--model", "lambert", "--validation", "5", "-o", "no"),

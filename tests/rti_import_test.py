@@ -25,7 +25,7 @@ class RtiImport(ProgramTest):
             cls.good("import", "lights", "--images", "dome/images", "--lights", "dome/lights.lp", *more, "-o", name)
 
     def picture(self, fit, lamp):
-        self.good("render", fit, "--light", direction(*lamp), "-o", "picture")
+        self.good("render", fit, "--light", direction(*lamp), "--replace", "-o", "picture")
         return read_png(self.root / "picture.png")[2]
 
     def judged(self, fit):
@@ -47,7 +47,7 @@ class RtiImport(ProgramTest):
             self.assertLessEqual(max(abs(a - b) for a, b in zip(rendered, shown, strict=True)), 1, (x, y))
         self.assertIn("no photographs", json.loads((self.root / "ptm-fit-lamps/dataset.json").read_text())["description"])
         self.assertGreater(self.judged("ptm-fit")["psnr"], 50)  # its images were rounded to bytes
-        self.good("import", "rti", "a.ptm", "-o", "ptm-fit")  # again, over itself
+        self.good("import", "rti", "a.ptm", "--replace", "-o", "ptm-fit")  # again, over itself
         self.good("publish", "ptm-fit", "-o", "page")
 
     def test_hemispherical_harmonics(self):

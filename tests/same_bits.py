@@ -56,7 +56,7 @@ def untimed(trace):
 
 def differing(a, b):
     """Names of what differs between two fits' folders."""
-    names = {path.name for folder in (a, b) for path in folder.iterdir()} - {"fit.json", "trace.csv"}
+    names = {path.name for folder in (a, b) for path in folder.glob("[!.]*")} - {"fit.json", "trace.csv"}
     out = [name for name in sorted(names) if not (a / name).exists() or not (b / name).exists()
            or (a / name).read_bytes() != (b / name).read_bytes()]  # fmt: skip
     return out + (["trace.csv"] if untimed(a / "trace.csv") != untimed(b / "trace.csv") else [])

@@ -44,7 +44,7 @@ class Terminal(ProgramTest):
         process.wait()
         return said.decode(errors="replace")
 
-    FIT = ("fit", "star", "--terms", "2", "--iterations", "300", "-o", "shown")
+    FIT = ("fit", "star", "--terms", "2", "--iterations", "300", "--replace", "-o", "shown")
     WRONG = ("fit", "nowhere", "-o", "shown")
 
     def test_bars_and_colours_of_terminals(self):
@@ -103,7 +103,7 @@ class Terminal(ProgramTest):
                 result = self.good(*command, "--json")
                 self.assertIsInstance(json.loads(result.stdout), dict)
                 self.assertEqual(result.stderr, "")
-        told = json.loads(self.good("fit", "star", "--iterations", "2", "-o", "json-fit", "--json").stdout)
+        told = json.loads(self.good("fit", "star", "--iterations", "2", "--replace", "-o", "json-fit", "--json").stdout)
         self.assertEqual((told["fit"], told["model"], told["not_finite"]), ("json-fit", "lfm", 0))
         self.assertLess(told["error"], told["error_at_start"])
         plan = json.loads(self.good("plan", "star", "--json").stdout)

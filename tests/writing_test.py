@@ -44,14 +44,14 @@ class StandardStreams(Writing):
         place = self.folder("quiet")
         with open("/dev/full", "w") as full:
             for prepare in (None, lambda: os.close(2)):
-                result = self.started("fit", "star", "--iterations", "1", "-o", place / "fit", stderr=full, prepare=prepare)
+                result = self.started("fit", "star", "--iterations", "1", "--replace", "-o", place / "fit", stderr=full, prepare=prepare)
                 self.assertEqual(result.returncode, 0)
                 self.assertEqual(sorted(p.name for p in (place / "fit").iterdir()),
                                  sorted(p.name for p in (self.root / "fit").iterdir()))  # fmt: skip
                 self.assertEqual(self.started("info", "nowhere", stderr=full, prepare=prepare).returncode, 2)
                 self.assertEqual(self.started("--nonsense", stderr=full, prepare=prepare).returncode, 2)
                 self.assertEqual(self.started("--nonsense", program=EXPERIMENT, stderr=full, prepare=prepare).returncode, 2)
-        self.assertEqual(self.reader_gone("stderr", "fit", "star", "--iterations", "1", "-o", place / "fit").returncode, 0)
+        self.assertEqual(self.reader_gone("stderr", "fit", "star", "--iterations", "1", "--replace", "-o", place / "fit").returncode, 0)
 
     def reader_gone(self, stream, *arguments, **others):
         reading, writing = os.pipe()
@@ -82,15 +82,14 @@ def limit_files(bytes_):
 
 
 class FullDisk(Writing):
-    def room_for_a_part(self, *command, elsewhere=None):
+    def room_for_a_part(self, *command):
         """`command`, which writes below new/, with less room than each of its files takes: status 2, one line that names
-        a file there, and all that stood there before. With room for all of them: what it makes always. `elsewhere`: its
-        output's name the second time, where it replaces nothing."""
+        a file there, and all that stood there before. With room for all of them: what it makes always."""
         place = self.folder("new")
         self.good(*command)
         largest = max(p.stat().st_size for p in place.rglob("*") if p.is_file())
         before = snapshot(place)
-        command = (*command[:-1], elsewhere or command[-1])
+        command = (*command, "--replace")
         for room in (0, largest // 3, largest - 1):
             result = self.started(*command, prepare=lambda room=room: limit_files(room), capture_output=True)
             with self.subTest(command=command, room=room):
@@ -115,7 +114,7 @@ class FullDisk(Writing):
 
     def test_exports(self):
         for what in (["problems", "star"], ["problems", "ornament", "--model", "lambert"], ["parameters", "fit"]):
-            self.room_for_a_part("export", *what, "-o", "new/first", elsewhere="new/second")
+            self.room_for_a_part("export", *what, "-o", "new/first")
 
     def test_records(self):
         place = self.folder("new")
@@ -153,12 +152,12 @@ class Render(Writing):
         place = self.folder("pictures")
         self.good("render", "fit", "--view", "0", "-o", "pictures/view")
         first = snapshot(place)
-        self.good("render", "fit", "--view", "5", "-o", "pictures/view.png")
+        self.good("render", "fit", "--view", "5", "--replace", "-o", "pictures/view.png")
         second = snapshot(place)
         self.assertEqual(set(first), set(second))
         self.assertFalse([name for name in first if first[name] == second[name]])
-        self.good("render", "lambert", "--problems", "-o", "pictures/view")
-        self.good("render", "lambert", "--problems", "-o", "pictures/view")
+        for _ in range(2):
+            self.good("render", "lambert", "--problems", "--replace", "-o", "pictures/view")
         self.assertEqual(set(snapshot(place)), {*first, "view.svg"})
 
     def test_problems_are_drawn_the_same_in_every_run(self):
@@ -203,7 +202,7 @@ class Names(Writing):
             self.good(*command, "-o", f"linked/{name}")
             (place / f"link-{name}").symlink_to(name)
             before = (place / name).stat().st_ino
-            self.good(*command, "-o", f"linked/link-{name}")
+            self.good(*command, "--replace", "-o", f"linked/link-{name}")
             self.assertEqual(os.readlink(place / f"link-{name}"), name)
             self.assertNotEqual((place / name).stat().st_ino, before)
             self.good("info", f"linked/{name}")

@@ -14,10 +14,12 @@
 #   --threads N      default: all cores
 #   --camera MODEL   COLMAP's camera model, default SIMPLE_RADIAL; PINHOLE for photographs that are undistorted already
 #   --go-on          go on where a step's outcome is poor
+#   --replace        make steps anew that are there already, of other options or photographs, and all behind them
 #   --until STEP     stop behind a step; steps: features matches cameras flat depths mesh masks dataset tune fit page
 # Each step makes a folder OUT/STEP, whole or not at all, with its log in it; called again, the script goes on behind the
-# last step that is done with the same options, and depths and fit where they were stopped. OUT/page/index.html is the
-# page, OUT/fit/fit the fit. Exit status: 0 done, 2 something to correct, as said.
+# last step that is done with the same options, and depths and fit where they were stopped; with other options, a step that
+# is done stays, and is named, but for --replace. OUT/page/index.html is the page, OUT/fit/fit the fit. Exit status: 0 done,
+# 2 something to correct, as said.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 radiafit=${RADIAFIT:-$root/build/release/bin/radiafit}
@@ -25,7 +27,7 @@ export QT_QPA_PLATFORM=offscreen  # COLMAP asks for no display then
 
 die() { printf '%s\n' "capture.sh: $1" >&2; exit 2; }
 
-masks="" mesh="" spheres="" size=1600 seconds=300 threads=0 camera=SIMPLE_RADIAL go_on="" until=""
+masks="" mesh="" spheres="" size=1600 seconds=300 threads=0 camera=SIMPLE_RADIAL go_on="" replace="" until=""
 while [ $# -gt 0 ]; do
     case $1 in
     --masks | --mesh | --spheres | --size | --seconds | --threads | --camera | --until)
@@ -34,6 +36,7 @@ while [ $# -gt 0 ]; do
         shift 2
         ;;
     --go-on) go_on=--go-on; shift ;;
+    --replace) replace=yes; shift ;;
     -h | --help) sed -n '2,/^set -eu/{/^#/s/^# \{0,1\}//p}' "$0"; exit 0 ;;
     -*) die "$1: no such option: see $0 --help" ;;
     *) break ;;
@@ -167,7 +170,7 @@ run_into() {
 }
 
 # step NAME TITLE OPTIONS FUNCTION CURE: makes OUT/NAME unless it is there already, made with the same options, and so are
-# all before it. The function writes to $part. What a run that was stopped left there stays for depths and fit, which go on
+# all before it: then with --replace alone, as are steps behind it that are done. The function writes to $part. What a run that was stopped left there stays for depths and fit, which go on
 # from it.
 step() {
     name=$1
@@ -175,6 +178,7 @@ step() {
     if [ -z "$redo" ] && [ -d "$out/$name" ] && [ "$(cat "$out/$name/step")" = "$3" ]; then
         echo "[$number/$total] $2: done before" >&2
     else
+        [ -n "$redo$replace" ] || nothing_done_from "$name"
         part=$out/$name.part
         case $name in depths | fit) ;; *) redo=yes ;; esac
         if [ -n "$redo" ] || [ "$(cat "$part/step" 2>/dev/null)" != "$3" ]; then rm -rf "$part"; fi
@@ -200,6 +204,15 @@ step() {
         [ ! -s "$out/$name/said" ] || sed 's/^/      /' "$out/$name/said" >&2
     fi
     [ "$until" != "$name" ] || exit 0
+}
+# Dies where this step, or one behind it, is done.
+nothing_done_from() {
+    here=""
+    for s in $steps; do
+        [ "$s" != "$1" ] || here=yes
+        [ -z "$here" ] || [ ! -d "$out/$s" ] ||
+            die "$out/$s: is there already, made with other options or of other photographs; --replace puts this one in its place, or write elsewhere"
+    done
 }
 last_processor=0
 measure_processor() {  # of all children, since the last call; not in a subshell, which has none
@@ -319,9 +332,9 @@ lit_dataset() {
 }
 tune() {
     run_into "$part/table" "$radiafit" $of_radiafit tune "$out/dataset/dataset" --seconds "$seconds" &&
-        # Its last line: radiafit fit DATASET OPTIONS -o DATASET-fit
+        # Its last line: radiafit fit DATASET OPTIONS -o DATASET-tuned
         options=$(tail -n 1 "$part/table") && options=${options#"radiafit fit $out/dataset/dataset "} &&
-        printf '%s\n' "${options%" -o $out/dataset/dataset-fit"}" >"$part/options" && cp "$part/options" "$part/said"
+        printf '%s\n' "${options%" -o $out/dataset/dataset-tuned"}" >"$part/options" && cp "$part/options" "$part/said"
 }
 fit() {
     options=$(cat "$out/tune/options")

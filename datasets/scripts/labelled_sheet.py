@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A picture for readers: a held-out photograph, a baseline, a fit and four times its error, each panel labelled, with the
 PSNR of that view, and a caption below. Of the sheet that `radiafit render` makes, scaled down, labelled by gnuplot.
-Usage: labelled_sheet.py FIT OUTPUT.png CAPTION [--words WORDS] [--view I] [--beside FIT WORDS] [--panel PIXELS]
+Usage: labelled_sheet.py FIT OUTPUT.png CAPTION [--words WORDS] [--view I] [--beside FIT WORDS] [--panel PIXELS] [--replace]
 --words: what the fit is called, default its model. --view: as render's. --beside: another fit of the dataset in the baseline's place.
---panel: width of a panel, at most what it is in the sheet.
+--panel: width of a panel, at most what it is in the sheet. --replace: also where OUTPUT.png is there already.
 $RADIAFIT is the program (default build/release/bin/radiafit)."""
 import argparse
 import itertools
@@ -104,7 +104,11 @@ def main():
     parser.add_argument("--view", type=int)
     parser.add_argument("--beside", nargs=2)
     parser.add_argument("--panel", type=int, default=270)
+    parser.add_argument("--replace", action="store_true")
     given = parser.parse_args()
+    if not given.replace and os.path.exists(given.output):
+        print(f"{given.output}: is there already; --replace puts this one in its place, or choose another name", file=sys.stderr)
+        sys.exit(2)
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
         sheet = Sheet(given.fit, given.view, place)

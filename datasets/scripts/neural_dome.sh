@@ -1,17 +1,22 @@
 #!/bin/sh
 # The sample that NeuralRTI ships: a surface of 320 x 320 pixels under 49 lamps, to be fitted, and under 20 others of its
 # authors' choice, to be held out. Packs it into OUTPUT/neural_dome; fits as `radiafit fit` chooses; judges the held-out lamps.
-# Usage: neural_dome.sh [--pack-only] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+# Usage: neural_dome.sh [--pack-only] [--replace] [OUTPUT]     OUTPUT: a folder, default datasets/packed
+#   --replace  makes anew what is in OUTPUT already; else that stays, and what this script did not make is refused
 # Source: github.com/univr-GRAIL/NeuralRTI, commit 94a0194, modules/test_dataset, as it stands there. datasets/captures.md has
 # the commands; checksums are compared. All models and other programs' pictures: make experiments ONLY=relighting
 # The capture is looked for in $RADIAFIT_CAPTURES/neural_dome (default ../shared/data).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
-only_pack=
-if [ "${1:-}" = --pack-only ]; then
-    only_pack=yes
+only_pack= replace=
+while :; do
+    case ${1:-} in
+    --pack-only) only_pack=yes ;;
+    --replace) replace=--replace ;;
+    *) break ;;
+    esac
     shift
-fi
+done
 out=${1:-$root/datasets/packed}
 capture=$("$root/datasets/scripts/find_capture.sh" neural_dome)
 radiafit=$("$root/datasets/scripts/find_radiafit.sh")
@@ -30,7 +35,7 @@ done
 { grep -c . "$work/lamps" && cat "$work/lamps"; } >"$work/lamps.lp"
 sed -n 's/^\(Test_[^ ]*\).*/\1/p' "$work/lamps" >"$work/held_out.txt"
 "$radiafit" import lights --images "$work/images" --lights "$work/lamps.lp" --normals flat --holdout "$work/held_out.txt" \
-    --name neural_dome -o "$out/neural_dome"
+    --name neural_dome -o "$out/neural_dome" ${replace:+"$replace"}
 [ -z "$only_pack" ] || exit 0
-"$radiafit" fit "$out/neural_dome" -o "$out/neural_dome-fit"
+"$radiafit" fit "$out/neural_dome" -o "$out/neural_dome-fit" ${replace:+"$replace"}
 "$radiafit" judge "$out/neural_dome-fit"

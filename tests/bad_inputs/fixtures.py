@@ -216,10 +216,58 @@ def write_stopped(run, folder):
     (folder / "shard.json").unlink()
 
 
+PHOTOS = "--model photos/text --images photos/images --mesh photos/mesh.obj"
+# A command, an output of it that is a fixture, and the options, or the command, of another output.
+MADE = [
+    ("generate ornament", "orb", "--seed 2"),
+    (f"import colmap {PHOTOS} --holdout every:3", "tiny", f"import colmap {PHOTOS} --holdout none"),
+    ("import transforms --model photos/transforms.json --mesh photos/mesh.obj", "made/nerf", "--holdout none"),
+    ("import llff --model photos/poses_bounds.npy --mesh photos/mesh.obj", "made/llff", "--holdout none"),
+    ("import lights --images lit/pfm --lights lit/lights.txt --holdout every:4", "floats", "import lights --images lit/pfm --lights lit/lights.txt"),
+    ("import rti rti/lrgb.ptm --dataset flat", "made/rti", "--curve linear"),
+    ("fit tiny --terms 1 --iterations 1", "fit", "fit tiny --terms 2 --iterations 1"),
+    ("fit whole --iterations 1", "wholefit", "fit whole --iterations 2"),
+    ("merge made/shard", "made/merged", "merge made/other-shard"),
+    ("capture depths --model photos/text --images photos/images", "made/stereo", "--seed 2"),
+    ("capture cut-mesh photos/mesh.obj --model photos/text --depths photos/stereo", "made/cut.ply", "--close 2"),
+    ("capture masks photos/mesh.obj --model photos/text", "made/masks", "--inset 1"),
+    ("export problems tiny", "made/problems", "--terms 1"),
+    ("export parameters fit", "made/parameters", "export parameters wholefit"),
+    ("export gltf fit", "made/a.glb", "--without-maps"),
+    ("export rti flatfit", "made/relight", "--quality 50"),
+    ("export maps flatfit", "made/maps", "--normals fit"),
+    ("render fit", "made/view", "--view 1"),
+    ("render flatfit --problems", "made/ended", "render orbfit --problems"),
+    ("render fit --turntable 1", "made/turns", "--size 9x9"),
+    ("render wholefit --all train", "made/all", "--size 9x9"),
+]
+# A command, and an output of its kind that tells nothing: an older version's, or of a program without the viewer.
+UNMADE = [
+    ("publish fit", "made/page", "--replace"),
+    ("publish fit --single-file", "made/page.html", "--replace"),
+    ("export gltf fit", "made/old.glb", "--replace"),
+    ("render fit", "made/old-view.png", "made/old-view.png: is there already", "--replace"),
+    ("capture masks photos/mesh.obj --model photos/text", "made/page", "radiafit capture masks replaces only what it made: remove it"),
+    ("capture cut-mesh photos/mesh.obj --model photos/text --depths photos/stereo", "made/page.html", "remove it"),
+    ("export problems tiny", "made/page", "remove it"),
+]
+
+
+def write_unmade(out):
+    page = '<meta name="generator" content="radiafit-page">'
+    for folder in ("page", "shared"):
+        (out / folder).mkdir(parents=True)
+    (out / "page/index.html").write_text(page)
+    (out / "page.html").write_text(page)
+    (out / "old.glb").write_bytes(b'glTF {"asset":{"generator":"radiafit 0"}')
+    (out / "old-view.png").write_bytes(b"radiafit_render")
+
+
 # A fixture that a fit was made from must stand beside it.
 NEEDS = {
     CONFIGS: ["paper_figs"],
     "fit": ["tiny"], "wholefit": ["whole"], "flatfit": ["flat"], "orbfit": ["orb"], "stopped.parts": ["tiny"], "records": ["tiny"], "texrecords": ["flat"],
+    "made": ["tiny", "whole", "flat"],
 }  # fmt: skip
 
 
@@ -243,6 +291,12 @@ def make(run, root, source):
     run("fit", "flat", "--model", "lafortune", "--solver", "two-step", "--records", "texrecords", "-o", "flatfit")
     run("fit", "orb", "--model", "lambert", "-o", "orbfit")
     write_stopped(run, root / "stopped.parts")
+    for name, terms in (("shard", 1), ("other-shard", 2)):
+        run("fit", "tiny", "--terms", str(terms), "--iterations", "1", "--shard", "1/1", "-o", f"made/{name}")
+    for command, output, _ in MADE:
+        if output.startswith("made/"):
+            run(*command.split(), "-o", output)
+    write_unmade(root / "made")
     (root / CONFIGS).mkdir()
     for config in (source / "experiments").glob("*.toml"):
         shutil.copy(config, root / CONFIGS)

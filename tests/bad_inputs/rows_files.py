@@ -22,7 +22,8 @@ for command in ("generate star", colmap, lights):
         (f"{command} -o fit", None, 2, "fit: holds ", "choose another name"),
         (f"{command} -o tiny", write("tiny/notes.txt", "mine"), 2, "tiny: holds notes.txt, which is no part of a dataset"),
         (f"{command} -o tiny", remove("tiny/dataset.json"), 2, "tiny: not a dataset, it has no dataset.json"),
-        (f"{command} -o tiny", None, 0, "dataset "),
+        (f"{command} -o tiny", None, 2, "tiny: is there already, made by radiafit import colmap", "--replace puts this one in its place"),
+        (f"{command} -o tiny --replace", None, 0, "dataset "),
     ]
 for command in ("fit tiny --iterations 1", "fit flat --model lambert"):
     rows += [
@@ -30,7 +31,8 @@ for command in ("fit tiny --iterations 1", "fit flat --model lambert"):
         (f"{command} -o fit", write("fit/notes.txt", "mine"), 2, "fit: holds notes.txt, which is no part of a fit"),
         (f"{command} -o fit", write("fit/fit.json", "{}"), 2, "fit: holds ", "which is no part of a fit"),
         (f"{command} -o fit", write("fit/fit.json", "no JSON"), 2, "fit: holds ", "which is no part of a fit"),
-        (f"{command} -o fit", None, 0, "see fit"),
+        (f"{command} -o fit", None, 2, "fit: is there already, made by `radiafit fit tiny --terms 1 ", "--replace puts this one in its place"),
+        (f"{command} -o fit --replace", None, 0, "see fit"),
     ]
 for more in ("", "--turntable 1"):
     rows += [
@@ -41,9 +43,9 @@ for more in ("", "--turntable 1"):
     ]
 rows += [
     # What failed before leaves the earlier output as it was.
-    ("fit tiny -o fit", field("tiny/dataset.json", "views[0].gain", 0), 2, "must be above 0"),
-    (f"{colmap} -o tiny", write("photos/mesh.obj", ""), 2, "photos/mesh.obj: empty mesh"),
-    (f"{lights} -o flat", write("lit/images/3.png", ""), 2, "lit/images/3.png: "),
+    ("fit tiny -o fit --replace", field("tiny/dataset.json", "views[0].gain", 0), 2, "must be above 0"),
+    (f"{colmap} -o tiny --replace", write("photos/mesh.obj", ""), 2, "photos/mesh.obj: empty mesh"),
+    (f"{lights} -o flat --replace", write("lit/images/3.png", ""), 2, "lit/images/3.png: "),
     (f"{colmap} -o deep/below/new", write("photos/images/2.png", "x"), 2, "photos/images/2.png: neither PNG, JPEG, TIFF, OpenEXR"),
 ]
 

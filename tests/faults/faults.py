@@ -21,6 +21,7 @@ import kills
 import resumes
 import swaps
 import syscalls
+import unasked
 import writers
 from scene import Scene
 
@@ -48,6 +49,7 @@ def chosen_tasks(scene, options):
         *full_disk.tasks(scene, options.count, options.seed, traced, mounting),
         *writers.tasks(scene, options.count),
         *swaps.tasks(scene, options.count, options.seed),
+        *unasked.tasks(scene),
     ]
     return [task for task in all_tasks if options.only in task.tally.name]
 

@@ -9,10 +9,14 @@ import io
 import json
 import os
 import pathlib
+import re
 
 from decode import Cut, check_whole
 
 MARKERS = ("dataset.json", "fit.json", "records.json", "run.json", "info.json", "base_colour.png", "index.html", "fusion.cfg")
+MADE_BY = ".radiafit-made.json"  # in an output: which command made it
+WORD = rb"radiafit_made_by_[a-z_-]+_[0-9a-f]{16}"  # in a file, likewise; in a PNG a chunk, with a checksum behind it
+CHUNK = re.compile(rb"....tEXtSoftware\0[a-z_]*" + WORD + rb"....", re.S)
 VOLATILE = ("times_s", "provenance")  # of fit.json: times, and the machine
 
 
@@ -23,6 +27,8 @@ def outputs(place):
         folder = folders.pop()
         for entry in os.scandir(folder):
             name = os.path.relpath(entry.path, place)
+            if entry.name == MADE_BY:
+                continue
             if entry.name.startswith(".") or entry.name.endswith(".parts"):  # to go on from
                 hidden.add(name)
             elif not entry.is_dir(follow_symlinks=False):
@@ -38,7 +44,7 @@ def files_of(output):
     """(name, bytes) of every file of an output."""
     if output.is_file():
         return [(output.name, output.read_bytes())]
-    files = sorted(path for path in output.rglob("*") if not path.is_dir())
+    files = sorted(path for path in output.rglob("*") if not path.is_dir() and path.name != MADE_BY)
     return [(str(path.relative_to(output)), path.read_bytes()) for path in files]
 
 
@@ -65,7 +71,7 @@ def without_times(name, data, measured):
         rows = table(data)
         at = rows[0].index("time_s")
         return [row[:at] + row[at + 1 :] for row in rows]
-    return digest(data)
+    return digest(re.sub(WORD, b"", CHUNK.sub(b"", data)))
 
 
 def content(output, measured):

@@ -28,11 +28,14 @@ class Command:
     variants: tuple  # arguments of three runs whose outputs differ: the new one, an older one, another
     program: str = "radiafit"
     steps: bool = False  # several outputs, one after another: the first may be whole where the last fails
-    replaces: bool = True  # an older output; else it is refused
 
     def states(self):
         """Whether there is an older output that it begins over."""
-        return (False, True) if self.replaces else (False,)
+        return (False, True)
+
+    def arguments(self, variant):
+        """With the option that replaces an older output; experiments have names of their own."""
+        return (*self.variants[variant], *(("--replace",) if self.program == "radiafit" else ()))
 
     def forced(self):
         """The option that begins a run though the disk will not suffice."""
@@ -104,11 +107,10 @@ COMMANDS = (
     of_three_fits("export rti", "export rti", "out", "relief"),
     of_three_fits("publish", "publish", "out", "texels"),
     of_three_fits("publish one file", "publish --single-file", "out.html", "texels"),
-    command("capture depths", f"capture depths {MODEL} --images {INPUTS}/capture/images -o out", "--seed", (1, 2, 3),
-            replaces=False),
+    command("capture depths", f"capture depths {MODEL} --images {INPUTS}/capture/images -o out", "--seed", (1, 2, 3)),
     command("capture cut-mesh", f"capture cut-mesh {INPUTS}/capture/mesh.ply {MODEL} --depths {INPUTS}/depths -o out.ply",
             "--region", (1.2, 0.8, 0.9)),
-    command("capture masks", f"capture masks {INPUTS}/capture/mesh.ply {MODEL} -o out", "--inset", (2, 0, 5), replaces=False),
+    command("capture masks", f"capture masks {INPUTS}/capture/mesh.ply {MODEL} -o out", "--inset", (2, 0, 5)),
     experiment("table1_datasets", "terms", (1, 2, 3)),
     experiment("fig7_convergence", "cap", (40, 50, 60)),
 )
@@ -158,10 +160,12 @@ class Place:
             (aside / name).rename(self.folder / name)
         shutil.rmtree(aside, ignore_errors=True)
 
-    def start(self, command, variant=0, wrapper=(), more=(), **options):
-        """The run's standard error goes to a pipe, unless told otherwise. It has a process group of its own."""
+    def start(self, command, variant=0, wrapper=(), more=(), asked=True, **options):
+        """The run's standard error goes to a pipe, unless told otherwise. It has a process group of its own. `asked`: to replace
+        an older output."""
+        arguments = command.arguments(variant) if asked else command.variants[variant]
         return subprocess.Popen(
-            [*wrapper, str(self.scene.programs[command.program]), *command.variants[variant], *more],
+            [*wrapper, str(self.scene.programs[command.program]), *arguments, *more],
             cwd=self.folder, env={**self.scene.environment, "TMPDIR": str(self.temporary)}, stdin=subprocess.DEVNULL,
             start_new_session=True,
             **{"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True, "errors": "replace", **options})

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <string>
@@ -13,6 +14,8 @@
 
 #include "base/error.h"
 #include "base/leftovers.h"
+#include "base/made_by.h"
+#include "base/output_claims.h"
 #include "base/temporary_name.h"
 
 namespace radiafit {
@@ -176,7 +179,7 @@ void UnfinishedFolder::release() {
 AtomicFolder::AtomicFolder(fs::path target, Existing existing)
     : target_(folder_name(std::move(target))),
       work_(target_.parent_path(), target_.filename().string()),
-      existing_(existing) {
+      existing_(may_replace_folder(target_) ? Existing::replace : existing) {
     refuse_existing("exists already; remove it or choose another name");
 }
 
@@ -187,6 +190,7 @@ void AtomicFolder::refuse_existing(const char* what) const {
 }
 
 void AtomicFolder::commit() {
+    mark_output(path(), target_);
     work_.sync();
     exchange();
     work_.release();  // and the earlier one goes
@@ -219,11 +223,13 @@ void AtomicFolder::rename_twice() {
 AtomicFiles::AtomicFiles(fs::path folder) : folder_(std::move(folder)), work_(folder_, "") {}
 
 void AtomicFiles::commit() {
+    mark_output(path(), folder_);
     std::vector<fs::path> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(path())) {
         names.push_back(entry.path().filename());
         file_name(folder_ / names.back());  // a folder in the way shows before the first file has its name
     }
+    std::ranges::partition(names, [](const fs::path& name) { return name != made_by_name; });  // that comes last
     work_.sync();
     place(names);
     work_.release();

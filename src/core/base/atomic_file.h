@@ -69,7 +69,8 @@ private:
 class AtomicFolder {
 public:
     /// What to do at commit() with a folder that already has the name. `replace` is for callers who have made sure that
-    /// it is an earlier output of theirs.
+    /// it is an earlier output of theirs. What the running command has claimed (output_claims.h) is replaced in any
+    /// case, and marked.
     enum class Existing { refuse, replace };
 
     /// Refuses names that no folder can be renamed to: empty, ".", "..", a mount point.
@@ -91,8 +92,9 @@ private:
 };
 
 /// Files that take their names in one folder together, over earlier files of the same names: all or, after an error,
-/// none. (A process that is killed amid the renames leaves some whole new ones and some whole older ones; and after an
-/// error on a file system without renameat2's exchange, older ones that were replaced already don't come back.)
+/// none. A folder that the running command has claimed is marked with the last of them. (A process that is killed amid
+/// the renames leaves some whole new ones and some whole older ones; and after an error on a file system without
+/// renameat2's exchange, older ones that were replaced already don't come back.)
 class AtomicFiles {
 public:
     explicit AtomicFiles(std::filesystem::path folder);

@@ -16,10 +16,13 @@
 
 namespace radiafit {
 
-OutputLock::OutputLock(const std::filesystem::path& output) : socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+std::string place_of(const std::filesystem::path& output) {
     std::error_code error;
-    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(follow_links(output), error), error);
-    const std::string place = path.string();
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(follow_links(output), error), error).string();
+}
+
+OutputLock::OutputLock(const std::filesystem::path& output) : socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    const std::string place = place_of(output);
     const std::string name = fmt::format("radiafit-output-{:016x}", hash_byte_by_byte(place.data(), place.size()));
     sockaddr_un address{};
     address.sun_family = AF_UNIX;

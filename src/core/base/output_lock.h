@@ -1,7 +1,11 @@
 #pragma once
 #include <filesystem>
+#include <string>
 
 namespace radiafit {
+
+/// What an output is known by, however its name is written and whatever links lead to it.
+std::string place_of(const std::filesystem::path& output);
 
 /// One run of a machine at a time writes an output: a name that the kernel keeps as long as the run lives, and no
 /// longer, however it ends (of an abstract socket, unix(7); it is of no file).

@@ -105,6 +105,10 @@ TriangleAtlas reflectance_atlas(const Dataset& dataset, int side);
 /// The same, or a grid's, for which `side` is unused.
 std::unique_ptr<Atlas> texel_atlas(const Dataset& dataset, int side);
 
+/// Throws UserError if something other than a packed dataset, a damaged one included, or an empty folder is there, or a
+/// dataset to which somebody added files.
+void check_dataset_target(const std::filesystem::path& folder);
+
 /// Writes a packed dataset under a temporary name beside `folder`; nothing is visible there before finish().
 /// An unfinished writer removes its temporary folder. An existing dataset (even a damaged one) is replaced whole, an
 /// empty folder too; anything else at `folder` is a UserError, raised by the constructor.

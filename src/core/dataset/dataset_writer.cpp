@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/half.h"
 #include "base/hash.h"
+#include "base/made_by.h"
 #include "dataset/checksums.h"
 #include "dataset/dataset_json.h"
 #include "dataset/mesh_ply.h"
@@ -27,8 +28,10 @@ constexpr std::string_view our_files[] = {dataset_json_name,    dataset_mesh_nam
                                           dataset_normals_name, truth_json_name,    truth_parameters_name,
                                           truth_material_name,  dataset_lamps_name, dataset_lamp_picture_name};
 
-/// Only what a writer left may be replaced: nobody's notes or photographs go with it.
-void check_replaceable(const fs::path& folder) {
+}  // namespace
+
+// Only what a writer left may be replaced: nobody's notes or photographs go with it.
+void check_dataset_target(const fs::path& folder) {
     std::error_code error;
     const fs::file_status status = fs::status(folder, error);
     if (!fs::exists(status)) return;
@@ -37,6 +40,7 @@ void check_replaceable(const fs::path& folder) {
     bool has_json = false, has_files = false;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
+        if (name == made_by_name) continue;
         if (std::find(std::begin(our_files), std::end(our_files), name) == std::end(our_files))
             throw UserError(
                 fmt::format("{}: holds {}, which is no part of a dataset; choose another name or move it away",
@@ -50,6 +54,8 @@ void check_replaceable(const fs::path& folder) {
         throw UserError(fmt::format("{}: not a dataset, it has no {}; choose another name or remove it",
                                     folder.string(), dataset_json_name));
 }
+
+namespace {
 
 std::vector<uint8_t> pack_mask(const std::vector<uint8_t>& mask, const Camera& camera) {
     const size_t row_bytes = (size_t(camera.width) + 7) / 8;
@@ -90,7 +96,7 @@ struct DatasetWriter::State {
 };
 
 DatasetWriter::DatasetWriter(const fs::path& folder) {
-    check_replaceable(folder);
+    check_dataset_target(folder);
     state_ = std::make_unique<State>(folder);
 }
 
@@ -181,7 +187,7 @@ void DatasetWriter::finish(const Dataset& header) {
     write_file(s.output.path() / dataset_json_name,
                dataset_to_json(dataset, {header.mesh.vertex_count(), header.mesh.triangle_count(), s.images.bytes(),
                                          has_grid && !normals.empty()}));
-    check_replaceable(s.folder);  // again: something may have been put there meanwhile
+    check_dataset_target(s.folder);  // again: something may have been put there meanwhile
     s.output.commit();
 }
 

@@ -84,12 +84,12 @@ Header read_header(std::istream& in, const fs::path& path) {
 
 }  // namespace
 
-void write_ply(const Mesh& mesh, const fs::path& path) {
+void write_ply(const Mesh& mesh, const fs::path& path, const std::string& comment) {
     std::string data = fmt::format(
-        "ply\nformat binary_little_endian 1.0\n"
+        "ply\nformat binary_little_endian 1.0\n{}"
         "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
         "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
-        mesh.vertex_count(), mesh.triangle_count());
+        comment.empty() ? "" : "comment " + comment + "\n", mesh.vertex_count(), mesh.triangle_count());
     size_t at = data.size();
     data.resize(at + mesh.vertex_count() * vertex_bytes + mesh.triangle_count() * face_bytes);
     for (const Vec3f& p : mesh.positions) {

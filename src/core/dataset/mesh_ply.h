@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 
 #include "geometry/mesh.h"
 
@@ -7,7 +8,7 @@ namespace radiafit {
 
 /// Writes binary little-endian PLY: float x, y, z per vertex; uchar count (3) and uint indices per face.
 /// Throws UserError when the file cannot be written.
-void write_ply(const Mesh& mesh, const std::filesystem::path& path);
+void write_ply(const Mesh& mesh, const std::filesystem::path& path, const std::string& comment = "");
 
 /// Reads what write_ply() writes (comments and the type names of other writers included), not PLY at large: capture/
 /// has a reader for that. The mesh is checked. Throws UserError that names the file and the cure.

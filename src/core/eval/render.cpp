@@ -1,10 +1,13 @@
 #include "eval/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
+#include "base/output_claims.h"
 #include "eval/exposure.h"
 #include "image/exr.h"
 
@@ -74,6 +77,11 @@ LightImage render(const Contestant& contestant, const Dataset& dataset, const Vi
         }
     }
     return image;
+}
+
+std::string picture_remark() {
+    const std::string made = made_by_remark();
+    return made.empty() ? picture_mark : fmt::format("{}_{}", picture_mark, made);
 }
 
 void write_light_exr(const std::filesystem::path& path, const LightImage& image) {

@@ -34,6 +34,8 @@ Camera fitted_into(const Camera& camera, int width, int height);
 
 /// A mark in the files that render writes, by which the next run recognizes them.
 inline constexpr const char* picture_mark = "radiafit_render";
+/// The mark, and behind it which command made the file (base/made_by.h), if one is running. Letters, digits and _.
+std::string picture_remark();
 
 /// Channels R, G, B (linear light) and A (coverage), float32, and the mark. Throws UserError when the file cannot be
 /// written.

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/leftovers.h"
+#include "base/made_by.h"
 #include "base/read_file.h"
 #include "base/wording.h"
 
@@ -24,7 +25,7 @@ std::string read_text(const fs::path& path) {
 std::vector<std::string> names_in(const fs::path& folder) {
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-        names.push_back(entry.path().filename().string());
+        if (entry.path().filename() != made_by_name) names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
 }

@@ -68,7 +68,11 @@ int measure_all(const BenchOptions& o, const std::string& program, std::span<con
     const fs::path archive = fs::absolute(o.output);
     const UnfinishedFolder root(archive.parent_path(), "radiafit-bench");
     make_checkout(root.path(), bundle);
-    write_result_archive(root.path() / "results", archive);  // what keeps it from being written shows before any work
+    // What keeps it from being written shows before any work.
+    if (path_exists(archive))
+        const AtomicFile tried(archive);
+    else
+        write_result_archive(root.path() / "results", archive);
     if (o.context.kind == ContextKind::osmesa)
         setenv("RADIAFIT_OPENGL", "osmesa", 1);
     else if (o.context.device >= 0)

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/range.h"
+#include "base/read_file.h"
 #include "base/record.h"
 #include "command_line/command_line.h"
 
@@ -75,6 +76,7 @@ std::optional<BenchOptions> parse_bench_options(int argc, const char* const* arg
     program.add_word("--threads", threads, "of the CPU; 0 is all cores");
     program.add_word("-o,--output", output,
                      "folder of results: rows go to bench/DEVICE/RUN in it; of --all a file, NAME.tar");
+    program.add_flag("--replace", options.replace, "of --all: put the new archive in the place of one that is there");
     program.add_flag("--all", options.all,
                      "the figures and claims about a chip's time, too, each in a process of its own, into one archive");
     program.add_word("--minutes", minutes, "end rounds in time to be done in so many; of --all 10 unless told");
@@ -96,6 +98,12 @@ std::optional<BenchOptions> parse_bench_options(int argc, const char* const* arg
     options.output = options.all && !program.given("--output") ? "results.tar" : output;
     if (options.all && options.output.extension() != ".tar")
         throw UserError(fmt::format("--output {}: --all writes one archive; name a file that ends in .tar", output));
+    if (options.replace && !options.all)
+        throw UserError("--replace is of --all; without it every run has a folder of its own: leave it out");
+    if (options.all && !options.replace && path_exists(options.output))
+        throw UserError(
+            fmt::format("{}: is there already; --replace puts this one in its place, or choose another name",
+                        options.output.string()));
     if (options.all && program.given("--device"))
         throw UserError("--device means nothing with --all, which measures them all; leave it out");
     options.chosen_renderer = program.given("--platform") || program.given("--gpu");

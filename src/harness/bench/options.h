@@ -14,9 +14,10 @@ struct BenchOptions {
     std::vector<Device> devices;  ///< in the order of the enumeration
     bool every_device = true;     ///< that this machine has
     int repetitions = 9;
-    int threads = 0;     ///< of the CPU; 0: all cores
-    double minutes = 0;  ///< in which rounds are to be done; 0: no limit
-    bool all = false;    ///< measure_all()
+    int threads = 0;       ///< of the CPU; 0: all cores
+    double minutes = 0;    ///< in which rounds are to be done; 0: no limit
+    bool all = false;      ///< measure_all()
+    bool replace = false;  ///< an archive of --all that is there
     ContextOptions context;
     bool chosen_renderer = false;              ///< by platform or number
     std::filesystem::path output = "results";  ///< of --all an archive

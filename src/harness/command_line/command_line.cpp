@@ -5,6 +5,10 @@
 #include <CLI/CLI.hpp>
 
 #include "base/config.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/wording.h"
+#include "command_line/input_state.h"
 
 namespace radiafit::harness {
 namespace {
@@ -55,7 +59,15 @@ std::string plain_name(const std::string& names) {
 }
 
 CommandOption& CommandOption::choices(std::vector<std::string> names) {
-    *choices_ = std::move(names);
+    notes_->choices = std::move(names);
+    return *this;
+}
+CommandOption& CommandOption::input() {
+    notes_->input = true;
+    return *this;
+}
+CommandOption& CommandOption::idle() {
+    notes_->idle = true;
     return *this;
 }
 CommandOption& CommandOption::required() {
@@ -89,7 +101,44 @@ CommandLine& CommandLine::add_command(const std::string& name, const std::string
     return *commands_.back();
 }
 
-void CommandLine::on_run(std::function<void()> run) { app_->callback(std::move(run)); }
+void CommandLine::on_run(std::function<void()> run) {
+    app_->callback([this, run = std::move(run)] { targets_ ? run_once(run) : run(); });
+}
+
+void CommandLine::writes(std::function<std::vector<OutputTarget>()> targets, std::function<void()> tell_done,
+                         std::function<std::vector<std::filesystem::path>()> more_input) {
+    targets_ = std::move(targets);
+    tell_done_ = std::move(tell_done);
+    more_input_ = std::move(more_input);
+    add_flag("--replace", replace_,
+             "put the new one in the place of an earlier output, which stays until the new one is whole")
+        .idle();
+}
+
+void CommandLine::run_once(const std::function<void()>& run) const {
+    std::vector<OutputTarget> targets = targets_();
+    const OutputClaims claims(std::move(targets), made_by_this(), replace_);
+    if (!claims.done()) return run();
+    log_info(fmt::format("{}: done already, by this command on the same input; {} does it again", claims.names(),
+                         option_name("replace")));
+    if (tell_done_) tell_done_();
+}
+
+MadeBy CommandLine::made_by_this() const {
+    std::string words, all;
+    for (const CLI::App* at = app_; at->get_parent(); at = at->get_parent())
+        words = at->get_name() + (words.empty() ? "" : " " + words);
+    for (const CLI::Option* option : app_->get_options()) {
+        const auto found = notes_.find(option);
+        if (found == notes_.end() || found->second.idle || option->count() == 0) continue;
+        all += option->get_name() + "\n";
+        for (const std::string& value : option->results())
+            all += (found->second.input ? input_state(value) : value) + "\n";
+    }
+    if (more_input_)
+        for (const std::filesystem::path& path : more_input_()) all += input_state(path) + "\n";
+    return {words, fmt::format("{:016x}", hash_byte_by_byte(all.data(), all.size()))};
+}
 
 bool CommandLine::parse(int argc, const char* const* argv) {
     try {
@@ -104,7 +153,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
 
 bool CommandLine::given(const std::string& name) const { return app_->count(name) > 0; }
 
-CommandOption CommandLine::described(CLI::Option& option) { return CommandOption(option, choices_[&option]); }
+CommandOption CommandLine::described(CLI::Option& option) { return CommandOption(option, notes_[&option]); }
 
 CommandDescription CommandLine::describe() const {
     CommandDescription out{app_->get_name(), app_->get_description(), {}, {}};
@@ -119,7 +168,7 @@ CommandDescription CommandLine::describe() const {
         o.help = option->get_description();
         o.group = option->get_group() == "Options" ? "" : option->get_group();
         o.required = option->get_required();
-        if (const auto found = choices_.find(option); found != choices_.end()) o.choices = found->second;
+        if (const auto found = notes_.find(option); found != notes_.end()) o.choices = found->second.choices;
         out.options.push_back(std::move(o));
     }
     for (const auto& command : commands_) out.commands.push_back(command->describe());

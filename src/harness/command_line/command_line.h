@@ -11,6 +11,7 @@
 
 #include "base/choose.h"
 #include "base/error.h"
+#include "base/output_claims.h"
 #include "base/range.h"
 #include "base/rings.h"
 
@@ -40,11 +41,20 @@ struct CommandDescription {
     std::vector<CommandDescription> commands;
 };
 
+/// What an option's values are to its command.
+struct OptionNotes {
+    std::vector<std::string> choices;  ///< for completions: values that there are
+    bool input = false;                ///< files or folders that are read, or texts that may name one
+    bool idle = false;                 ///< what the command writes is the same whatever it is
+};
+
 /// An option or positional argument of a command.
 class CommandOption {
 public:
-    CommandOption(CLI::Option& option, std::vector<std::string>& choices) : option_(&option), choices_(&choices) {}
-    CommandOption& choices(std::vector<std::string> names);  ///< for completions: values that there are
+    CommandOption(CLI::Option& option, OptionNotes& notes) : option_(&option), notes_(&notes) {}
+    CommandOption& choices(std::vector<std::string> names);
+    CommandOption& input();
+    CommandOption& idle();
     CommandOption& required();
     CommandOption& excludes(const std::string& other);  ///< an option of the same command, named before
     CommandOption& hide_default();                      ///< of a default that means "not given"
@@ -52,7 +62,7 @@ public:
 
 private:
     CLI::Option* option_;
-    std::vector<std::string>* choices_;
+    OptionNotes* notes_;
 };
 
 /// A program, or one of its commands.
@@ -68,6 +78,11 @@ public:
     CommandLine& add_command(const std::string& name, const std::string& about);
     /// What runs once the whole command line is read, if this command is in it.
     void on_run(std::function<void()> run);
+    /// Says what the command writes, once its options are read, and adds --replace: what is there already is left, and
+    /// UserError names it, unless this very command made it of the same input: then `tell_done` runs in place of the
+    /// command. `more_input`: what is read and no option marked as input names.
+    void writes(std::function<std::vector<OutputTarget>()> targets, std::function<void()> tell_done = {},
+                std::function<std::vector<std::filesystem::path>()> more_input = {});
 
     /// False where only help or the version was asked for, and printed. Throws UserError: one line with what is wrong,
     /// the nearest name that exists, and the cure; and whatever a command throws.
@@ -128,11 +143,17 @@ public:
 private:
     explicit CommandLine(CLI::App& app);
     CommandOption described(CLI::Option& option);
+    void run_once(const std::function<void()>& run) const;
+    MadeBy made_by_this() const;
 
     std::unique_ptr<CLI::App> own_;  ///< of a program
     CLI::App* app_;
     std::vector<std::unique_ptr<CommandLine>> commands_;
-    std::map<const CLI::Option*, std::vector<std::string>> choices_;
+    std::map<const CLI::Option*, OptionNotes> notes_;
+    std::function<std::vector<OutputTarget>()> targets_;
+    std::function<void()> tell_done_;
+    std::function<std::vector<std::filesystem::path>()> more_input_;
+    bool replace_ = false;
 };
 
 }  // namespace radiafit::harness

@@ -90,6 +90,9 @@ If set and not empty: no colours, which terminals alone are given.
 .TP
 \fIOUTPUT\fR.parts
 What a fit that was stopped has finished; the same command goes on from there.
+.TP
+\fIOUTPUT\fR/.radiafit\-made.json
+Which command made the folder, by which the same command knows that it is done.
 )";
 
 }  // namespace

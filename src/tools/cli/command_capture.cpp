@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "base/parallel.h"
 #include "capture/colmap.h"
 #include "capture/mesh_file.h"
@@ -108,8 +107,8 @@ void add_depths(CommandLine& parent) {
     auto json = std::make_shared<bool>(false);
     CommandLine& command = parent.add_command(
         "depths", "depth and normal maps of photographs, as COLMAP's stereo_fusion reads them, without a GPU");
-    command.add_text("--model", o->model, model_help).required();
-    command.add_text("--images", o->images, "folder of the undistorted photographs").required();
+    command.add_text("--model", o->model, model_help).required().input();
+    command.add_text("--images", o->images, "folder of the undistorted photographs").required().input();
     command.add_number("--sources", o->sources, limits::dense_sources, "photographs that each is compared with");
     command.add_number("--agree", o->agree, limits::dense_agree, "photographs that have to agree on a depth");
     command.add_number(
@@ -118,13 +117,11 @@ void add_depths(CommandLine& parent) {
     command.add_number("--most-cost", o->cost, limits::dense_cost,
                        "1 less the correlation of patches, above which a pixel has no depth");
     command.add_number("--seed", o->seed, limits::seed, "of everything random");
-    command.add_text("-o,--output", *out, "folder of the maps: `stereo` of a COLMAP workspace").required();
+    command.add_text("-o,--output", *out, "folder of the maps: `stereo` of a COLMAP workspace").required().idle();
     add_json(command, *json);
     add_force(command, o->force);
-    command.on_run([=] {
-        const OutputLock lock(*out);
-        print_depths(compute_depths(*o, *out), *json);
-    });
+    command.writes([=] { return std::vector{OutputTarget{.path = *out}}; }, [=] { print_done(*out, *json); });
+    command.on_run([=] { print_depths(compute_depths(*o, *out), *json); });
 }
 
 void add_cut_mesh(CommandLine& parent) {
@@ -135,19 +132,19 @@ void add_cut_mesh(CommandLine& parent) {
     };
     auto o = std::make_shared<Options>();
     CommandLine& command = parent.add_command("cut-mesh", "the part of a mesh that is the object");
-    command.add_text("mesh", o->mesh, "PLY or OBJ in the model's frame").required();
-    command.add_text("--model", o->model, model_help).required();
-    command.add_text("--depths", o->depths, "folder that `capture depths` wrote").required();
-    command.add_text("--images", o->images, "folder of the photographs; with --masks");
-    command.add_text("--masks", o->masks, "folder of masks of the undistorted photographs, white = object");
+    command.add_text("mesh", o->mesh, "PLY or OBJ in the model's frame").required().input();
+    command.add_text("--model", o->model, model_help).required().input();
+    command.add_text("--depths", o->depths, "folder that `capture depths` wrote").required().input();
+    command.add_text("--images", o->images, "folder of the photographs; with --masks").input();
+    command.add_text("--masks", o->masks, "folder of masks of the undistorted photographs, white = object").input();
     command.add_number("--region", o->region, limits::dense_region, "as of `capture depths`");
     command.add_number("--support", o->cut.support, limits::cut_support,
                        "photographs whose depths have to agree with the mesh");
     command.add_number("--close", o->cut.close, limits::cut_close, "rings of triangles by which holes are closed");
-    command.add_text("-o,--output", o->out, "PLY").required();
+    command.add_text("-o,--output", o->out, "PLY").required().idle();
+    command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; });
     command.on_run([=] {
         require_images(o->images, o->masks);
-        const OutputLock lock(o->out);
         const Calibration model = read_colmap(o->model);
         const Mesh mesh = read_mesh_file(o->mesh).mesh;
         const auto files = find_mask_files(model, o->images, o->masks);
@@ -161,7 +158,7 @@ void add_cut_mesh(CommandLine& parent) {
         });
         CutReport report;
         const Mesh cut = cut_mesh(mesh, maps, masks, region_of(cameras, o->region), o->cut, report);
-        write_ply(cut, o->out);
+        write_ply(cut, o->out, made_by_remark());
         fmt::print(
             "{} of {} vertices, {} triangles; left out: {} far away, {} outside the masks, {} that no depths "
             "support, {} apart\n",
@@ -177,14 +174,12 @@ void add_masks(CommandLine& parent) {
     };
     auto o = std::make_shared<Options>();
     CommandLine& command = parent.add_command("masks", "masks of photographs from what their cameras see of a mesh");
-    command.add_text("mesh", o->mesh, "PLY or OBJ in the model's frame").required();
-    command.add_text("--model", o->model, "folder of a COLMAP model of undistorted photographs").required();
+    command.add_text("mesh", o->mesh, "PLY or OBJ in the model's frame").required().input();
+    command.add_text("--model", o->model, "folder of a COLMAP model of undistorted photographs").required().input();
     command.add_number("--inset", o->inset, limits::mask_inset, "pixels that are left out along the outline");
-    command.add_text("-o,--output", o->out, "folder of the masks").required();
-    command.on_run([=] {
-        const OutputLock lock(o->out);
-        write_mesh_masks(read_mesh_file(o->mesh).mesh, read_colmap(o->model), o->inset, o->out);
-    });
+    command.add_text("-o,--output", o->out, "folder of the masks").required().idle();
+    command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; });
+    command.on_run([=] { write_mesh_masks(read_mesh_file(o->mesh).mesh, read_colmap(o->model), o->inset, o->out); });
 }
 
 void print_mesh(const MeshCheck& check, bool masked, bool json) {

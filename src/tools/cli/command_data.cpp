@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/leftovers.h"
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "base/printable.h"
 #include "base/read_file.h"
 #include "base/resources.h"
@@ -115,17 +115,27 @@ void print_fit(Fitted& fit, bool json) {
 }  // namespace
 
 void add_force(CommandLine& command, bool& force) {
-    command.add_flag("--force", force, "go on though memory or disk will not suffice");
+    command.add_flag("--force", force, "go on though memory or disk will not suffice").idle();
+}
+
+void print_done(const std::string& output, bool json) {
+    if (json) fmt::print("{}\n", json_text(Json{{"done_already", output}}, 2, NotUtf8::replace));
 }
 
 void add_json(CommandLine& command, bool& json) {
-    command.add_switch(
-        "--json",
-        [&json] {
-            json = true;
-            set_quiet(true);
-        },
-        "one JSON object on standard output");
+    command
+        .add_switch(
+            "--json",
+            [&json] {
+                json = true;
+                set_quiet(true);
+            },
+            "one JSON object on standard output")
+        .idle();
+}
+
+OutputTarget dataset_target(const std::filesystem::path& folder) {
+    return {.path = folder, .check = [folder] { check_dataset_target(folder); }};
 }
 
 void print_dataset(const Dataset& d, bool json) {
@@ -209,11 +219,12 @@ void add_generate(CommandLine& program) {
                            "the lamp's kind (distant unless given); near: falls off with the distance squared"),
     };
     for (CommandOption& option : of_ornament) option.group("ornament");
-    command.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    command.add_text("-o,--output", *out, "folder of the packed dataset").required().idle();
     add_force(command, *force);
     add_json(command, *json);
+    command.writes([=] { return std::vector{dataset_target(*out)}; },
+                   [=] { print_dataset(open_dataset(*out), *json); });
     command.on_run([=] {
-        const OutputLock lock(*out);
         announce_needs("generate", synthetic_needs(*options), *out, *force);
         generate_synthetic(*options, *out);
         print_dataset(open_dataset(*out), *json);

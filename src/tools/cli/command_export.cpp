@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "cli/commands.h"
 #include "dataset/checksums.h"
 #include "fitting/family.h"
@@ -27,13 +26,13 @@ void add_problems(CommandLine& exporter, const Invocation& invocation) {
     auto folder = std::make_shared<std::string>();
     auto out = std::make_shared<std::string>();
     CommandLine& command = exporter.add_command("problems", "the problems of a fit, as arrays that numpy reads");
-    command.add_text("dataset", *folder, "packed dataset").required();
+    command.add_text("dataset", *folder, "packed dataset").required().input();
     for (const FitOption& o : fit_options())
         if (o.states_problem) add_fit_option(command, *request, o.name);
-    command.add_text("-o,--output", *out, "folder of the problems").required();
+    command.add_text("-o,--output", *out, "folder of the problems").required().idle();
+    command.writes([=] { return std::vector{OutputTarget{.path = *out}}; });
     command.on_run([=, &command] {
         request->check();
-        const OutputLock lock(*out);
         ProblemFolder problems(*out, "radiafit-problems");
         Record record = make_record(invocation.argc, invocation.argv);
         const Dataset dataset = open_dataset(*folder);
@@ -57,11 +56,11 @@ void add_parameters(CommandLine& exporter, const Invocation& invocation) {
     auto moved_to = std::make_shared<std::string>();
     auto out = std::make_shared<std::string>();
     CommandLine& command = exporter.add_command("parameters", "a fit's parameters, in the same layout");
-    command.add_text("fit", *folder, "folder of the fit").required();
-    command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
-    command.add_text("-o,--output", *out, "folder of the parameters").required();
+    command.add_text("fit", *folder, "folder of the fit").required().input();
+    command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved").idle();
+    command.add_text("-o,--output", *out, "folder of the parameters").required().idle();
+    command.writes([=] { return std::vector{OutputTarget{.path = *out}}; });
     command.on_run([=] {
-        const OutputLock lock(*out);
         ProblemFolder parameters(*out, "radiafit-parameters");
         const Record record = make_record(invocation.argc, invocation.argv);
         auto fit = open_fit(*folder, *moved_to);

@@ -8,7 +8,7 @@
 #include "base/choose.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "base/output_lock.h"
+#include "base/output_claims.h"
 #include "base/read_file.h"
 #include "cli/commands.h"
 #include "cli/render_options.h"
@@ -37,10 +37,13 @@ struct ExportOptions {
     std::string normals;             ///< of maps; empty: as suits the fit
 };
 
-void add_fit_and_output(CommandLine& command, ExportOptions& o, const char* output) {
-    command.add_text("fit", o.fit, "folder of the fit").required();
-    command.add_text("--dataset", o.dataset, "where the dataset is now, if it moved");
-    command.add_text("-o,--output", o.output, output).required();
+/// `check`: throws UserError for what is there and is no such output.
+void add_fit_and_output(CommandLine& command, ExportOptions& o, const char* output, void (*check)(const fs::path&)) {
+    command.add_text("fit", o.fit, "folder of the fit").required().input();
+    command.add_text("--dataset", o.dataset, "where the dataset is now, if it moved").idle();
+    command.add_text("-o,--output", o.output, output).required().idle();
+    command.writes(
+        [&o, check] { return std::vector{OutputTarget{.path = o.output, .check = [&o, check] { check(o.output); }}}; });
 }
 
 /// fit.json and the maps, by name.
@@ -73,6 +76,7 @@ void check_folder_target(const fs::path& folder, const char* what, std::span<con
     if (!fs::is_directory(folder, error)) refuse("a file is there");
     for (const auto& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
+        if (name == made_by_name) continue;
         if (!entry.is_regular_file(error) || std::ranges::find(names, name) == names.end())
             refuse(fmt::format("holds {}, which is no part of {}", name, what));
     }
@@ -82,10 +86,11 @@ constexpr const char* rti_files[] = {"info.json",   "plane_0.jpg", "plane_1.jpg"
 constexpr const char* map_files[] = {"base_colour.png", "base_colour.exr", "roughness.png",
                                      "roughness.exr",   "normals.png",     "normals.exr",
                                      "height.png",      "height.exr",      "maps.json"};
+void check_rti_target(const fs::path& folder) { check_folder_target(folder, "an RTI export", rti_files); }
+void check_maps_target(const fs::path& folder) { check_folder_target(folder, "exported maps", map_files); }
 
 void export_gltf(const ExportOptions& o) {
     check_glb_target(o.output);
-    const OutputLock lock(o.output);
     auto fit = open_fit(o.fit, o.dataset);
     const SurfaceLook look = look_of(fit);
     const auto own = o.without_maps ? std::vector<OwnFile>() : own_files(o.fit);
@@ -96,8 +101,6 @@ void export_gltf(const ExportOptions& o) {
 }
 
 void export_rti(const ExportOptions& o) {
-    check_folder_target(o.output, "an RTI export", rti_files);
-    const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     auto fit = open_fit(o.fit, o.dataset);
     if (!takes_light(fit))
@@ -160,8 +163,6 @@ void export_maps(const ExportOptions& o) {
     if (!o.normals.empty())
         from =
             choose<NormalsFrom>("normals", o.normals, {{"fit", NormalsFrom::fit}, {"dataset", NormalsFrom::dataset}});
-    check_folder_target(o.output, "exported maps", map_files);
-    const OutputLock lock(o.output);
     AtomicFolder folder(o.output, AtomicFolder::Existing::replace);
     auto fit = open_fit(o.fit, o.dataset);
     const Dataset& dataset = fit.dataset();
@@ -203,7 +204,7 @@ void add_export_files(CommandLine& exporter) {
     auto o = std::make_shared<ExportOptions>();
     CommandLine& gltf = exporter.add_command("gltf", "the surface with base colour and roughness, as glTF 2.0 (GLB)");
     gltf.add_flag("--without-maps", o->without_maps, "leave out the fit's own maps, which `extras` holds otherwise");
-    add_fit_and_output(gltf, *o, "file, which ends in .glb");
+    add_fit_and_output(gltf, *o, "file, which ends in .glb", check_glb_target);
     gltf.on_run([=] { export_gltf(*o); });
 
     CommandLine& rti = exporter.add_command("rti", "a grid's fit for OpenLIME, relight's viewer, as JPEG images");
@@ -213,7 +214,7 @@ void add_export_files(CommandLine& exporter) {
         .choices({"ptm", "bilinear"});
     rti.add_number("--planes", o->planes, limits::relight_planes, "of bilinear: how many components; default: 27");
     rti.add_number("--quality", o->quality, limits::jpeg_quality, "of the JPEG images");
-    add_fit_and_output(rti, *o, "folder of info.json and the images");
+    add_fit_and_output(rti, *o, "folder of info.json and the images", check_rti_target);
     rti.on_run([=] { export_rti(*o); });
 
     CommandLine& maps =
@@ -222,7 +223,7 @@ void add_export_files(CommandLine& exporter) {
                   "dataset: those that it was fitted with, the default of a grid that has some; fit: found from what "
                   "it shows under its lamps, the default elsewhere")
         .choices({"fit", "dataset"});
-    add_fit_and_output(maps, *o, "folder of the textures");
+    add_fit_and_output(maps, *o, "folder of the textures", check_maps_target);
     maps.on_run([=] { export_maps(*o); });
 }
 

@@ -11,7 +11,6 @@
 #include "base/interrupt.h"
 #include "base/journal.h"
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "base/record.h"
 #include "base/resources.h"
 #include "cli/commands.h"
@@ -33,13 +32,12 @@ namespace radiafit::tools {
 void add_fit_option(CommandLine& c, FitRequest& r, const std::string& name) {
     const FitOption& o = find_fit_option(name);
     const std::string help = o.type == "NAME" ? o.values + ": " + o.help : o.help;
-    if (o.flag_value)
-        c.add_flag(o.flag, r.*o.flag_value, help).group(o.group);
-    else
-        c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help,
-              [&r, &o](const std::string& text) { o.read(r, text); })
-            .choices(o.choices)
-            .group(o.group);
+    CommandOption added = o.flag_value ? c.add_flag(o.flag, r.*o.flag_value, help)
+                                       : c.add(o.flag, o.type, o.hide_default ? "" : o.text(r), help,
+                                               [&r, &o](const std::string& text) { o.read(r, text); });
+    if (!o.flag_value) added.choices(o.choices);
+    if (!o.decides_result) added.idle();
+    added.group(o.group);
 }
 
 void add_fit_options(CommandLine& c, FitRequest& r) {
@@ -171,32 +169,49 @@ void require_error_bars(const FitRequest& request, bool shard) {
 
 }  // namespace
 
+OutputTarget fit_target(const std::filesystem::path& folder) {
+    return {.path = folder, .check = [folder] { check_fit_target(folder); }};
+}
+
 void add_fit(CommandLine& program, const Invocation& invocation) {
     auto request = std::make_shared<FitRequest>();
     auto o = std::make_shared<FitCommand>();
     CommandLine& command = program.add_command("fit", "fit a model to a packed dataset");
-    command.add_text("dataset", o->dataset, "packed dataset").required();
+    command.add_text("dataset", o->dataset, "packed dataset").required().input();
     add_fit_options(command, *request);
-    command.add_text("-o,--output", o->out, "folder of the fit, or of the shard").required();
+    command.add_text("-o,--output", o->out, "folder of the fit, or of the shard").required().idle();
     command.add_text("--shard", o->shard,
                      "2/7: only the second of seven shares of the surface, into a folder for radiafit merge");
-    command.add_flag("--resume", o->resume,
-                     "go on from what a fit that was stopped left in OUTPUT.parts, and refuse it if it is of another");
-    command.add_number("--checkpoint", request->checkpoint_s, limits::checkpoint,
-                       "seconds after which what is finished goes to OUTPUT.parts again");
+    command
+        .add_flag("--resume", o->resume,
+                  "go on from what a fit that was stopped left in OUTPUT.parts, and refuse it if it is of another")
+        .idle();
+    command
+        .add_number("--checkpoint", request->checkpoint_s, limits::checkpoint,
+                    "seconds after which what is finished goes to OUTPUT.parts again")
+        .idle();
     add_force(command, o->force);
     command.add_flag("--leave-out-outliers", o->leave_out_outliers,
                      "fit twice: all training images, and those that the first fit does not miss by far");
     command.add_flag("--covariance", o->covariance,
                      "maps of the parameters' standard deviations as well, of lfm and texel-local models");
     add_json(command, o->json);
+    command.writes(
+        [=, &command] {
+            OutputTarget target = fit_target(o->out);
+            target.lock = started_together() == 1;  // ranks lock what they have in common
+            target.resumed = !o->shard.empty();
+            if (target.resumed && command.given("--replace"))
+                throw UserError(
+                    "--replace is of whole fits, and a shard goes on from what is there: remove its folder, or choose "
+                    "another");
+            return std::vector{target};
+        },
+        [o] { print_done(o->out, o->json); });
     command.on_run([=, &command] {
         const std::optional<Shard> share = o->shard.empty() ? std::nullopt : std::optional(parse_shard(o->shard));
-        std::optional<OutputLock> lock;  // ranks lock what they have in common
-        if (started_together() == 1) lock.emplace(o->out);
+        // an output that cannot be written shows now, not at the end
         if (!share) {
-            check_fit_target(o->out);
-            // an output that cannot be written shows now, not at the end
             const AtomicFolder tried(o->out, AtomicFolder::Existing::replace);
         }
         check_apart(o->out, request->records);
@@ -222,13 +237,12 @@ void add_merge(CommandLine& program, const Invocation& invocation) {
     auto moved_to = std::make_shared<std::string>();
     auto o = std::make_shared<FitCommand>();
     CommandLine& command = program.add_command("merge", "put the shards of a fit together");
-    command.add_rest("shards", *folders, "folders that radiafit fit --shard wrote, all of one fit").required();
-    command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved");
-    command.add_text("-o,--output", o->out, "folder of the fit").required();
+    command.add_rest("shards", *folders, "folders that radiafit fit --shard wrote, all of one fit").required().input();
+    command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved").idle();
+    command.add_text("-o,--output", o->out, "folder of the fit").required().idle();
     add_json(command, o->json);
+    command.writes([=] { return std::vector{fit_target(o->out)}; }, [o] { print_done(o->out, o->json); });
     command.on_run([=] {
-        const OutputLock lock(o->out);
-        check_fit_target(o->out);
         { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "base/record.h"
 #include "capture/import.h"
 #include "capture/import_lights.h"
@@ -57,16 +56,29 @@ constexpr CalibrationFormat calibration_formats[] = {
      "folder of the photographs, in the rows' order when sorted by name; default: images, beside it", false, "every:8",
      "", import_llff}};
 
+/// Folders that are read though no option names them: of the photographs where --images doesn't, of a glTF's buffers.
+std::vector<std::filesystem::path> files_beside(const ImportOptions& o) {
+    std::vector<std::filesystem::path> folders;
+    const auto folder_of = [](const std::filesystem::path& file) {
+        return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+    };
+    if (o.images.empty()) folders.push_back(folder_of(o.model));
+    if (o.mesh.extension() == ".gltf") folders.push_back(folder_of(o.mesh));
+    return folders;
+}
+
 void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     auto options = std::make_shared<ImportOptions>();
     auto out = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
     options->holdout = format.holdout;
     CommandLine& import = command.add_command(format.name, format.help);
-    import.add_text("--model", options->model, format.model_help).required();
-    CommandOption images = import.add_text("--images", options->images, format.images_help);
+    import.add_text("--model", options->model, format.model_help).required().input();
+    CommandOption images = import.add_text("--images", options->images, format.images_help).input();
     if (format.images_required) images.required();
-    import.add_text("--mesh", options->mesh, "surface in the calibration's frame: PLY, OBJ, STL, GLB, glTF").required();
+    import.add_text("--mesh", options->mesh, "surface in the calibration's frame: PLY, OBJ, STL, GLB, glTF")
+        .required()
+        .input();
     import.add_text("--mesh-turn", options->mesh_turn,
                     "the mesh's old axes that its new x, y and z are: x,z,-y makes y of z and z of -y");
     import.add_number("--mesh-scale", options->mesh_scale, limits::mesh_scale, "of the mesh, after that");
@@ -75,11 +87,14 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     if (format.import == import_transforms)
         import.add_flag("--apply-transform", options->apply_transform,
                         "move the mesh as the file says that cameras were moved (applied_transform)");
-    import.add_text("--masks", options->masks,
-                    "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object");
-    import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help);
+    import
+        .add_text("--masks", options->masks,
+                  "folder of NAME.png, NAME.EXT.png, NAME_mask.png or mask_NAME.png, white = object")
+        .input();
+    import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help).input();
     import.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)");
+    import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)")
+        .input();
     import
         .add_word("--exif-orientation", options->exif_orientation,
                   "stored, apply, or auto: turned where only that gives the calibrated size")
@@ -90,15 +105,20 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
     import.add_flag("--skip-missing", options->skip_missing,
                     "go on without photographs that are calibrated but not there");
     import.add_text("--name", options->name, "of the dataset");
-    import.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    import.add_text("-o,--output", *out, "folder of the packed dataset").required().idle();
     add_force(import, options->force);
     add_json(import, *json);
+    import.writes([=] { return std::vector{dataset_target(*out)};
+},
+                  [=] {
+    print_dataset(open_dataset(*out), *json); }, [=] {
+    return files_beside(*options); });
     import.on_run([=] {
-        const OutputLock lock(*out);
     const ImportReport report = format.import(*options, *out);
     tell(report, *out, *json);
-});
-}  // namespace
+    }  // namespace
+);
+}  // namespace radiafit::tools
 
 void add_lights(CommandLine& command) {
     auto options = std::make_shared<LightImportOptions>();
@@ -106,12 +126,15 @@ void add_lights(CommandLine& command) {
     auto json = std::make_shared<bool>(false);
     CommandLine& lights = command.add_command(
         "lights", "images that show one surface pixel on pixel, under a lamp each: a fixed camera, or a flat sample");
-    lights.add_text("--images", options->images, "folder of the images").required();
-    lights.add_text("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file");
-    lights.add_text("--light-positions", options->light_positions, "in their place: where near lamps stand");
-    lights.add_text("--spheres", options->spheres,
-                    "in their place: lamps by their highlights on glossy spheres in the images; auto finds up to two, "
-                    "auto:N up to N; or a file of circles, x y radius per line in pixels of the image files, y down");
+    lights.add_text("--images", options->images, "folder of the images").required().input();
+    lights.add_text("--lights", options->lights, "directions to distant lamps: x y z per line, or an RTI .lp file")
+        .input();
+    lights.add_text("--light-positions", options->light_positions, "in their place: where near lamps stand").input();
+    lights
+        .add_text("--spheres", options->spheres,
+                  "in their place: lamps by their highlights on glossy spheres in the images; auto finds up to two, "
+                  "auto:N up to N; or a file of circles, x y radius per line in pixels of the image files, y down")
+        .input();
     lights
         .add_number("--sphere-radius", options->sphere_radius, limits::sample_width,
                     "of each of the spheres, in the unit wanted, in place of --sample-width")
@@ -123,23 +146,29 @@ void add_lights(CommandLine& command) {
         .hide_default();
     lights.add_text("--light-axes", options->light_axes,
                     "the light file's axes that are x (right), y (up), z (to the camera): x,-y,z if its y points down");
-    lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted");
+    lights.add_text("--names", options->names, "image names in the order of the lights; default: the folder, sorted")
+        .input();
     lights.add_flag("--by-order", options->by_order,
                     "take the folder's images, sorted by name, in the order of an .lp file's lines, whatever it names");
-    lights.add_text("--intensities", options->intensities,
-                    "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
-                    "that faces the lamp, near lamps at distance 1; default: 1, or as found with the lamps");
-    lights.add_text("--camera-positions", options->camera_positions,
-                    "x y z per line, one per image or one for all; default: far away along +z");
+    lights
+        .add_text("--intensities", options->intensities,
+                  "linear R G B per line, one line per image or one for all: the value of a white diffuse surface "
+                  "that faces the lamp, near lamps at distance 1; default: 1, or as found with the lamps")
+        .input();
+    lights
+        .add_text("--camera-positions", options->camera_positions,
+                  "x y z per line, one per image or one for all; default: far away along +z")
+        .input();
     lights
         .add_number("--sample-width", options->sample_width, limits::sample_width,
                     "what an image's width covers, in the unit of the positions")
         .hide_default();
-    lights.add_text("--mask", options->mask, "image, white = object");
-    lights.add_text(
-        "--normals", options->normals,
-        "picture of normals: x right, y up, z towards the camera; or flat; default: computed from the images if the "
-        "lamps are distant, else flat");
+    lights.add_text("--mask", options->mask, "image, white = object").input();
+    lights
+        .add_text("--normals", options->normals,
+                  "picture of normals: x right, y up, z towards the camera; or flat; default: computed from the images "
+                  "if the lamps are distant, else flat")
+        .input();
     lights.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
     lights
         .add_word("--transfer", options->transfer,
@@ -147,13 +176,13 @@ void add_lights(CommandLine& command) {
         .choices({"linear", "srgb", "auto"});
     lights.add_choice("--depth", options->depth, {{"8", 8}, {"16", 16}, {"32", 32}},
                       "bits per channel that the images must have: 8, 16, 32 (floats)");
-    lights.add_text("--holdout,--held-out", options->holdout, holdout_help);
+    lights.add_text("--holdout,--held-out", options->holdout, holdout_help).input();
     lights.add_text("--name", options->name, "of the dataset");
-    lights.add_text("-o,--output", *out, "folder of the packed dataset").required();
+    lights.add_text("-o,--output", *out, "folder of the packed dataset").required().idle();
     add_force(lights, options->force);
     add_json(lights, *json);
+    lights.writes([=] { return std::vector{dataset_target(*out)}; }, [=] { print_dataset(open_dataset(*out), *json); });
     lights.on_run([=] {
-        const OutputLock lock(*out);
         const LightImportReport report = import_lights(*options, *out);
         const std::filesystem::path& file = options->lights.empty() ? options->light_positions : options->lights;
         tell(report, *out, *json);
@@ -180,24 +209,36 @@ void add_rti(CommandLine& command, const Invocation& invocation) {
     auto out = std::make_shared<std::string>();
     CommandLine& rti =
         command.add_command("rti", "another program's file of RTI, as a fit: .ptm, .rti (HSH), relight's info.json");
-    rti.add_text("file", options->file, "the file; of relight info.json or its folder").required();
+    rti.add_text("file", options->file, "the file; of relight info.json or its folder").required().input();
     rti.add_text(
-        "--dataset", options->dataset,
-        "the packed images that it was made of; default: some are made of it, at the output's name with -lamps "
-        "behind it");
+           "--dataset", options->dataset,
+           "the packed images that it was made of; default: some are made of it, at the output's name with -lamps "
+           "behind it")
+        .input();
     rti.add_choice("--curve", options->curve, {{"srgb", ValueCurve::srgb}, {"linear", ValueCurve::linear}},
                    "of the file's values: what sRGB pictures store, or light; default: what relight's info.json says, "
                    "srgb of others");
-    rti.add_text("-o,--output", *out, "folder of the fit").required();
+    rti.add_text("-o,--output", *out, "folder of the fit").required().idle();
     add_force(rti, options->force);
+    const auto images = [out] {
+        std::filesystem::path folder = std::filesystem::path(*out).lexically_normal();
+        if (!folder.has_filename()) folder = folder.parent_path();
+        return folder += "-lamps";
+    };
+    rti.writes(
+        [=] {
+            std::vector<OutputTarget> targets = {fit_target(*out)};
+            if (options->dataset.empty()) targets.push_back(dataset_target(images()));
+            return targets;
+        },
+        {},
+        [options] {  // relight's images stand beside what describes them
+            return options->file.extension() == ".json" ? std::vector{options->file.parent_path() / "."}
+                                                        : std::vector<std::filesystem::path>();
+        });
     rti.on_run([=] {
         RtiImportOptions chosen = *options;
-        std::filesystem::path images = std::filesystem::path(*out).lexically_normal();
-        if (!images.has_filename()) images = images.parent_path();
-        chosen.images = images += "-lamps";
-        const OutputLock lock(*out);
-        std::optional<OutputLock> images_lock;
-        if (chosen.dataset.empty()) images_lock.emplace(chosen.images);
+        chosen.images = images();
         chosen.provenance_json = record_json(make_record(invocation.argc, invocation.argv));
         const RtiImportReport report = import_rti(chosen, *out);
         log_info(describe(report, *out));

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "cli/commands.h"
 #include "exchange/surface_normals.h"
 #include "fit/error_bar_maps.h"
@@ -33,9 +32,6 @@ std::string text_of(const PublishOutcome& o) {
 }
 
 void publish_fit(const PublishCommand& o) {
-    if (o.output.empty()) throw UserError("--output is empty; name a folder, or a file for --single-file");
-    check_page_target(o.output, o.single_file);
-    const OutputLock lock(o.output);
     auto fitted = open_fit(o.fit, o.dataset);
     const Dataset& dataset = fitted.dataset();
     require_viewer();
@@ -76,7 +72,7 @@ void add_publish(CommandLine& program) {
     auto o = std::make_shared<PublishCommand>();
     CommandLine& command =
         program.add_command("publish", "a page for browsers: the fit from any direction, beside its photographs");
-    command.add_text("fit", o->fit, "folder of the fit").required();
+    command.add_text("fit", o->fit, "folder of the fit").required().input();
     command.add_flag("--single-file", o->single_file, "one HTML file with everything in it, in place of a folder");
     command.add_number("--megabytes", o->page.megabytes, limits::page_megabytes,
                        "of the page, at most: maps are coarsened to fit");
@@ -84,8 +80,12 @@ void add_publish(CommandLine& program) {
                        "dB: PSNR of the page's pictures against the fit's own, where megabytes allow");
     command.add_number("--views", o->page.views, limits::page_views,
                        "photographs of each kind, held-out and training, at most");
-    command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved");
-    command.add_text("-o,--output", o->output, "folder of the page, or file for --single-file").required();
+    command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved").idle();
+    command.add_text("-o,--output", o->output, "folder of the page, or file for --single-file").required().idle();
+    command.writes([o] {
+        return std::vector{
+            OutputTarget{.path = o->output, .check = [o] { check_page_target(o->output, o->single_file); }}};
+    });
     command.on_run([=] { publish_fit(*o); });
 }
 

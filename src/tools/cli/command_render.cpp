@@ -1,6 +1,7 @@
 // render: how a fit looks.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -9,7 +10,6 @@
 #include "base/choose.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "cli/commands.h"
 #include "cli/pictures.h"
 #include "cli/raking.h"
@@ -69,14 +69,40 @@ private:
     std::optional<Fitted> baseline_;
 };
 
+/// Whether a photograph shows the same as the picture.
+bool is_compared(const RenderOptions& o) { return o.light.empty() && !o.enhancement; }
+
+/// Of the files of one picture.
+std::vector<const char*> endings_of(const RenderOptions& o) {
+    if (o.problems) return {".png", ".svg"};
+    if (is_compared(o)) return {".png", ".exr", "_sheet.png"};
+    return {".png", ".exr"};
+}
+
+/// A folder of many pictures may hold other things; they are asked for one by one (Pictures::check).
+std::vector<OutputTarget> targets_of(const RenderOptions& o) {
+    check_render_output(o);
+    std::vector<OutputTarget> targets;
+    if (o.makes_many() && !o.output.empty()) targets.push_back({.path = o.output, .shared = true});
+    if (!o.makes_many()) {
+        const fs::path stem = picture_stem(o.output);
+        OutputTarget picture{.path = stem};
+        for (const char* ending : endings_of(o)) picture.files.push_back(fs::path(stem).concat(ending));
+        picture.check = [files = picture.files] { std::ranges::for_each(files, check_ours); };
+        targets.push_back(std::move(picture));
+    }
+    if (!o.video.empty()) targets.push_back({.path = o.video, .check = [file = o.video] { check_ours(file); }});
+    return targets;
+}
+
 void render_view(const RenderOptions& o, Fitted& fitted, uint32_t view, const View& shown) {
     const fs::path stem = picture_stem(o.output);
     const std::string name = stem.filename().string();
     Pictures pictures(stem.parent_path(), o.background);
-    pictures.check(name, {".png", ".exr", "_sheet.png"});
+    for (const char* ending : endings_of(o)) pictures.check(name, {ending});
     Views views(o, fitted, pictures);
     describe_share(fitted, views.share_of_fit(shown));
-    if (o.light.empty() && !o.enhancement)
+    if (is_compared(o))
         views.add_photographed(name, view);
     else
         views.add_relit(name, shown);
@@ -126,7 +152,7 @@ std::optional<ProblemPicture> problem_picture_of(const Fitted& fitted) {
     picture.title = fmt::format("{}: {} by {} on {}, a problem per texel", fit.dataset_name, fit.options.model->name,
                                 fit.solver, fit.engine);
     picture.unit = "reflectance (white = 1)";
-    picture.mark = picture_mark;
+    picture.mark = picture_remark();
     return picture;
 }
 
@@ -136,17 +162,13 @@ void render_problems(const RenderOptions& o, Fitted& fit) {
         throw UserError("--problems: those of a light field map are vertices, with no place of their own on a picture");
     const fs::path stem = picture_stem(o.output);
     Pictures pictures(stem.parent_path());
-    pictures.check(stem.filename().string(), {".png", ".svg"});
+    for (const char* ending : endings_of(o)) pictures.check(stem.filename().string(), {ending});
     pictures.add(stem.filename().string(), *picture);
     pictures.commit();
 }
 
 void render_fit(const RenderOptions& o) {
-    check_render_output(o);
     check_pixel_points(o.pixel_points);
-    std::optional<OutputLock> of_pictures, of_video;
-    if (!o.output.empty()) of_pictures.emplace(picture_stem(o.output));
-    if (!o.video.empty()) of_video.emplace(o.video);
     auto fit = open_fit(o.fit, o.dataset);
     if (!o.light.empty()) require_lamps(fit, "--light");
     if (o.raking) require_lamps(fit, "--raking");
@@ -170,6 +192,7 @@ void add_render(CommandLine& program) {
     auto o = std::make_shared<RenderOptions>();
     CommandLine& command = program.add_command("render", "a view of a fit as EXR and PNG, beside the photograph");
     add_render_options(command, *o);
+    command.writes([=] { return targets_of(*o); });
     command.on_run([=] { render_fit(*o); });
 }
 

@@ -28,7 +28,9 @@ void print_table(const std::string& dataset, const std::vector<TriedSetting>& al
                validation);
     for (const TriedSetting& t : all)
         fmt::print("{:8.2f} {:6.2f} {:9.1f}  {}\n", t.psnr, t.ape, t.seconds, command_line_of(t.setting));
-    fmt::print("\nradiafit fit {} {} -o {}-fit\n", dataset, command_line_of(all.front().setting), dataset);
+    // A name of its own: DATASET-fit is what the README calls the default fit.
+    const std::string stem = dataset.substr(0, dataset.find_last_not_of('/') + 1);
+    fmt::print("\nradiafit fit {} {} -o {}-tuned\n", dataset, command_line_of(all.front().setting), stem);
 }
 
 /// Options of a fit that tune takes, too: every fit then has them. Fits of tune are in one piece and

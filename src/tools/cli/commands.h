@@ -1,5 +1,7 @@
 #pragma once
+#include <filesystem>
 #include <optional>
+#include <string>
 
 #include "command_line/command_line.h"
 #include "fitting/solvers/solve.h"
@@ -35,6 +37,9 @@ void add_compare(CommandLine& program, int& status);
 /// --json, of the commands that report results: one object on standard output, and no messages.
 void add_json(CommandLine& command, bool& json);
 
+/// What --json says of an output that was there already, made by the same command.
+void print_done(const std::string& output, bool json);
+
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);
 
@@ -43,6 +48,9 @@ void add_pixel_points(CommandLine& command, std::optional<int>& points);
 /// Throws UserError for a number that can't be.
 void check_pixel_points(const std::optional<int>& points);
 
+/// A packed dataset, or a fit, that a command writes.
+OutputTarget fit_target(const std::filesystem::path& folder);
+OutputTarget dataset_target(const std::filesystem::path& folder);
 /// What a dataset is, on standard output.
 void print_dataset(const Dataset& dataset, bool json);
 

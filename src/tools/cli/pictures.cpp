@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_claims.h"
 #include "image/png_file.h"
 
 namespace radiafit::tools {
@@ -53,6 +54,7 @@ void Pictures::check(const std::string& name, std::initializer_list<const char*>
     for (const char* ending : endings) {
         checked_.push_back(folder_ / (name + ending));
         check_ours(checked_.back());
+        require_replaceable(checked_.back());
     }
 }
 
@@ -79,7 +81,7 @@ void Pictures::commit() {
 }
 
 void Pictures::add(const std::string& name, const ByteImage& bytes) const {
-    write_png(files_.path() / (name + ".png"), bytes.width, bytes.height, bytes.rgb, picture_mark);
+    write_png(files_.path() / (name + ".png"), bytes.width, bytes.height, bytes.rgb, picture_remark());
 }
 
 }  // namespace radiafit::tools

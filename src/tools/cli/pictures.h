@@ -25,7 +25,8 @@ public:
     /// background: of PNG files; EXR files have the coverage.
     explicit Pictures(const std::filesystem::path& folder, const Background& background = {});
 
-    /// Refuses a name that exists with one of `endings` and is not render's: a fit's map, a photograph.
+    /// Refuses a name that exists with one of `endings` and is not render's: a fit's map, a photograph; or another
+    /// picture of render's that the user didn't ask to replace.
     void check(const std::string& name, std::initializer_list<const char*> endings);
     void add(const std::string& name, const LightImage& image);
     void add_sheet(const std::string& name, const ByteImage& sheet, const std::string& content);

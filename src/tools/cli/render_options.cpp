@@ -58,7 +58,7 @@ View RenderOptions::framed(View shown, const Dataset& dataset) const {
 }
 
 void add_render_options(CommandLine& command, RenderOptions& o) {
-    command.add_text("fit", o.fit, "folder of the fit").required();
+    command.add_text("fit", o.fit, "folder of the fit").required().input();
     command.add_number("--view", o.view, limits::view,
                        "view index; default: a held-out one. In the photograph's frame and exposure");
     command
@@ -75,10 +75,11 @@ void add_render_options(CommandLine& command, RenderOptions& o) {
         .excludes("--turntable");
     command.add_number("--directions", o.directions, limits::raking_directions,
                        "of raking light: how many pictures; default: 8");
-    command.add_text("--video", o.video,
-                     "FILE.mp4 or FILE.webm: the turntable, or raking light, as a film of 30 frames a second, by "
-                     "ffmpeg; --output can "
-                     "be left out then");
+    command
+        .add_text("--video", o.video,
+                  "FILE.mp4 or FILE.webm: the turntable, or raking light, as a film of 30 frames a second, by ffmpeg; "
+                  "--output can be left out then")
+        .idle();
     command.add_word("--all", o.all, "held-out or train: every such view, into a folder, each beside its photograph")
         .choices({"held-out", "train"})
         .hide_default()
@@ -112,10 +113,12 @@ void add_render_options(CommandLine& command, RenderOptions& o) {
         .excludes("--all")
         .excludes("--size")
         .excludes("--background");
-    command.add_text("--dataset", o.dataset, "where the dataset is now, if it moved");
+    command.add_text("--dataset", o.dataset, "where the dataset is now, if it moved").idle();
     add_pixel_points(command, o.pixel_points);
-    command.add_text("-o,--output", o.output,
-                     "file name without or with extension; a folder for --turntable, --raking and --all");
+    command
+        .add_text("-o,--output", o.output,
+                  "file name without or with extension; a folder for --turntable, --raking and --all")
+        .idle();
 }
 
 void check_render_output(const RenderOptions& o) {
@@ -126,7 +129,7 @@ void check_render_output(const RenderOptions& o) {
     if (o.directions && !o.raking) throw UserError("--directions says nothing without --raking; add --raking 15, say");
     if (o.output.empty() && o.video.empty()) throw UserError("--output is required; see radiafit --help");
     const std::filesystem::path name = picture_stem(o.output).filename();
-    if (o.turntable == 0 && !o.raking && o.all.empty() && (name.empty() || name == "." || name == ".."))
+    if (!o.makes_many() && (name.empty() || name == "." || name == ".."))
         throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));
 }
 

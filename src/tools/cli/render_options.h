@@ -27,6 +27,8 @@ struct RenderOptions {
     std::optional<int> pixel_points;
     bool problems = false;
 
+    /// Into a folder, or a film.
+    bool makes_many() const { return turntable > 0 || raking || !all.empty(); }
     int points() const { return pixel_points.value_or(as_photographed); }
     /// The view with the whole photograph as its picture, in the size that was asked for.
     View framed(View shown, const Dataset& dataset) const;

@@ -97,7 +97,7 @@ void Video::encode() {
         "-pix_fmt",
         background_.transparent ? format->transparent : format->opaque,
         "-metadata",
-        fmt::format("comment={}", picture_mark),
+        fmt::format("comment={}", picture_remark()),
         "-f",
         format->name};
     command.insert(command.end(), format->codec.begin(), format->codec.end());

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/output_claims.h"
 #include "base/record.h"
 #include "base/wording.h"
 #include "eval/turntable.h"
@@ -193,6 +194,7 @@ std::string glb_of(const SurfaceLook& look, const Dataset& dataset, const std::s
         about["files"].push_back({{"name", file.name}, {"bufferView", buffer.add(file.bytes)}, {"mimeType", kind}});
     }
     if (!own.empty()) about["texCoord"] = vertices.own_maps.empty() ? 0 : 1;
+    if (const std::string made = made_by_remark(); !made.empty()) about["made_by"] = made;
     gltf["extras"] = {{"radiafit", about}};
     gltf["accessors"] = buffer.accessors;
     gltf["bufferViews"] = buffer.views;

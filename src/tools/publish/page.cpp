@@ -7,6 +7,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/output_claims.h"
 #include "publish/embedded_viewer.h"
 
 namespace radiafit::tools {
@@ -65,7 +66,10 @@ std::string whole_html(const Page& page) {
     for (const auto& [name, bytes] : page.blobs)
         scripts += fmt::format("<script type=\"text/plain\" id=\"data-{}\">{}</script>\n", name, base64(bytes));
     scripts += "<script>" + in_script(viewer_text(program_name)) + "</script>";
-    return html(page, scripts);
+    const std::string made = made_by_remark();
+    if (made.empty()) return html(page, scripts);
+    return replaced(html(page, scripts), mark,
+                    fmt::format("{}\n<meta name=\"radiafit-made\" content=\"{}\">", mark, made));
 }
 
 std::string start_of(const fs::path& file) {
@@ -86,7 +90,7 @@ bool is_page(const fs::path& html) {
 
 /// Whether a page has a file of this name, relative to its folder.
 bool is_own(const fs::path& name) {
-    if (name == index_name || name == program_name || name == data_name) return true;
+    if (name == made_by_name || name == index_name || name == program_name || name == data_name) return true;
     return name.parent_path() == data_name && name.extension() == ".js";
 }
 

@@ -58,9 +58,12 @@ Fit fit(std::shared_ptr<const Dataset> dataset, const py::kwargs& options) {
     return out;
 }
 
-void save(Fit& fit, const std::filesystem::path& folder) {
+void save(Fit& fit, const std::filesystem::path& folder, bool replace) {
     const py::gil_scoped_release others_run;
     if (!fit.making) throw UserError("this fit lies in " + fit.folder.string() + " already; copy that folder");
+    if (!replace && folder_exists(folder) && !std::filesystem::is_empty(folder))
+        throw UserError(folder.string() +
+                        ": is there already; replace=True puts this one in its place, or choose another name");
     save_fit(folder, fit.done, fit.making->request, fit.making->begun);
     fit.folder = folder;
 }
@@ -186,7 +189,8 @@ void add_fit(py::module_& module) {
         .def_property_readonly("iterations", &of_problems<&FitRecord::iterations>, "[problem]")
         .def_property_readonly("samples", &of_problems<&FitRecord::samples>, "[problem] that count")
         .def_property_readonly("error", &of_problems<&FitRecord::error>, "[problem] half the sum of squared residuals")
-        .def("save", &save, "folder"_a, "Writes it as `radiafit fit` does.")
+        .def("save", &save, "folder"_a, "replace"_a = false,
+             "Writes it as `radiafit fit` does; replace: over an earlier fit.")
         .def("judge", &judged, "split"_a = "held_out", "baseline"_a = true,
              "The figures of `radiafit judge`: psnr, ape, ssim, per_image, ...; split: held_out or training.")
         .def("render", &rendered, "view"_a, "light"_a = std::vector<double>(),
